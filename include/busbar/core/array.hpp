@@ -1,0 +1,176 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <new>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace busbar {
+
+/// A growable array of up to 2^32-1 elements in sixteen bytes that may be null.
+///
+/// A default-constructed Array is null, which Part 6, 5.2.5 encodes with the length -1; any
+/// operation that gives it a size, be it 0, makes it an empty or filled array. Null and empty
+/// compare unequal. Iterators and spans are valid until the next change of size. Thread-compatible.
+template <typename T>
+class Array {
+public:
+    using value_type = T;
+    using iterator = T*;
+    using const_iterator = const T*;
+
+    constexpr Array() = default;
+    explicit Array(std::size_t size) { resize(size); }
+    Array(std::initializer_list<T> values) { assign(values.begin(), values.end()); }
+    explicit Array(std::span<const T> values) { assign(values.begin(), values.end()); }
+    explicit Array(const std::vector<T>& values) { assign(values.begin(), values.end()); }
+    Array(const Array& other)
+    {
+        if (!other.is_null()) {
+            assign(other.begin(), other.end());
+        }
+    }
+    Array(Array&& other) noexcept
+        : data_{std::exchange(other.data_, nullptr)}, size_{std::exchange(other.size_, 0)},
+          capacity_{std::exchange(other.capacity_, 0)}
+    {}
+    Array& operator=(const Array& other)
+    {
+        if (this != &other) {
+            Array copy{other};
+            swap(copy);
+        }
+        return *this;
+    }
+    Array& operator=(Array&& other) noexcept
+    {
+        Array taken{std::move(other)};
+        swap(taken);
+        return *this;
+    }
+    ~Array() { reset(); }
+
+    [[nodiscard]] constexpr bool is_null() const { return data_ == nullptr; }
+    [[nodiscard]] constexpr bool empty() const { return size_ == 0; }
+    [[nodiscard]] constexpr std::size_t size() const { return size_; }
+    [[nodiscard]] constexpr std::size_t capacity() const { return capacity_; }
+
+    [[nodiscard]] T* data() { return data_; }
+    [[nodiscard]] const T* data() const { return data_; }
+    [[nodiscard]] T* begin() { return data_; }
+    [[nodiscard]] T* end() { return data_ + size_; }
+    [[nodiscard]] const T* begin() const { return data_; }
+    [[nodiscard]] const T* end() const { return data_ + size_; }
+    [[nodiscard]] T& operator[](std::size_t index) { return data_[index]; }
+    [[nodiscard]] const T& operator[](std::size_t index) const { return data_[index]; }
+    [[nodiscard]] T& front() { return data_[0]; }
+    [[nodiscard]] const T& front() const { return data_[0]; }
+    [[nodiscard]] T& back() { return data_[size_ - 1]; }
+    [[nodiscard]] const T& back() const { return data_[size_ - 1]; }
+    [[nodiscard]] std::span<T> span() { return {data_, size_}; }
+    [[nodiscard]] std::span<const T> span() const { return {data_, size_}; }
+
+    /// Makes the array null and frees its memory.
+    void reset() noexcept
+    {
+        if (data_ != nullptr) {
+            std::destroy_n(data_, size_);
+            deallocate(data_);
+        }
+        data_ = nullptr;
+        size_ = capacity_ = 0;
+    }
+    /// Makes the array empty, not null; keeps its memory.
+    void clear()
+    {
+        reserve(1);
+        std::destroy_n(data_, size_);
+        size_ = 0;
+    }
+    /// Makes room for `capacity` elements; the array is not null afterwards.
+    void reserve(std::size_t capacity)
+    {
+        if (data_ == nullptr || capacity > capacity_) {
+            relocate(capacity == 0 ? 1 : capacity);
+        }
+    }
+    void resize(std::size_t size)
+    {
+        reserve(size);
+        if (size < size_) {
+            std::destroy_n(data_ + size, size_ - size);
+        } else {
+            std::uninitialized_value_construct_n(data_ + size_, size - size_);
+        }
+        size_ = static_cast<std::uint32_t>(size);
+    }
+    template <typename... Args>
+    T& emplace_back(Args&&... args)
+    {
+        if (size_ == capacity_) {
+            T value(std::forward<Args>(args)...);
+            relocate(grown());
+            return *::new (static_cast<void*>(data_ + size_++)) T(std::move(value));
+        }
+        return *::new (static_cast<void*>(data_ + size_++)) T(std::forward<Args>(args)...);
+    }
+    void push_back(const T& value) { emplace_back(value); }
+    void push_back(T&& value) { emplace_back(std::move(value)); }
+    void pop_back() { std::destroy_at(data_ + --size_); }
+    template <typename Iterator>
+    void assign(Iterator first, Iterator last)
+    {
+        clear();
+        reserve(static_cast<std::size_t>(std::distance(first, last)));
+        for (; first != last; ++first) {
+            emplace_back(*first);
+        }
+    }
+    void swap(Array& other) noexcept
+    {
+        std::swap(data_, other.data_);
+        std::swap(size_, other.size_);
+        std::swap(capacity_, other.capacity_);
+    }
+
+    friend bool operator==(const Array& a, const Array& b)
+    {
+        if (a.is_null() != b.is_null() || a.size_ != b.size_) {
+            return false;
+        }
+        for (std::size_t i = 0; i < a.size_; ++i) {
+            if (!(a.data_[i] == b.data_[i])) {
+                return false;
+            }
+        }
+        return true;
+    }
+
+private:
+    [[nodiscard]] std::size_t grown() const
+    {
+        return capacity_ < 4 ? 4 : std::size_t{capacity_} + capacity_ / 2;
+    }
+    void relocate(std::size_t capacity)
+    {
+        T* data = static_cast<T*>(::operator new(capacity * sizeof(T), std::align_val_t{alignof(T)}));
+        if (data_ != nullptr) {
+            std::uninitialized_move_n(data_, size_, data);
+            std::destroy_n(data_, size_);
+            deallocate(data_);
+        }
+        data_ = data;
+        capacity_ = static_cast<std::uint32_t>(capacity);
+    }
+    static void deallocate(T* data) { ::operator delete(data, std::align_val_t{alignof(T)}); }
+
+    T* data_{nullptr};
+    std::uint32_t size_{0};
+    std::uint32_t capacity_{0};
+};
+
+} // namespace busbar

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <chrono>
+
+#include <busbar/core/date_time.hpp>
+
+namespace busbar {
+
+/// Monotonic time, given to the engines by whoever drives them; they never ask a clock for it.
+using Duration = std::chrono::nanoseconds;
+using TimePoint = std::chrono::time_point<std::chrono::steady_clock, Duration>;
+
+/// A deadline that never comes.
+inline constexpr TimePoint no_deadline = TimePoint::max();
+
+/// The time of day, injected where a message needs it (timestamps, certificate validity).
+class WallClock {
+public:
+    WallClock() = default;
+    WallClock(const WallClock&) = delete;
+    WallClock& operator=(const WallClock&) = delete;
+    virtual ~WallClock() = default;
+
+    /// UTC now. Called from any thread.
+    [[nodiscard]] virtual DateTime now() const = 0;
+};
+
+} // namespace busbar

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <chrono>
+#include <compare>
+#include <cstdint>
+#include <string>
+
+namespace busbar {
+
+/// DateTime (Part 6, 5.2.2.5): 100 ns ticks since 1601-01-01T00:00:00Z. Zero means "no time".
+struct DateTime {
+    std::int64_t ticks{0};
+
+    static constexpr std::int64_t ticks_per_second = 10'000'000;
+    /// Ticks from 1601-01-01 to 1970-01-01.
+    static constexpr std::int64_t unix_epoch = 116'444'736'000'000'000;
+    /// 9999-12-31T23:59:59Z; this and anything later is encoded as the largest Int64.
+    static constexpr std::int64_t latest = 2'650'467'743'990'000'000;
+
+    [[nodiscard]] static constexpr DateTime from_unix_seconds(std::int64_t seconds)
+    {
+        return {unix_epoch + seconds * ticks_per_second};
+    }
+    [[nodiscard]] static constexpr DateTime
+    from_unix(std::chrono::duration<std::int64_t, std::ratio<1, ticks_per_second>> since_epoch)
+    {
+        return {unix_epoch + since_epoch.count()};
+    }
+    [[nodiscard]] constexpr std::int64_t unix_seconds() const
+    {
+        return (ticks - unix_epoch) / ticks_per_second;
+    }
+    [[nodiscard]] constexpr bool is_null() const { return ticks <= 0; }
+    /// The value as it goes on the wire: before 1601 is 0, after 9999 the largest Int64.
+    [[nodiscard]] constexpr std::int64_t clamped() const
+    {
+        return ticks <= 0 ? 0 : (ticks >= latest ? INT64_MAX : ticks);
+    }
+
+    friend constexpr auto operator<=>(DateTime, DateTime) = default;
+};
+
+/// "2026-11-21T06:00:00.1234567Z", trailing zeros of the fraction left out.
+[[nodiscard]] std::string to_string(DateTime time);
+
+} // namespace busbar

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace busbar {
+
+enum class LogLevel : std::uint8_t { Debug, Info, Warning, Error };
+
+/// Where the library reports what an operator may want to know. Never given secrets; texts from
+/// peers have passed `printable`.
+class LogSink {
+public:
+    LogSink() = default;
+    LogSink(const LogSink&) = delete;
+    LogSink& operator=(const LogSink&) = delete;
+    virtual ~LogSink() = default;
+
+    /// `source` is the layer or part ("channel", "session"). Called from any thread; must not block
+    /// for long and must not call back into the library.
+    virtual void write(LogLevel level, std::string_view source, std::string_view text) = 0;
+};
+
+/// Drops everything.
+class NullLog final : public LogSink {
+public:
+    void write(LogLevel, std::string_view, std::string_view) override {}
+};
+
+} // namespace busbar

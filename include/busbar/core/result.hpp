@@ -1,0 +1,20 @@
+#pragma once
+
+#include <tl/expected.hpp>
+
+#include <busbar/core/status_code.hpp>
+#include <busbar/core/status_codes.hpp>
+
+namespace busbar {
+
+/// A value or the StatusCode that says why there is none. The status is never Good.
+template <typename T>
+using Result = tl::expected<T, StatusCode>;
+
+/// `return fail(status::Bad_DecodingError);` in a function that returns a Result.
+[[nodiscard]] constexpr tl::unexpected<StatusCode> fail(StatusCode code)
+{
+    return tl::unexpected<StatusCode>{code};
+}
+
+} // namespace busbar

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <busbar/core/string.hpp>
+
+namespace busbar {
+
+/// QualifiedName (Part 3, 8.3).
+struct QualifiedName {
+    String name;
+    std::uint16_t namespace_index{0};
+
+    QualifiedName() = default;
+    QualifiedName(std::uint16_t index, String text) : name{std::move(text)}, namespace_index{index}
+    {}
+
+    [[nodiscard]] bool is_null() const { return name.empty() && namespace_index == 0; }
+
+    friend bool operator==(const QualifiedName&, const QualifiedName&) = default;
+    friend auto operator<=>(const QualifiedName&, const QualifiedName&) = default;
+};
+
+/// "2:Name"; without the index for namespace 0.
+[[nodiscard]] std::string to_string(const QualifiedName& name);
+
+/// LocalizedText (Part 3, 8.5). On the wire null and empty are one (Part 6, 5.2.2.14).
+struct LocalizedText {
+    String locale;
+    String text;
+
+    LocalizedText() = default;
+    explicit LocalizedText(String t) : text{std::move(t)} {}
+    LocalizedText(String l, String t) : locale{std::move(l)}, text{std::move(t)} {}
+
+    friend bool operator==(const LocalizedText&, const LocalizedText&) = default;
+    friend auto operator<=>(const LocalizedText&, const LocalizedText&) = default;
+};
+
+/// `text` with control characters and bytes that are no UTF-8 as \xHH, at most `max_bytes` long;
+/// for logs and terminals.
+[[nodiscard]] std::string printable(std::string_view text, std::size_t max_bytes = 256);
+
+} // namespace busbar
