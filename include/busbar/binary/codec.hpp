@@ -1,0 +1,163 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include <busbar/binary/reader.hpp>
+#include <busbar/binary/writer.hpp>
+#include <busbar/core/types.hpp>
+
+/// OPC UA Binary encoding of the built-in types (Part 6, 5.2). `encode` and `decode` are overloads
+/// in namespace busbar so that generated structures join them; errors stay in the Writer or Reader.
+namespace busbar {
+
+namespace detail {
+
+template <typename T>
+concept WireNumber = (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) || std::is_enum_v<T>;
+
+/// The fewest bytes a T takes on the wire; what array_length checks a count with.
+template <typename T>
+constexpr std::size_t min_wire_size()
+{
+    if constexpr (WireNumber<T>) {
+        return sizeof(T);
+    } else if constexpr (requires { T::min_wire_size; }) {
+        return T::min_wire_size;
+    } else if constexpr (std::is_same_v<T, DateTime>) {
+        return 8;
+    } else if constexpr (std::is_same_v<T, Guid>) {
+        return 16;
+    } else if constexpr (std::is_base_of_v<Blob, T> || std::is_same_v<T, StatusCode>) {
+        return 4;
+    } else if constexpr (std::is_same_v<T, QualifiedName>) {
+        return 6;
+    } else if constexpr (std::is_same_v<T, NodeId> || std::is_same_v<T, ExpandedNodeId>) {
+        return 2;
+    } else if constexpr (std::is_same_v<T, ExtensionObject>) {
+        return 3;
+    } else {
+        return 1;
+    }
+}
+
+} // namespace detail
+
+template <detail::WireNumber T>
+void encode(binary::Writer& writer, T value)
+{
+    writer.number(value);
+}
+inline void encode(binary::Writer& writer, bool value)
+{
+    writer.number(static_cast<std::uint8_t>(value ? 1 : 0));
+}
+/// NaN of any kind goes out as the one quiet NaN of Part 6, 5.2.2.3.
+void encode(binary::Writer& writer, float value);
+void encode(binary::Writer& writer, double value);
+void encode(binary::Writer& writer, const String& value);
+void encode(binary::Writer& writer, const XmlElement& value);
+void encode(binary::Writer& writer, const ByteString& value);
+void encode(binary::Writer& writer, DateTime value);
+void encode(binary::Writer& writer, const Guid& value);
+void encode(binary::Writer& writer, const NodeId& value);
+void encode(binary::Writer& writer, const ExpandedNodeId& value);
+void encode(binary::Writer& writer, StatusCode value);
+void encode(binary::Writer& writer, const QualifiedName& value);
+void encode(binary::Writer& writer, const LocalizedText& value);
+void encode(binary::Writer& writer, const ExtensionObject& value);
+void encode(binary::Writer& writer, const DataValue& value);
+void encode(binary::Writer& writer, const Variant& value);
+void encode(binary::Writer& writer, const DiagnosticInfo& value);
+
+template <detail::WireNumber T>
+void decode(binary::Reader& reader, T& value)
+{
+    value = reader.number<T>();
+}
+/// Any byte but 0 is true (Part 6, 5.2.2.1).
+inline void decode(binary::Reader& reader, bool& value)
+{
+    value = reader.number<std::uint8_t>() != 0;
+}
+void decode(binary::Reader& reader, String& value);
+void decode(binary::Reader& reader, XmlElement& value);
+void decode(binary::Reader& reader, ByteString& value);
+void decode(binary::Reader& reader, DateTime& value);
+void decode(binary::Reader& reader, Guid& value);
+void decode(binary::Reader& reader, NodeId& value);
+void decode(binary::Reader& reader, ExpandedNodeId& value);
+void decode(binary::Reader& reader, StatusCode& value);
+void decode(binary::Reader& reader, QualifiedName& value);
+void decode(binary::Reader& reader, LocalizedText& value);
+void decode(binary::Reader& reader, ExtensionObject& value);
+void decode(binary::Reader& reader, DataValue& value);
+void decode(binary::Reader& reader, Variant& value);
+void decode(binary::Reader& reader, DiagnosticInfo& value);
+
+/// Arrays (Part 6, 5.2.5): an Int32 count, -1 for null, and the elements.
+template <typename T>
+void encode(binary::Writer& writer, const Array<T>& values)
+{
+    if (values.is_null()) {
+        writer.number(std::int32_t{-1});
+        return;
+    }
+    writer.length(values.size());
+    for (const T& value : values) {
+        encode(writer, value);
+    }
+}
+template <typename T>
+void decode(binary::Reader& reader, Array<T>& values)
+{
+    const std::int32_t count = reader.array_length(detail::min_wire_size<T>(), sizeof(T));
+    values.reset();
+    if (count < 0 || !reader.ok()) {
+        return;
+    }
+    values.resize(static_cast<std::size_t>(count));
+    for (T& value : values) {
+        decode(reader, value);
+    }
+}
+
+namespace binary {
+
+/// `value` alone as bytes, or why it cannot be encoded.
+template <typename T>
+[[nodiscard]] Result<std::vector<std::byte>> to_bytes(const T& value)
+{
+    VectorSink sink;
+    Writer writer{sink};
+    encode(writer, value);
+    if (!writer.ok()) {
+        return busbar::fail(writer.status());
+    }
+    return sink.take(writer.written());
+}
+
+/// A T from all of `bytes`; Bad_DecodingError if bytes are left over.
+template <typename T>
+[[nodiscard]] Result<T> from_bytes(std::span<const std::byte> bytes,
+                                   const TypeRegistry* types = nullptr,
+                                   const DecodeLimits& limits = {})
+{
+    Reader reader{bytes, Strings::Own, types, limits};
+    T value{};
+    decode(reader, value);
+    if (reader.ok() && reader.remaining() != 0) {
+        reader.fail(status::Bad_DecodingError);
+    }
+    if (!reader.ok()) {
+        return busbar::fail(reader.status());
+    }
+    return value;
+}
+
+} // namespace binary
+
+} // namespace busbar

@@ -1,0 +1,127 @@
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string_view>
+#include <type_traits>
+
+#include <busbar/core/result.hpp>
+#include <busbar/core/string.hpp>
+
+namespace busbar::binary {
+
+class TypeRegistry;
+
+/// What a decoder accepts beyond the specification's own rules. Every limit is finite.
+struct DecodeLimits {
+    std::uint32_t max_string_length{1U << 20U};
+    std::uint32_t max_byte_string_length{4U << 20U};
+    std::uint32_t max_array_length{65'536};
+    /// Levels of Variant, ExtensionObject and DataValue in one another (Part 6, 5.1.8).
+    std::uint32_t max_depth{100};
+    /// Levels of DiagnosticInfo (Part 6, 5.2.2.12).
+    std::uint32_t max_diagnostic_depth{10};
+    /// Memory that the elements of arrays and decoded structures may take, in bytes of C++ objects
+    /// per byte of input, so that many one-byte elements cannot blow up (8 + this * input).
+    std::uint32_t max_expansion{40};
+};
+
+/// Whether decoded strings own their bytes or point into the message (see detail::Blob).
+enum class Strings : std::uint8_t { Own, Borrow };
+
+/// Reads little-endian primitives out of one message (Part 6, 5.2).
+///
+/// Sticky: past the end, or after fail(), it yields zeros and keeps the first status, so that a
+/// structure is checked once. It never reads past its input. The input must outlive whatever was
+/// decoded with Strings::Borrow.
+class Reader {
+public:
+    explicit Reader(std::span<const std::byte> input, Strings strings = Strings::Own,
+                    const TypeRegistry* types = nullptr, const DecodeLimits& limits = {});
+
+    [[nodiscard]] bool ok() const { return status_.is_good(); }
+    [[nodiscard]] StatusCode status() const { return status_; }
+    /// Good, or the status as an error.
+    [[nodiscard]] Result<void> result() const;
+    void fail(StatusCode status)
+    {
+        if (ok()) {
+            status_ = status;
+        }
+        position_ = end_;
+    }
+    [[nodiscard]] std::size_t remaining() const
+    {
+        return static_cast<std::size_t>(end_ - position_);
+    }
+    /// Bytes consumed so far.
+    [[nodiscard]] std::size_t offset() const { return static_cast<std::size_t>(position_ - begin_); }
+    [[nodiscard]] const DecodeLimits& limits() const { return limits_; }
+    [[nodiscard]] const TypeRegistry* types() const { return types_; }
+    [[nodiscard]] Strings strings() const { return strings_; }
+
+    /// An integer, enumeration or floating-point number; 0 and failed past the end.
+    template <typename T>
+    [[nodiscard]] T number()
+    {
+        static_assert(std::endian::native == std::endian::little && std::is_trivially_copyable_v<T>);
+        T value{};
+        if (remaining() < sizeof(T)) {
+            fail(status::Bad_DecodingError);
+            return value;
+        }
+        std::memcpy(&value, position_, sizeof(T));
+        position_ += sizeof(T);
+        return value;
+    }
+    /// The next `size` bytes in place; none, and failed, past the end.
+    [[nodiscard]] std::span<const std::byte> bytes(std::size_t size)
+    {
+        if (remaining() < size) {
+            fail(status::Bad_DecodingError);
+            return {};
+        }
+        const std::span<const std::byte> result{position_, size};
+        position_ += size;
+        return result;
+    }
+    void skip(std::size_t size) { static_cast<void>(bytes(size)); }
+
+    /// The count of an array whose elements take at least `min_element_size` bytes on the wire and
+    /// `object_size` bytes as C++ objects: -1 for null. Checked against the bytes that are left and
+    /// the limits before anything is allocated.
+    [[nodiscard]] std::int32_t array_length(std::size_t min_element_size, std::size_t object_size);
+    /// The length of a String or ByteString within `limit` and the bytes left: -1 for null.
+    [[nodiscard]] std::int32_t text_length(std::uint32_t limit);
+    /// Charges `bytes` of C++ objects to the message; fails with Bad_EncodingLimitsExceeded when
+    /// the message has not earned them.
+    [[nodiscard]] bool charge(std::size_t bytes);
+
+    /// Enters a nested value; false, and failed with Bad_EncodingLimitsExceeded, if too deep.
+    [[nodiscard]] bool enter();
+    void leave() { --depth_; }
+    [[nodiscard]] bool enter_diagnostic();
+    void leave_diagnostic() { --diagnostic_depth_; }
+
+    /// Restricts reading to the next `size` bytes until `close_window`; the value to give it.
+    [[nodiscard]] const std::byte* open_window(std::size_t size);
+    /// Skips what the window still has and reads on behind it.
+    void close_window(const std::byte* outer_end);
+
+private:
+    const std::byte* begin_;
+    const std::byte* position_;
+    const std::byte* end_;
+    const TypeRegistry* types_;
+    DecodeLimits limits_;
+    std::size_t budget_;
+    std::uint32_t depth_{0};
+    std::uint32_t diagnostic_depth_{0};
+    Strings strings_;
+    StatusCode status_;
+};
+
+} // namespace busbar::binary
