@@ -18,8 +18,8 @@ std::string to_base64(std::span<const std::byte> bytes)
     for (std::size_t i = 0; i < bytes.size(); i += 3) {
         std::uint32_t group = 0;
         for (std::size_t k = 0; k < 3; ++k) {
-            group = group << 8U | (i + k < bytes.size() ? std::to_integer<std::uint32_t>(bytes[i + k])
-                                                        : 0U);
+            group = group << 8U |
+                    (i + k < bytes.size() ? std::to_integer<std::uint32_t>(bytes[i + k]) : 0U);
         }
         for (std::size_t k = 0; k < 4; ++k) {
             const std::uint32_t sextet = group >> (18U - 6U * k) & 63U;

@@ -7,11 +7,11 @@ namespace busbar {
 namespace {
 
 constexpr std::array<std::string_view, last_built_in_type + 1> names = {
-    "Null",           "Boolean",       "SByte",           "Byte",          "Int16",
-    "UInt16",         "Int32",         "UInt32",          "Int64",         "UInt64",
-    "Float",          "Double",        "String",          "DateTime",      "Guid",
+    "Null",           "Boolean",       "SByte",           "Byte",           "Int16",
+    "UInt16",         "Int32",         "UInt32",          "Int64",          "UInt64",
+    "Float",          "Double",        "String",          "DateTime",       "Guid",
     "ByteString",     "XmlElement",    "NodeId",          "ExpandedNodeId", "StatusCode",
-    "QualifiedName",  "LocalizedText", "ExtensionObject", "DataValue",     "Variant",
+    "QualifiedName",  "LocalizedText", "ExtensionObject", "DataValue",      "Variant",
     "DiagnosticInfo",
 };
 

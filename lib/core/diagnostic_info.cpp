@@ -21,9 +21,10 @@ bool equal_fields(const DiagnosticInfo& a, const DiagnosticInfo& b)
 DiagnosticInfo::DiagnosticInfo(const DiagnosticInfo& other)
     : symbolic_id{other.symbolic_id}, namespace_uri{other.namespace_uri}, locale{other.locale},
       localized_text{other.localized_text}, additional_info{other.additional_info},
-      inner_status_code{other.inner_status_code},
-      inner_diagnostic_info{clone(other.inner_diagnostic_info)}
-{}
+      inner_status_code{other.inner_status_code}, inner_diagnostic_info{
+                                                      clone(other.inner_diagnostic_info)}
+{
+}
 
 DiagnosticInfo& DiagnosticInfo::operator=(const DiagnosticInfo& other)
 {

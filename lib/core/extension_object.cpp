@@ -6,13 +6,15 @@ ExtensionObject::ExtensionObject(const ExtensionObject& other)
     : encoding_id_{other.encoding_id_}, type_{other.type_},
       object_{other.object_ != nullptr ? other.type_->copy(other.object_) : nullptr},
       binary_{other.binary_}, xml_{other.xml_}, body_{other.body_}
-{}
+{
+}
 
 ExtensionObject::ExtensionObject(ExtensionObject&& other) noexcept
     : encoding_id_{std::move(other.encoding_id_)}, type_{std::exchange(other.type_, nullptr)},
       object_{std::exchange(other.object_, nullptr)}, binary_{std::move(other.binary_)},
       xml_{std::move(other.xml_)}, body_{std::exchange(other.body_, Body::None)}
-{}
+{
+}
 
 ExtensionObject& ExtensionObject::operator=(const ExtensionObject& other)
 {

@@ -50,8 +50,8 @@ Result<Guid> Guid::parse(std::string_view text)
         return fail(status::Bad_DecodingError);
     }
     Guid guid;
-    guid.data1 = std::uint32_t{b[0]} << 24U | std::uint32_t{b[1]} << 16U |
-                 std::uint32_t{b[2]} << 8U | b[3];
+    guid.data1 =
+        std::uint32_t{b[0]} << 24U | std::uint32_t{b[1]} << 16U | std::uint32_t{b[2]} << 8U | b[3];
     guid.data2 = static_cast<std::uint16_t>(b[4] << 8U | b[5]);
     guid.data3 = static_cast<std::uint16_t>(b[6] << 8U | b[7]);
     for (std::size_t i = 0; i < guid.data4.size(); ++i) {

@@ -7,15 +7,18 @@ namespace busbar {
 
 NodeId::NodeId(std::uint16_t namespace_index, String identifier)
     : namespace_index_{namespace_index}, type_{IdType::String}, string_{std::move(identifier)}
-{}
+{
+}
 
 NodeId::NodeId(std::uint16_t namespace_index, const Guid& identifier)
     : namespace_index_{namespace_index}, type_{IdType::Guid}, guid_{identifier}
-{}
+{
+}
 
 NodeId::NodeId(std::uint16_t namespace_index, ByteString identifier)
     : namespace_index_{namespace_index}, type_{IdType::Opaque}, opaque_{std::move(identifier)}
-{}
+{
+}
 
 NodeId::NodeId(const NodeId& other) : numeric_{0}
 {
@@ -171,8 +174,8 @@ std::uint64_t hash_bytes(const char* data, std::size_t size, std::uint64_t seed)
 
 std::size_t hash_value(const NodeId& id)
 {
-    const std::uint64_t seed =
-        std::uint64_t{id.namespace_index()} << 32U | static_cast<std::uint64_t>(id.id_type()) << 48U;
+    const std::uint64_t seed = std::uint64_t{id.namespace_index()} << 32U |
+                               static_cast<std::uint64_t>(id.id_type()) << 48U;
     switch (id.id_type()) {
     case IdType::Numeric:
         return mix(seed ^ id.numeric());

@@ -107,8 +107,12 @@ void encode(binary::Writer& writer, const Array<T>& values)
         return;
     }
     writer.length(values.size());
-    for (const T& value : values) {
-        encode(writer, value);
+    if constexpr (detail::WireNumber<T> && !std::is_floating_point_v<T>) {
+        writer.numbers(values.span());
+    } else {
+        for (const T& value : values) {
+            encode(writer, value);
+        }
     }
 }
 template <typename T>
@@ -120,8 +124,12 @@ void decode(binary::Reader& reader, Array<T>& values)
         return;
     }
     values.resize(static_cast<std::size_t>(count));
-    for (T& value : values) {
-        decode(reader, value);
+    if constexpr (detail::WireNumber<T>) {
+        reader.numbers(values.span());
+    } else {
+        for (T& value : values) {
+            decode(reader, value);
+        }
     }
 }
 

@@ -9,6 +9,7 @@
 #include <type_traits>
 
 #include <busbar/core/result.hpp>
+#include <busbar/core/status_codes.hpp>
 #include <busbar/core/string.hpp>
 
 namespace busbar::binary {
@@ -25,8 +26,8 @@ struct DecodeLimits {
     /// Levels of DiagnosticInfo (Part 6, 5.2.2.12).
     std::uint32_t max_diagnostic_depth{10};
     /// Memory that the elements of arrays and decoded structures may take, in bytes of C++ objects
-    /// per byte of input, so that many one-byte elements cannot blow up (8 + this * input).
-    std::uint32_t max_expansion{40};
+    /// per byte of input (and 4,096 in all), so that many one-byte elements cannot blow up.
+    std::uint32_t max_expansion{80};
 };
 
 /// Whether decoded strings own their bytes or point into the message (see detail::Blob).
@@ -58,7 +59,10 @@ public:
         return static_cast<std::size_t>(end_ - position_);
     }
     /// Bytes consumed so far.
-    [[nodiscard]] std::size_t offset() const { return static_cast<std::size_t>(position_ - begin_); }
+    [[nodiscard]] std::size_t offset() const
+    {
+        return static_cast<std::size_t>(position_ - begin_);
+    }
     [[nodiscard]] const DecodeLimits& limits() const { return limits_; }
     [[nodiscard]] const TypeRegistry* types() const { return types_; }
     [[nodiscard]] Strings strings() const { return strings_; }
@@ -67,7 +71,8 @@ public:
     template <typename T>
     [[nodiscard]] T number()
     {
-        static_assert(std::endian::native == std::endian::little && std::is_trivially_copyable_v<T>);
+        static_assert(std::endian::native == std::endian::little &&
+                      std::is_trivially_copyable_v<T>);
         T value{};
         if (remaining() < sizeof(T)) {
             fail(status::Bad_DecodingError);
@@ -87,6 +92,17 @@ public:
         const std::span<const std::byte> result{position_, size};
         position_ += size;
         return result;
+    }
+    /// Fills `values` with numbers as they lie in the message.
+    template <typename T>
+    void numbers(std::span<T> values)
+    {
+        static_assert(std::endian::native == std::endian::little &&
+                      std::is_trivially_copyable_v<T>);
+        const auto from = bytes(values.size_bytes());
+        if (!from.empty()) {
+            std::memcpy(values.data(), from.data(), from.size());
+        }
     }
     void skip(std::size_t size) { static_cast<void>(bytes(size)); }
 

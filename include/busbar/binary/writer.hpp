@@ -1,13 +1,17 @@
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <busbar/core/result.hpp>
+#include <busbar/core/status_codes.hpp>
 
 namespace busbar::binary {
 
@@ -33,6 +37,14 @@ public:
 class Writer {
 public:
     explicit Writer(Sink& sink) : sink_{&sink} {}
+    /// A Writer that stands `outer` deep, to find the size of a part before it is written.
+    struct Measure {
+        const Writer& outer;
+    };
+    Writer(Sink& sink, Measure measure)
+        : sink_{&sink}, depth_{measure.outer.depth_}, is_measuring_{true}
+    {
+    }
 
     [[nodiscard]] bool ok() const { return status_.is_good(); }
     [[nodiscard]] StatusCode status() const { return status_; }
@@ -42,7 +54,7 @@ public:
         if (ok()) {
             status_ = status;
         }
-        position_ = end_ = nullptr;
+        begin_ = position_ = end_ = nullptr;
     }
     /// Bytes written since construction.
     [[nodiscard]] std::size_t written() const
@@ -50,13 +62,17 @@ public:
         return before_ + static_cast<std::size_t>(position_ - begin_);
     }
     /// How many bytes of the block given last are filled.
-    [[nodiscard]] std::size_t filled() const { return static_cast<std::size_t>(position_ - begin_); }
+    [[nodiscard]] std::size_t filled() const
+    {
+        return static_cast<std::size_t>(position_ - begin_);
+    }
 
     /// Writes an integer, enumeration or floating-point number as it lies in memory.
     template <typename T>
     void number(T value)
     {
-        static_assert(std::endian::native == std::endian::little && std::is_trivially_copyable_v<T>);
+        static_assert(std::endian::native == std::endian::little &&
+                      std::is_trivially_copyable_v<T>);
         if (static_cast<std::size_t>(end_ - position_) >= sizeof(T)) {
             std::memcpy(position_, &value, sizeof(T));
             position_ += sizeof(T);
@@ -75,6 +91,16 @@ public:
             slow(data.data(), data.size());
         }
     }
+    /// True for a Writer that only counts; nobody will read what it is given.
+    [[nodiscard]] bool is_measuring() const { return is_measuring_; }
+    /// The whole of an array of numbers, as it lies in memory.
+    template <typename T>
+    void numbers(std::span<const T> values)
+    {
+        static_assert(std::endian::native == std::endian::little &&
+                      std::is_trivially_copyable_v<T>);
+        bytes(std::as_bytes(values));
+    }
     /// An Int32 count; fails with Bad_EncodingLimitsExceeded past 2^31-1.
     void length(std::size_t count);
 
@@ -91,6 +117,7 @@ private:
     std::byte* end_{nullptr};
     std::size_t before_{0};
     std::uint32_t depth_{0};
+    bool is_measuring_{false};
     StatusCode status_;
 };
 
@@ -107,6 +134,16 @@ public:
 private:
     std::vector<std::byte> bytes_;
     std::size_t limit_;
+};
+
+/// Keeps nothing of what is written; Writer::written() tells how much it was.
+class CountingSink : public Sink {
+public:
+    [[nodiscard]] std::span<std::byte> next() override { return scratch_; }
+    [[nodiscard]] StatusCode status() const override { return status::Bad_EncodingLimitsExceeded; }
+
+private:
+    std::array<std::byte, 512> scratch_;
 };
 
 /// Encodes into one given block and fails with Bad_EncodingLimitsExceeded when it is full.

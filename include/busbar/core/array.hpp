@@ -37,7 +37,8 @@ public:
     Array(Array&& other) noexcept
         : data_{std::exchange(other.data_, nullptr)}, size_{std::exchange(other.size_, 0)},
           capacity_{std::exchange(other.capacity_, 0)}
-    {}
+    {
+    }
     Array& operator=(const Array& other)
     {
         if (this != &other) {
@@ -157,7 +158,8 @@ private:
     }
     void relocate(std::size_t capacity)
     {
-        T* data = static_cast<T*>(::operator new(capacity * sizeof(T), std::align_val_t{alignof(T)}));
+        T* data =
+            static_cast<T*>(::operator new (capacity * sizeof(T), std::align_val_t{alignof(T)}));
         if (data_ != nullptr) {
             std::uninitialized_move_n(data_, size_, data);
             std::destroy_n(data_, size_);
@@ -166,7 +168,7 @@ private:
         data_ = data;
         capacity_ = static_cast<std::uint32_t>(capacity);
     }
-    static void deallocate(T* data) { ::operator delete(data, std::align_val_t{alignof(T)}); }
+    static void deallocate(T* data) { ::operator delete (data, std::align_val_t{alignof(T)}); }
 
     T* data_{nullptr};
     std::uint32_t size_{0};

@@ -57,7 +57,8 @@ struct DiagnosticInfo;
 namespace detail {
 
 template <typename T>
-struct BuiltInTypeOf {};
+struct BuiltInTypeOf {
+};
 
 // clang-format off
 template <> struct BuiltInTypeOf<bool> { static constexpr auto value = BuiltInType::Boolean; };
@@ -91,7 +92,10 @@ template <> struct BuiltInTypeOf<DiagnosticInfo> { static constexpr auto value =
 
 /// True for the 25 C++ types that stand for the built-in types.
 template <typename T>
-concept BuiltIn = requires { detail::BuiltInTypeOf<T>::value; };
+concept BuiltIn = requires
+{
+    detail::BuiltInTypeOf<T>::value;
+};
 
 /// The id of a C++ type that is a built-in type.
 template <BuiltIn T>

@@ -23,7 +23,8 @@ struct DataValue {
     DataValue(StatusCode code) : status{code} {}
     DataValue(Variant v, StatusCode code, DateTime source = {})
         : value{std::move(v)}, status{code}, source_timestamp{source}
-    {}
+    {
+    }
 
     friend bool operator==(const DataValue&, const DataValue&) = default;
 };

@@ -130,8 +130,8 @@ constexpr StructureType make_structure_type(std::string_view name, std::string_v
                                             StaticId type_id, StaticId binary_encoding_id)
 {
     using F = StructureFunctions<T>;
-    return {name,     namespace_uri, type_id,  binary_encoding_id, sizeof(T),        F::create,
-            F::copy,  F::destroy,    F::equal, F::encode_object,   F::decode_object};
+    return {name,    namespace_uri, type_id,  binary_encoding_id, sizeof(T),       F::create,
+            F::copy, F::destroy,    F::equal, F::encode_object,   F::decode_object};
 }
 
 } // namespace detail

@@ -21,11 +21,13 @@ public:
     NodeId() : numeric_{0} {}
     NodeId(std::uint16_t namespace_index, std::uint32_t identifier)
         : namespace_index_{namespace_index}, numeric_{identifier}
-    {}
+    {
+    }
     NodeId(std::uint16_t namespace_index, String identifier);
     NodeId(std::uint16_t namespace_index, const char* identifier)
         : NodeId{namespace_index, String{identifier}}
-    {}
+    {
+    }
     NodeId(std::uint16_t namespace_index, const Guid& identifier);
     NodeId(std::uint16_t namespace_index, ByteString identifier);
     NodeId(const NodeId& other);
@@ -91,7 +93,8 @@ struct ExpandedNodeId {
     ExpandedNodeId(NodeId id) : node_id{std::move(id)} {}
     ExpandedNodeId(NodeId id, String uri, std::uint32_t server = 0)
         : node_id{std::move(id)}, namespace_uri{std::move(uri)}, server_index{server}
-    {}
+    {
+    }
 
     /// True if it names a node of this server by namespace index.
     [[nodiscard]] bool is_local() const { return server_index == 0 && namespace_uri.empty(); }

@@ -16,7 +16,8 @@ public:
     [[nodiscard]] constexpr bool is_uncertain() const { return (value_ >> 30U) == 1; }
     /// Severity 3 is reserved and treated as bad (Part 4, 7.38.1).
     [[nodiscard]] constexpr bool is_bad() const { return value_ >= 0x80000000U; }
-    /// Severity and sub code, without structure-changed, semantics-changed, limit and overflow bits.
+    /// Severity and sub code, without structure-changed, semantics-changed, limit and overflow
+    /// bits.
     [[nodiscard]] constexpr StatusCode code() const { return StatusCode{value_ & 0xFFFF0000U}; }
 
     friend constexpr bool operator==(StatusCode, StatusCode) = default;

@@ -111,7 +111,10 @@ private:
 class String : public detail::Blob {
 public:
     constexpr String() = default;
-    String(std::string_view text) { assign(text.data() == nullptr ? "" : text.data(), text.size()); }
+    String(std::string_view text)
+    {
+        assign(text.data() == nullptr ? "" : text.data(), text.size());
+    }
     String(const std::string& text) : String{std::string_view{text}} {}
     String(const char* text) : String{std::string_view{text}} {}
 

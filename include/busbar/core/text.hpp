@@ -1,8 +1,8 @@
 #pragma once
 
 #include <compare>
-#include <cstdint>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -18,7 +18,8 @@ struct QualifiedName {
 
     QualifiedName() = default;
     QualifiedName(std::uint16_t index, String text) : name{std::move(text)}, namespace_index{index}
-    {}
+    {
+    }
 
     [[nodiscard]] bool is_null() const { return name.empty() && namespace_index == 0; }
 

@@ -34,8 +34,8 @@ public:
 
     /// A scalar. A Variant is never the scalar of a Variant (Part 6, 5.2.2.16).
     template <BuiltIn T>
-        requires(!std::same_as<T, Variant>)
-    Variant(T value) : type_{built_in_type_of<T>}, kind_{Kind::Scalar}
+    requires(!std::same_as<T, Variant>) Variant(T value)
+        : type_{built_in_type_of<T>}, kind_{Kind::Scalar}
     {
         if constexpr (is_inline<T>) {
             ::new (static_cast<void*>(storage_)) T(std::move(value));
@@ -46,9 +46,10 @@ public:
     Variant(const char* text) : Variant{String{text}} {}
     /// The value of an enumeration, as Int32 or the option set's unsigned type.
     template <typename E>
-        requires std::is_enum_v<E>
-    Variant(E value) : Variant{static_cast<std::underlying_type_t<E>>(value)}
-    {}
+    requires std::is_enum_v<E> Variant(E value)
+        : Variant{static_cast<std::underlying_type_t<E>>(value)}
+    {
+    }
     /// An array, null if `values` is null.
     template <BuiltIn T>
     Variant(Array<T> values) : type_{built_in_type_of<T>}, kind_{Kind::Array}
@@ -143,10 +144,10 @@ private:
     [[nodiscard]] const Operations& operations() const;
     [[nodiscard]] bool owns_memory() const
     {
-        return kind_ > Kind::Scalar || (kind_ == Kind::Scalar && type_ >= BuiltInType::String &&
-                                        type_ != BuiltInType::DateTime &&
-                                        type_ != BuiltInType::Guid &&
-                                        type_ != BuiltInType::StatusCode);
+        return kind_ > Kind::Scalar ||
+               (kind_ == Kind::Scalar && type_ >= BuiltInType::String &&
+                type_ != BuiltInType::DateTime && type_ != BuiltInType::Guid &&
+                type_ != BuiltInType::StatusCode);
     }
     void destroy();
     void copy(const Variant& other);

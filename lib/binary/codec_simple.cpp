@@ -1,0 +1,172 @@
+#include <busbar/binary/codec.hpp>
+
+#include <cmath>
+
+namespace busbar {
+
+namespace {
+
+template <typename Text>
+void encode_text(binary::Writer& writer, const Text& value, std::span<const std::byte> bytes)
+{
+    if (value.is_null()) {
+        writer.number(std::int32_t{-1});
+        return;
+    }
+    writer.length(bytes.size());
+    writer.bytes(bytes);
+}
+
+std::span<const std::byte> bytes_of(const String& text)
+{
+    return std::as_bytes(std::span{text.view()});
+}
+
+/// The bytes of a String or ByteString that is not null; `is_null` tells when it is.
+std::span<const std::byte> decode_text(binary::Reader& reader, std::uint32_t limit, bool& is_null)
+{
+    const std::int32_t length = reader.text_length(limit);
+    is_null = length < 0;
+    return is_null ? std::span<const std::byte>{} : reader.bytes(static_cast<std::size_t>(length));
+}
+
+} // namespace
+
+void encode(binary::Writer& writer, float value)
+{
+    // Part 6, 5.2.2.3
+    writer.number(std::isnan(value) ? std::uint32_t{0xFFC00000U}
+                                    : std::bit_cast<std::uint32_t>(value));
+}
+
+void encode(binary::Writer& writer, double value)
+{
+    writer.number(std::isnan(value) ? std::uint64_t{0xFFF8000000000000U}
+                                    : std::bit_cast<std::uint64_t>(value));
+}
+
+void encode(binary::Writer& writer, const String& value)
+{
+    encode_text(writer, value, bytes_of(value));
+}
+
+void encode(binary::Writer& writer, const XmlElement& value)
+{
+    encode_text(writer, value, bytes_of(value));
+}
+
+void encode(binary::Writer& writer, const ByteString& value)
+{
+    encode_text(writer, value, value.span());
+}
+
+void encode(binary::Writer& writer, DateTime value)
+{
+    writer.number(value.clamped());
+}
+
+void encode(binary::Writer& writer, const Guid& value)
+{
+    writer.number(value.data1);
+    writer.number(value.data2);
+    writer.number(value.data3);
+    writer.bytes(std::as_bytes(std::span{value.data4}));
+}
+
+void encode(binary::Writer& writer, StatusCode value)
+{
+    writer.number(value.value());
+}
+
+void encode(binary::Writer& writer, const QualifiedName& value)
+{
+    writer.number(value.namespace_index);
+    encode(writer, value.name);
+}
+
+void encode(binary::Writer& writer, const LocalizedText& value)
+{
+    // Part 6, 5.2.2.14: bit 0 locale, bit 1 text; null and empty are left out.
+    const unsigned mask = (value.locale.empty() ? 0U : 1U) | (value.text.empty() ? 0U : 2U);
+    writer.number(static_cast<std::uint8_t>(mask));
+    if (!value.locale.empty()) {
+        encode(writer, value.locale);
+    }
+    if (!value.text.empty()) {
+        encode(writer, value.text);
+    }
+}
+
+void decode(binary::Reader& reader, String& value)
+{
+    bool is_null = false;
+    const auto bytes = decode_text(reader, reader.limits().max_string_length, is_null);
+    if (is_null) {
+        value.reset();
+        return;
+    }
+    const std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    value = reader.strings() == binary::Strings::Borrow ? String::borrow(text) : String{text};
+}
+
+void decode(binary::Reader& reader, XmlElement& value)
+{
+    String text;
+    decode(reader, text);
+    value = XmlElement{std::move(text)};
+}
+
+void decode(binary::Reader& reader, ByteString& value)
+{
+    bool is_null = false;
+    const auto bytes = decode_text(reader, reader.limits().max_byte_string_length, is_null);
+    if (is_null) {
+        value.reset();
+        return;
+    }
+    value =
+        reader.strings() == binary::Strings::Borrow ? ByteString::borrow(bytes) : ByteString{bytes};
+}
+
+void decode(binary::Reader& reader, DateTime& value)
+{
+    value.ticks = reader.number<std::int64_t>();
+}
+
+void decode(binary::Reader& reader, Guid& value)
+{
+    value.data1 = reader.number<std::uint32_t>();
+    value.data2 = reader.number<std::uint16_t>();
+    value.data3 = reader.number<std::uint16_t>();
+    reader.numbers(std::span<std::uint8_t>{value.data4});
+}
+
+void decode(binary::Reader& reader, StatusCode& value)
+{
+    value = StatusCode{reader.number<std::uint32_t>()};
+}
+
+void decode(binary::Reader& reader, QualifiedName& value)
+{
+    value.namespace_index = reader.number<std::uint16_t>();
+    decode(reader, value.name);
+}
+
+void decode(binary::Reader& reader, LocalizedText& value)
+{
+    const unsigned mask = reader.number<std::uint8_t>();
+    value.locale.reset();
+    value.text.reset();
+    if (mask > 3) {
+        reader.fail(status::Bad_DecodingError);
+        return;
+    }
+    if ((mask & 1U) != 0) {
+        decode(reader, value.locale);
+    }
+    if ((mask & 2U) != 0) {
+        decode(reader, value.text);
+    }
+}
+
+} // namespace busbar

@@ -1,0 +1,122 @@
+#include <busbar/binary/reader.hpp>
+
+#include <limits>
+
+namespace busbar::binary {
+
+namespace {
+
+constexpr std::size_t free_budget = 4'096;
+
+std::size_t budget_for(std::size_t input, std::uint32_t expansion)
+{
+    constexpr std::size_t most = std::numeric_limits<std::size_t>::max() / 2;
+    return input > most / (std::size_t{expansion} + 1) ? most : free_budget + input * expansion;
+}
+
+} // namespace
+
+Reader::Reader(std::span<const std::byte> input, Strings strings, const TypeRegistry* types,
+               const DecodeLimits& limits)
+    : begin_{input.data()}, position_{begin_}, end_{begin_ + input.size()}, types_{types},
+      limits_{limits}, budget_{budget_for(input.size(), limits.max_expansion)}, strings_{strings}
+{
+}
+
+Result<void> Reader::result() const
+{
+    if (!ok()) {
+        return busbar::fail(status_);
+    }
+    return {};
+}
+
+std::int32_t Reader::array_length(std::size_t min_element_size, std::size_t object_size)
+{
+    const auto count = number<std::int32_t>();
+    if (count < 0) {
+        if (count != -1) {
+            fail(status::Bad_DecodingError); // Part 6, 5.2.5: only -1 is null
+        }
+        return -1;
+    }
+    const auto size = static_cast<std::size_t>(count);
+    if (size > limits_.max_array_length) {
+        fail(status::Bad_EncodingLimitsExceeded);
+    } else if (size > remaining() / min_element_size) {
+        fail(status::Bad_DecodingError);
+    } else if (charge(size * object_size)) {
+        return count;
+    }
+    return -1;
+}
+
+std::int32_t Reader::text_length(std::uint32_t limit)
+{
+    const auto length = number<std::int32_t>();
+    if (length < 0) {
+        if (length != -1) {
+            fail(status::Bad_DecodingError); // Part 6, 5.2.2.4: only -1 is null
+        }
+        return -1;
+    }
+    const auto size = static_cast<std::size_t>(length);
+    if (size > limit) {
+        fail(status::Bad_EncodingLimitsExceeded);
+    } else if (size > remaining()) {
+        fail(status::Bad_DecodingError);
+    } else {
+        return length;
+    }
+    return -1;
+}
+
+bool Reader::charge(std::size_t bytes)
+{
+    if (bytes > budget_) {
+        fail(status::Bad_EncodingLimitsExceeded);
+        return false;
+    }
+    budget_ -= bytes;
+    return true;
+}
+
+bool Reader::enter()
+{
+    if (depth_ >= limits_.max_depth) {
+        fail(status::Bad_EncodingLimitsExceeded);
+        return false;
+    }
+    ++depth_;
+    return true;
+}
+
+bool Reader::enter_diagnostic()
+{
+    if (diagnostic_depth_ >= limits_.max_diagnostic_depth) {
+        fail(status::Bad_EncodingLimitsExceeded);
+        return false;
+    }
+    ++diagnostic_depth_;
+    return true;
+}
+
+const std::byte* Reader::open_window(std::size_t size)
+{
+    const std::byte* outer_end = end_;
+    if (size > remaining()) {
+        fail(status::Bad_DecodingError);
+    } else {
+        end_ = position_ + size;
+    }
+    return outer_end;
+}
+
+void Reader::close_window(const std::byte* outer_end)
+{
+    // After a failure nothing may be read any more, neither inside nor behind the window.
+    position_ = ok() ? end_ : outer_end;
+    end_ = outer_end;
+}
+
+} // namespace busbar::binary
