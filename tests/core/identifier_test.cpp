@@ -1,0 +1,155 @@
+#include <catch2/catch.hpp>
+
+#include <array>
+#include <set>
+#include <unordered_set>
+
+#include <busbar/core/types.hpp>
+
+using namespace busbar;
+
+TEST_CASE("a NodeId's text form is read and written", "[core][node_id]")
+{
+    const std::array texts = {"i=0",
+                              "i=85",
+                              "i=4294967295",
+                              "ns=2;s=Line1.Motor",
+                              "ns=65535;s=a;b=c",
+                              "ns=1;g=72962B91-FA75-4AE6-8D28-B404DC7DAF63",
+                              "ns=4;b=AQIDBAU=",
+                              "s=x"};
+    for (const std::string text : texts) {
+        const auto id = NodeId::parse(text);
+        INFO(text);
+        REQUIRE(id);
+        CHECK(to_string(*id) == text);
+    }
+}
+
+TEST_CASE("text that is no NodeId is refused", "[core][node_id]")
+{
+    const std::array texts = {
+        "",     "85",  "i=",     "i=-1", "i=4294967296", "i=1x", "ns=;i=1",       "ns=65536;i=1",
+        "ns=1", "x=1", "g=1234", "b=A",  "ns=-1;i=1",    "i= 1", "ns=1;ns=2;i=1", "b=@@@@"};
+    for (const std::string text : texts) {
+        INFO(text);
+        const auto id = NodeId::parse(text);
+        REQUIRE_FALSE(id);
+        CHECK(id.error() == status::Bad_NodeIdInvalid);
+    }
+}
+
+TEST_CASE("NodeIds compare by namespace, type and identifier", "[core][node_id]")
+{
+    const std::array ids = {NodeId{},
+                            NodeId{0, 1},
+                            NodeId{1, 1},
+                            NodeId{1, "1"},
+                            NodeId{1, ""},
+                            NodeId{1, Guid{1, 0, 0, {}}},
+                            NodeId{1, ByteString{std::as_bytes(std::span{"1", 1})}},
+                            NodeId{2, "1"}};
+    std::set<NodeId> ordered;
+    std::unordered_set<NodeId> hashed;
+    for (const NodeId& id : ids) {
+        ordered.insert(id);
+        hashed.insert(id);
+        hashed.insert(NodeId{id});
+    }
+    CHECK(ordered.size() == ids.size());
+    CHECK(hashed.size() == ids.size());
+    CHECK(ids[0].is_null());
+    CHECK_FALSE(ids[4].is_null());
+    CHECK(ids[1].is(1));
+    CHECK_FALSE(ids[2].is(1));
+}
+
+TEST_CASE("a copied NodeId owns what the original borrowed", "[core][node_id]")
+{
+    std::string text = "Motor";
+    const NodeId borrowed{2, String::borrow(text)};
+    const NodeId copy = borrowed;
+    text = "Xxxxx";
+    CHECK(to_string(copy) == "ns=2;s=Motor");
+    CHECK(to_string(borrowed) == "ns=2;s=Xxxxx");
+    CHECK(copy.string().is_owned());
+}
+
+TEST_CASE("a NodeId may be assigned over any other kind", "[core][node_id]")
+{
+    NodeId id{1, "text"};
+    id = NodeId{1, Guid{7, 0, 0, {}}};
+    CHECK(id.guid().data1 == 7);
+    id = NodeId{3, String{"again"}};
+    const NodeId& self = id;
+    id = self;
+    CHECK(id.string().view() == "again");
+    NodeId moved = std::move(id);
+    id = NodeId{0, 5};
+    CHECK(moved.string().view() == "again");
+}
+
+TEST_CASE("a Guid's text form is checked", "[core][guid]")
+{
+    const auto guid = Guid::parse("72962b91-fa75-4ae6-8d28-b404dc7daf63");
+    REQUIRE(guid);
+    CHECK(to_string(*guid) == "72962B91-FA75-4AE6-8D28-B404DC7DAF63");
+    CHECK(guid->data1 == 0x72962B91U);
+    CHECK(guid->data4[7] == 0x63);
+    CHECK_FALSE(Guid::parse("72962b91fa754ae68d28b404dc7daf63"));
+    CHECK_FALSE(Guid::parse("72962b91-fa75-4ae6-8d28-b404dc7daf6"));
+    CHECK_FALSE(Guid::parse("72962b91-fa75-4ae6-8d28-b404dc7daf6g"));
+    CHECK_FALSE(Guid::parse("72962b91-fa75-4ae6-8d28-b404dc7daf633"));
+}
+
+TEST_CASE("null, empty and filled strings are three things", "[core][string]")
+{
+    const String null;
+    const String empty{""};
+    CHECK(null.is_null());
+    CHECK_FALSE(empty.is_null());
+    CHECK(null != empty);
+    CHECK(null < empty);
+    CHECK(null.view().empty());
+    CHECK(ByteString{} != ByteString{std::span<const std::byte>{}});
+    CHECK(String{"a"} == String::borrow("a"));
+}
+
+TEST_CASE("a moved string leaves null behind", "[core][string]")
+{
+    String text{"some text that is long enough to be somewhere"};
+    String taken = std::move(text);
+    text = String{"new"};
+    CHECK(taken.view() == "some text that is long enough to be somewhere");
+    taken = std::move(text);
+    CHECK(taken.view() == "new");
+}
+
+TEST_CASE("a DateTime is written as ISO 8601 and clamped on the wire", "[core][date_time]")
+{
+    CHECK(to_string(DateTime::from_unix_seconds(0)) == "1970-01-01T00:00:00Z");
+    CHECK(to_string(DateTime{DateTime::unix_epoch + 1'234'567}) == "1970-01-01T00:00:00.1234567Z");
+    CHECK(to_string(DateTime{DateTime::from_unix_seconds(951'826'554)}) == "2000-02-29T12:15:54Z");
+    CHECK(DateTime{-5}.clamped() == 0);
+    CHECK(DateTime{DateTime::latest}.clamped() == INT64_MAX);
+    CHECK(DateTime{DateTime::latest - 1}.clamped() == DateTime::latest - 1);
+}
+
+TEST_CASE("status codes have the specification's names", "[core][status]")
+{
+    CHECK(name(status::Bad_Timeout) == "Bad_Timeout");
+    CHECK(name(StatusCode{status::Bad_Timeout.value() | 0x480U}) == "Bad_Timeout");
+    CHECK(name(StatusCode{}) == "Good");
+    CHECK(name(StatusCode{0x8FFF0000U}).empty());
+    CHECK(StatusCode{0xC0000000U}.is_bad());
+    CHECK(status::Uncertain_LastUsableValue.is_uncertain());
+}
+
+TEST_CASE("printable text has no control characters nor broken UTF-8", "[core][text]")
+{
+    CHECK(printable("Motor \xe6\xb0\xb4") == "Motor \xe6\xb0\xb4");
+    CHECK(printable("a\x1b[2Jb\n") == "a\\x1B[2Jb\\x0A");
+    CHECK(printable("\xc3(") == "\\xC3(");
+    CHECK(printable("\xed\xa0\x80") == "\\xED\\xA0\\x80");
+    CHECK(printable(std::string(300, 'x'), 10) == "xxxxxxxxxx...");
+}
