@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+namespace busbar::generator {
+
+/// What the command line asks for.
+struct Options {
+    /// NodeSet2 files to generate from.
+    std::vector<std::string> inputs;
+    /// Dependencies: NodeSet2 files, most basic first, whose code exists already.
+    struct Dependency {
+        std::string path;
+        /// The C++ namespace and the include path that they were generated with.
+        std::string cpp_namespace;
+        std::string include_path;
+    };
+    std::vector<Dependency> dependencies;
+    std::string output_folder;
+    /// The namespace to generate; that of the first model of the first input by default.
+    std::string namespace_uri;
+    std::string cpp_namespace{"busbar"};
+    /// How generated headers name each other: "busbar/types" for <busbar/types/types.hpp>.
+    std::string include_path;
+    /// A CSV of "TypeName,file_name" rows that splits the structures over files.
+    std::string groups_file;
+    /// Emit nodes.hpp and nodes.cpp, constant data, and not the types.
+    bool nodes{false};
+    /// With `nodes`: a file with one NodeId a line ('#' starts a comment); only those are emitted.
+    std::string node_list;
+};
+
+/// A message for a person: what failed, with the path.
+using Failure = std::string;
+
+/// Writes `text` to the file `name` in the output folder, which it creates.
+[[nodiscard]] tl::expected<void, Failure> write_output(const Options& options,
+                                                       const std::string& name,
+                                                       const std::string& text);
+
+/// The options of a command line, or the usage text with what is wrong.
+[[nodiscard]] tl::expected<Options, Failure> parse_options(int argc, char** argv);
+
+} // namespace busbar::generator

@@ -1,0 +1,99 @@
+// Reads a NodeSet2 file down to the facts that Busbar keeps.
+import { childOf, childrenOf, readXml, textOf } from "./xml.mjs";
+
+const classes = new Set([
+  "UADataType", "UAReferenceType", "UAObjectType", "UAVariableType", "UAObject", "UAVariable", "UAMethod", "UAView",
+]);
+const keptAttributes = [
+  "IsAbstract", "Symmetric", "DataType", "ValueRank", "ArrayDimensions", "AccessLevel", "UserAccessLevel",
+  "MinimumSamplingInterval", "Historizing", "EventNotifier", "ContainsNoLoops",
+];
+const dataTypeEncodingType = 76;
+const dataTypeDescriptionType = 69;
+const dataTypeDictionaryType = 72;
+
+const numberOf = (id) => Number(/^i=(\d+)$/.exec(id)?.[1] ?? NaN);
+
+function readReferences(element, resolve) {
+  return childrenOf(childOf(element, "References") ?? { children: [] }, "Reference").map((reference) => ({
+    type: numberOf(resolve(reference.attributes.ReferenceType)),
+    forward: reference.attributes.IsForward !== "false",
+    target: numberOf(resolve(reference.text.trim())),
+  }));
+}
+
+function readDefinition(element, resolve) {
+  const definition = childOf(element, "Definition");
+  if (!definition) return undefined;
+  return {
+    union: definition.attributes.IsUnion === "true",
+    optionSet: definition.attributes.IsOptionSet === "true",
+    fields: childrenOf(definition, "Field").map(({ attributes }) => ({
+      name: attributes.Name,
+      dataType: attributes.DataType && resolve(attributes.DataType),
+      valueRank: attributes.ValueRank,
+      arrayDimensions: attributes.ArrayDimensions,
+      maxStringLength: attributes.MaxStringLength,
+      value: attributes.Value,
+      optional: attributes.IsOptional === "true",
+      allowSubTypes: attributes.AllowSubTypes === "true",
+    })),
+  };
+}
+
+function readNode(element, resolve) {
+  const { attributes } = element;
+  const kept = {};
+  for (const name of keptAttributes) {
+    if (attributes[name] !== undefined) kept[name] = name === "DataType" ? resolve(attributes[name]) : attributes[name];
+  }
+  return {
+    element: element.name,
+    id: numberOf(attributes.NodeId),
+    browseName: attributes.BrowseName,
+    displayName: textOf(element, "DisplayName"),
+    inverseName: textOf(element, "InverseName"),
+    attributes: kept,
+    references: readReferences(element, resolve),
+    definition: readDefinition(element, resolve),
+    value: childOf(element, "Value")?.children[0],
+  };
+}
+
+/** All nodes of the file by id, with the aliases resolved. */
+export function readNodeSet(file, modules) {
+  const root = readXml(file, modules);
+  const aliases = new Map(
+    childrenOf(childOf(root, "Aliases") ?? { children: [] }, "Alias").map((a) => [a.attributes.Alias, a.text.trim()]),
+  );
+  const resolve = (id) => aliases.get(id) ?? id;
+  const nodes = new Map();
+  for (const element of root.children) {
+    if (classes.has(element.name)) {
+      const node = readNode(element, resolve);
+      nodes.set(node.id, node);
+    }
+  }
+  return nodes;
+}
+
+export const typeDefinitionOf = (node) => node.references.find((r) => r.forward && r.type === 40)?.target;
+
+/** Without the encodings other than Default Binary and without the deprecated type dictionaries. */
+export function withoutDictionaries(nodes) {
+  const dropped = new Set();
+  for (const node of nodes.values()) {
+    const type = typeDefinitionOf(node);
+    const isOtherEncoding = type === dataTypeEncodingType && node.browseName !== "Default Binary";
+    if (isOtherEncoding || type === dataTypeDescriptionType || type === dataTypeDictionaryType) dropped.add(node.id);
+  }
+  for (const node of nodes.values()) {
+    // Properties of what goes.
+    if (node.references.some((r) => !r.forward && (r.type === 46 || r.type === 47) && dropped.has(r.target))) {
+      dropped.add(node.id);
+    }
+  }
+  const kept = new Map([...nodes].filter(([id]) => !dropped.has(id)));
+  for (const node of kept.values()) node.references = node.references.filter((r) => kept.has(r.target));
+  return kept;
+}
