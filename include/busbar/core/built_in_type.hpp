@@ -61,31 +61,31 @@ struct BuiltInTypeOf {
 };
 
 // clang-format off
-template <> struct BuiltInTypeOf<bool> { static constexpr auto value = BuiltInType::Boolean; };
-template <> struct BuiltInTypeOf<std::int8_t> { static constexpr auto value = BuiltInType::SByte; };
-template <> struct BuiltInTypeOf<std::uint8_t> { static constexpr auto value = BuiltInType::Byte; };
-template <> struct BuiltInTypeOf<std::int16_t> { static constexpr auto value = BuiltInType::Int16; };
-template <> struct BuiltInTypeOf<std::uint16_t> { static constexpr auto value = BuiltInType::UInt16; };
-template <> struct BuiltInTypeOf<std::int32_t> { static constexpr auto value = BuiltInType::Int32; };
-template <> struct BuiltInTypeOf<std::uint32_t> { static constexpr auto value = BuiltInType::UInt32; };
-template <> struct BuiltInTypeOf<std::int64_t> { static constexpr auto value = BuiltInType::Int64; };
-template <> struct BuiltInTypeOf<std::uint64_t> { static constexpr auto value = BuiltInType::UInt64; };
-template <> struct BuiltInTypeOf<float> { static constexpr auto value = BuiltInType::Float; };
-template <> struct BuiltInTypeOf<double> { static constexpr auto value = BuiltInType::Double; };
-template <> struct BuiltInTypeOf<String> { static constexpr auto value = BuiltInType::String; };
-template <> struct BuiltInTypeOf<DateTime> { static constexpr auto value = BuiltInType::DateTime; };
-template <> struct BuiltInTypeOf<Guid> { static constexpr auto value = BuiltInType::Guid; };
-template <> struct BuiltInTypeOf<ByteString> { static constexpr auto value = BuiltInType::ByteString; };
-template <> struct BuiltInTypeOf<XmlElement> { static constexpr auto value = BuiltInType::XmlElement; };
-template <> struct BuiltInTypeOf<NodeId> { static constexpr auto value = BuiltInType::NodeId; };
-template <> struct BuiltInTypeOf<ExpandedNodeId> { static constexpr auto value = BuiltInType::ExpandedNodeId; };
-template <> struct BuiltInTypeOf<StatusCode> { static constexpr auto value = BuiltInType::StatusCode; };
-template <> struct BuiltInTypeOf<QualifiedName> { static constexpr auto value = BuiltInType::QualifiedName; };
-template <> struct BuiltInTypeOf<LocalizedText> { static constexpr auto value = BuiltInType::LocalizedText; };
-template <> struct BuiltInTypeOf<ExtensionObject> { static constexpr auto value = BuiltInType::ExtensionObject; };
-template <> struct BuiltInTypeOf<DataValue> { static constexpr auto value = BuiltInType::DataValue; };
-template <> struct BuiltInTypeOf<Variant> { static constexpr auto value = BuiltInType::Variant; };
-template <> struct BuiltInTypeOf<DiagnosticInfo> { static constexpr auto value = BuiltInType::DiagnosticInfo; };
+template <> struct BuiltInTypeOf<bool> : BuiltInId<BuiltInType::Boolean> {};
+template <> struct BuiltInTypeOf<std::int8_t> : BuiltInId<BuiltInType::SByte> {};
+template <> struct BuiltInTypeOf<std::uint8_t> : BuiltInId<BuiltInType::Byte> {};
+template <> struct BuiltInTypeOf<std::int16_t> : BuiltInId<BuiltInType::Int16> {};
+template <> struct BuiltInTypeOf<std::uint16_t> : BuiltInId<BuiltInType::UInt16> {};
+template <> struct BuiltInTypeOf<std::int32_t> : BuiltInId<BuiltInType::Int32> {};
+template <> struct BuiltInTypeOf<std::uint32_t> : BuiltInId<BuiltInType::UInt32> {};
+template <> struct BuiltInTypeOf<std::int64_t> : BuiltInId<BuiltInType::Int64> {};
+template <> struct BuiltInTypeOf<std::uint64_t> : BuiltInId<BuiltInType::UInt64> {};
+template <> struct BuiltInTypeOf<float> : BuiltInId<BuiltInType::Float> {};
+template <> struct BuiltInTypeOf<double> : BuiltInId<BuiltInType::Double> {};
+template <> struct BuiltInTypeOf<String> : BuiltInId<BuiltInType::String> {};
+template <> struct BuiltInTypeOf<DateTime> : BuiltInId<BuiltInType::DateTime> {};
+template <> struct BuiltInTypeOf<Guid> : BuiltInId<BuiltInType::Guid> {};
+template <> struct BuiltInTypeOf<ByteString> : BuiltInId<BuiltInType::ByteString> {};
+template <> struct BuiltInTypeOf<XmlElement> : BuiltInId<BuiltInType::XmlElement> {};
+template <> struct BuiltInTypeOf<NodeId> : BuiltInId<BuiltInType::NodeId> {};
+template <> struct BuiltInTypeOf<ExpandedNodeId> : BuiltInId<BuiltInType::ExpandedNodeId> {};
+template <> struct BuiltInTypeOf<StatusCode> : BuiltInId<BuiltInType::StatusCode> {};
+template <> struct BuiltInTypeOf<QualifiedName> : BuiltInId<BuiltInType::QualifiedName> {};
+template <> struct BuiltInTypeOf<LocalizedText> : BuiltInId<BuiltInType::LocalizedText> {};
+template <> struct BuiltInTypeOf<ExtensionObject> : BuiltInId<BuiltInType::ExtensionObject> {};
+template <> struct BuiltInTypeOf<DataValue> : BuiltInId<BuiltInType::DataValue> {};
+template <> struct BuiltInTypeOf<Variant> : BuiltInId<BuiltInType::Variant> {};
+template <> struct BuiltInTypeOf<DiagnosticInfo> : BuiltInId<BuiltInType::DiagnosticInfo> {};
 // clang-format on
 
 } // namespace detail

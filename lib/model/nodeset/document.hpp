@@ -1,0 +1,186 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include <busbar/core/node_id.hpp>
+
+/// NodeSet2 files (Part 6, Annex F) as plain data. Used by the generator and by the model layer.
+namespace busbar::nodeset {
+
+/// The values of the NodeClass enumeration (Part 3, 8.29).
+enum class NodeClass : std::uint8_t {
+    Object = 1,
+    Variable = 2,
+    Method = 4,
+    ObjectType = 8,
+    VariableType = 16,
+    ReferenceType = 32,
+    DataType = 64,
+    View = 128,
+};
+
+/// "Variable"; the view is of constant data.
+[[nodiscard]] std::string_view name(NodeClass node_class);
+
+struct Reference {
+    NodeId type;
+    NodeId target;
+    bool is_forward{true};
+};
+
+/// One field of a DataType's Definition (Part 6, F.13). Of an enumeration or an option set, `value`
+/// is the number or the bit.
+struct Field {
+    std::string name;
+    std::string symbolic_name;
+    NodeId data_type{0, 24U};
+    std::int32_t value_rank{-1};
+    std::vector<std::uint32_t> array_dimensions;
+    std::uint32_t max_string_length{0};
+    std::int64_t value{-1};
+    bool is_optional{false};
+    bool allow_sub_types{false};
+    std::uint32_t line{0};
+};
+
+/// The Definition of a DataType (Part 6, F.12).
+struct Definition {
+    std::string name;
+    std::vector<Field> fields;
+    bool is_union{false};
+    bool is_option_set{false};
+};
+
+/// An XML element below <Value>: local name without prefix, text, children.
+struct Element {
+    std::string name;
+    std::string text;
+    std::vector<Element> children;
+    std::uint32_t line{0};
+    /// xsi:nil="true", or no child nodes at all.
+    bool is_nil{false};
+
+    /// The first child of that local name, or null.
+    [[nodiscard]] const Element* child(std::string_view local_name) const;
+};
+
+struct LocalizedText {
+    std::string locale;
+    std::string text;
+};
+
+/// One node with the attributes of every NodeClass; those that do not apply have their defaults
+/// (Part 6, F.4 to F.11). Every namespace index is one of Document::namespaces.
+struct Node {
+    NodeId id;
+    NodeClass node_class{NodeClass::Object};
+    std::uint16_t browse_namespace{0};
+    std::string browse_name;
+    std::string symbolic_name;
+    /// Text is never empty: the BrowseName when the file gives none.
+    LocalizedText display_name;
+    LocalizedText description;
+    LocalizedText inverse_name;
+    std::vector<Reference> references;
+    NodeId parent;
+    std::uint32_t write_mask{0};
+
+    // Variable and VariableType
+    NodeId data_type{0, 24U};
+    std::int32_t value_rank{-1};
+    std::vector<std::uint32_t> array_dimensions;
+    std::optional<Element> value;
+    std::uint32_t access_level{1};
+    double minimum_sampling_interval{0};
+    bool historizing{false};
+
+    // Types
+    bool is_abstract{false};
+    bool symmetric{false};
+    std::optional<Definition> definition;
+
+    // Object and View, Method
+    std::uint8_t event_notifier{0};
+    bool contains_no_loops{false};
+    bool executable{true};
+    NodeId method_declaration;
+
+    /// Where the file has it.
+    std::uint32_t file{0};
+    std::uint32_t line{0};
+};
+
+/// What went wrong, for a person: "tags.xml:17: found NodeId \"i=x\", expected ...".
+struct Error {
+    std::string file;
+    /// 0 when the file as a whole is meant.
+    std::uint32_t line{0};
+    std::string message;
+
+    [[nodiscard]] std::string text() const;
+};
+
+/// What a file may contain. Files come from users.
+struct Limits {
+    std::size_t max_file_size{256U << 20U};
+    std::size_t max_nodes{1'000'000};
+    std::size_t max_references{8'000'000};
+    std::size_t max_aliases{100'000};
+    std::size_t max_namespaces{1'000};
+    std::size_t max_fields{4'096};
+    /// Levels of elements in a <Value>.
+    std::size_t max_value_depth{64};
+    /// Elements below all <Value>s of a file.
+    std::size_t max_value_elements{4'000'000};
+    /// Errors of one load that are kept.
+    std::size_t max_errors{100};
+};
+
+/// A <Model> of a file with what it says it requires.
+struct Model {
+    std::string uri;
+    std::string version;
+    std::string publication_date;
+    std::vector<Model> required;
+};
+
+/// Any number of NodeSet2 files, with one table of namespaces. Thread-compatible.
+class Document {
+public:
+    explicit Document(const Limits& limits = {}) : limits_{limits} {}
+
+    /// Adds the nodes of the file at `path`. With errors the document keeps what it understood
+    /// and must not be used.
+    [[nodiscard]] std::vector<Error> load_file(const std::string& path);
+    /// The same for text in memory; `name` is used in messages.
+    [[nodiscard]] std::vector<Error> load_text(std::string_view text, const std::string& name);
+
+    /// Index 0 is "http://opcfoundation.org/UA/"; others in the order in which files name them.
+    [[nodiscard]] const std::vector<std::string>& namespaces() const { return namespaces_; }
+    [[nodiscard]] std::optional<std::uint16_t> namespace_index(std::string_view uri) const;
+    /// In the order of the files.
+    [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
+    [[nodiscard]] const std::vector<Model>& models() const { return models_; }
+    [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
+    [[nodiscard]] const Node* find(const NodeId& id) const;
+
+private:
+    friend class FileReader;
+
+    Limits limits_;
+    std::vector<std::string> namespaces_{"http://opcfoundation.org/UA/"};
+    std::vector<Node> nodes_;
+    std::vector<Model> models_;
+    std::vector<std::string> files_;
+    std::unordered_map<NodeId, std::size_t> by_id_;
+};
+
+} // namespace busbar::nodeset

@@ -1,0 +1,213 @@
+#include "rules.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <regex>
+
+namespace busbar::tidy {
+
+namespace {
+
+struct Layer {
+    std::string_view name;
+    std::string_view may_include; // with blanks around each
+};
+
+constexpr std::array layers = {
+    Layer{"core", " core "},
+    Layer{"binary", " core binary types "},
+    Layer{"crypto", " core crypto "},
+    Layer{"channel", " core binary types crypto channel "},
+    Layer{"model", " core binary types model nodes "},
+    Layer{"server", " core binary types crypto channel model nodes server "},
+    Layer{"client", " core binary types crypto channel client "},
+    Layer{"net", " core binary types crypto channel model nodes server client net "},
+    Layer{"controller", " core binary types crypto channel model nodes server controller "},
+};
+
+constexpr std::size_t max_file_lines = 700;
+constexpr std::size_t max_function_lines = 70;
+constexpr std::size_t max_columns = 100;
+
+bool starts_with(std::string_view text, std::string_view prefix)
+{
+    return text.substr(0, prefix.size()) == prefix;
+}
+
+/// The layer that `path` belongs to: lib/<layer>/... or include/busbar/<layer>/...
+const Layer* layer_of(std::string_view path)
+{
+    for (const std::string_view root : {"lib/", "include/busbar/"}) {
+        if (!starts_with(path, root)) {
+            continue;
+        }
+        const std::string_view rest = path.substr(root.size());
+        const std::string_view name = rest.substr(0, rest.find('/'));
+        const auto found = std::find_if(layers.begin(), layers.end(),
+                                        [&](const Layer& layer) { return layer.name == name; });
+        return found == layers.end() ? nullptr : &*found;
+    }
+    return nullptr;
+}
+
+void report(const File& file, std::size_t line, std::string_view what, Findings& findings)
+{
+    findings.push_back(file.path + ":" + std::to_string(line + 1) + ": " + std::string{what});
+}
+
+/// Columns as a reader counts them: UTF-8 continuation bytes take none.
+std::size_t columns(std::string_view line)
+{
+    return static_cast<std::size_t>(std::count_if(line.begin(), line.end(), [](char c) {
+        return (static_cast<unsigned>(c) & 0xC0U) != 0x80U;
+    }));
+}
+
+/// The house format puts a function's braces alone on a line, and only a function's.
+std::optional<std::size_t> function_end(const File& file, std::size_t line)
+{
+    const std::string& open = file.lines[line];
+    const std::size_t indent = open.find_first_not_of(' ');
+    if (indent == std::string::npos || open.substr(indent) != "{") {
+        return std::nullopt;
+    }
+    const std::string close = open.substr(0, indent) + "}";
+    for (std::size_t end = line + 1; end < file.lines.size(); ++end) {
+        if (starts_with(file.lines[end], close)) {
+            return end;
+        }
+    }
+    return std::nullopt;
+}
+
+struct Ban {
+    const char* pattern;
+    const char* reason;
+    bool (*applies)(std::string_view path);
+};
+
+bool in_library(std::string_view path)
+{
+    return layer_of(path) != nullptr;
+}
+
+bool below_net(std::string_view path)
+{
+    const Layer* layer = layer_of(path);
+    return layer != nullptr && layer->name != "net" && layer->name != "controller";
+}
+
+bool on_wire_data(std::string_view path)
+{
+    const Layer* layer = layer_of(path);
+    const bool is_codec = path == "include/busbar/binary/reader.hpp" ||
+                          path == "include/busbar/binary/writer.hpp" ||
+                          path == "lib/binary/writer.cpp";
+    return layer != nullptr && !is_codec &&
+           (layer->name == "binary" || layer->name == "channel" || layer->name == "client");
+}
+
+const std::array bans = {
+    Ban{R"(\bs?rand\s*\()", "rand: use the injected Random", in_library},
+    Ban{R"(\bassert\s*\()", "assert: input is checked with a status", in_library},
+    Ban{R"(\babort\s*\()", "abort: the library never ends the process", in_library},
+    Ban{R"((system|steady)_clock::now)", "a clock below net: time is passed in", below_net},
+    Ban{R"(sleep_(for|until)|\busleep\b)", "sleeping below net", below_net},
+    Ban{R"(std::(jthread|thread)\b)", "a thread below net", below_net},
+    Ban{R"(\bmemcpy\s*\()", "memcpy on wire data outside Reader and Writer", on_wire_data},
+    Ban{R"(#include <iostream>)", "iostream in the library", below_net},
+    Ban{R"(\b(dynamic_cast|typeid)\b)", "RTTI in a layer that is built without", below_net},
+};
+
+} // namespace
+
+File make_file(std::string path, std::string_view text)
+{
+    File file{std::move(path), {}};
+    while (!text.empty()) {
+        const std::size_t end = text.find('\n');
+        file.lines.emplace_back(text.substr(0, end));
+        text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    }
+    return file;
+}
+
+void check_includes(const File& file, Findings& findings)
+{
+    const Layer* layer = layer_of(file.path);
+    if (layer == nullptr) {
+        return;
+    }
+    static const std::regex include{R"re(^#include [<"](?:busbar/)?([a-z0-9_]+)/)re"};
+    for (std::size_t i = 0; i < file.lines.size(); ++i) {
+        std::smatch match;
+        if (!std::regex_search(file.lines[i], match, include)) {
+            continue;
+        }
+        const std::string name = match[1];
+        const bool is_layer = std::any_of(layers.begin(), layers.end(),
+                                          [&](const Layer& l) { return l.name == name; });
+        if (is_layer && layer->may_include.find(" " + name + " ") == std::string_view::npos) {
+            report(file, i, std::string{layer->name} + " must not include " + name, findings);
+        }
+    }
+}
+
+void check_lengths(const File& file, Findings& findings)
+{
+    if (file.lines.size() > max_file_lines) {
+        report(file, file.lines.size() - 1, "the file is longer than 700 lines", findings);
+    }
+    for (std::size_t i = 0; i < file.lines.size(); ++i) {
+        if (columns(file.lines[i]) > max_columns) {
+            report(file, i, "the line is longer than 100 columns", findings);
+        }
+        const auto end = function_end(file, i);
+        if (end && *end - i - 1 > max_function_lines) {
+            report(file, i, "the function is longer than 70 lines", findings);
+        }
+    }
+}
+
+void check_calls(const File& file, Findings& findings)
+{
+    for (const Ban& ban : bans) {
+        if (!ban.applies(file.path)) {
+            continue;
+        }
+        const std::regex pattern{ban.pattern};
+        for (std::size_t i = 0; i < file.lines.size(); ++i) {
+            const std::string code = file.lines[i].substr(0, file.lines[i].find("//"));
+            if (std::regex_search(code, pattern)) {
+                report(file, i, ban.reason, findings);
+            }
+        }
+    }
+}
+
+void check_traces(const File& file, Findings& findings)
+{
+    static const std::regex machine_path{R"((^|[^\w])/(home|root|Users|work|mnt|tmp)/\w)"};
+    for (std::size_t i = 0; i < file.lines.size(); ++i) {
+        if (std::regex_search(file.lines[i], machine_path)) {
+            report(file, i, "a path of a machine", findings);
+        }
+    }
+    const bool is_header = file.path.size() > 4 && file.path.substr(file.path.size() - 4) == ".hpp";
+    if (is_header && (file.lines.empty() || file.lines[0] != "#pragma once")) {
+        report(file, 0, "a header begins with #pragma once", findings);
+    }
+}
+
+Findings check(const File& file)
+{
+    Findings findings;
+    check_includes(file, findings);
+    check_lengths(file, findings);
+    check_calls(file, findings);
+    check_traces(file, findings);
+    return findings;
+}
+
+} // namespace busbar::tidy

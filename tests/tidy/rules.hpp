@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace busbar::tidy {
+
+/// One source file: its path from the project's root, with '/', and its lines.
+struct File {
+    std::string path;
+    std::vector<std::string> lines;
+};
+
+/// "lib/core/x.cpp:12: what is wrong".
+using Findings = std::vector<std::string>;
+
+[[nodiscard]] File make_file(std::string path, std::string_view text);
+
+/// An include of a layer that stands below the file's own, or is not among what it may use.
+void check_includes(const File& file, Findings& findings);
+/// Files past 700 lines, functions past 70, lines past 100 columns.
+void check_lengths(const File& file, Findings& findings);
+/// Calls that the layer must not make.
+void check_calls(const File& file, Findings& findings);
+/// Absolute paths of somebody's machine, and headers that can be included twice.
+void check_traces(const File& file, Findings& findings);
+
+/// All rules.
+[[nodiscard]] Findings check(const File& file);
+
+} // namespace busbar::tidy

@@ -1,0 +1,113 @@
+#include <catch2/catch.hpp>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "rules.hpp"
+
+using namespace busbar;
+using tidy::make_file;
+
+namespace {
+
+tidy::File read(const std::filesystem::path& path, const std::filesystem::path& root)
+{
+    std::ostringstream text;
+    text << std::ifstream{path}.rdbuf();
+    return make_file(std::filesystem::relative(path, root).generic_string(), text.str());
+}
+
+bool is_source(const std::filesystem::path& path)
+{
+    return path.extension() == ".cpp" || path.extension() == ".hpp";
+}
+
+std::string text_of(const tidy::Findings& findings)
+{
+    std::string text;
+    for (const std::string& finding : findings) {
+        text += finding + "\n";
+    }
+    return text;
+}
+
+} // namespace
+
+TEST_CASE("the sources keep the house rules", "[tidy]")
+{
+    const std::filesystem::path root{BUSBAR_SOURCE_DIR};
+    std::size_t files = 0;
+    for (const char* folder :
+         {"lib", "include", "examples", "benchmarks", "fuzz", "tests", "schemas/generator"}) {
+        if (!std::filesystem::exists(root / folder)) {
+            continue;
+        }
+        for (const auto& entry : std::filesystem::recursive_directory_iterator{root / folder}) {
+            if (entry.is_regular_file() && is_source(entry.path())) {
+                ++files;
+                CHECK(text_of(tidy::check(read(entry.path(), root))) == "");
+            }
+        }
+    }
+    CHECK(files > 40);
+}
+
+TEST_CASE("every layer has a README of at most 40 lines", "[tidy]")
+{
+    const std::filesystem::path root{BUSBAR_SOURCE_DIR};
+    for (const auto& entry : std::filesystem::directory_iterator{root / "lib"}) {
+        if (!entry.is_directory() || std::filesystem::is_empty(entry.path())) {
+            continue;
+        }
+        INFO(entry.path().filename().string());
+        const auto readme = read(entry.path() / "README.md", root);
+        CHECK_FALSE(readme.lines.empty());
+        CHECK(readme.lines.size() <= 40);
+    }
+}
+
+TEST_CASE("an include against the layer order is found", "[tidy]")
+{
+    const auto bad = make_file("lib/channel/x.cpp", "#include <busbar/server/server.hpp>\n");
+    CHECK(tidy::check(bad).size() == 1);
+    const auto inner = make_file("lib/core/x.cpp", "#include \"binary/x.hpp\"\n");
+    CHECK(tidy::check(inner).size() == 1);
+    const auto good = make_file("lib/server/x.cpp", "#include <busbar/channel/channel.hpp>\n");
+    CHECK(tidy::check(good).empty());
+}
+
+TEST_CASE("what is too long is found", "[tidy]")
+{
+    std::string body = "void f()\n{\n";
+    for (int i = 0; i < 71; ++i) {
+        body += "    g();\n";
+    }
+    CHECK(tidy::check(make_file("lib/core/x.cpp", body + "}\n")).size() == 1);
+    CHECK(tidy::check(make_file("lib/core/x.cpp", std::string(101, 'x') + "\n")).size() == 1);
+    std::string lines;
+    for (int i = 0; i < 701; ++i) {
+        lines += "int x;\n";
+    }
+    CHECK(tidy::check(make_file("tests/x.cpp", lines)).size() == 1);
+}
+
+TEST_CASE("banned calls and traces are found where they are banned", "[tidy]")
+{
+    const auto count = [](const char* path, const char* text) {
+        return tidy::check(make_file(path, text)).size();
+    };
+    CHECK(count("lib/server/x.cpp", "auto t = std::chrono::steady_clock::"
+                                    "now();\n") == 1);
+    CHECK(count("lib/net/x.cpp", "auto t = std::chrono::steady_clock::"
+                                 "now();\n") == 0);
+    CHECK(count("lib/channel/x.cpp", "std::memcpy(a, b, 4);\n") == 1);
+    CHECK(count("lib/core/x.cpp", "// std::rand() is not used\n") == 0);
+    CHECK(count("lib/core/x.cpp", "int i = rand();\n") == 1);
+    CHECK(count("lib/core/x.cpp", "assert(size > 0);\n") == 1);
+    CHECK(count("lib/core/x.cpp", "static_assert(true);\n") == 0);
+    CHECK(count("lib/core/x.cpp", "auto p = \"/ho"
+                                  "me/me\";\n") == 1);
+    CHECK(count("lib/core/x.hpp", "int i;\n") == 1);
+}
