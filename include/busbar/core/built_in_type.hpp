@@ -56,6 +56,9 @@ struct DiagnosticInfo;
 
 namespace detail {
 
+template <BuiltInType Id>
+using BuiltInId = std::integral_constant<BuiltInType, Id>;
+
 template <typename T>
 struct BuiltInTypeOf {
 };
