@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/core/date_time.hpp>
+#include <busbar/core/result.hpp>
+
+// OpenSSL's X509, which no public header includes.
+struct x509_st;
+
+namespace busbar::crypto {
+
+/// One X.509 v3 ApplicationInstanceCertificate (Part 6, 6.2.2). Immutable; copies share.
+class Certificate {
+public:
+    /// Exactly one DER certificate; Bad_CertificateInvalid for anything else.
+    [[nodiscard]] static Result<Certificate> parse(std::span<const std::byte> der);
+    /// PEM or DER, as files have it.
+    [[nodiscard]] static Result<Certificate> parse_file(std::span<const std::byte> contents);
+
+    [[nodiscard]] std::span<const std::byte> der() const { return *der_; }
+    /// SHA-1 of the DER form, 20 bytes (Part 6, 6.7.2.3).
+    [[nodiscard]] std::vector<std::byte> thumbprint() const;
+    /// The same in upper-case hexadecimal.
+    [[nodiscard]] std::string thumbprint_text() const;
+    /// "CN=Name,O=..." for people.
+    [[nodiscard]] std::string subject() const;
+    /// The first URI of subjectAltName; empty if there is none.
+    [[nodiscard]] std::string application_uri() const;
+    /// DNS names and IP addresses of subjectAltName.
+    [[nodiscard]] std::vector<std::string> host_names() const;
+    [[nodiscard]] DateTime valid_from() const;
+    [[nodiscard]] DateTime valid_to() const;
+    /// Size of the RSA modulus; 0 for a key that is not RSA.
+    [[nodiscard]] std::uint32_t key_bits() const;
+    [[nodiscard]] std::size_t key_size() const { return (key_bits() + 7) / 8; }
+
+    [[nodiscard]] x509_st* native() const { return x509_.get(); }
+
+    friend bool operator==(const Certificate& a, const Certificate& b)
+    {
+        return *a.der_ == *b.der_;
+    }
+
+private:
+    Certificate(std::shared_ptr<x509_st> x509, std::vector<std::byte> der);
+
+    std::shared_ptr<x509_st> x509_;
+    std::shared_ptr<const std::vector<std::byte>> der_;
+};
+
+/// A leaf certificate and, behind it, those that signed it (Part 6, 6.2.6).
+using CertificateChain = std::vector<Certificate>;
+
+inline constexpr std::size_t max_chain_length = 10;
+
+/// Splits concatenated DER certificates; Bad_CertificateInvalid if there is none, something else is
+/// among them or they are more than max_chain_length.
+[[nodiscard]] Result<CertificateChain> parse_chain(std::span<const std::byte> der);
+
+} // namespace busbar::crypto

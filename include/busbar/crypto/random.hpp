@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include <busbar/core/result.hpp>
+
+namespace busbar::crypto {
+
+/// Where nonces, tokens and ids come from; injected so that a test can repeat a run.
+class Random {
+public:
+    Random() = default;
+    Random(const Random&) = delete;
+    Random& operator=(const Random&) = delete;
+    virtual ~Random() = default;
+
+    /// Fills `bytes` with unpredictable ones; Bad_ResourceUnavailable if the source has none.
+    [[nodiscard]] virtual Result<void> fill(std::span<std::byte> bytes) = 0;
+};
+
+/// OpenSSL's generator. Any thread.
+class SystemRandom final : public Random {
+public:
+    [[nodiscard]] Result<void> fill(std::span<std::byte> bytes) override;
+};
+
+} // namespace busbar::crypto

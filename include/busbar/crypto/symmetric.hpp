@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+
+#include <busbar/core/result.hpp>
+#include <busbar/crypto/secret.hpp>
+#include <busbar/crypto/security_policy.hpp>
+
+namespace busbar::crypto {
+
+/// The keys of one direction of a channel (Part 6, 6.7.5).
+struct SymmetricKeys {
+    Secret signing_key;
+    Secret encrypting_key;
+    Secret initialization_vector;
+};
+
+/// Derives keys with P_SHA256. For the client's keys the secret is the server's nonce and the seed
+/// the client's; for the server's the other way round (Part 6, 6.7.5, table 66).
+[[nodiscard]] Result<SymmetricKeys> derive_keys(const SecurityPolicy& policy,
+                                                std::span<const std::byte> secret,
+                                                std::span<const std::byte> seed);
+
+/// AES-CBC and HMAC-SHA256 with prepared keys: a chunk costs its bytes and no key schedule.
+/// Move-only, one thread at a time, does not allocate after create().
+class SymmetricCipher {
+public:
+    [[nodiscard]] static Result<SymmetricCipher> create(const SecurityPolicy& policy,
+                                                        const SymmetricKeys& keys);
+    SymmetricCipher(SymmetricCipher&&) noexcept;
+    SymmetricCipher& operator=(SymmetricCipher&&) noexcept;
+    ~SymmetricCipher();
+
+    /// Writes the signature of `data`; `signature` has the policy's symmetric_signature_size.
+    [[nodiscard]] bool sign(std::span<const std::byte> data, std::span<std::byte> signature);
+    /// True if `signature` is that of `data`; compared in constant time.
+    [[nodiscard]] bool verify(std::span<const std::byte> data,
+                              std::span<const std::byte> signature);
+    /// In place; false unless the size is a multiple of the block size.
+    [[nodiscard]] bool encrypt(std::span<std::byte> data);
+    [[nodiscard]] bool decrypt(std::span<std::byte> data);
+
+private:
+    struct Contexts;
+    explicit SymmetricCipher(std::unique_ptr<Contexts> contexts);
+
+    std::unique_ptr<Contexts> contexts_;
+};
+
+} // namespace busbar::crypto

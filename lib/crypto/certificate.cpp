@@ -1,0 +1,201 @@
+#include <busbar/crypto/certificate.hpp>
+
+#include <array>
+#include <climits>
+
+#include <openssl/pem.h>
+
+#include "openssl.hpp"
+
+namespace busbar::crypto {
+
+namespace {
+
+constexpr std::size_t max_certificate_size = 32'768;
+
+detail::GeneralNames alternative_names(X509* certificate)
+{
+    return detail::GeneralNames{static_cast<GENERAL_NAMES*>(
+        X509_get_ext_d2i(certificate, NID_subject_alt_name, nullptr, nullptr))};
+}
+
+std::string text_of(const ASN1_STRING* text)
+{
+    return {reinterpret_cast<const char*>(ASN1_STRING_get0_data(text)),
+            static_cast<std::size_t>(ASN1_STRING_length(text))};
+}
+
+std::string address_text(const ASN1_OCTET_STRING* address)
+{
+    const auto bytes = text_of(address);
+    std::string text;
+    if (bytes.size() == 4) {
+        for (const char byte : bytes) {
+            text += (text.empty() ? "" : ".") + std::to_string(static_cast<unsigned char>(byte));
+        }
+        return text;
+    }
+    constexpr std::string_view digits = "0123456789abcdef";
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+        const auto byte = static_cast<unsigned char>(bytes[i]);
+        text += i != 0 && i % 2 == 0 ? ":" : "";
+        text += digits[byte >> 4U];
+        text += digits[byte & 15U];
+    }
+    return text;
+}
+
+DateTime date_time_of(const ASN1_TIME* time)
+{
+    std::tm parts{};
+    if (ASN1_TIME_to_tm(time, &parts) != 1) {
+        return {};
+    }
+    return DateTime::from_unix_seconds(timegm(&parts));
+}
+
+} // namespace
+
+Certificate::Certificate(std::shared_ptr<x509_st> x509, std::vector<std::byte> der)
+    : x509_{std::move(x509)}, der_{std::make_shared<const std::vector<std::byte>>(std::move(der))}
+{
+}
+
+Result<Certificate> Certificate::parse(std::span<const std::byte> der)
+{
+    const unsigned char* at = detail::bytes_of(der);
+    detail::X509Pointer x509{der.empty() || der.size() > max_certificate_size
+                                 ? nullptr
+                                 : d2i_X509(nullptr, &at, static_cast<long>(der.size()))};
+    if (!x509 || at != detail::bytes_of(der) + der.size() ||
+        X509_get0_pubkey(x509.get()) == nullptr) {
+        return fail(status::Bad_CertificateInvalid);
+    }
+    return Certificate{std::shared_ptr<x509_st>{std::move(x509)}, {der.begin(), der.end()}};
+}
+
+Result<Certificate> Certificate::parse_file(std::span<const std::byte> contents)
+{
+    const detail::Bio bio = detail::memory_bio(contents);
+    const detail::X509Pointer x509{bio ? PEM_read_bio_X509(bio.get(), nullptr, nullptr, nullptr)
+                                       : nullptr};
+    if (!x509) {
+        return parse(contents);
+    }
+    unsigned char* der = nullptr;
+    const int size = i2d_X509(x509.get(), &der);
+    if (size <= 0) {
+        return fail(status::Bad_CertificateInvalid);
+    }
+    auto result = parse(std::as_bytes(std::span{der, static_cast<std::size_t>(size)}));
+    OPENSSL_free(der);
+    return result;
+}
+
+std::vector<std::byte> Certificate::thumbprint() const
+{
+    std::vector<std::byte> digest(20);
+    EVP_Digest(der_->data(), der_->size(), detail::bytes_of(std::span{digest}), nullptr, EVP_sha1(),
+               nullptr);
+    return digest;
+}
+
+std::string Certificate::thumbprint_text() const
+{
+    constexpr std::string_view digits = "0123456789ABCDEF";
+    std::string text;
+    for (const std::byte byte : thumbprint()) {
+        text += digits[std::to_integer<unsigned>(byte) >> 4U];
+        text += digits[std::to_integer<unsigned>(byte) & 15U];
+    }
+    return text;
+}
+
+std::string Certificate::subject() const
+{
+    const detail::Bio bio{BIO_new(BIO_s_mem())};
+    if (!bio || X509_NAME_print_ex(bio.get(), X509_get_subject_name(x509_.get()), 0,
+                                   XN_FLAG_ONELINE & ~XN_FLAG_SPC_EQ) < 0) {
+        return {};
+    }
+    char* text = nullptr;
+    const long size = BIO_get_mem_data(bio.get(), &text);
+    return size <= 0 ? std::string{} : std::string{text, static_cast<std::size_t>(size)};
+}
+
+std::string Certificate::application_uri() const
+{
+    const auto names = alternative_names(x509_.get());
+    for (int i = 0; i < sk_GENERAL_NAME_num(names.get()); ++i) {
+        const GENERAL_NAME* name = sk_GENERAL_NAME_value(names.get(), i);
+        if (name->type == GEN_URI) {
+            return text_of(name->d.uniformResourceIdentifier);
+        }
+    }
+    return {};
+}
+
+std::vector<std::string> Certificate::host_names() const
+{
+    std::vector<std::string> result;
+    const auto names = alternative_names(x509_.get());
+    for (int i = 0; i < sk_GENERAL_NAME_num(names.get()); ++i) {
+        const GENERAL_NAME* name = sk_GENERAL_NAME_value(names.get(), i);
+        if (name->type == GEN_DNS) {
+            result.push_back(text_of(name->d.dNSName));
+        } else if (name->type == GEN_IPADD) {
+            result.push_back(address_text(name->d.iPAddress));
+        }
+    }
+    return result;
+}
+
+DateTime Certificate::valid_from() const
+{
+    return date_time_of(X509_get0_notBefore(x509_.get()));
+}
+
+DateTime Certificate::valid_to() const
+{
+    return date_time_of(X509_get0_notAfter(x509_.get()));
+}
+
+std::uint32_t Certificate::key_bits() const
+{
+    const EVP_PKEY* key = X509_get0_pubkey(x509_.get());
+    if (EVP_PKEY_get_base_id(key) != EVP_PKEY_RSA) {
+        return 0;
+    }
+    return static_cast<std::uint32_t>(EVP_PKEY_get_bits(key));
+}
+
+Result<CertificateChain> parse_chain(std::span<const std::byte> der)
+{
+    CertificateChain chain;
+    while (!der.empty()) {
+        // A certificate is a SEQUENCE, whose length tells where the next one begins.
+        const unsigned char* at = detail::bytes_of(der);
+        long size = 0;
+        int tag = 0;
+        int type = 0;
+        const unsigned char* begin = at;
+        const int flags = ASN1_get_object(&at, &size, &tag, &type, static_cast<long>(der.size()));
+        const auto total = static_cast<std::size_t>(at - begin) + static_cast<std::size_t>(size);
+        if ((flags & 0x80) != 0 || size < 0 || total > der.size() ||
+            chain.size() == max_chain_length) {
+            return fail(status::Bad_CertificateInvalid);
+        }
+        auto certificate = Certificate::parse(der.first(total));
+        if (!certificate) {
+            return fail(certificate.error());
+        }
+        chain.push_back(*std::move(certificate));
+        der = der.subspan(total);
+    }
+    if (chain.empty()) {
+        return fail(status::Bad_CertificateInvalid);
+    }
+    return chain;
+}
+
+} // namespace busbar::crypto

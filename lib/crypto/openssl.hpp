@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+
+#include <openssl/bio.h>
+#include <openssl/evp.h>
+#include <openssl/x509.h>
+#include <openssl/x509v3.h>
+
+/// Owners for OpenSSL's objects and casts to its bytes.
+namespace busbar::crypto::detail {
+
+template <auto Free>
+struct FreeWith {
+    template <typename T>
+    void operator()(T* object) const
+    {
+        Free(object);
+    }
+};
+
+using Bio = std::unique_ptr<BIO, FreeWith<BIO_free_all>>;
+using Pkey = std::unique_ptr<EVP_PKEY, FreeWith<EVP_PKEY_free>>;
+using PkeyContext = std::unique_ptr<EVP_PKEY_CTX, FreeWith<EVP_PKEY_CTX_free>>;
+using DigestContext = std::unique_ptr<EVP_MD_CTX, FreeWith<EVP_MD_CTX_free>>;
+using CipherContext = std::unique_ptr<EVP_CIPHER_CTX, FreeWith<EVP_CIPHER_CTX_free>>;
+using Mac = std::unique_ptr<EVP_MAC, FreeWith<EVP_MAC_free>>;
+using MacContext = std::unique_ptr<EVP_MAC_CTX, FreeWith<EVP_MAC_CTX_free>>;
+using X509Pointer = std::unique_ptr<X509, FreeWith<X509_free>>;
+using GeneralNames = std::unique_ptr<GENERAL_NAMES, FreeWith<GENERAL_NAMES_free>>;
+using Extension = std::unique_ptr<X509_EXTENSION, FreeWith<X509_EXTENSION_free>>;
+
+inline const unsigned char* bytes_of(std::span<const std::byte> bytes)
+{
+    return reinterpret_cast<const unsigned char*>(bytes.data());
+}
+
+inline unsigned char* bytes_of(std::span<std::byte> bytes)
+{
+    return reinterpret_cast<unsigned char*>(bytes.data());
+}
+
+/// Bytes that a read-only BIO reads.
+Bio memory_bio(std::span<const std::byte> bytes);
+
+} // namespace busbar::crypto::detail

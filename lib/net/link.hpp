@@ -1,0 +1,194 @@
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <span>
+#include <utility>
+
+#include <asio/ip/tcp.hpp>
+#include <asio/steady_timer.hpp>
+
+#include <busbar/core/clock.hpp>
+#include <busbar/core/result.hpp>
+
+namespace busbar::net::detail {
+
+/// The shape all engines share.
+template <typename E>
+concept Engine = requires(E& engine, std::span<const std::byte> in, TimePoint now, std::size_t n) {
+    { engine.feed(in, now) } -> std::same_as<Result<void>>;
+    { engine.output() } -> std::convertible_to<std::span<const std::byte>>;
+    engine.consume(n);
+    { engine.next_deadline() } -> std::same_as<TimePoint>;
+    engine.handle_deadline(now);
+    { engine.is_closed() } -> std::same_as<bool>;
+};
+
+inline TimePoint now()
+{
+    return std::chrono::time_point_cast<Duration>(std::chrono::steady_clock::now());
+}
+
+/// One TCP connection and the engine that speaks on it. Lives as long as its handlers do.
+///
+/// Reading stops while the peer does not take what is to be sent: a peer that asks and never
+/// reads holds one response and the socket's buffers, not more. All calls on the loop's thread.
+template <Engine E>
+class Link : public std::enable_shared_from_this<Link<E>> {
+public:
+    using Handler = std::function<void(Link&)>;
+
+    /// `on_change` is called after the engine was fed or its deadline handled, `on_end` once when
+    /// the connection is gone.
+    Link(asio::ip::tcp::socket socket, E& engine, Handler on_change, Handler on_end)
+        : socket_{std::move(socket)}, timer_{socket_.get_executor()}, engine_{&engine},
+          on_change_{std::move(on_change)}, on_end_{std::move(on_end)}
+    {}
+
+    void start()
+    {
+        std::error_code ignored;
+        socket_.non_blocking(true, ignored);
+        socket_.set_option(asio::ip::tcp::no_delay{true}, ignored);
+        pump();
+    }
+
+    /// Sends what the engine has to send, and waits for whatever comes next.
+    void pump()
+    {
+        if (has_ended_) {
+            return;
+        }
+        if (!send()) {
+            end();
+            return;
+        }
+        if (engine_->is_closed() && engine_->output().empty()) {
+            end();
+            return;
+        }
+        wait_for_input();
+        wait_for_deadline();
+    }
+
+    /// Drops the connection at once; on_end is called.
+    void end()
+    {
+        if (std::exchange(has_ended_, true)) {
+            return;
+        }
+        std::error_code ignored;
+        timer_.cancel();
+        socket_.shutdown(asio::ip::tcp::socket::shutdown_both, ignored);
+        socket_.close(ignored);
+        const Handler on_end = std::exchange(on_end_, nullptr);
+        on_change_ = nullptr;
+        on_end(*this);
+    }
+
+    [[nodiscard]] E& engine() { return *engine_; }
+
+private:
+    /// Writes until all is sent or the socket takes no more. False when the connection is broken.
+    bool send()
+    {
+        for (auto out = engine_->output(); !out.empty() && !is_writing_; out = engine_->output()) {
+            std::error_code error;
+            const std::size_t sent = socket_.write_some(asio::buffer(out.data(), out.size()), error);
+            if (error == asio::error::would_block) {
+                wait_for_room();
+                return true;
+            }
+            if (error) {
+                return false;
+            }
+            engine_->consume(sent);
+        }
+        return true;
+    }
+
+    void wait_for_room()
+    {
+        is_writing_ = true;
+        socket_.async_wait(asio::ip::tcp::socket::wait_write,
+                           [self = this->shared_from_this()](std::error_code error) {
+                               self->is_writing_ = false;
+                               error ? self->end() : self->pump();
+                           });
+    }
+
+    void wait_for_input()
+    {
+        if (is_reading_ || is_writing_) {
+            return;
+        }
+        is_reading_ = true;
+        socket_.async_wait(asio::ip::tcp::socket::wait_read,
+                           [self = this->shared_from_this()](std::error_code error) {
+                               self->is_reading_ = false;
+                               error ? self->end() : self->receive();
+                           });
+    }
+
+    void receive()
+    {
+        std::error_code error;
+        const std::size_t size = socket_.read_some(asio::buffer(buffer_), error);
+        if (error == asio::error::would_block) {
+            pump();
+            return;
+        }
+        if (error) {
+            end();
+            return;
+        }
+        // A refused input leaves an Error message to send; is_closed() ends the link after it.
+        static_cast<void>(engine_->feed(std::span{buffer_}.first(size), now()));
+        changed();
+    }
+
+    void wait_for_deadline()
+    {
+        const TimePoint deadline = engine_->next_deadline();
+        if (deadline == awaited_) {
+            return;
+        }
+        awaited_ = deadline;
+        timer_.cancel();
+        if (deadline == no_deadline) {
+            return;
+        }
+        timer_.expires_at(deadline);
+        timer_.async_wait([self = this->shared_from_this()](std::error_code error) {
+            if (!error && !self->has_ended_) {
+                self->awaited_ = no_deadline;
+                self->engine_->handle_deadline(now());
+                self->changed();
+            }
+        });
+    }
+
+    void changed()
+    {
+        if (on_change_) {
+            on_change_(*this);
+        }
+        pump();
+    }
+
+    asio::ip::tcp::socket socket_;
+    asio::steady_timer timer_;
+    E* engine_;
+    Handler on_change_;
+    Handler on_end_;
+    TimePoint awaited_{no_deadline};
+    bool is_reading_{false};
+    bool is_writing_{false};
+    bool has_ended_{false};
+    std::array<std::byte, 65'536> buffer_;
+};
+
+} // namespace busbar::net::detail

@@ -1,0 +1,229 @@
+// The node-opcua client against busbar-controller.
+import assert from "node:assert/strict";
+import { spawnSync } from "node:child_process";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import opcua from "node-opcua";
+import { anonymous, createClient, modes, named, withSession } from "./client.mjs";
+import { startController, user } from "./controller.mjs";
+import { startProxy } from "./proxy.mjs";
+
+const { AttributeIds, BrowseDirection, DataType, NodeId, StatusCodes, VariantArrayType } = opcua;
+
+let controller;
+let namespaceIndex;
+
+before(async () => {
+  controller = await startController();
+  await withSession(controller, modes.None, anonymous, async (session) => {
+    const namespaces = await session.readNamespaceArray();
+    namespaceIndex = namespaces.findIndex((uri) => /plc/i.test(uri));
+    assert.ok(namespaceIndex > 0, `no namespace of the PLC among ${namespaces}`);
+  });
+});
+
+after(async () => {
+  assert.equal(await controller.stop(), 0, "the controller stops cleanly on SIGTERM");
+});
+
+const id = (name) => `ns=${namespaceIndex};s=${name}`;
+const valueOf = (name) => ({ nodeId: id(name), attributeId: AttributeIds.Value });
+const write = (session, name, dataType, value, more = {}) =>
+  session.write({
+    nodeId: id(name), attributeId: AttributeIds.Value, value: { value: { dataType, value, ...more } },
+  });
+
+for (const [mode, options] of Object.entries(modes)) {
+  for (const [kind, identity] of [["anonymous", anonymous], ["user name", named(user)]]) {
+    test(`${mode}, ${kind}: reads and writes`, () =>
+      withSession(controller, options, identity, async (session) => {
+        assert.equal(await write(session, "Level", DataType.Double, 42.5), StatusCodes.Good);
+        const level = await session.read(valueOf("Level"));
+        assert.equal(level.value.value, 42.5);
+        assert.equal(level.statusCode, StatusCodes.Good);
+        assert.ok(level.sourceTimestamp);
+        const first = (await session.read(valueOf("Counter"))).value.value;
+        let next = first;
+        for (let i = 0; i < 200 && next === first; ++i) next = (await session.read(valueOf("Counter"))).value.value;
+        assert.notEqual(next, first, "the PLC runs");
+      }));
+  }
+}
+
+test("a wrong password is refused", async () => {
+  const attempt = withSession(controller, modes.SignAndEncrypt, named({ ...user, password: "wrong" }), async () => {});
+  await assert.rejects(attempt, /BadIdentityTokenRejected|BadUserAccessDenied/);
+});
+
+test("wrong types, read-only and unknown nodes are refused with the right code", () =>
+  withSession(controller, modes.SignAndEncrypt, named(user), async (session) => {
+    assert.equal(await write(session, "Level", DataType.String, "no"), StatusCodes.BadTypeMismatch);
+    assert.equal(await write(session, "Recipe", DataType.Int16, 1), StatusCodes.BadTypeMismatch);
+    assert.equal(await write(session, "Serial", DataType.String, "no"), StatusCodes.BadNotWritable);
+    assert.equal(await write(session, "Nothing", DataType.Double, 1), StatusCodes.BadNodeIdUnknown);
+    assert.equal((await session.read(valueOf("Nothing"))).statusCode, StatusCodes.BadNodeIdUnknown);
+  }));
+
+test("arrays are written whole and read in part", () =>
+  withSession(controller, modes.Sign, anonymous, async (session) => {
+    const array = { arrayType: VariantArrayType.Array };
+    const values = Int16Array.from([1, 2, 3, 4, 5, 6, 7, 8]);
+    assert.equal(await write(session, "Recipe", DataType.Int16, values, array), StatusCodes.Good);
+    const part = await session.read({ ...valueOf("Recipe"), indexRange: new opcua.NumericRange("2:4") });
+    assert.deepEqual([...part.value.value], [3, 4, 5]);
+    const beyond = await session.read({ ...valueOf("Recipe"), indexRange: new opcua.NumericRange("8") });
+    assert.equal(beyond.statusCode, StatusCodes.BadIndexRangeNoData);
+  }));
+
+/** Every node that hierarchical references reach from `root`. */
+async function crawl(session, root) {
+  const found = new Map([[root, null]]);
+  let open = [root];
+  while (open.length !== 0) {
+    const batch = open.splice(0, 500).map((nodeId) => ({
+      nodeId, browseDirection: BrowseDirection.Forward, referenceTypeId: "HierarchicalReferences",
+      includeSubtypes: true, nodeClassMask: 0, resultMask: 63,
+    }));
+    for (let result of await session.browse(batch)) {
+      assert.equal(result.statusCode, StatusCodes.Good);
+      for (;;) {
+        for (const reference of result.references) {
+          const key = reference.nodeId.toString();
+          if (!found.has(key)) {
+            found.set(key, reference);
+            open.push(key);
+          }
+        }
+        if (!result.continuationPoint?.length) break;
+        result = await session.browseNext(result.continuationPoint, false);
+      }
+    }
+  }
+  return found;
+}
+
+/** Attributes every node of a class has (Part 3, 5). */
+const mandatory = {
+  Object: [AttributeIds.EventNotifier],
+  Variable: [AttributeIds.DataType, AttributeIds.ValueRank, AttributeIds.AccessLevel, AttributeIds.UserAccessLevel, AttributeIds.Historizing],
+  Method: [AttributeIds.Executable, AttributeIds.UserExecutable],
+  ObjectType: [AttributeIds.IsAbstract],
+  VariableType: [AttributeIds.IsAbstract, AttributeIds.DataType, AttributeIds.ValueRank],
+  ReferenceType: [AttributeIds.IsAbstract, AttributeIds.Symmetric],
+  DataType: [AttributeIds.IsAbstract],
+};
+
+test("everything from Root is browsed and every attribute of every node read", { timeout: 120_000 }, () =>
+  withSession(controller, modes.None, anonymous, async (session) => {
+    const nodes = await crawl(session, "i=84");
+    assert.ok(nodes.size > 29_000, `only ${nodes.size} nodes`);
+    const allowed = new Set([
+      StatusCodes.Good, StatusCodes.BadAttributeIdInvalid, StatusCodes.BadNotReadable, StatusCodes.BadUserAccessDenied,
+    ].map((code) => code.value));
+    const items = [...nodes].flatMap(([nodeId, reference]) =>
+      Array.from({ length: 27 }, (_, i) => ({ nodeId, attributeId: i + 1, reference })));
+    for (let at = 0; at < items.length; at += 10_000) {
+      const part = items.slice(at, at + 10_000);
+      (await session.read(part)).forEach((value, i) => {
+        const { nodeId, attributeId, reference } = part[i];
+        const where = `${nodeId} ${AttributeIds[attributeId]} ${value.statusCode}`;
+        const isMandatory = attributeId <= 4 ||
+          (reference && mandatory[opcua.NodeClass[reference.nodeClass]]?.includes(attributeId));
+        if (isMandatory) assert.equal(value.statusCode.value, StatusCodes.Good.value, where);
+        const isBadValue = attributeId === AttributeIds.Value;
+        assert.ok(isBadValue || allowed.has(value.statusCode.value), where);
+      });
+    }
+  }));
+
+test("25,000 variables are read in one request", { timeout: 60_000 }, () =>
+  withSession(controller, modes.SignAndEncrypt, named(user), async (session) => {
+    const items = Array.from({ length: 25_000 }, (_, i) => valueOf(`Bulk${i}`));
+    const values = await session.read(items);
+    assert.equal(values.length, 25_000);
+    assert.ok(values.every((value) => value.statusCode === StatusCodes.Good && value.value.dataType === DataType.Int16));
+  }));
+
+test("the channel is renewed while values are read", { timeout: 60_000 }, () =>
+  withSession(
+    controller, { ...modes.SignAndEncrypt, defaultSecureTokenLifetime: 1_000 }, named(user),
+    async (session, client) => {
+      let renewals = 0;
+      client.on("security_token_renewed", () => ++renewals);
+      while (renewals < 3) {
+        const value = await session.read(valueOf("Level"));
+        assert.equal(value.statusCode, StatusCodes.Good);
+      }
+    }));
+
+test("a client comes back after its connection was cut", { timeout: 60_000 }, async () => {
+  const proxy = await startProxy(controller.port);
+  try {
+    await withSession(
+      controller, modes.SignAndEncrypt, named(user),
+      async (session, client) => {
+        assert.equal((await session.read(valueOf("Level"))).statusCode, StatusCodes.Good);
+        const sessionId = session.sessionId.toString();
+        const restored = new Promise((resolve) => session.once("session_restored", resolve));
+        const back = new Promise((resolve) => client.once("connection_reestablished", resolve));
+        proxy.cut();
+        await Promise.all([back, restored]);
+        assert.equal((await session.read(valueOf("Level"))).statusCode, StatusCodes.Good);
+        assert.equal(session.sessionId.toString(), sessionId, "the session was kept");
+      },
+      `opc.tcp://localhost:${proxy.port}`);
+  } finally {
+    await proxy.stop();
+  }
+});
+
+test("tshark decodes a captured session without a malformed packet", { timeout: 60_000 }, async (t) => {
+  if (spawnSync("tshark", ["--version"]).error) {
+    t.skip("tshark is not installed");
+    return;
+  }
+  const proxy = await startProxy(controller.port);
+  await withSession(
+    controller, modes.None, anonymous,
+    async (session) => {
+      await session.browse({ nodeId: "i=2253", browseDirection: BrowseDirection.Both, resultMask: 63 });
+      await session.read([valueOf("Counter"), valueOf("Serial"), valueOf("Recipe"), valueOf("Nothing")]);
+      await session.read(Array.from({ length: 2_000 }, (_, i) => valueOf(`Bulk${i}`)));
+      await write(session, "Level", DataType.Double, 7.5);
+    },
+    `opc.tcp://localhost:${proxy.port}`);
+  const file = join(controller.folder, "session.pcap");
+  proxy.save(file);
+  await proxy.stop();
+  const fields = ["-T", "fields", "-e", "opcua.transport.type", "-e", "_ws.malformed", "-e", "_ws.expert.message"];
+  const { status, stdout, stderr } = spawnSync("tshark", ["-r", file, "-d", "tcp.port==4840,opcua", ...fields],
+    { encoding: "utf8", maxBuffer: 1 << 28 });
+  assert.equal(status, 0, stderr);
+  const types = stdout.match(/\b(HEL|ACK|OPN|MSG|CLO)/g) ?? [];
+  assert.deepEqual([...new Set(types)].sort(), ["ACK", "CLO", "HEL", "MSG", "OPN"]);
+  assert.doesNotMatch(stdout, /malformed/i);
+});
+
+test("endpoints and the application description are found without a session", async () => {
+  const client = await createClient(controller.folder, modes.None);
+  await client.connect(controller.endpointUrl);
+  try {
+    const endpoints = await client.getEndpoints();
+    const found = endpoints.map((e) => `${e.securityPolicyUri.split("#")[1]} ${opcua.MessageSecurityMode[e.securityMode]}`);
+    assert.deepEqual(found.sort(), ["Basic256Sha256 Sign", "Basic256Sha256 SignAndEncrypt", "None None"]);
+    const servers = await client.findServers();
+    assert.equal(servers.length, 1);
+    assert.equal(servers[0].applicationUri, endpoints[0].server.applicationUri);
+  } finally {
+    await client.disconnect();
+  }
+});
+
+test("a NodeId of another namespace is unknown, not a crash", () =>
+  withSession(controller, modes.None, anonymous, async (session) => {
+    const strange = [new NodeId(NodeId.NodeIdType.STRING, "x".repeat(4000), 9), "g=00000000-0000-0000-0000-000000000000", "b=AA=="];
+    for (const nodeId of strange) {
+      const value = await session.read({ nodeId, attributeId: AttributeIds.Value });
+      assert.equal(value.statusCode, StatusCodes.BadNodeIdUnknown);
+    }
+  }));
