@@ -43,7 +43,7 @@ std::int32_t Reader::array_length(std::size_t min_element_size, std::size_t obje
     const auto size = static_cast<std::size_t>(count);
     if (size > limits_.max_array_length) {
         fail(status::Bad_EncodingLimitsExceeded);
-    } else if (size > remaining() / min_element_size) {
+    } else if (min_element_size != 0 && size > remaining() / min_element_size) {
         fail(status::Bad_DecodingError);
     } else if (charge(size * object_size)) {
         return count;

@@ -24,9 +24,12 @@ struct Options {
     std::string namespace_uri;
     std::string cpp_namespace{"busbar"};
     /// How generated headers name each other: "busbar/types" for <busbar/types/types.hpp>.
-    std::string include_path;
+    std::string include_path{"busbar/types"};
     /// A CSV of "TypeName,file_name" rows that splits the structures over files.
     std::string groups_file;
+    /// A CSV of "Name,identifier,NodeClass" rows with the names of the id constants; they are made
+    /// of BrowseNames when there is none.
+    std::string ids_file;
     /// Emit nodes.hpp and nodes.cpp, constant data, and not the types.
     bool nodes{false};
     /// With `nodes`: a file with one NodeId a line ('#' starts a comment); only those are emitted.

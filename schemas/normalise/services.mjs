@@ -52,6 +52,7 @@ export function readServiceTypes(file, modules, nodes, constants) {
       continue;
     }
     const id = constants.DataTypeIds[name];
+    if (nodes.has(id)) continue; // under another name: 3DVector is ThreeDVector in the schema
     const base = type.attributes.BaseType;
     const supertype = isStructure ? (base && base !== "ua:ExtensionObject" ? idOf(base) : structure) : enumeration;
     const fields = isStructure

@@ -130,7 +130,7 @@ struct Error {
 
 /// What a file may contain. Files come from users.
 struct Limits {
-    std::size_t max_file_size{256U << 20U};
+    std::size_t max_file_size{64U << 20U};
     std::size_t max_nodes{1'000'000};
     std::size_t max_references{8'000'000};
     std::size_t max_aliases{100'000};

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <busbar/core/clock.hpp>
+#include <busbar/core/log.hpp>
+#include <busbar/core/result.hpp>
+#include <busbar/crypto/certificate.hpp>
+#include <busbar/crypto/certificate_validator.hpp>
+#include <busbar/crypto/private_key.hpp>
+#include <busbar/crypto/random.hpp>
+#include <busbar/crypto/security_policy.hpp>
+#include <busbar/types/enumerations.hpp>
+
+namespace busbar::channel {
+
+/// The smallest buffer either side may ask for (Part 6, 7.1.2.3).
+inline constexpr std::uint32_t min_buffer_size = 8'192;
+
+/// Limits of one connection, in bytes. All are finite; what the peer calls unlimited is held to
+/// these too.
+struct TransportLimits {
+    /// Largest chunk that is accepted and sent.
+    std::uint32_t receive_buffer_size{65'535};
+    std::uint32_t send_buffer_size{65'535};
+    /// Largest message body that is accepted and sent, and the chunks it may come in.
+    std::uint32_t max_message_size{16U << 20U};
+    std::uint32_t max_chunk_count{512};
+    /// From the connection's first moment to an open channel.
+    Duration handshake_timeout{std::chrono::seconds{10}};
+};
+
+/// What a channel is secured with. A policy and mode that belong together.
+struct SecuritySetting {
+    const crypto::SecurityPolicy* policy{&crypto::policy_none()};
+    MessageSecurityMode mode{MessageSecurityMode::None};
+
+    friend bool operator==(const SecuritySetting&, const SecuritySetting&) = default;
+};
+
+/// The identity of an application: certificates are sent as they are, leaf first.
+struct ApplicationIdentity {
+    crypto::CertificateChain certificates;
+    crypto::PrivateKey key;
+};
+
+/// What channels need from outside. All must outlive them; identity and validator may be null where
+/// only policy None is used.
+struct ChannelEnvironment {
+    crypto::Random* random{nullptr};
+    const WallClock* wall_clock{nullptr};
+    LogSink* log{nullptr};
+    crypto::CertificateValidator* validator{nullptr};
+    const ApplicationIdentity* identity{nullptr};
+};
+
+/// What happened on a channel.
+struct Event {
+    enum class Kind : std::uint8_t {
+        Opened,  // the channel is there
+        Renewed, // it has a new SecurityToken
+        Message, // a request (server) or response (client)
+        Aborted, // client: the server gave up the response to request_id, with `status`
+        Closed,  // nothing more will come; `status` is Good after CloseSecureChannel
+    };
+    Kind kind{Kind::Closed};
+    std::uint32_t request_id{0};
+    /// Message: its body, which begins with the NodeId of the structure's encoding.
+    std::vector<std::byte> body;
+    StatusCode status;
+    /// Closed: for the log; from the peer and already printable.
+    std::string reason;
+};
+
+} // namespace busbar::channel

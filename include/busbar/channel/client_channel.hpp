@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include <busbar/binary/writer.hpp>
+#include <busbar/channel/channel_types.hpp>
+#include <busbar/core/function_ref.hpp>
+
+namespace busbar::channel {
+
+struct ClientChannelConfig {
+    TransportLimits limits;
+    std::string endpoint_url;
+    SecuritySetting security;
+    /// The server's certificate, known from GetEndpoints; needed for any policy but None.
+    std::optional<crypto::Certificate> server_certificate;
+    std::chrono::milliseconds requested_lifetime{3'600'000};
+    /// Wait for the server's ReverseHello before sending Hello (Part 6, 7.1.2.6).
+    bool is_reverse{false};
+};
+
+/// The client's end of one connection; the shape of ServerChannel. Opens the channel by itself,
+/// renews its SecurityToken when 75 % of the lifetime are over (Part 4, 5.5.2.1).
+class ClientChannel {
+public:
+    ClientChannel(ClientChannelConfig config, const ChannelEnvironment& environment, TimePoint now);
+    ClientChannel(ClientChannel&&) noexcept;
+    ClientChannel& operator=(ClientChannel&&) noexcept;
+    ~ClientChannel();
+
+    Result<void> feed(std::span<const std::byte> in, TimePoint now);
+    [[nodiscard]] std::optional<Event> next_event();
+    [[nodiscard]] std::span<const std::byte> output() const;
+    void consume(std::size_t size);
+    [[nodiscard]] TimePoint next_deadline() const;
+    void handle_deadline(TimePoint now);
+
+    /// Sends the request that `encode` writes; the id that its response will carry. Nothing is sent
+    /// and the channel is as it was if it is not open (Bad_SecureChannelClosed), `encode` fails or
+    /// the server's limits are exceeded (Bad_RequestTooLarge).
+    [[nodiscard]] Result<std::uint32_t> send(FunctionRef<void(binary::Writer&)> encode);
+    /// Sends CloseSecureChannel; output() is still to be delivered.
+    void close();
+
+    [[nodiscard]] bool is_open() const;
+    [[nodiscard]] bool is_closed() const;
+    [[nodiscard]] std::uint32_t channel_id() const;
+    [[nodiscard]] const SecuritySetting& security() const;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace busbar::channel

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/binary/writer.hpp>
+#include <busbar/channel/channel_types.hpp>
+#include <busbar/core/function_ref.hpp>
+
+namespace busbar::channel {
+
+struct ServerChannelConfig {
+    TransportLimits limits;
+    /// What an OpenSecureChannel may ask for; anything else is refused.
+    std::vector<SecuritySetting> allowed;
+    /// The lifetime of a SecurityToken is brought into this range (Part 4, 5.5.2).
+    std::chrono::milliseconds min_lifetime{10'000};
+    std::chrono::milliseconds max_lifetime{3'600'000};
+    /// Not zero, and of this channel only while it lives.
+    std::uint32_t channel_id{1};
+};
+
+/// The server's end of one connection: UA TCP (Part 6, 7.1) and the SecureChannel (Part 6, 6.7).
+///
+/// A state machine: bytes and the time go in, bytes, events and the next deadline come out. Errors
+/// of the peer end in an Error message in output() and a Closed event. One thread at a time.
+class ServerChannel {
+public:
+    ServerChannel(ServerChannelConfig config, const ChannelEnvironment& environment, TimePoint now);
+    ServerChannel(ServerChannel&&) noexcept;
+    ServerChannel& operator=(ServerChannel&&) noexcept;
+    ~ServerChannel();
+
+    /// Sends ReverseHello instead of waiting for the client's connection (Part 6, 7.1.2.6). Only
+    /// before anything was fed.
+    [[nodiscard]] Result<void> reverse_hello(std::string_view server_uri,
+                                             std::string_view endpoint_url);
+
+    /// Takes bytes from the peer. Bad once the channel is closed. Poll next_event() after it until
+    /// there is none: that is when the bytes are worked on.
+    Result<void> feed(std::span<const std::byte> in, TimePoint now);
+    [[nodiscard]] std::optional<Event> next_event();
+    /// Bytes for the peer, valid until the next call of any other member but consume().
+    [[nodiscard]] std::span<const std::byte> output() const;
+    void consume(std::size_t size);
+    [[nodiscard]] TimePoint next_deadline() const;
+    void handle_deadline(TimePoint now);
+
+    /// Sends the message that `encode` writes, in as many chunks as it takes. If it does not fit
+    /// the client's limits (Bad_ResponseTooLarge) or `encode` fails, nothing is sent and the
+    /// channel is as it was; the caller then sends a ServiceFault.
+    [[nodiscard]] Result<void> send(std::uint32_t request_id,
+                                    FunctionRef<void(binary::Writer&)> encode);
+    /// Sends an Error message and closes.
+    void close(StatusCode status, std::string_view reason);
+
+    [[nodiscard]] bool is_open() const;
+    [[nodiscard]] bool is_closed() const;
+    [[nodiscard]] std::uint32_t channel_id() const;
+    /// Of an open channel.
+    [[nodiscard]] const SecuritySetting& security() const;
+    /// The client's certificates; empty with policy None.
+    [[nodiscard]] const crypto::CertificateChain& peer_certificates() const;
+    /// The URL in the client's Hello.
+    [[nodiscard]] const std::string& endpoint_url() const;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace busbar::channel

@@ -1,0 +1,174 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+
+#include <busbar/core/clock.hpp>
+#include <busbar/core/data_value.hpp>
+#include <busbar/core/numeric_range.hpp>
+#include <busbar/core/status_codes.hpp>
+
+/// What a PLC backend implements to give the server its values. `memory_source.hpp` is a complete
+/// one to start from.
+namespace busbar::server {
+
+namespace detail {
+class ReadPart;
+class WritePart;
+} // namespace detail
+
+/// One value that is asked for.
+struct ReadItem {
+    /// What the backend called the variable when its node was created.
+    std::uint64_t handle{0};
+    /// The part that is asked for, null for all of it. Always null unless the source's options
+    /// say that it cuts ranges; the server then cuts them out of the whole value.
+    const NumericRange* range{nullptr};
+};
+
+/// Where a source puts one answer: value, status and source timestamp. The server adds its own
+/// timestamp and leaves out what the client did not ask for.
+struct ReadSlot : DataValue {
+    using DataValue::operator=;
+    ReadSlot() : ReadSlot{status::Bad_NoCommunication} {}
+    explicit ReadSlot(StatusCode code) : DataValue{code} {}
+
+    /// Not null: the value is this one and not `value`. It saves the copy of arrays and structures
+    /// that lie in memory which the batch keeps alive, see ReadBatch::keep_alive.
+    const Variant* shared{nullptr};
+};
+
+/// One value to write.
+struct WriteItem {
+    std::uint64_t handle{0};
+    /// The part to replace, null for all of it; always null unless the source's options say that
+    /// it writes ranges. The value then has the shape of the range, not of the variable.
+    const NumericRange* range{nullptr};
+    /// Never null. Its value has the variable's data type and rank. Status and timestamps differ
+    /// from Good and zero only where the variable's access level has StatusWrite and
+    /// TimestampWrite. Copy what outlives the batch.
+    const DataValue* data{nullptr};
+};
+
+/// The values that one service call wants of one source: all of them are to be answered from one
+/// point in time if the source knows of such a thing.
+///
+/// Owns its memory together with the server: items, slots and what keep_alive was given are valid
+/// until the batch is completed or destroyed, even if client, session and server are long gone.
+/// Completed once, inline in DataSource::read or later, from any thread, but by one thread at a
+/// time. Destroyed without that, it counts as completed with the slots as they are: one that was
+/// never filled answers Bad_NoCommunication.
+class ReadBatch {
+public:
+    explicit ReadBatch(detail::ReadPart& part);
+    ReadBatch(ReadBatch&& other) noexcept
+        : part_{std::exchange(other.part_, nullptr)}, items_{std::exchange(other.items_, {})},
+          slots_{std::exchange(other.slots_, nullptr)}, max_age_{other.max_age_}
+    {
+    }
+    ReadBatch& operator=(ReadBatch&& other) noexcept;
+    ~ReadBatch() { complete(); }
+
+    [[nodiscard]] std::size_t size() const { return items_.size(); }
+    [[nodiscard]] std::span<const ReadItem> items() const { return items_; }
+    /// One slot for each item, in the same order.
+    [[nodiscard]] std::span<ReadSlot> results() { return {slots_, items_.size()}; }
+    /// A source that keeps copies of remote values may answer with one that is no older (Part 4,
+    /// 5.11.2.2); zero asks for a new one.
+    [[nodiscard]] std::chrono::milliseconds max_age() const { return max_age_; }
+
+    /// Holds `memory` as long as anything in the slots may be used: String::borrow,
+    /// ByteString::borrow and ReadSlot::shared may point into it. For a batch that is completed
+    /// inline that is until the answer is encoded, right behind the call of DataSource::read; if
+    /// the answer has to wait for another source, the server makes copies first. Such a batch may
+    /// also point, without this call, at what only the server's thread changes or frees.
+    /// Released by any thread. A second call replaces the first.
+    void keep_alive(std::shared_ptr<const void> memory);
+
+    /// Hands the slots to the server. The batch is empty afterwards; more calls do nothing.
+    void complete();
+    /// Completes with `status`, which must be bad, for each item.
+    void fail(StatusCode status);
+
+private:
+    detail::ReadPart* part_;
+    std::span<const ReadItem> items_;
+    ReadSlot* slots_;
+    std::chrono::milliseconds max_age_;
+};
+
+/// The values that one Write call has for one source, to be applied together if the source knows
+/// of such a thing. A later item wins over an earlier one with the same handle.
+///
+/// As ReadBatch in everything else: a result that was never set answers Bad_NoCommunication.
+class WriteBatch {
+public:
+    explicit WriteBatch(detail::WritePart& part);
+    WriteBatch(WriteBatch&& other) noexcept
+        : part_{std::exchange(other.part_, nullptr)}, items_{std::exchange(other.items_, {})},
+          results_{std::exchange(other.results_, nullptr)}
+    {
+    }
+    WriteBatch& operator=(WriteBatch&& other) noexcept;
+    ~WriteBatch() { complete(); }
+
+    [[nodiscard]] std::size_t size() const { return items_.size(); }
+    [[nodiscard]] std::span<const WriteItem> items() const { return items_; }
+    /// One status for each item, in the same order.
+    [[nodiscard]] std::span<StatusCode> results() { return {results_, items_.size()}; }
+
+    void complete();
+    /// Completes with `status` for each item; Good is allowed.
+    void finish(StatusCode status);
+
+private:
+    detail::WritePart* part_;
+    std::span<const WriteItem> items_;
+    StatusCode* results_;
+};
+
+/// What a source can do and how much the server may ask of it; taken once, when it is added.
+struct DataSourceOptions {
+    /// The source returns the part that ReadItem::range names.
+    bool reads_ranges{false};
+    /// The source replaces the part that WriteItem::range names. Without it a write with an
+    /// IndexRange answers Bad_WriteNotSupported.
+    bool writes_ranges{false};
+    /// A Write is either done for all its items of this source or for none: the server hands over
+    /// none if it must refuse one, and those it did not refuse answer Bad_InvalidState; the source
+    /// promises the same for what it finds itself.
+    bool all_or_nothing{false};
+    /// How long a batch may take until its items answer Bad_Timeout; never more than the client's
+    /// own timeout. The batch stays valid; its late completion is dropped.
+    std::chrono::milliseconds timeout{5000};
+    /// Batches, and items in them, that the source may hold uncompleted, timed-out ones included.
+    /// What comes on top answers Bad_TooManyOperations.
+    std::size_t max_batches{256};
+    std::size_t max_items{1'000'000};
+};
+
+/// A backend: a controller's memory, a bus, a remote PLC.
+///
+/// The server calls it from the server's thread only and never while a call is running. It must
+/// not block: work that takes time keeps the batch and completes it later. Nothing may be thrown.
+/// It must outlive the server it is added to; batches may outlive both.
+class DataSource {
+public:
+    DataSource() = default;
+    DataSource(const DataSource&) = delete;
+    DataSource& operator=(const DataSource&) = delete;
+    virtual ~DataSource() = default;
+
+    [[nodiscard]] virtual DataSourceOptions options() const { return {}; }
+    /// Answers every item of the batch: with its value and source timestamp, or with a bad status,
+    /// such as Bad_NoCommunication for a PLC that is not there. The same handle may come twice.
+    virtual void read(ReadBatch batch) = 0;
+    /// Applies every item of the batch. A source that is read only leaves this as it is.
+    virtual void write(WriteBatch batch) { batch.finish(status::Bad_NotWritable); }
+};
+
+} // namespace busbar::server

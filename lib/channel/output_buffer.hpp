@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace busbar::channel::detail {
+
+/// Bytes on their way out: one growing block that is reused, so that a connection in steady use
+/// does not allocate. Chunks are made in place at its end.
+class OutputBuffer {
+public:
+    [[nodiscard]] std::span<const std::byte> output() const
+    {
+        return std::span{storage_}.subspan(begin_, end_ - begin_);
+    }
+    void consume(std::size_t size);
+
+    /// Room for `size` bytes behind the end, valid until the next reserve().
+    [[nodiscard]] std::span<std::byte> reserve(std::size_t size);
+    /// Makes the first `size` bytes of the room part of the output.
+    void commit(std::size_t size) { end_ += size; }
+    /// Positions count the bytes ever committed and not rolled back.
+    [[nodiscard]] std::size_t position() const { return consumed_ + end_ - begin_; }
+    /// Takes back what was committed after `position`, none of which may have been consumed.
+    void roll_back(std::size_t position) { end_ = begin_ + (position - consumed_); }
+
+private:
+    std::vector<std::byte> storage_;
+    std::size_t begin_{0};
+    std::size_t end_{0};
+    std::size_t consumed_{0};
+};
+
+} // namespace busbar::channel::detail

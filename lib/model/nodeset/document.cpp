@@ -1,0 +1,112 @@
+#include "document.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+#include "file_reader.hpp"
+
+namespace busbar::nodeset {
+
+namespace {
+
+struct CloseFile {
+    void operator()(std::FILE* file) const { static_cast<void>(std::fclose(file)); }
+};
+
+/// The bytes of a file, or what prevents reading it.
+tl::expected<std::string, std::string> read_bytes(const std::string& path, std::size_t limit)
+{
+    const std::unique_ptr<std::FILE, CloseFile> file{std::fopen(path.c_str(), "rb")};
+    if (file == nullptr) {
+        return tl::make_unexpected("cannot be opened: " + std::string{std::strerror(errno)});
+    }
+    std::string text;
+    std::string block(std::size_t{1} << 16U, '\0');
+    while (const std::size_t count = std::fread(block.data(), 1, block.size(), file.get())) {
+        if (text.size() + count > limit) {
+            return tl::make_unexpected("is larger than " + std::to_string(limit) + " bytes");
+        }
+        text.append(block, 0, count);
+    }
+    if (std::ferror(file.get()) != 0) {
+        return tl::make_unexpected("cannot be read: " + std::string{std::strerror(errno)});
+    }
+    return text;
+}
+
+} // namespace
+
+std::string_view name(NodeClass node_class)
+{
+    switch (node_class) {
+    case NodeClass::Object:
+        return "Object";
+    case NodeClass::Variable:
+        return "Variable";
+    case NodeClass::Method:
+        return "Method";
+    case NodeClass::ObjectType:
+        return "ObjectType";
+    case NodeClass::VariableType:
+        return "VariableType";
+    case NodeClass::ReferenceType:
+        return "ReferenceType";
+    case NodeClass::DataType:
+        return "DataType";
+    case NodeClass::View:
+        return "View";
+    }
+    return "Unspecified";
+}
+
+const Element* Element::child(std::string_view local_name) const
+{
+    const auto found = std::find_if(children.begin(), children.end(),
+                                    [&](const Element& e) { return e.name == local_name; });
+    return found == children.end() ? nullptr : &*found;
+}
+
+std::string Error::text() const
+{
+    return line == 0 ? file + ": " + message
+                     : file + ":" + std::to_string(line) + ": " + message;
+}
+
+std::vector<Error> Document::load_file(const std::string& path)
+{
+    const auto text = read_bytes(path, limits_.max_file_size);
+    if (!text) {
+        return {Error{path, 0, text.error()}};
+    }
+    return load_text(*text, path);
+}
+
+std::vector<Error> Document::load_text(std::string_view text, const std::string& name)
+{
+    if (text.size() > limits_.max_file_size) {
+        return {Error{name, 0, "is larger than " + std::to_string(limits_.max_file_size) +
+                                   " bytes"}};
+    }
+    FileReader reader{*this, name};
+    return reader.read(text);
+}
+
+std::optional<std::uint16_t> Document::namespace_index(std::string_view uri) const
+{
+    const auto found = std::find(namespaces_.begin(), namespaces_.end(), uri);
+    if (found == namespaces_.end()) {
+        return std::nullopt;
+    }
+    return static_cast<std::uint16_t>(found - namespaces_.begin());
+}
+
+const Node* Document::find(const NodeId& id) const
+{
+    const auto found = by_id_.find(id);
+    return found == by_id_.end() ? nullptr : &nodes_[found->second];
+}
+
+} // namespace busbar::nodeset

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include <pugixml.hpp>
+
+#include "document.hpp"
+
+namespace busbar::nodeset {
+
+/// Adds one NodeSet2 file to a Document. Used once.
+class FileReader {
+public:
+    FileReader(Document& document, std::string name);
+
+    [[nodiscard]] std::vector<Error> read(std::string_view text);
+
+private:
+    void read_namespaces(const pugi::xml_node& root);
+    void read_models(const pugi::xml_node& parent, std::vector<Model>& models, unsigned depth);
+    void read_aliases(const pugi::xml_node& root);
+    void read_nodes(const pugi::xml_node& root);
+    void read_node(const pugi::xml_node& xml, NodeClass node_class);
+    void read_names(const pugi::xml_node& xml, Node& node);
+    void read_attributes(const pugi::xml_node& xml, Node& node);
+    void read_references(const pugi::xml_node& xml, Node& node);
+    void read_definition(const pugi::xml_node& xml, Node& node);
+    Field read_field(const pugi::xml_node& xml);
+    void read_value(const pugi::xml_node& xml, Node& node);
+    void read_element(const pugi::xml_node& xml, Element& element, std::size_t depth);
+
+    [[nodiscard]] NodeId node_id(const pugi::xml_node& where, std::string_view text);
+    /// The attribute as a NodeId, `otherwise` when there is none.
+    [[nodiscard]] NodeId node_id_attribute(const pugi::xml_node& xml, const char* attribute,
+                                           const NodeId& otherwise);
+    [[nodiscard]] std::uint16_t namespace_of(const pugi::xml_node& where, std::size_t local);
+    template <typename Number>
+    void number_attribute(const pugi::xml_node& xml, const char* attribute, Number& value);
+    void bool_attribute(const pugi::xml_node& xml, const char* attribute, bool& value);
+    void dimensions_attribute(const pugi::xml_node& xml, std::vector<std::uint32_t>& value);
+
+    void fail(const pugi::xml_node& where, std::string message);
+    /// Counts one more of `what`; false, with one error, from the limit on.
+    [[nodiscard]] bool count(const pugi::xml_node& where, std::size_t& counter, std::size_t limit,
+                             const char* what);
+    [[nodiscard]] std::uint32_t line_at(std::ptrdiff_t offset) const;
+    [[nodiscard]] std::uint32_t line_of(const pugi::xml_node& node) const;
+
+    Document& document_;
+    const Limits& limits_;
+    std::string name_;
+    pugi::xml_document xml_;
+    std::vector<std::ptrdiff_t> line_ends_;
+    std::vector<std::uint16_t> namespace_map_{0};
+    std::unordered_map<std::string, NodeId> aliases_;
+    std::size_t references_{0};
+    std::size_t value_elements_{0};
+    std::uint32_t file_{0};
+    std::vector<Error> errors_;
+};
+
+} // namespace busbar::nodeset

@@ -1,0 +1,289 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "data_part.hpp"
+
+namespace busbar::server::detail {
+
+/// Who waits for a BatchCall that did not end at once; lives on the server's thread.
+class CallOwner {
+public:
+    CallOwner() = default;
+    CallOwner(const CallOwner&) = delete;
+    CallOwner& operator=(const CallOwner&) = delete;
+
+    /// Every operation has its result. The call may be destroyed from here.
+    virtual void call_completed() = 0;
+
+protected:
+    ~CallOwner() = default;
+};
+
+struct ReadTraits {
+    using Item = ReadItem;
+    using Answer = ReadSlot;
+    using Part = ReadPart;
+    static std::vector<ReadSlot> answers(std::size_t count) { return std::vector<ReadSlot>(count); }
+    static void send(DataSource& source, Part& part) { source.read(ReadBatch{part}); }
+};
+
+struct WriteTraits {
+    using Item = WriteItem;
+    using Answer = StatusCode;
+    using Part = WritePart;
+    static std::vector<StatusCode> answers(std::size_t count)
+    {
+        return std::vector<StatusCode>(count, status::Bad_NoCommunication);
+    }
+    static void send(DataSource& source, Part& part) { source.write(WriteBatch{part}); }
+};
+
+/// One service call's operations on their way to the sources and back, in a constant number of
+/// allocations: a batch for each source, and answers that the server gives by itself.
+///
+/// First each operation is given to ask() or answer(), then start() is called, then result() has
+/// the answers as soon as waiting() is false. Lives on the server's thread; destroying it leaves
+/// the batches to their sources.
+template <typename Traits>
+class BatchCall final : private PartOwner {
+public:
+    using Item = typename Traits::Item;
+    using Answer = typename Traits::Answer;
+    using Part = typename Traits::Part;
+
+    BatchCall(DataSources& sources, std::size_t count)
+        : sources_{&sources}, block_{std::make_shared<Block>(count)}, place_(count),
+          groups_(sources.size())
+    {
+        block_->items.reserve(count);
+        source_of_.reserve(count);
+    }
+    ~BatchCall() { abandon(); }
+
+    [[nodiscard]] std::size_t size() const { return place_.size(); }
+
+    /// Operation `index` is the business of a source, whose index find() knows.
+    void ask(std::size_t index, std::uint32_t source, const Item& item)
+    {
+        place_[index] = static_cast<std::uint32_t>(block_->items.size());
+        block_->items.push_back(item);
+        source_of_.push_back(source);
+        ++groups_[source].size;
+    }
+    /// Operation `index` is answered here.
+    [[nodiscard]] Answer& answer(std::size_t index)
+    {
+        const std::size_t place = size() - ++answered_;
+        place_[index] = static_cast<std::uint32_t>(place);
+        return block_->answers[place];
+    }
+    /// Whatever was and will be asked of `source` is not sent and answers `status`.
+    void refuse(std::uint32_t source, StatusCode status) { groups_[source].refusal = status; }
+
+    /// Gives every source its batch; `prepare(part)` sees each before. True if all are answered;
+    /// else `owner` is told later, once.
+    template <typename Prepare>
+    [[nodiscard]] bool start(CallOwner& owner, TimePoint now, Prepare prepare)
+    {
+        group();
+        owner_ = &owner;
+        for (std::uint32_t i = 0; i < groups_.size(); ++i) {
+            if (groups_[i].size != 0) {
+                send(groups_[i], *sources_->find(i), now, prepare);
+            }
+        }
+        return !waiting();
+    }
+    [[nodiscard]] bool waiting() const { return waiting_ != 0; }
+    /// When the first of the sources that are waited for is late.
+    [[nodiscard]] TimePoint next_deadline() const
+    {
+        TimePoint first = no_deadline;
+        for (const Group& group : groups_) {
+            first = group.waiting ? std::min(first, group.deadline) : first;
+        }
+        return first;
+    }
+    /// Answers Bad_Timeout for the sources that are late; true if nothing is waited for any more.
+    [[nodiscard]] bool handle_deadline(TimePoint now)
+    {
+        for (Group& group : groups_) {
+            if (group.waiting && group.deadline <= now) {
+                block_->parts[group.part].abandon();
+                stop_waiting(group);
+                fail(group, status::Bad_Timeout);
+            }
+        }
+        return !waiting();
+    }
+    /// What operation `index` came to; not before waiting() is false.
+    [[nodiscard]] const Answer& result(std::size_t index) const
+    {
+        const std::uint32_t place = place_[index];
+        return place < size() ? block_->answers[place] : failures_[place - size()];
+    }
+    /// As above, to be changed; null if the whole batch failed.
+    [[nodiscard]] Answer* find_answer(std::size_t index)
+    {
+        const std::uint32_t place = place_[index];
+        return place < size() ? &block_->answers[place] : nullptr;
+    }
+    /// The batches that are complete with their answers.
+    template <typename Visit>
+    void for_each_complete(Visit visit)
+    {
+        for (const Group& group : groups_) {
+            if (group.size != 0 && !group.waiting && group.failure == StatusCode{}) {
+                visit(block_->parts[group.part]);
+            }
+        }
+    }
+    /// What the sources keep for as long as they may use the call's memory.
+    [[nodiscard]] std::shared_ptr<const void>& kept_for_sources() { return block_->kept; }
+
+private:
+    struct Block {
+        explicit Block(std::size_t count) : answers{Traits::answers(count)} {}
+
+        std::vector<Item> items;
+        std::vector<Answer> answers;
+        std::unique_ptr<Part[]> parts;
+        std::shared_ptr<const void> kept;
+    };
+    struct Group {
+        std::uint32_t size{0};
+        std::uint32_t first{0};
+        std::uint32_t part{0};
+        bool waiting{false};
+        StatusCode refusal;
+        StatusCode failure;
+        TimePoint deadline{no_deadline};
+    };
+
+    /// Puts the items of one source behind each other; they mostly are.
+    void group()
+    {
+        std::uint32_t first = 0;
+        std::uint32_t used = 0;
+        for (Group& group : groups_) {
+            group.first = first;
+            first += group.size;
+            group.part = used;
+            used += group.size != 0 ? 1 : 0;
+        }
+        if (used != 0) {
+            block_->parts = std::make_unique<Part[]>(used);
+        }
+        if (used > 1) {
+            failures_.reserve(used);
+            sort_items();
+        }
+    }
+    void sort_items()
+    {
+        std::vector<std::uint32_t> next(groups_.size());
+        for (std::size_t i = 0; i < groups_.size(); ++i) {
+            next[i] = groups_[i].first;
+        }
+        std::vector<Item> sorted(block_->items.size());
+        std::vector<std::uint32_t>& place_of = source_of_;
+        for (std::size_t i = 0; i < sorted.size(); ++i) {
+            const std::uint32_t place = next[source_of_[i]]++;
+            sorted[place] = block_->items[i];
+            place_of[i] = place;
+        }
+        for (std::uint32_t& place : place_) {
+            place = place < sorted.size() ? place_of[place] : place;
+        }
+        block_->items = std::move(sorted);
+    }
+    template <typename Prepare>
+    void send(Group& group, const std::shared_ptr<SourceEntry>& source, TimePoint now,
+              Prepare& prepare)
+    {
+        Part& part = block_->parts[group.part];
+        if (group.refusal != StatusCode{}) {
+            return fail(group, group.refusal);
+        }
+        if (!part.admit(source, group.size)) {
+            return fail(group, status::Bad_TooManyOperations);
+        }
+        part.items = std::span{block_->items}.subspan(group.first, group.size);
+        part.results = block_->answers.data() + group.first;
+        prepare(part);
+        part.start(block_);
+        Traits::send(source->source(), part);
+        if (part.settle(*this)) {
+            return take_verdict(group, part);
+        }
+        group.waiting = true;
+        group.deadline = now + source->options().timeout;
+        ++waiting_;
+    }
+    void part_completed(detail::Part& part) override
+    {
+        for (Group& group : groups_) {
+            if (group.waiting && &block_->parts[group.part] == &part) {
+                stop_waiting(group);
+                take_verdict(group, block_->parts[group.part]);
+                break;
+            }
+        }
+        if (!waiting()) {
+            owner_->call_completed();
+        }
+    }
+    void stop_waiting(Group& group)
+    {
+        group.waiting = false;
+        --waiting_;
+    }
+    void take_verdict(Group& group, const Part& part)
+    {
+        if (part.verdict() != StatusCode{}) {
+            fail(group, part.verdict());
+        }
+    }
+    /// Leaves the group's answers alone, they may be the source's still: its operations are led to
+    /// one answer for them all.
+    void fail(Group& group, StatusCode status)
+    {
+        group.failure = status;
+        const auto place = static_cast<std::uint32_t>(size() + failures_.size());
+        failures_.emplace_back(status);
+        for (std::uint32_t& p : place_) {
+            if (p >= group.first && p - group.first < group.size) {
+                p = place;
+            }
+        }
+    }
+    void abandon()
+    {
+        for (const Group& group : groups_) {
+            if (group.waiting) {
+                block_->parts[group.part].abandon();
+            }
+        }
+    }
+
+    DataSources* sources_;
+    CallOwner* owner_{nullptr};
+    std::shared_ptr<Block> block_;
+    /// Where the answer of an operation lies: in the block's answers, or behind them in failures_.
+    std::vector<std::uint32_t> place_;
+    std::vector<std::uint32_t> source_of_;
+    std::vector<Group> groups_;
+    std::vector<Answer> failures_;
+    std::size_t answered_{0};
+    std::size_t waiting_{0};
+};
+
+using ReadCall = BatchCall<ReadTraits>;
+using WriteCall = BatchCall<WriteTraits>;
+
+} // namespace busbar::server::detail

@@ -1,0 +1,91 @@
+#include "data_sources.hpp"
+
+#include "data_part.hpp"
+
+namespace busbar::server::detail {
+
+void CompletionQueue::push(Part& part)
+{
+    Part* before = newest_.load();
+    do {
+        part.next_ = before;
+    } while (!newest_.compare_exchange_weak(before, &part));
+    if (closed_) {
+        drop();
+    } else if (before == nullptr) {
+        wake();
+    }
+}
+
+void CompletionQueue::drain()
+{
+    Part* part = newest_.exchange(nullptr);
+    Part* oldest = nullptr;
+    while (part != nullptr) {
+        Part* const next = part->next_;
+        part->next_ = oldest;
+        oldest = std::exchange(part, next);
+    }
+    while (oldest != nullptr) {
+        Part* const next = oldest->next_;
+        const std::shared_ptr<void> memory = std::move(oldest->memory_);
+        if (oldest->owner_ != nullptr) {
+            oldest->owner_->part_completed(*oldest);
+        }
+        oldest = next;
+    }
+}
+
+void CompletionQueue::drop()
+{
+    Part* part = newest_.exchange(nullptr);
+    while (part != nullptr) {
+        Part* const next = part->next_;
+        const std::shared_ptr<void> memory = std::move(part->memory_);
+        part = next;
+    }
+}
+
+void CompletionQueue::close()
+{
+    closed_ = true;
+    drop();
+    waker_ = nullptr;
+    while (wakers_running_ != 0) {
+        // A source's thread is inside Waker::wake, which does not block.
+    }
+}
+
+void CompletionQueue::wake()
+{
+    ++wakers_running_;
+    if (Waker* const waker = waker_; waker != nullptr) {
+        waker->wake();
+    }
+    --wakers_running_;
+}
+
+bool SourceEntry::charge(std::size_t item_count)
+{
+    // Only the server's thread adds, so that a check before adding is enough.
+    if (batches_ >= options_.max_batches || item_count > options_.max_items - items_) {
+        return false;
+    }
+    ++batches_;
+    items_ += item_count;
+    return true;
+}
+
+void SourceEntry::release(std::size_t item_count)
+{
+    items_ -= item_count;
+    --batches_;
+}
+
+std::uint32_t DataSources::add(DataSource& source)
+{
+    entries_.push_back(std::make_shared<SourceEntry>(source, queue_));
+    return static_cast<std::uint32_t>(entries_.size() - 1);
+}
+
+} // namespace busbar::server::detail

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <busbar/server/data_source.hpp>
+#include <busbar/server/waker.hpp>
+
+namespace busbar::server::detail {
+
+class Part;
+
+/// Completed parts on their way from any thread to the server's: a push never blocks.
+class CompletionQueue {
+public:
+    /// `waker` may be null; it must be valid until close().
+    explicit CompletionQueue(Waker* waker) : waker_{waker} {}
+    CompletionQueue(const CompletionQueue&) = delete;
+    CompletionQueue& operator=(const CompletionQueue&) = delete;
+
+    /// From any thread. Wakes the server if nothing was queued.
+    void push(Part& part);
+    /// On the server's thread: tells the owner of each part, in the order of completion.
+    void drain();
+    /// On the server's thread: drops what is queued and what still comes. The Waker is not in use
+    /// any more afterwards.
+    void close();
+
+private:
+    void wake();
+    void drop();
+
+    std::atomic<Part*> newest_{nullptr};
+    std::atomic<bool> closed_{false};
+    std::atomic<Waker*> waker_;
+    std::atomic<std::uint32_t> wakers_running_{0};
+};
+
+/// A source with what it was given and has not completed; shared with its batches.
+class SourceEntry {
+public:
+    SourceEntry(DataSource& source, std::shared_ptr<CompletionQueue> queue)
+        : source_{&source}, options_{source.options()}, queue_{std::move(queue)}
+    {
+    }
+
+    [[nodiscard]] DataSource& source() { return *source_; }
+    [[nodiscard]] const DataSourceOptions& options() const { return options_; }
+    [[nodiscard]] CompletionQueue& queue() { return *queue_; }
+
+    /// On the server's thread; false if that were more than the options allow.
+    [[nodiscard]] bool charge(std::size_t item_count);
+    /// From any thread.
+    void release(std::size_t item_count);
+
+private:
+    DataSource* source_;
+    DataSourceOptions options_;
+    std::shared_ptr<CompletionQueue> queue_;
+    std::atomic<std::size_t> batches_{0};
+    std::atomic<std::size_t> items_{0};
+};
+
+/// The sources of a server; a node names its own by index. Lives on the server's thread.
+class DataSources {
+public:
+    explicit DataSources(Waker* waker) : queue_{std::make_shared<CompletionQueue>(waker)} {}
+    DataSources(const DataSources&) = delete;
+    DataSources& operator=(const DataSources&) = delete;
+    ~DataSources() { queue_->close(); }
+
+    /// The index that nodes are to carry; `source` must outlive this object.
+    std::uint32_t add(DataSource& source);
+    [[nodiscard]] std::size_t size() const { return entries_.size(); }
+    /// Null for an index that add() never gave.
+    [[nodiscard]] const std::shared_ptr<SourceEntry>* find(std::uint32_t index) const
+    {
+        return index < entries_.size() ? &entries_[index] : nullptr;
+    }
+    /// Tells those who wait for batches that were completed meanwhile.
+    void handle_completions() { queue_->drain(); }
+
+private:
+    std::shared_ptr<CompletionQueue> queue_;
+    std::vector<std::shared_ptr<SourceEntry>> entries_;
+};
+
+} // namespace busbar::server::detail

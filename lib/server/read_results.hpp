@@ -1,0 +1,28 @@
+#pragma once
+
+#include <busbar/binary/writer.hpp>
+#include <busbar/server/data_source.hpp>
+#include <busbar/types/enumerations.hpp>
+
+namespace busbar::server::detail {
+
+/// Which timestamps the client wants (Part 4, 7.40) and the server's own.
+struct Timestamps {
+    Timestamps(TimestampsToReturn to_return, DateTime server_time);
+
+    bool source;
+    /// Zero if it is not wanted.
+    DateTime server;
+};
+
+/// Writes a slot as the DataValue of a response: without value if the status is bad (Part 4,
+/// 7.11.1), with the timestamps that are wanted.
+void encode_slot(binary::Writer& writer, const ReadSlot& slot, const Timestamps& timestamps);
+
+/// Replaces the slot's value by the part of it that `range` names.
+void cut_range(ReadSlot& slot, const NumericRange& range);
+
+/// Makes the slot's value its own, for a time when what it points at may be gone.
+void own_value(ReadSlot& slot);
+
+} // namespace busbar::server::detail

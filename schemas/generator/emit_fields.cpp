@@ -1,0 +1,41 @@
+#include "emit.hpp"
+
+#include "names.hpp"
+
+namespace busbar::generator {
+
+namespace {
+
+/// Fields of a union are not visited: a program asks it which one is set.
+std::string visit_fields(const Type& type)
+{
+    const bool is_empty = type.fields.empty();
+    std::string text = "template <typename Object, typename Visitor>\nrequires std::same_as<std::"
+                       "remove_const_t<Object>, " +
+                       type.name + ">\nvoid visit_fields(Object& " + (is_empty ? "" : "value") +
+                       ", Visitor&& " + (is_empty ? "" : "visit") + ")\n{\n";
+    for (const StructureField& field : type.fields) {
+        text += "    visit(" + quoted(field.schema_name) + ", value." + field.name + ");\n";
+    }
+    return text + "}\n\n";
+}
+
+} // namespace
+
+std::string emit_fields(const Schema& schema, const Options& options)
+{
+    std::string text = preamble(schema) +
+                       "#pragma once\n\n#include <concepts>\n#include <type_traits>\n\n#include <" +
+                       options.include_path + "/types.hpp>\n\nnamespace " + options.cpp_namespace +
+                       " {\n\n/// visit_fields(structure, visit) calls visit(name, field) for each "
+                       "field in wire order, by\n/// the name that the specification gives it: for "
+                       "printing, comparing, converting.\n\n";
+    for (const Schema::Group& group : schema.groups) {
+        for (const Type* type : group.structures) {
+            text += type->kind == Type::Kind::Structure ? visit_fields(*type) : "";
+        }
+    }
+    return text + "} // namespace " + options.cpp_namespace + "\n";
+}
+
+} // namespace busbar::generator

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+/// C++ spelling of the specification's names.
+namespace busbar::generator {
+
+/// "RequestedMaxReferencesPerNode" to "requested_max_references_per_node", never a keyword.
+[[nodiscard]] std::string field_name(std::string_view name);
+
+/// A name as it is but for what C++ cannot spell: "3DFrame" is ThreeDFrame, "default" default_.
+[[nodiscard]] std::string type_name(std::string_view name);
+
+/// `text` as a C++ string literal.
+[[nodiscard]] std::string quoted(std::string_view text);
+
+} // namespace busbar::generator

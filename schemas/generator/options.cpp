@@ -1,0 +1,122 @@
+#include "options.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <string_view>
+
+namespace busbar::generator {
+
+namespace {
+
+constexpr const char* usage =
+    "usage: busbar-generate --output FOLDER [options] NODESET2-FILE...\n"
+    "  --output FOLDER          where to write; is created\n"
+    "  --dependency FILE[,CPP-NAMESPACE,INCLUDE-PATH]\n"
+    "                           a NodeSet2 file whose code exists already; may be repeated;\n"
+    "                           \"busbar\" and \"busbar/types\" by default\n"
+    "  --namespace-uri URI      the namespace to generate; by default that of the first <Model>\n"
+    "  --cpp-namespace NAME     default: busbar\n"
+    "  --include-path PATH      how generated headers include each other; default: busbar/types\n"
+    "  --groups FILE            CSV of \"TypeName,file\" that splits the structures over files\n"
+    "  --ids FILE               CSV of \"Name,identifier,NodeClass\" with the constants' names\n"
+    "  --nodes                  emit the nodes as constant data, not the types\n"
+    "  --node-list FILE         with --nodes: the NodeIds to emit, one a line\n";
+
+tl::unexpected<Failure> wrong(const std::string& what)
+{
+    return tl::make_unexpected(what + "\n" + usage);
+}
+
+/// "file,namespace,path" or "file".
+Options::Dependency dependency(const std::string& text)
+{
+    Options::Dependency result{text, "busbar", "busbar/types"};
+    const std::size_t first = text.find(',');
+    const std::size_t second = first == std::string::npos ? first : text.find(',', first + 1);
+    if (second != std::string::npos) {
+        result = {text.substr(0, first), text.substr(first + 1, second - first - 1),
+                  text.substr(second + 1)};
+    }
+    return result;
+}
+
+/// The option's place for its value; null if there is no such option.
+std::string* text_option(Options& options, std::string_view name)
+{
+    if (name == "--output") {
+        return &options.output_folder;
+    }
+    if (name == "--namespace-uri") {
+        return &options.namespace_uri;
+    }
+    if (name == "--cpp-namespace") {
+        return &options.cpp_namespace;
+    }
+    if (name == "--include-path") {
+        return &options.include_path;
+    }
+    if (name == "--groups") {
+        return &options.groups_file;
+    }
+    if (name == "--ids") {
+        return &options.ids_file;
+    }
+    return name == "--node-list" ? &options.node_list : nullptr;
+}
+
+} // namespace
+
+tl::expected<Options, Failure> parse_options(int argc, char** argv)
+{
+    Options options;
+    for (int i = 1; i < argc; ++i) {
+        const std::string argument = argv[i];
+        if (argument.substr(0, 2) != "--") {
+            options.inputs.push_back(argument);
+            continue;
+        }
+        if (argument == "--nodes") {
+            options.nodes = true;
+            continue;
+        }
+        std::string* const text = text_option(options, argument);
+        if (text == nullptr && argument != "--dependency") {
+            return wrong("found " + argument + ", expected one of the options below");
+        }
+        if (++i == argc) {
+            return wrong(argument + " needs a value");
+        }
+        if (text != nullptr) {
+            *text = argv[i];
+        } else {
+            options.dependencies.push_back(dependency(argv[i]));
+        }
+    }
+    if (options.inputs.empty() || options.output_folder.empty()) {
+        return wrong(options.inputs.empty() ? "there is no NodeSet2 file" : "--output is missing");
+    }
+    return options;
+}
+
+tl::expected<void, Failure> write_output(const Options& options, const std::string& name,
+                                         const std::string& text)
+{
+    const std::filesystem::path folder{options.output_folder};
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    const std::string path = (folder / name).string();
+    std::FILE* const file = error ? nullptr : std::fopen(path.c_str(), "wb");
+    if (file == nullptr) {
+        return tl::make_unexpected(path + ": cannot be written: " +
+                                   (error ? error.message() : std::strerror(errno)));
+    }
+    const bool is_written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
+    if (std::fclose(file) != 0 || !is_written) {
+        return tl::make_unexpected(path + ": cannot be written: " + std::strerror(errno));
+    }
+    return {};
+}
+
+} // namespace busbar::generator

@@ -1,0 +1,21 @@
+# The types of OPC UA itself, which are part of busbar::binary, and the generator if it is built
+# here. Leaves BUSBAR_GENERATED_TYPES_SOURCES and the target busbar_generated_types.
+include(${CMAKE_CURRENT_LIST_DIR}/generate.cmake)
+
+find_package(pugixml QUIET)
+if(pugixml_FOUND OR NOT BUSBAR_GENERATOR)
+  add_subdirectory(${PROJECT_SOURCE_DIR}/lib/model/nodeset
+    ${PROJECT_BINARY_DIR}/lib/model/nodeset)
+endif()
+if(NOT BUSBAR_GENERATOR)
+  add_subdirectory(${CMAKE_CURRENT_LIST_DIR}/generator ${PROJECT_BINARY_DIR}/schemas/generator)
+endif()
+
+busbar_generate_sources(busbar_generated_types BUSBAR_GENERATED_TYPES_SOURCES
+  NODESETS ${BUSBAR_NAMESPACE0_NODESETS}
+  NAMESPACE_URI http://opcfoundation.org/UA/
+  CPP_NAMESPACE busbar
+  INCLUDE_PATH busbar/types
+  ROOT ${BUSBAR_GENERATED_DIR}
+  GROUPS ${CMAKE_CURRENT_LIST_DIR}/groups.csv
+  IDS ${CMAKE_CURRENT_LIST_DIR}/NodeIds.csv)
