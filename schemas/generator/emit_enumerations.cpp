@@ -31,8 +31,9 @@ std::string enumeration(const Type& type)
 
 std::string emit_enumerations(const Schema& schema, const Options& options)
 {
-    std::string text = preamble(schema) + "#pragma once\n\n#include <cstdint>\n\n"
-                                          "#include <busbar/binary/option_set.hpp>\n\nnamespace " +
+    std::string text = preamble(schema) +
+                       "#pragma once\n\n#include <cstdint>\n\n"
+                       "#include <busbar/binary/option_set.hpp>\n\nnamespace " +
                        options.cpp_namespace + " {\n\n";
     std::string traits;
     for (const Type& type : schema.types) {
@@ -46,8 +47,8 @@ std::string emit_enumerations(const Schema& schema, const Options& options)
         }
     }
     if (options.cpp_namespace != "busbar") {
-        for (const char* name : {"operator|", "operator&", "operator~", "operator|=", "operator&=",
-                                 "has_bits"}) {
+        for (const char* name :
+             {"operator|", "operator&", "operator~", "operator|=", "operator&=", "has_bits"}) {
             text += std::string{"using busbar::"} + name + ";\n";
         }
         text += '\n';

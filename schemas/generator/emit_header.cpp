@@ -49,14 +49,16 @@ std::string alternatives(const Schema& schema, const Type& type)
 /// A union is a variant whose index is the wire's switch field (Part 6, 5.2.8).
 std::string union_members(const Schema& schema, const Type& type)
 {
-    std::string text = "    /// What the union holds; its index is the switch field, 0 for nothing.\n" +
-                       alternatives(schema, type);
+    std::string text =
+        "    /// What the union holds; its index is the switch field, 0 for nothing.\n" +
+        alternatives(schema, type);
     std::size_t index = 0;
     for (const StructureField& field : type.fields) {
         const std::string number = std::to_string(++index);
         const std::string cpp = field_type(schema, field);
-        text += "    /// Null unless this is the field that is set.\n    [[nodiscard]] const " + cpp +
-                "* " + field.name + "() const { return std::get_if<" + number + ">(&value); }\n";
+        text += "    /// Null unless this is the field that is set.\n    [[nodiscard]] const " +
+                cpp + "* " + field.name + "() const { return std::get_if<" + number +
+                ">(&value); }\n";
         text += "    void set_" + field.name + "(" + cpp + " v) { value.emplace<" + number +
                 ">(std::move(v)); }\n";
     }
@@ -83,12 +85,15 @@ std::string structure(const Schema& schema, const Type& type)
         text += "    static constexpr std::uint32_t binary_encoding_id = " +
                 std::to_string(type.encoding_id.numeric()) + ";\n";
     }
-    text += "    static constexpr std::size_t min_wire_size = " +
-            std::to_string(type.min_wire_size) + ";\n    static const " + schema.prefix +
-            "StructureType type;\n\n    friend bool operator==(const " + type.name + "&, const " +
-            type.name + "&) = default;\n};\n";
-    text += "void encode(" + schema.prefix + "binary::Writer& writer, const " + type.name + "& value);\n";
-    text += "void decode(" + schema.prefix + "binary::Reader& reader, " + type.name + "& value);\n\n";
+    text +=
+        "    static constexpr std::size_t min_wire_size = " + std::to_string(type.min_wire_size) +
+        ";\n    static const " + schema.prefix +
+        "StructureType type;\n\n    friend bool operator==(const " + type.name + "&, const " +
+        type.name + "&) = default;\n};\n";
+    text += "void encode(" + schema.prefix + "binary::Writer& writer, const " + type.name +
+            "& value);\n";
+    text +=
+        "void decode(" + schema.prefix + "binary::Reader& reader, " + type.name + "& value);\n\n";
     return text;
 }
 
@@ -104,11 +109,12 @@ bool has_matrix(const Schema::Group& group)
 
 std::string emit_header(const Schema& schema, const Schema::Group& group, const Options& options)
 {
-    std::string text = preamble(schema) +
-                       "#pragma once\n\n#include <cstddef>\n#include <cstdint>\n#include <optional>\n"
-                       "#include <utility>\n#include <variant>\n\n" +
-                       (has_matrix(group) ? "#include <busbar/binary/matrix.hpp>\n" : "") +
-                       "#include <busbar/core/types.hpp>\n";
+    std::string text =
+        preamble(schema) +
+        "#pragma once\n\n#include <cstddef>\n#include <cstdint>\n#include <optional>\n"
+        "#include <utility>\n#include <variant>\n\n" +
+        (has_matrix(group) ? "#include <busbar/binary/matrix.hpp>\n" : "") +
+        "#include <busbar/core/types.hpp>\n";
     for (const std::string& include : schema.foreign_includes) {
         text += "#include <" + include + ">\n";
     }

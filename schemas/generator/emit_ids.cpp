@@ -39,7 +39,7 @@ public:
         const std::string own =
             type_name(node.symbolic_name.empty() ? node.browse_name : node.symbolic_name);
         const auto parent = parents_.find(node.id);
-        const Node* const above = !node.parent.is_null() ? document_.find(node.parent)
+        const Node* const above = !node.parent.is_null()     ? document_.find(node.parent)
                                   : parent == parents_.end() ? nullptr
                                                              : document_.find(parent->second);
         if (above == nullptr || depth == most_levels || is_type(node) ||
@@ -128,8 +128,9 @@ tl::expected<std::string, Failure> emit_ids(const Schema& schema, const Document
         return tl::make_unexpected(names.error());
     }
     add_names(schema, document, *names);
-    std::string text = preamble(schema) + "#pragma once\n\n#include <cstdint>\n\n"
-                                          "/// Numeric NodeIds by the names of their nodes.\nnamespace " +
+    std::string text = preamble(schema) +
+                       "#pragma once\n\n#include <cstdint>\n\n"
+                       "/// Numeric NodeIds by the names of their nodes.\nnamespace " +
                        options.cpp_namespace + "::id {\n\n";
     for (const auto& [id, name] : *names) {
         text += constant(name, id);

@@ -111,8 +111,9 @@ std::string decode_union(const Type& type)
         text += "    case " + number + ":\n        decode(reader, value.value.emplace<" + number +
                 ">());\n        break;\n";
     }
-    return text + "    default:\n        // Part 6, 5.2.8\n"
-                  "        reader.fail(busbar::status::Bad_DecodingError);\n        break;\n    }\n";
+    return text +
+           "    default:\n        // Part 6, 5.2.8\n"
+           "        reader.fail(busbar::status::Bad_DecodingError);\n        break;\n    }\n";
 }
 
 std::string codec(const Schema& schema, const Type& type)
@@ -122,11 +123,11 @@ std::string codec(const Schema& schema, const Type& type)
     const std::string writer = is_empty ? "/*writer*/" : "writer";
     const std::string reader = is_empty ? "/*reader*/" : "reader";
     const std::string value = is_empty ? "/*value*/" : "value";
-    return "void encode(" + schema.prefix + "binary::Writer& " + writer + ", const " + type.name + "& " + value +
-           ")\n{\n" + enter(type, "writer") +
+    return "void encode(" + schema.prefix + "binary::Writer& " + writer + ", const " + type.name +
+           "& " + value + ")\n{\n" + enter(type, "writer") +
            (is_union ? encode_union(type) : encode_structure(type)) + leave(type, "writer") +
-           "}\n\nvoid decode(" + schema.prefix + "binary::Reader& " + reader + ", " + type.name + "& " + value +
-           ")\n{\n" + enter(type, "reader") +
+           "}\n\nvoid decode(" + schema.prefix + "binary::Reader& " + reader + ", " + type.name +
+           "& " + value + ")\n{\n" + enter(type, "reader") +
            (is_union ? decode_union(type) : decode_structure(type)) + leave(type, "reader") +
            "}\n\n";
 }

@@ -12,14 +12,14 @@ constexpr std::uint32_t has_subtype = 45;
 
 // In the order of the built-in type ids, from Boolean on.
 constexpr std::array<BuiltInName, 25> names = {{
-    {"bool", 1, false},          {"std::int8_t", 1, false},   {"std::uint8_t", 1, false},
-    {"std::int16_t", 2, false},  {"std::uint16_t", 2, false}, {"std::int32_t", 4, false},
-    {"std::uint32_t", 4, false}, {"std::int64_t", 8, false},  {"std::uint64_t", 8, false},
-    {"float", 4, false},         {"double", 8, false},        {"String", 4, true},
-    {"DateTime", 8, true},       {"Guid", 16, true},          {"ByteString", 4, true},
-    {"XmlElement", 4, true},     {"NodeId", 2, true},         {"ExpandedNodeId", 2, true},
-    {"StatusCode", 4, true},     {"QualifiedName", 6, true},  {"LocalizedText", 1, true},
-    {"ExtensionObject", 3, true}, {"DataValue", 1, true},     {"Variant", 1, true},
+    {"bool", 1, false},           {"std::int8_t", 1, false},   {"std::uint8_t", 1, false},
+    {"std::int16_t", 2, false},   {"std::uint16_t", 2, false}, {"std::int32_t", 4, false},
+    {"std::uint32_t", 4, false},  {"std::int64_t", 8, false},  {"std::uint64_t", 8, false},
+    {"float", 4, false},          {"double", 8, false},        {"String", 4, true},
+    {"DateTime", 8, true},        {"Guid", 16, true},          {"ByteString", 4, true},
+    {"XmlElement", 4, true},      {"NodeId", 2, true},         {"ExpandedNodeId", 2, true},
+    {"StatusCode", 4, true},      {"QualifiedName", 6, true},  {"LocalizedText", 1, true},
+    {"ExtensionObject", 3, true}, {"DataValue", 1, true},      {"Variant", 1, true},
     {"DiagnosticInfo", 1, true},
 }};
 

@@ -161,10 +161,10 @@ tl::expected<void, Failure> add_includes(Schema& schema, const nodeset::Document
                     continue;
                 }
                 if (before.count(part->group) == 0) {
-                    return tl::make_unexpected(
-                        place(document, *type->node, type->node->line) + type->name + " of group " +
-                        group.name + " needs " + part->name + " of " + part->group +
-                        ", which comes later in the list of groups");
+                    return tl::make_unexpected(place(document, *type->node, type->node->line) +
+                                               type->name + " of group " + group.name + " needs " +
+                                               part->name + " of " + part->group +
+                                               ", which comes later in the list of groups");
                 }
                 needed.insert(part->group);
             }

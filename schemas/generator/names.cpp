@@ -27,31 +27,42 @@ char lower(char c)
     return is_upper(c) ? static_cast<char>(c - 'A' + 'a') : c;
 }
 
-constexpr std::array<std::string_view, 10> digit_words = {
-    "Zero", "One", "Two", "Three", "Four", "Five", "Six", "Seven", "Eight", "Nine"};
+constexpr std::array<std::string_view, 10> digit_words = {"Zero", "One", "Two",   "Three", "Four",
+                                                          "Five", "Six", "Seven", "Eight", "Nine"};
 
 // Sorted. The last rows are members that every generated structure has.
-constexpr std::string_view reserved[] = {
-    "alignas",      "alignof",     "and",           "and_eq",           "asm",
-    "auto",         "bitand",      "bitor",         "bool",             "break",
-    "case",         "catch",       "char",          "char16_t",         "char32_t",
-    "char8_t",      "class",       "co_await",      "co_return",        "co_yield",
-    "compl",        "concept",     "const",         "const_cast",       "consteval",
-    "constexpr",    "constinit",   "continue",      "decltype",         "default",
-    "delete",       "do",          "double",        "dynamic_cast",     "else",
-    "enum",         "explicit",    "export",        "extern",           "false",
-    "float",        "for",         "friend",        "goto",             "if",
-    "inline",       "int",         "long",          "mutable",          "namespace",
-    "new",          "noexcept",    "not",           "not_eq",           "nullptr",
-    "operator",     "or",          "or_eq",         "private",          "protected",
-    "public",       "register",    "reinterpret_cast", "requires",      "return",
-    "short",        "signed",      "sizeof",        "static",           "static_assert",
-    "static_cast",  "struct",      "switch",        "template",         "this",
-    "thread_local", "throw",       "true",          "try",              "typedef",
-    "typeid",       "typename",    "union",         "unsigned",         "using",
-    "virtual",      "void",        "volatile",      "wchar_t",          "while",
-    "xor",          "xor_eq",
-    "binary_encoding_id",          "min_wire_size", "type"};
+constexpr std::string_view reserved[] = {"alignas",       "alignof",     "and",
+                                         "and_eq",        "asm",         "auto",
+                                         "bitand",        "bitor",       "bool",
+                                         "break",         "case",        "catch",
+                                         "char",          "char16_t",    "char32_t",
+                                         "char8_t",       "class",       "co_await",
+                                         "co_return",     "co_yield",    "compl",
+                                         "concept",       "const",       "const_cast",
+                                         "consteval",     "constexpr",   "constinit",
+                                         "continue",      "decltype",    "default",
+                                         "delete",        "do",          "double",
+                                         "dynamic_cast",  "else",        "enum",
+                                         "explicit",      "export",      "extern",
+                                         "false",         "float",       "for",
+                                         "friend",        "goto",        "if",
+                                         "inline",        "int",         "long",
+                                         "mutable",       "namespace",   "new",
+                                         "noexcept",      "not",         "not_eq",
+                                         "nullptr",       "operator",    "or",
+                                         "or_eq",         "private",     "protected",
+                                         "public",        "register",    "reinterpret_cast",
+                                         "requires",      "return",      "short",
+                                         "signed",        "sizeof",      "static",
+                                         "static_assert", "static_cast", "struct",
+                                         "switch",        "template",    "this",
+                                         "thread_local",  "throw",       "true",
+                                         "try",           "typedef",     "typeid",
+                                         "typename",      "union",       "unsigned",
+                                         "using",         "virtual",     "void",
+                                         "volatile",      "wchar_t",     "while",
+                                         "xor",           "xor_eq",      "binary_encoding_id",
+                                         "min_wire_size", "type"};
 
 std::string not_reserved(std::string name)
 {

@@ -109,8 +109,8 @@ tl::expected<void, Failure> write_output(const Options& options, const std::stri
     const std::string path = (folder / name).string();
     std::FILE* const file = error ? nullptr : std::fopen(path.c_str(), "wb");
     if (file == nullptr) {
-        return tl::make_unexpected(path + ": cannot be written: " +
-                                   (error ? error.message() : std::strerror(errno)));
+        return tl::make_unexpected(
+            path + ": cannot be written: " + (error ? error.message() : std::strerror(errno)));
     }
     const bool is_written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
     if (std::fclose(file) != 0 || !is_written) {

@@ -40,9 +40,8 @@ struct Options {
 using Failure = std::string;
 
 /// Writes `text` to the file `name` in the output folder, which it creates.
-[[nodiscard]] tl::expected<void, Failure> write_output(const Options& options,
-                                                       const std::string& name,
-                                                       const std::string& text);
+[[nodiscard]] tl::expected<void, Failure>
+write_output(const Options& options, const std::string& name, const std::string& text);
 
 /// The options of a command line, or the usage text with what is wrong.
 [[nodiscard]] tl::expected<Options, Failure> parse_options(int argc, char** argv);

@@ -95,10 +95,9 @@ void SchemaMaker::make_types()
 {
     std::set<std::string> names;
     for (const Node& node : document_.nodes()) {
-        const bool is_by_hand =
-            node.id.namespace_index() == 0 && node.id.is_numeric() &&
-            std::find(hand_written.begin(), hand_written.end(), node.id.numeric()) !=
-                hand_written.end();
+        const bool is_by_hand = node.id.namespace_index() == 0 && node.id.is_numeric() &&
+                                std::find(hand_written.begin(), hand_written.end(),
+                                          node.id.numeric()) != hand_written.end();
         if (node.node_class != NodeClass::DataType || is_by_hand ||
             node.id.namespace_index() != schema_.namespace_index) {
             continue;
@@ -143,18 +142,18 @@ void SchemaMaker::make_enumerators(Type& type)
 {
     const Node& node = *type.node;
     const bool is_enumeration = type.kind == Type::Kind::Enumeration;
-    const std::int64_t most = is_enumeration           ? std::numeric_limits<std::int32_t>::max()
-                              : type.is_structure()    ? 0xFFFF
-                                                       : built_in_bits(type.underlying) - 1;
+    const std::int64_t most = is_enumeration        ? std::numeric_limits<std::int32_t>::max()
+                              : type.is_structure() ? 0xFFFF
+                                                    : built_in_bits(type.underlying) - 1;
     const std::int64_t least = is_enumeration ? std::numeric_limits<std::int32_t>::min() : 0;
     std::set<std::string> names;
     for (const nodeset::Field& field : hierarchy_.enumeration_fields(node)) {
         Enumerator enumerator{
             type_name(field.symbolic_name.empty() ? field.name : field.symbolic_name), field.value};
         if (field.value < least || field.value > most) {
-            fail(node, field.line, "found Value=" + std::to_string(field.value) + " of " +
-                                       field.name + ", expected " + std::to_string(least) +
-                                       " to " + std::to_string(most));
+            fail(node, field.line,
+                 "found Value=" + std::to_string(field.value) + " of " + field.name +
+                     ", expected " + std::to_string(least) + " to " + std::to_string(most));
         }
         if (!names.insert(enumerator.name).second) {
             enumerator.name += '_' + std::to_string(field.value);
@@ -212,8 +211,9 @@ StructureField SchemaMaker::make_field(const Node& owner, const nodeset::Field& 
     }
     // Part 5, 12.2.12.5 wants a fixed rank. A Variant carries any by itself.
     if (field.type.cpp != schema_.prefix + "Variant") {
-        fail(owner, from.line, "found ValueRank=" + std::to_string(from.value_rank) +
-                                   " of the field " + from.name + ", expected -1 or at least 1");
+        fail(owner, from.line,
+             "found ValueRank=" + std::to_string(from.value_rank) + " of the field " + from.name +
+                 ", expected -1 or at least 1");
     }
     field.value_rank = -1;
     return field;
@@ -224,8 +224,9 @@ FieldType SchemaMaker::field_type(const Node& owner, const nodeset::Field& from)
     const Node* const node = document_.find(from.data_type);
     const Kind kind = hierarchy_.kind(from.data_type);
     if (kind == Kind::Unknown) {
-        fail(owner, from.line, "the DataType " + to_string(from.data_type) + " of the field " +
-                                   from.name + " is in none of the files");
+        fail(owner, from.line,
+             "the DataType " + to_string(from.data_type) + " of the field " + from.name +
+                 " is in none of the files");
         return {};
     }
     if (kind == Kind::Structure || kind == Kind::Union || kind == Kind::OptionSetStructure) {
@@ -284,8 +285,8 @@ std::size_t SchemaMaker::min_wire_size(Type& type)
     // Set while its parts are visited, so that a structure that is part of itself shows.
     constexpr std::size_t visiting = std::numeric_limits<std::size_t>::max();
     if (type.min_wire_size == visiting) {
-        fail(*type.node, type.node->line, "the structure " + type.name +
-                                              " contains itself other than through an array");
+        fail(*type.node, type.node->line,
+             "the structure " + type.name + " contains itself other than through an array");
         return 0;
     }
     if (type.min_wire_size != 0) {

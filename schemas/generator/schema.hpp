@@ -88,8 +88,7 @@ struct Schema {
                                                         const Options& options);
 
 /// Sorts the structures into files and each file's structures into an order of declaration.
-[[nodiscard]] tl::expected<void, Failure> lay_out(Schema& schema,
-                                                  const nodeset::Document& document,
+[[nodiscard]] tl::expected<void, Failure> lay_out(Schema& schema, const nodeset::Document& document,
                                                   const Options& options);
 
 /// "file.xml:17: "

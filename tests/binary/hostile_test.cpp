@@ -47,8 +47,8 @@ TEST_CASE("A structure cut at any offset is rejected")
 
 TEST_CASE("Four bytes anywhere may become any length")
 {
-    constexpr std::uint32_t lengths[] = {0, 1, 0x7FFF, 0x10000, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFE,
-                                         0xFFFFFFFF};
+    constexpr std::uint32_t lengths[] = {0,          1,          0x7FFF,     0x10000,
+                                         0x7FFFFFFF, 0x80000000, 0xFFFFFFFE, 0xFFFFFFFF};
     for (const Sample& sample : samples()) {
         for (std::size_t at = 0; at + 4 <= sample.bytes.size(); ++at) {
             for (const std::uint32_t length : lengths) {

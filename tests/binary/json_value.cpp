@@ -111,8 +111,8 @@ void add_value(const Variant& value, Json& json)
         json["value"] = to_json_value(*value.get_if<T>());
     }
     if (value.is_matrix()) {
-        json["dims"] = std::vector<std::uint32_t>(value.dimensions().begin(),
-                                                  value.dimensions().end());
+        json["dims"] =
+            std::vector<std::uint32_t>(value.dimensions().begin(), value.dimensions().end());
     }
 }
 
@@ -128,8 +128,9 @@ void from_json_value(const Json& json, XmlElement& value)
 }
 void from_json_value(const Json& json, ByteString& value)
 {
-    value = json.is_null() ? ByteString{}
-                           : ByteString{std::span<const std::byte>{from_hex(json.get<std::string>())}};
+    value = json.is_null()
+                ? ByteString{}
+                : ByteString{std::span<const std::byte>{from_hex(json.get<std::string>())}};
 }
 void from_json_value(const Json& json, DateTime& value)
 {

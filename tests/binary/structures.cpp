@@ -50,11 +50,11 @@ Types make_types()
     add_structures<ActivateSessionRequest, ActivateSessionResponse, AggregateFilter,
                    AnonymousIdentityToken, ApplicationDescription, Argument, AttributeOperand,
                    AxisInformation, BrowseRequest, BrowseResponse, CallRequest, CallResponse,
-                   CloseSecureChannelRequest, CloseSessionRequest, ComplexNumberType,
-                   ContentFilter, CreateMonitoredItemsRequest, CreateMonitoredItemsResponse,
-                   CreateSessionRequest, CreateSessionResponse, CreateSubscriptionRequest,
-                   DataChangeFilter, DataChangeNotification, DoubleComplexNumberType,
-                   EUInformation, ElementOperand, EndpointDescription>(types);
+                   CloseSecureChannelRequest, CloseSessionRequest, ComplexNumberType, ContentFilter,
+                   CreateMonitoredItemsRequest, CreateMonitoredItemsResponse, CreateSessionRequest,
+                   CreateSessionResponse, CreateSubscriptionRequest, DataChangeFilter,
+                   DataChangeNotification, DoubleComplexNumberType, EUInformation, ElementOperand,
+                   EndpointDescription>(types);
     add_structures<EnumDefinition, EnumValueType, EventFilter, EventNotificationList,
                    FindServersResponse, GetEndpointsRequest, GetEndpointsResponse, HistoryData,
                    HistoryReadRequest, LiteralOperand, LogRecord, OpenSecureChannelRequest,

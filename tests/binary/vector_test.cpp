@@ -91,7 +91,13 @@ TEST_CASE("Encodings that are legal but not canonical decode", "[vectors]")
         INFO(row["id"]);
         const NamedType* const type = find_type(row["type"].get<std::string>());
         REQUIRE(type != nullptr);
-        CHECK(hex(type->recode(from_hex(row["hex"]))) == hex(type->encode_json(row["value"])));
+        const std::string recoded = hex(type->recode(from_hex(row["hex"])));
+        if (row["id"] == "decode-only/DataValue picos >9999") {
+            // The row's value has another timestamp than its bytes. Part 6, 5.2.2.17 wants 9999.
+            CHECK(recoded == "1400c0a9cb8e8dda010f27");
+        } else {
+            CHECK(recoded == hex(type->encode_json(row["value"])));
+        }
     }
 }
 
@@ -144,8 +150,8 @@ TEST_CASE("Where the other stack differs, the specification's bytes are written"
         }
     }
     CHECK_FALSE(find_type("Variant")->decode(from_hex("180605000000")));
-    const auto short_form = find_type("ExpandedNodeId")->recode(
-        from_hex("820000050000000500000075726e3a78"));
+    const auto short_form =
+        find_type("ExpandedNodeId")->recode(from_hex("820000050000000500000075726e3a78"));
     CHECK(hex(short_form) == "80050500000075726e3a78");
 }
 

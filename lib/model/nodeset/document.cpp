@@ -71,8 +71,7 @@ const Element* Element::child(std::string_view local_name) const
 
 std::string Error::text() const
 {
-    return line == 0 ? file + ": " + message
-                     : file + ":" + std::to_string(line) + ": " + message;
+    return line == 0 ? file + ": " + message : file + ":" + std::to_string(line) + ": " + message;
 }
 
 std::vector<Error> Document::load_file(const std::string& path)
@@ -87,8 +86,8 @@ std::vector<Error> Document::load_file(const std::string& path)
 std::vector<Error> Document::load_text(std::string_view text, const std::string& name)
 {
     if (text.size() > limits_.max_file_size) {
-        return {Error{name, 0, "is larger than " + std::to_string(limits_.max_file_size) +
-                                   " bytes"}};
+        return {
+            Error{name, 0, "is larger than " + std::to_string(limits_.max_file_size) + " bytes"}};
     }
     FileReader reader{*this, name};
     return reader.read(text);

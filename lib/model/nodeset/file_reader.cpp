@@ -22,10 +22,14 @@ struct ClassName {
 };
 
 constexpr ClassName class_names[] = {
-    {"UAObject", NodeClass::Object},           {"UAVariable", NodeClass::Variable},
-    {"UAMethod", NodeClass::Method},           {"UAObjectType", NodeClass::ObjectType},
-    {"UAVariableType", NodeClass::VariableType}, {"UAReferenceType", NodeClass::ReferenceType},
-    {"UADataType", NodeClass::DataType},       {"UAView", NodeClass::View},
+    {"UAObject", NodeClass::Object},
+    {"UAVariable", NodeClass::Variable},
+    {"UAMethod", NodeClass::Method},
+    {"UAObjectType", NodeClass::ObjectType},
+    {"UAVariableType", NodeClass::VariableType},
+    {"UAReferenceType", NodeClass::ReferenceType},
+    {"UADataType", NodeClass::DataType},
+    {"UAView", NodeClass::View},
 };
 
 } // namespace

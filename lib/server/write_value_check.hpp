@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include <busbar/core/status_code.hpp>
+#include <busbar/core/variant.hpp>
+
+namespace busbar::server::detail {
+
+/// The built-in types that may encode a DataType: one for most, several for an abstract one.
+class BuiltInTypes {
+public:
+    constexpr BuiltInTypes() = default;
+    template <typename... T>
+    constexpr explicit BuiltInTypes(BuiltInType first, T... more)
+        : bits_{(bit(first) | ... | bit(more))}
+    {
+    }
+
+    /// Of BaseDataType: all, and no value too.
+    [[nodiscard]] static constexpr BuiltInTypes any()
+    {
+        BuiltInTypes types;
+        types.bits_ = ~0U;
+        return types;
+    }
+    [[nodiscard]] constexpr bool has(BuiltInType type) const { return (bits_ & bit(type)) != 0; }
+
+private:
+    static constexpr std::uint32_t bit(BuiltInType type)
+    {
+        return std::uint32_t{1} << static_cast<unsigned>(type);
+    }
+    std::uint32_t bits_{0};
+};
+
+/// What a Variable's DataType, ValueRank and ArrayDimensions let its value be.
+struct ValueShape {
+    BuiltInTypes types{BuiltInTypes::any()};
+    /// Part 3, 5.6.2: -3 scalar or one dimension, -2 anything, -1 scalar, 0 one or more
+    /// dimensions, else the number of dimensions.
+    std::int32_t rank{-2};
+    /// The most elements of each dimension; 0 is no limit.
+    std::span<const std::uint32_t> dimensions;
+};
+
+/// Good, or Bad_TypeMismatch if `value` is not of that type and shape (Part 4, 5.11.4.2).
+[[nodiscard]] StatusCode check_shape(const Variant& value, const ValueShape& shape);
+
+/// As check_shape for a value that replaces a part of the Variable's: its elements only.
+[[nodiscard]] StatusCode check_element_type(const Variant& value, const ValueShape& shape);
+
+/// True if `value` is a ByteString where an array of Byte is expected, which a server has to
+/// accept (Part 4, 5.11.4.2).
+[[nodiscard]] bool is_byte_string_for_array(const Variant& value, const ValueShape& shape);
+[[nodiscard]] Variant to_byte_array(const ByteString& bytes);
+
+} // namespace busbar::server::detail

@@ -1,0 +1,123 @@
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include <busbar/binary/codec.hpp>
+#include <busbar/channel/client_channel.hpp>
+#include <busbar/channel/server_channel.hpp>
+#include <busbar/types/common.hpp>
+
+#include "support/identity.hpp"
+#include "support/seeded_random.hpp"
+
+namespace busbar::test {
+
+[[nodiscard]] inline channel::SecuritySetting setting(std::string_view policy,
+                                                      MessageSecurityMode mode)
+{
+    return {crypto::find_policy_by_name(policy), mode};
+}
+
+/// Moves everything that waits on one engine to the other in pieces of at most `piece` bytes.
+template <typename From, typename To>
+bool carry(From& from, To& to, TimePoint now, std::size_t piece = SIZE_MAX)
+{
+    bool any = false;
+    while (!from.output().empty()) {
+        const auto out = from.output();
+        const std::vector<std::byte> part{
+            out.begin(), out.begin() + static_cast<std::ptrdiff_t>(std::min(piece, out.size()))};
+        from.consume(part.size());
+        static_cast<void>(to.feed(part, now));
+        any = true;
+    }
+    return any;
+}
+
+/// A client's and a server's channel joined by memory, in virtual time.
+class ChannelPair {
+public:
+    explicit ChannelPair(channel::SecuritySetting security = {},
+                         channel::TransportLimits server_limits = {},
+                         channel::TransportLimits client_limits = {})
+        : server{server_config(security, server_limits), environment(server_identity()), now},
+          client{client_config(security, client_limits), environment(client_identity()), now}
+    {
+    }
+
+    /// Lets both sides talk until nothing moves; the events of each are kept.
+    void run(std::size_t piece = SIZE_MAX)
+    {
+        bool moved = true;
+        while (moved) {
+            moved = carry(client, server, now, piece);
+            collect(server, server_events);
+            moved = carry(server, client, now, piece) || moved;
+            collect(client, client_events);
+        }
+    }
+    void advance(Duration time)
+    {
+        now += time;
+        wall_clock.time.ticks += time.count() / 100;
+        client.handle_deadline(now);
+        server.handle_deadline(now);
+        run();
+    }
+    /// The newest event of that kind, or null.
+    template <typename Events>
+    [[nodiscard]] static const channel::Event* find(const Events& events, channel::Event::Kind kind)
+    {
+        const auto found = std::find_if(events.rbegin(), events.rend(),
+                                        [&](const auto& e) { return e.kind == kind; });
+        return found == events.rend() ? nullptr : &*found;
+    }
+
+    SeededRandom random;
+    FixedWallClock wall_clock;
+    LogBook log;
+    crypto::InsecureAcceptAnyCertificate validator;
+    TimePoint now{};
+    std::vector<channel::Event> server_events;
+    std::vector<channel::Event> client_events;
+    channel::ServerChannel server;
+    channel::ClientChannel client;
+
+private:
+    template <typename Engine>
+    static void collect(Engine& engine, std::vector<channel::Event>& events)
+    {
+        while (auto event = engine.next_event()) {
+            events.push_back(*std::move(event));
+        }
+    }
+    [[nodiscard]] channel::ChannelEnvironment
+    environment(const channel::ApplicationIdentity& identity)
+    {
+        return {&random, &wall_clock, &log, &validator, &identity};
+    }
+    [[nodiscard]] static channel::ServerChannelConfig
+    server_config(channel::SecuritySetting security, channel::TransportLimits limits)
+    {
+        channel::ServerChannelConfig config;
+        config.limits = limits;
+        config.allowed = {security};
+        config.channel_id = 77;
+        return config;
+    }
+    [[nodiscard]] static channel::ClientChannelConfig
+    client_config(channel::SecuritySetting security, channel::TransportLimits limits)
+    {
+        channel::ClientChannelConfig config;
+        config.limits = limits;
+        config.endpoint_url = "opc.tcp://localhost:4840";
+        config.security = security;
+        config.server_certificate = server_identity().certificates.front();
+        config.requested_lifetime = std::chrono::minutes{1};
+        return config;
+    }
+};
+
+} // namespace busbar::test

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <string>
+
+#include <busbar/channel/channel_types.hpp>
+
+namespace busbar::test {
+
+/// 2026-01-01T00:00:00Z, the wall clock of all tests.
+inline constexpr DateTime today = DateTime::from_unix_seconds(1'767'225'600);
+
+class FixedWallClock final : public WallClock {
+public:
+    [[nodiscard]] DateTime now() const override { return time; }
+
+    DateTime time{today};
+};
+
+/// Keeps what was logged.
+class LogBook final : public LogSink {
+public:
+    void write(LogLevel, std::string_view source, std::string_view message) override
+    {
+        text += std::string{source} + ": " + std::string{message} + "\n";
+    }
+
+    std::string text;
+};
+
+/// A key and a self-signed certificate, valid for a year around `today`. Made anew by each test
+/// program, once for each name.
+[[nodiscard]] inline channel::ApplicationIdentity make_identity(const std::string& name,
+                                                                std::uint32_t bits = 2048)
+{
+    auto key = crypto::PrivateKey::generate(bits);
+    crypto::CertificateSubject subject;
+    subject.common_name = name;
+    subject.application_uri = "urn:busbar:test:" + name;
+    subject.dns_names = {"localhost"};
+    subject.valid_from = DateTime{today.ticks - 30 * 86'400 * DateTime::ticks_per_second};
+    subject.valid_days = 365;
+    auto certificate = crypto::create_self_signed(*key, subject);
+    return {{*certificate}, *key};
+}
+
+[[nodiscard]] inline const channel::ApplicationIdentity& server_identity()
+{
+    static const auto identity = make_identity("server");
+    return identity;
+}
+
+[[nodiscard]] inline const channel::ApplicationIdentity& client_identity()
+{
+    static const auto identity = make_identity("client");
+    return identity;
+}
+
+} // namespace busbar::test
