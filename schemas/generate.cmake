@@ -14,6 +14,7 @@
 # otherwise the generator is built here.
 include_guard(GLOBAL)
 
+set(BUSBAR_SCHEMAS_DIR ${CMAKE_CURRENT_LIST_DIR} CACHE INTERNAL "Where generate.cmake stands")
 file(GLOB nodesets CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/Opc.Ua.*.NodeSet2.xml)
 set(BUSBAR_NAMESPACE0_NODESETS ${nodesets} CACHE INTERNAL "The NodeSet2 files of OPC UA itself")
 
@@ -21,12 +22,15 @@ function(busbar_find_generator command_variable target_variable)
   if(BUSBAR_GENERATOR)
     set(command ${BUSBAR_GENERATOR})
     set(target ${BUSBAR_GENERATOR})
-  elseif(TARGET busbar::generate)
-    set(command $<TARGET_FILE:busbar::generate>)
-    set(target busbar::generate)
-  else()
+  elseif(TARGET busbar-generate)
     set(command $<TARGET_FILE:busbar-generate>)
     set(target busbar-generate)
+  else()
+    # Installed: the program stands beside share/busbar.
+    find_program(BUSBAR_INSTALLED_GENERATOR busbar-generate REQUIRED
+      HINTS ${BUSBAR_SCHEMAS_DIR}/../../../bin)
+    set(command ${BUSBAR_INSTALLED_GENERATOR})
+    set(target ${BUSBAR_INSTALLED_GENERATOR})
   endif()
   set(${command_variable} ${command} PARENT_SCOPE)
   set(${target_variable} ${target} PARENT_SCOPE)

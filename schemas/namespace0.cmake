@@ -19,3 +19,12 @@ busbar_generate_sources(busbar_generated_types BUSBAR_GENERATED_TYPES_SOURCES
   ROOT ${BUSBAR_GENERATED_DIR}
   GROUPS ${CMAKE_CURRENT_LIST_DIR}/groups.csv
   IDS ${CMAKE_CURRENT_LIST_DIR}/NodeIds.csv)
+
+install(DIRECTORY ${BUSBAR_GENERATED_DIR}/busbar/types
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/busbar FILES_MATCHING PATTERN "*.hpp")
+# A vendor's project generates from its own models with these.
+install(FILES ${BUSBAR_NAMESPACE0_NODESETS} ${CMAKE_CURRENT_LIST_DIR}/generate.cmake
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/busbar/schemas)
+if(NOT BUSBAR_GENERATOR)
+  install(TARGETS busbar-generate DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()

@@ -30,6 +30,14 @@ struct ReadTraits {
     using Part = ReadPart;
     static std::vector<ReadSlot> answers(std::size_t count) { return std::vector<ReadSlot>(count); }
     static void send(DataSource& source, Part& part) { source.read(ReadBatch{part}); }
+    /// Makes an answer last longer than what it points at.
+    static void own(ReadSlot& slot)
+    {
+        const Variant& value = slot.shared != nullptr ? *slot.shared : slot.value;
+        slot.value = Variant{value};
+        slot.shared = nullptr;
+    }
+    static void release(Part& part) { part.kept_alive.reset(); }
 };
 
 struct WriteTraits {
@@ -41,6 +49,8 @@ struct WriteTraits {
         return std::vector<StatusCode>(count, status::Bad_NoCommunication);
     }
     static void send(DataSource& source, Part& part) { source.write(WriteBatch{part}); }
+    static void own(StatusCode&) {}
+    static void release(Part&) {}
 };
 
 /// One service call's operations on their way to the sources and back, in a constant number of
@@ -97,6 +107,9 @@ public:
                 send(groups_[i], *sources_->find(i), now, prepare);
             }
         }
+        if (waiting()) {
+            own_answers();
+        }
         return !waiting();
     }
     [[nodiscard]] bool waiting() const { return waiting_ != 0; }
@@ -132,16 +145,6 @@ public:
     {
         const std::uint32_t place = place_[index];
         return place < size() ? &block_->answers[place] : nullptr;
-    }
-    /// The batches that are complete with their answers.
-    template <typename Visit>
-    void for_each_complete(Visit visit)
-    {
-        for (const Group& group : groups_) {
-            if (group.size != 0 && !group.waiting && group.failure == StatusCode{}) {
-                visit(block_->parts[group.part]);
-            }
-        }
     }
     /// What the sources keep for as long as they may use the call's memory.
     [[nodiscard]] std::shared_ptr<const void>& kept_for_sources() { return block_->kept; }
@@ -231,11 +234,35 @@ private:
             if (group.waiting && &block_->parts[group.part] == &part) {
                 stop_waiting(group);
                 take_verdict(group, block_->parts[group.part]);
+                if (waiting()) {
+                    own_answers(group);
+                }
                 break;
             }
         }
         if (!waiting()) {
             owner_->call_completed();
+        }
+    }
+    /// A call that waits holds on to nothing that belongs to a source or to the address space.
+    void own_answers()
+    {
+        for (std::size_t i = size() - answered_; i < size(); ++i) {
+            Traits::own(block_->answers[i]);
+        }
+        for (Group& group : groups_) {
+            if (group.size != 0 && !group.waiting) {
+                own_answers(group);
+            }
+        }
+    }
+    void own_answers(const Group& group)
+    {
+        if (group.failure == StatusCode{}) {
+            for (Answer& answer : std::span{block_->answers}.subspan(group.first, group.size)) {
+                Traits::own(answer);
+            }
+            Traits::release(block_->parts[group.part]);
         }
     }
     void stop_waiting(Group& group)

@@ -86,10 +86,4 @@ void cut_range(ReadSlot& slot, const NumericRange& range)
     }
 }
 
-void own_value(ReadSlot& slot)
-{
-    slot.value = Variant{std::as_const(value_of(slot))};
-    slot.shared = nullptr;
-}
-
 } // namespace busbar::server::detail

@@ -22,7 +22,4 @@ void encode_slot(binary::Writer& writer, const ReadSlot& slot, const Timestamps&
 /// Replaces the slot's value by the part of it that `range` names.
 void cut_range(ReadSlot& slot, const NumericRange& range);
 
-/// Makes the slot's value its own, for a time when what it points at may be gone.
-void own_value(ReadSlot& slot);
-
 } // namespace busbar::server::detail

@@ -56,6 +56,8 @@ private:
     [[nodiscard]] std::string qualified(const Node& node, const std::string& name) const;
     std::size_t min_wire_size(Type& type);
     void fail(const Node& node, std::uint32_t line, const std::string& what);
+    /// A NodeId by its namespace's URI; files have indexes of their own.
+    [[nodiscard]] std::string global_text(NodeId id) const;
 
     const Document& document_;
     const Options& options_;
@@ -70,6 +72,16 @@ void SchemaMaker::fail(const Node& node, std::uint32_t line, const std::string& 
     if (failure_.empty()) {
         failure_ = place(document_, node, line) + what;
     }
+}
+
+std::string SchemaMaker::global_text(NodeId id) const
+{
+    if (id.namespace_index() == 0) {
+        return to_string(id);
+    }
+    const std::string& uri = document_.namespaces()[id.namespace_index()];
+    id.set_namespace_index(0);
+    return to_string(ExpandedNodeId{std::move(id), uri});
 }
 
 tl::expected<void, Failure> SchemaMaker::make()
@@ -225,7 +237,7 @@ FieldType SchemaMaker::field_type(const Node& owner, const nodeset::Field& from)
     const Kind kind = hierarchy_.kind(from.data_type);
     if (kind == Kind::Unknown) {
         fail(owner, from.line,
-             "the DataType " + to_string(from.data_type) + " of the field " + from.name +
+             "the DataType " + global_text(from.data_type) + " of the field " + from.name +
                  " is in none of the files");
         return {};
     }

@@ -23,15 +23,21 @@ for (const name of ["ns0_nodes.csv", "types.json"]) {
 }
 
 const isServices = (name) => name === "Opc.Ua.Services.NodeSet2.xml";
-const files = readdirSync(schemas).filter((name) => /^Opc\.Ua\..*NodeSet2\.xml$/.test(name)).sort();
-const nodes = readNodes(files.filter((name) => !isServices(name)).map((name) => join(schemas, name)));
+const files = readdirSync(schemas)
+  .filter((name) => /^Opc\.Ua\..*NodeSet2\.xml$/.test(name))
+  .sort();
+const nodes = readNodes(
+  files.filter((name) => !isServices(name)).map((name) => join(schemas, name)),
+);
 const services = readNodes(files.filter(isServices).map((name) => join(schemas, name)));
 
 const errors = [];
-const report = (where, what, found, expected) => errors.push(`${where}: ${what}: found ${found}, expected ${expected}`);
+const report = (where, what, found, expected) =>
+  errors.push(`${where}: ${what}: found ${found}, expected ${expected}`);
 const rows = checkNodes(nodes, join(facts, "ns0_nodes.csv"), report);
 for (const [id, node] of services) {
-  if (nodes.has(id)) report(`${node.file}: i=${id}`, "node", "also in " + nodes.get(id).file, "one definition");
+  if (nodes.has(id))
+    report(`${node.file}: i=${id}`, "node", "also in " + nodes.get(id).file, "one definition");
 }
 const types = checkTypes(new Map([...nodes, ...services]), join(facts, "types.json"), report);
 

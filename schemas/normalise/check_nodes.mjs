@@ -3,8 +3,13 @@ import { readFileSync } from "node:fs";
 import { forwardReferences } from "./check_reader.mjs";
 
 const classes = {
-  O: "UAObject", V: "UAVariable", M: "UAMethod", OT: "UAObjectType", VT: "UAVariableType",
-  DT: "UADataType", RT: "UAReferenceType",
+  O: "UAObject",
+  V: "UAVariable",
+  M: "UAMethod",
+  OT: "UAObjectType",
+  VT: "UAVariableType",
+  DT: "UADataType",
+  RT: "UAReferenceType",
 };
 // DataTypeDescriptionType, DataTypeDictionaryType, DataTypeSystemType: deprecated, not in schemas/.
 const dictionaryTypes = [69, 72, 75];
@@ -12,7 +17,9 @@ const dictionaryTypes = [69, 72, 75];
 /** Rows of a CSV with a header line as objects; quotes as in RFC 4180. */
 function readCsv(file) {
   const cells = [[]];
-  for (const [, quoted, plain, end] of readFileSync(file, "utf8").matchAll(/(?:"((?:[^"]|"")*)"|([^",\n\r]*))(,|\r?\n|$)/g)) {
+  for (const [, quoted, plain, end] of readFileSync(file, "utf8").matchAll(
+    /(?:"((?:[^"]|"")*)"|([^",\n\r]*))(,|\r?\n|$)/g,
+  )) {
     cells.at(-1).push(quoted === undefined ? plain : quoted.replace(/""/g, '"'));
     if (end !== ",") cells.push([]);
   }
@@ -21,7 +28,12 @@ function readCsv(file) {
 }
 
 const referencesOf = (row) => row.References.split(" ").filter(Boolean);
-const typeOf = (row) => Number(referencesOf(row).find((r) => r.startsWith("40>"))?.slice(3));
+const typeOf = (row) =>
+  Number(
+    referencesOf(row)
+      .find((r) => r.startsWith("40>"))
+      ?.slice(3),
+  );
 
 /** Without the encodings in XML and JSON, the type dictionaries and what belongs to them. */
 function keptRows(rows) {
@@ -48,7 +60,9 @@ function jsonOf(element) {
   }
   const [first] = members.values();
   if (members.size === 1 && first.length > 1) return first;
-  return Object.fromEntries([...members].map(([name, list]) => [name, list.length === 1 ? list[0] : list]));
+  return Object.fromEntries(
+    [...members].map(([name, list]) => [name, list.length === 1 ? list[0] : list]),
+  );
 }
 
 function fieldOf({ attributes: f }) {
@@ -59,7 +73,8 @@ function fieldOf({ attributes: f }) {
 
 function fieldsOf(node) {
   const { attributes, children } = node.definition ?? { attributes: {}, children: [] };
-  const kind = attributes.IsUnion === "true" ? ["U"] : attributes.IsOptionSet === "true" ? ["B"] : [];
+  const kind =
+    attributes.IsUnion === "true" ? ["U"] : attributes.IsOptionSet === "true" ? ["B"] : [];
   return [...kind, ...children.map(fieldOf)].join(";");
 }
 
@@ -84,7 +99,13 @@ const columns = {
 function checkNode(node, row, report) {
   for (const [column, valueOf] of Object.entries(columns)) {
     const found = valueOf(node);
-    if (found !== row[column]) report(`${node.file}: i=${node.id} ${row.BrowseName}`, column, `"${found}"`, `"${row[column]}"`);
+    if (found !== row[column])
+      report(
+        `${node.file}: i=${node.id} ${row.BrowseName}`,
+        column,
+        `"${found}"`,
+        `"${row[column]}"`,
+      );
   }
 }
 
@@ -110,7 +131,8 @@ export function checkNodes(nodes, file, report) {
     else report(`i=${row.NodeId} ${row.BrowseName}`, "node", "none", classes[row.Class]);
   }
   for (const node of nodes.values()) {
-    if (!expected.has(node.id)) report(`${node.file}: i=${node.id} ${node.BrowseName}`, "node", node.class, "none");
+    if (!expected.has(node.id))
+      report(`${node.file}: i=${node.id} ${node.BrowseName}`, "node", node.class, "none");
   }
   checkReferences(nodes, rows, report);
   return rows.length;

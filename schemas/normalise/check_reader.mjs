@@ -36,7 +36,8 @@ export function readNodes(files) {
     for (const element of readPlainXml(path).children) {
       if (!element.attributes.NodeId) continue;
       const node = readNode(element, file);
-      if (nodes.has(node.id)) throw new Error(`${file}: i=${node.id} is also in ${nodes.get(node.id).file}`);
+      if (nodes.has(node.id))
+        throw new Error(`${file}: i=${node.id} is also in ${nodes.get(node.id).file}`);
       nodes.set(node.id, node);
     }
   }

@@ -2,24 +2,48 @@
 import { childOf, childrenOf, readXml, textOf } from "./xml.mjs";
 
 const classes = new Set([
-  "UADataType", "UAReferenceType", "UAObjectType", "UAVariableType", "UAObject", "UAVariable", "UAMethod", "UAView",
+  "UADataType",
+  "UAReferenceType",
+  "UAObjectType",
+  "UAVariableType",
+  "UAObject",
+  "UAVariable",
+  "UAMethod",
+  "UAView",
 ]);
 const keptAttributes = [
-  "IsAbstract", "Symmetric", "DataType", "ValueRank", "ArrayDimensions", "AccessLevel", "UserAccessLevel",
-  "MinimumSamplingInterval", "Historizing", "EventNotifier", "ContainsNoLoops",
+  "IsAbstract",
+  "Symmetric",
+  "DataType",
+  "ValueRank",
+  "ArrayDimensions",
+  "AccessLevel",
+  "UserAccessLevel",
+  "MinimumSamplingInterval",
+  "Historizing",
+  "EventNotifier",
+  "ContainsNoLoops",
 ];
 const dataTypeEncodingType = 76;
 const dataTypeDescriptionType = 69;
 const dataTypeDictionaryType = 72;
+const dataTypeSystemType = 75;
+const deprecatedTypes = new Set([
+  dataTypeDescriptionType,
+  dataTypeDictionaryType,
+  dataTypeSystemType,
+]);
 
 const numberOf = (id) => Number(/^i=(\d+)$/.exec(id)?.[1] ?? NaN);
 
 function readReferences(element, resolve) {
-  return childrenOf(childOf(element, "References") ?? { children: [] }, "Reference").map((reference) => ({
-    type: numberOf(resolve(reference.attributes.ReferenceType)),
-    forward: reference.attributes.IsForward !== "false",
-    target: numberOf(resolve(reference.text.trim())),
-  }));
+  return childrenOf(childOf(element, "References") ?? { children: [] }, "Reference").map(
+    (reference) => ({
+      type: numberOf(resolve(reference.attributes.ReferenceType)),
+      forward: reference.attributes.IsForward !== "false",
+      target: numberOf(resolve(reference.text.trim())),
+    }),
+  );
 }
 
 function readDefinition(element, resolve) {
@@ -45,7 +69,8 @@ function readNode(element, resolve) {
   const { attributes } = element;
   const kept = {};
   for (const name of keptAttributes) {
-    if (attributes[name] !== undefined) kept[name] = name === "DataType" ? resolve(attributes[name]) : attributes[name];
+    if (attributes[name] !== undefined)
+      kept[name] = name === "DataType" ? resolve(attributes[name]) : attributes[name];
   }
   return {
     element: element.name,
@@ -60,11 +85,14 @@ function readNode(element, resolve) {
   };
 }
 
-/** All nodes of the file by id, with the aliases resolved. */
+/** All nodes of the file by id, with the aliases resolved; `model` is its first <Model>. */
 export function readNodeSet(file, modules) {
   const root = readXml(file, modules);
   const aliases = new Map(
-    childrenOf(childOf(root, "Aliases") ?? { children: [] }, "Alias").map((a) => [a.attributes.Alias, a.text.trim()]),
+    childrenOf(childOf(root, "Aliases") ?? { children: [] }, "Alias").map((a) => [
+      a.attributes.Alias,
+      a.text.trim(),
+    ]),
   );
   const resolve = (id) => aliases.get(id) ?? id;
   const nodes = new Map();
@@ -74,10 +102,12 @@ export function readNodeSet(file, modules) {
       nodes.set(node.id, node);
     }
   }
-  return nodes;
+  const model = childOf(childOf(root, "Models") ?? { children: [] }, "Model")?.attributes ?? {};
+  return { nodes, model };
 }
 
-export const typeDefinitionOf = (node) => node.references.find((r) => r.forward && r.type === 40)?.target;
+export const typeDefinitionOf = (node) =>
+  node.references.find((r) => r.forward && r.type === 40)?.target;
 
 /** Without the encodings other than Default Binary and without the deprecated type dictionaries. */
 export function withoutDictionaries(nodes) {
@@ -85,15 +115,15 @@ export function withoutDictionaries(nodes) {
   for (const node of nodes.values()) {
     const type = typeDefinitionOf(node);
     const isOtherEncoding = type === dataTypeEncodingType && node.browseName !== "Default Binary";
-    if (isOtherEncoding || type === dataTypeDescriptionType || type === dataTypeDictionaryType) dropped.add(node.id);
+    if (isOtherEncoding || deprecatedTypes.has(type)) dropped.add(node.id);
   }
   for (const node of nodes.values()) {
-    // Properties of what goes.
-    if (node.references.some((r) => !r.forward && (r.type === 46 || r.type === 47) && dropped.has(r.target))) {
-      dropped.add(node.id);
-    }
+    // Properties and components of what goes.
+    const isPart = (r) => !r.forward && (r.type === 46 || r.type === 47);
+    if (node.references.some((r) => isPart(r) && dropped.has(r.target))) dropped.add(node.id);
   }
   const kept = new Map([...nodes].filter(([id]) => !dropped.has(id)));
-  for (const node of kept.values()) node.references = node.references.filter((r) => kept.has(r.target));
+  for (const node of kept.values())
+    node.references = node.references.filter((r) => kept.has(r.target));
   return kept;
 }

@@ -16,16 +16,19 @@ export function readPlainXml(file) {
   while (token.lastIndex < text.length) {
     const offset = token.lastIndex;
     const found = token.exec(text);
-    if (!found) throw new Error(`${file}:${lineOf(text, offset)}: not a tag or text of a NodeSet2 file`);
+    if (!found)
+      throw new Error(`${file}:${lineOf(text, offset)}: not a tag or text of a NodeSet2 file`);
     const [, close, name, list, empty, characters] = found;
     if (characters !== undefined) {
       open.at(-1).text += unescape(characters);
     } else if (close) {
       const closed = open.pop();
-      if (closed.name !== name) throw new Error(`${file}:${lineOf(text, offset)}: </${name}> closes <${closed.name}>`);
+      if (closed.name !== name)
+        throw new Error(`${file}:${lineOf(text, offset)}: </${name}> closes <${closed.name}>`);
     } else if (name) {
       const attributes = {};
-      for (const [, key, value] of list.matchAll(/([\w:.-]+)="([^"]*)"/g)) attributes[key] = unescape(value);
+      for (const [, key, value] of list.matchAll(/([\w:.-]+)="([^"]*)"/g))
+        attributes[key] = unescape(value);
       const element = { name, attributes, children: [], text: "" };
       open.at(-1).children.push(element);
       if (!empty) open.push(element);

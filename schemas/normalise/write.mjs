@@ -6,16 +6,24 @@ const descriptive = new Set(["Description", "Documentation"]);
 
 function valueXml(element, isRoot) {
   const open = `<${element.name}${isRoot ? ` xmlns="${typesNamespace}"` : ""}`;
-  const inner = element.children.filter((c) => !descriptive.has(c.name)).map((c) => valueXml(c, false)).join("");
+  const inner = element.children
+    .filter((c) => !descriptive.has(c.name))
+    .map((c) => valueXml(c, false))
+    .join("");
   const text = element.children.length === 0 ? escape(element.text) : "";
   return inner + text === "" ? `${open}/>` : `${open}>${inner}${text}</${element.name}>`;
 }
 
 function fieldXml(field) {
   const list = attributes([
-    ["Name", field.name], ["Value", field.value], ["DataType", field.dataType], ["ValueRank", field.valueRank],
-    ["ArrayDimensions", field.arrayDimensions], ["MaxStringLength", field.maxStringLength],
-    ["IsOptional", field.optional ? "true" : ""], ["AllowSubTypes", field.allowSubTypes ? "true" : ""],
+    ["Name", field.name],
+    ["Value", field.value],
+    ["DataType", field.dataType],
+    ["ValueRank", field.valueRank],
+    ["ArrayDimensions", field.arrayDimensions],
+    ["MaxStringLength", field.maxStringLength],
+    ["IsOptional", field.optional ? "true" : ""],
+    ["AllowSubTypes", field.allowSubTypes ? "true" : ""],
   ]);
   return `   <Field${list}/>\n`;
 }
@@ -24,37 +32,52 @@ function definitionXml(node) {
   if (!node.definition) return "";
   const { union, optionSet, fields } = node.definition;
   const list = attributes([
-    ["Name", node.browseName], ["IsUnion", union ? "true" : ""], ["IsOptionSet", optionSet ? "true" : ""],
+    ["Name", node.browseName],
+    ["IsUnion", union ? "true" : ""],
+    ["IsOptionSet", optionSet ? "true" : ""],
   ]);
   return `  <Definition${list}>\n${fields.map(fieldXml).join("")}  </Definition>\n`;
 }
 
 function referencesXml(node) {
   const lines = node.references.map(
-    (r) => `   <Reference ReferenceType="i=${r.type}"${r.forward ? "" : ' IsForward="false"'}>i=${r.target}</Reference>\n`,
+    ({ type, forward, target }) =>
+      `   <Reference${attributes([
+        ["ReferenceType", `i=${type}`],
+        ["IsForward", forward ? "" : "false"],
+      ])}>i=${target}</Reference>\n`,
   );
   return lines.length === 0 ? "" : `  <References>\n${lines.join("")}  </References>\n`;
 }
 
 function nodeXml(node) {
   const list = attributes([
-    ["NodeId", `i=${node.id}`], ["BrowseName", node.browseName], ...Object.entries(node.attributes),
+    ["NodeId", `i=${node.id}`],
+    ["BrowseName", node.browseName],
+    ...Object.entries(node.attributes),
   ]);
   const name = node.browseName.replace(/^\d+:/, "");
-  const display = node.displayName && node.displayName !== name
-    ? `  <DisplayName>${escape(node.displayName)}</DisplayName>\n` : "";
-  const inverse = node.inverseName ? `  <InverseName>${escape(node.inverseName)}</InverseName>\n` : "";
+  const display =
+    node.displayName && node.displayName !== name
+      ? `  <DisplayName>${escape(node.displayName)}</DisplayName>\n`
+      : "";
+  const inverse = node.inverseName
+    ? `  <InverseName>${escape(node.inverseName)}</InverseName>\n`
+    : "";
   const value = node.value ? `  <Value>${valueXml(node.value, true)}</Value>\n` : "";
-  return ` <${node.element}${list}>\n${display}${referencesXml(node)}${inverse}${definitionXml(node)}${value} </${node.element}>\n`;
+  const content = display + referencesXml(node) + inverse + definitionXml(node) + value;
+  return ` <${node.element}${list}>\n${content} </${node.element}>\n`;
 }
 
-/** One NodeSet2 document with `nodes` in the order of their ids. */
-export function nodeSetXml(nodes) {
+/** One NodeSet2 document of `model` with `nodes` in the order of their ids. */
+export function nodeSetXml(nodes, model) {
+  const facts = ["ModelUri", "Version", "PublicationDate", "ModelVersion"];
+  const modelAttributes = attributes(facts.map((name) => [name, model[name]]));
   const sorted = [...nodes].sort((a, b) => a.id - b.id);
   return `<?xml version="1.0" encoding="utf-8"?>
 <UANodeSet xmlns="http://opcfoundation.org/UA/2011/03/UANodeSet.xsd">
  <Models>
-  <Model ModelUri="http://opcfoundation.org/UA/" Version="1.05.07"/>
+  <Model${modelAttributes}/>
  </Models>
 ${sorted.map(nodeXml).join("")}</UANodeSet>
 `;

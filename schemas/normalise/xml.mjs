@@ -29,7 +29,11 @@ export const childOf = (element, name) => element.children.find((c) => c.name ==
 export const textOf = (element, name) => childOf(element, name)?.text.trim() ?? "";
 
 export const escape = (text) =>
-  String(text).replace(/&/g, "&amp;").replace(/</g, "&lt;").replace(/>/g, "&gt;").replace(/"/g, "&quot;");
+  String(text)
+    .replace(/&/g, "&amp;")
+    .replace(/</g, "&lt;")
+    .replace(/>/g, "&gt;")
+    .replace(/"/g, "&quot;");
 
 /** Attributes with a value, in the order given. */
 export const attributes = (pairs) =>

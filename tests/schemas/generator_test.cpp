@@ -62,7 +62,7 @@ TEST_CASE("What cannot be generated is said with file, line and reason")
 {
     CHECK(failure_of("i=22", field("DataType=\"i=6\"")).empty());
     CHECK(failure_of("i=22", field("DataType=\"ns=1;i=9\"")) ==
-          "t.xml:3: the DataType ns=1;i=9 of the field F is in none of the files");
+          "t.xml:3: the DataType nsu=urn:t;i=9 of the field F is in none of the files");
     CHECK(failure_of("i=22", field("DataType=\"i=6\" ValueRank=\"0\"")) ==
           "t.xml:3: found ValueRank=0 of the field F, expected -1 or at least 1");
     CHECK(failure_of("i=22", field("DataType=\"ns=1;i=1\"")) ==

@@ -269,6 +269,33 @@ TEST_CASE_METHOD(Fixture, "kept memory is held until the call is done with it")
     CHECK(watch.expired());
 }
 
+TEST_CASE_METHOD(Fixture, "a call that waits for one source owns what the others answered")
+{
+    /// Lends a value that the test changes behind its back.
+    class LendingSource final : public DataSource {
+    public:
+        void read(ReadBatch batch) override
+        {
+            batch.results()[0] = DataValue{Variant{}};
+            batch.results()[0].shared = &lent;
+            batch.keep_alive(kept);
+            batch.complete();
+        }
+        Variant lent{1};
+        std::shared_ptr<int> kept{std::make_shared<int>()};
+    };
+    LendingSource lender;
+    sources->add(lender);
+    const auto call = ask({0, 2});
+    REQUIRE_FALSE(call->start(owner, start_time, no_preparation));
+    CHECK(lender.kept.use_count() == 1);
+    lender.lent = Variant{2};
+    slow.answer();
+    sources->handle_completions();
+    CHECK(call->result(1).shared == nullptr);
+    CHECK(call->result(1).value == Variant{1});
+}
+
 TEST_CASE("a source is not asked for more than it may hold")
 {
     SlowSource source;

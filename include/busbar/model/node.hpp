@@ -1,0 +1,107 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include <busbar/core/types.hpp>
+#include <busbar/types/enumerations.hpp>
+
+namespace busbar::model {
+
+/// Names a node of an AddressSpace while that node exists; the index may then be given to another
+/// node. For anything that is kept longer than a call there is NodeHandle.
+enum class NodeIndex : std::uint32_t {};
+inline constexpr NodeIndex no_node{UINT32_MAX};
+
+/// Names a node for ever: after its removal the handle leads to no node.
+struct NodeHandle {
+    NodeIndex index{no_node};
+    std::uint32_t generation{0};
+
+    friend bool operator==(const NodeHandle&, const NodeHandle&) = default;
+};
+
+/// One reference as seen from the node it belongs to.
+struct Reference {
+    NodeIndex type{no_node};
+    NodeIndex target{no_node};
+    bool is_forward{true};
+};
+
+/// The source of a Variable whose value lies in the AddressSpace itself.
+inline constexpr std::uint32_t no_source = UINT32_MAX;
+
+/// What services need of a Variable or VariableType; the span is valid until the node changes.
+struct VariableAttributes {
+    NodeIndex data_type{no_node};
+    std::int32_t value_rank{-1};
+    std::span<const std::uint32_t> array_dimensions;
+    double minimum_sampling_interval{0};
+    /// Bits of AccessLevelType; 0 for a VariableType.
+    std::uint8_t access_level{0};
+    std::uint8_t user_access_level{0};
+    bool historizing{false};
+    /// The data source's index in the server, and the source's own handle of the value.
+    std::uint32_t source{no_source};
+    std::uint64_t handle{0};
+};
+
+/// What every new node has. Strings may be borrowed: the AddressSpace copies what it keeps.
+struct NewNode {
+    /// Null: a numeric id that is free in the BrowseName's namespace.
+    NodeId id;
+    QualifiedName browse_name;
+    /// The source of the hierarchical reference to the new node. Of a type: its supertype.
+    NodeIndex parent{no_node};
+    /// Null: HasSubtype for a type, Organizes below a folder or a View, else HasComponent.
+    NodeId reference_type;
+    /// A null text stands for the BrowseName.
+    LocalizedText display_name;
+    LocalizedText description;
+};
+
+struct NewVariable {
+    NodeId data_type{0, 24U};
+    std::int32_t value_rank{-1};
+    Array<std::uint32_t> array_dimensions;
+    /// Bits of AccessLevelType; 1 is CurrentRead, 3 CurrentRead and CurrentWrite.
+    std::uint8_t access_level{1};
+    /// Only the bits that `access_level` has count.
+    std::uint8_t user_access_level{0xFF};
+    /// Milliseconds; -1 for indeterminate (Part 3, 5.6.2).
+    double minimum_sampling_interval{0};
+    bool historizing{false};
+    std::uint32_t source{no_source};
+    std::uint64_t handle{0};
+    /// The value, of a variable without source.
+    Variant value;
+    /// BaseDataVariableType; add_property has PropertyType.
+    NodeId type_definition{0, 63U};
+};
+
+struct NewObject {
+    NodeId type_definition{0, 58U};
+    std::uint8_t event_notifier{0};
+};
+
+struct NewVariableType {
+    NodeId data_type{0, 24U};
+    std::int32_t value_rank{-2};
+    Array<std::uint32_t> array_dimensions;
+    Variant value;
+    bool is_abstract{false};
+};
+
+struct NewReferenceType {
+    LocalizedText inverse_name;
+    bool is_abstract{false};
+    bool symmetric{false};
+};
+
+struct NewDataType {
+    /// A StructureDefinition or EnumDefinition; null if there is none.
+    ExtensionObject definition;
+    bool is_abstract{false};
+};
+
+} // namespace busbar::model
