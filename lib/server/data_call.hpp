@@ -96,15 +96,17 @@ public:
     void refuse(std::uint32_t source, StatusCode status) { groups_[source].refusal = status; }
 
     /// Gives every source its batch; `prepare(part)` sees each before. True if all are answered;
-    /// else `owner` is told later, once.
+    /// else `owner` is told later, once. Nothing is waited for past `limit`.
     template <typename Prepare>
-    [[nodiscard]] bool start(CallOwner& owner, TimePoint now, Prepare prepare)
+    [[nodiscard]] bool start(CallOwner& owner, TimePoint now, TimePoint limit, Prepare prepare)
     {
+        now_ = now;
+        limit_ = limit;
         group();
         owner_ = &owner;
         for (std::uint32_t i = 0; i < groups_.size(); ++i) {
             if (groups_[i].size != 0) {
-                send(groups_[i], *sources_->find(i), now, prepare);
+                send(groups_[i], *sources_->find(i), prepare);
             }
         }
         if (waiting()) {
@@ -206,8 +208,7 @@ private:
         block_->items = std::move(sorted);
     }
     template <typename Prepare>
-    void send(Group& group, const std::shared_ptr<SourceEntry>& source, TimePoint now,
-              Prepare& prepare)
+    void send(Group& group, const std::shared_ptr<SourceEntry>& source, Prepare& prepare)
     {
         Part& part = block_->parts[group.part];
         if (group.refusal != StatusCode{}) {
@@ -225,7 +226,7 @@ private:
             return take_verdict(group, part);
         }
         group.waiting = true;
-        group.deadline = now + source->options().timeout;
+        group.deadline = std::min(limit_, now_ + source->options().timeout);
         ++waiting_;
     }
     void part_completed(detail::Part& part) override
@@ -308,6 +309,8 @@ private:
     std::vector<Answer> failures_;
     std::size_t answered_{0};
     std::size_t waiting_{0};
+    TimePoint now_;
+    TimePoint limit_{no_deadline};
 };
 
 using ReadCall = BatchCall<ReadTraits>;

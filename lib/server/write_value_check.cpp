@@ -11,6 +11,11 @@ constexpr std::int32_t any_rank = -2;
 constexpr std::int32_t scalar = -1;
 constexpr std::int32_t one_or_more_dimensions = 0;
 
+bool has(std::uint32_t types, BuiltInType type)
+{
+    return ((types >> static_cast<unsigned>(type)) & 1U) != 0;
+}
+
 std::int32_t dimension_count(const Variant& value)
 {
     if (value.is_matrix()) {
@@ -57,7 +62,7 @@ bool fits_dimensions(const Variant& value, std::span<const std::uint32_t> limits
 
 StatusCode check_element_type(const Variant& value, const ValueShape& shape)
 {
-    return shape.types.has(value.type()) ? status::Good : status::Bad_TypeMismatch;
+    return has(shape.types, value.type()) ? status::Good : status::Bad_TypeMismatch;
 }
 
 StatusCode check_shape(const Variant& value, const ValueShape& shape)
@@ -75,7 +80,7 @@ StatusCode check_shape(const Variant& value, const ValueShape& shape)
 bool is_byte_string_for_array(const Variant& value, const ValueShape& shape)
 {
     return value.is_scalar() && value.type() == BuiltInType::ByteString &&
-           !shape.types.has(BuiltInType::ByteString) && shape.types.has(BuiltInType::Byte) &&
+           !has(shape.types, BuiltInType::ByteString) && has(shape.types, BuiltInType::Byte) &&
            fits_rank(1, shape.rank);
 }
 

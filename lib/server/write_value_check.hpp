@@ -8,36 +8,11 @@
 
 namespace busbar::server::detail {
 
-/// The built-in types that may encode a DataType: one for most, several for an abstract one.
-class BuiltInTypes {
-public:
-    constexpr BuiltInTypes() = default;
-    template <typename... T>
-    constexpr explicit BuiltInTypes(BuiltInType first, T... more)
-        : bits_{(bit(first) | ... | bit(more))}
-    {
-    }
-
-    /// Of BaseDataType: all, and no value too.
-    [[nodiscard]] static constexpr BuiltInTypes any()
-    {
-        BuiltInTypes types;
-        types.bits_ = ~0U;
-        return types;
-    }
-    [[nodiscard]] constexpr bool has(BuiltInType type) const { return (bits_ & bit(type)) != 0; }
-
-private:
-    static constexpr std::uint32_t bit(BuiltInType type)
-    {
-        return std::uint32_t{1} << static_cast<unsigned>(type);
-    }
-    std::uint32_t bits_{0};
-};
-
 /// What a Variable's DataType, ValueRank and ArrayDimensions let its value be.
 struct ValueShape {
-    BuiltInTypes types{BuiltInTypes::any()};
+    /// The built-in types that may encode the DataType, as bits by their ids: one for most, several
+    /// for an abstract one, all and that of no value for BaseDataType.
+    std::uint32_t types{~0U};
     /// Part 3, 5.6.2: -3 scalar or one dimension, -2 anything, -1 scalar, 0 one or more
     /// dimensions, else the number of dimensions.
     std::int32_t rank{-2};

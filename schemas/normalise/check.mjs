@@ -22,6 +22,11 @@ for (const name of ["ns0_nodes.csv", "types.json"]) {
   }
 }
 
+process.on("uncaughtException", (error) => {
+  console.error(error.message);
+  process.exit(1);
+});
+
 const isServices = (name) => name === "Opc.Ua.Services.NodeSet2.xml";
 const files = readdirSync(schemas)
   .filter((name) => /^Opc\.Ua\..*NodeSet2\.xml$/.test(name))

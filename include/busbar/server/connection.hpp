@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include <busbar/core/clock.hpp>
+#include <busbar/core/result.hpp>
+
+namespace busbar::server {
+
+namespace detail {
+class Link;
+} // namespace detail
+
+/// What an owner of a connection may want to show or log.
+struct ConnectionEvent {
+    enum class Kind : std::uint8_t {
+        Opened, // there is a SecureChannel
+        Closed, // nothing more will come; what is in output() is still to be sent
+    };
+    Kind kind{Kind::Closed};
+    /// Closed: Good if the client closed it.
+    StatusCode status;
+    /// Printable.
+    std::string reason;
+};
+
+/// One client's connection to a Server, as an engine: bytes and the time go in, bytes and the next
+/// deadline come out. Made by Server::connect; the Server must outlive it and has its thread.
+class Connection {
+public:
+    Connection(Connection&&) noexcept;
+    Connection& operator=(Connection&&) noexcept;
+    /// Sessions outlive their connection until they time out.
+    ~Connection();
+
+    /// Names the connection in Server::next_changed(); never given twice by one server.
+    [[nodiscard]] std::uint64_t id() const;
+
+    /// Begins with ReverseHello instead of waiting for Hello (Part 6, 7.1.2.6). Before any feed().
+    [[nodiscard]] Result<void> reverse_hello(std::string_view endpoint_url);
+
+    /// Takes bytes and answers what requests they complete. Bad once closed. While more output
+    /// waits than the limits allow, requests stay unanswered until consume() has made room: stop
+    /// reading from the peer as long as there is output.
+    Result<void> feed(std::span<const std::byte> in, TimePoint now);
+    [[nodiscard]] std::optional<ConnectionEvent> next_event();
+    /// Bytes for the peer, valid until the next call of a member of the server or its connections.
+    [[nodiscard]] std::span<const std::byte> output() const;
+    void consume(std::size_t size);
+    [[nodiscard]] TimePoint next_deadline() const;
+    void handle_deadline(TimePoint now);
+    [[nodiscard]] bool is_closed() const;
+
+private:
+    friend class Server;
+    explicit Connection(std::unique_ptr<detail::Link> link);
+
+    std::unique_ptr<detail::Link> link_;
+};
+
+} // namespace busbar::server

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstring>
+#include <memory>
+#include <new>
+#include <optional>
+#include <string_view>
+
+#include <busbar/server/image_layout.hpp>
+
+namespace busbar::server {
+
+/// The memory that a PLC task works in, laid out flat as an ImageLayout says. The layout must
+/// outlive it.
+///
+/// References and spans are valid as long as it is, so that a task can keep them from scan to
+/// scan. Only store() and load() allocate. Belongs to one thread.
+class ImageMemory {
+public:
+    /// All numbers are 0, all texts null.
+    explicit ImageMemory(const ImageLayout& layout);
+
+    [[nodiscard]] const ImageLayout& layout() const { return *layout_; }
+
+    /// A scalar, or the first element. `handle` must be a variable of this type, here and below.
+    template <ImageNumber T>
+    [[nodiscard]] T& value(std::uint32_t handle)
+    {
+        return *pointer<T>(handle);
+    }
+    /// All elements in row-major order; one if it is a scalar.
+    template <ImageNumber T>
+    [[nodiscard]] std::span<T> values(std::uint32_t handle)
+    {
+        return {pointer<T>(handle), (*layout_)[handle].elements};
+    }
+    /// A text of String, ByteString or XmlElement; none if it is null.
+    [[nodiscard]] std::optional<std::string_view> text(std::uint32_t handle,
+                                                       std::uint32_t element = 0) const;
+    /// False, and nothing is changed, if the text is longer than the variable's capacity.
+    bool set_text(std::uint32_t handle, std::optional<std::string_view> text,
+                  std::uint32_t element = 0);
+
+    /// Gives a variable the value of a Variant of its type and dimensions. Bad_TypeMismatch if it
+    /// is of others, Bad_OutOfRange for a text that is too long: nothing is changed then.
+    [[nodiscard]] StatusCode store(std::uint32_t handle, const Variant& value);
+    /// A copy of a variable's value.
+    [[nodiscard]] Variant load(std::uint32_t handle) const;
+
+    /// The bytes of a variable as the layout has them.
+    [[nodiscard]] std::byte* bytes(const ImagePlace& place)
+    {
+        return (place.in_arrays ? arrays_.get() : plain_.get()) + place.offset;
+    }
+    [[nodiscard]] const std::byte* bytes(const ImagePlace& place) const
+    {
+        return (place.in_arrays ? arrays_.get() : plain_.get()) + place.offset;
+    }
+
+private:
+    template <typename T>
+    [[nodiscard]] T* pointer(std::uint32_t handle)
+    {
+        return std::launder(static_cast<T*>(static_cast<void*>(bytes((*layout_)[handle]))));
+    }
+
+    const ImageLayout* layout_;
+    std::unique_ptr<std::byte[]> plain_;
+    std::unique_ptr<std::byte[]> arrays_;
+};
+
+} // namespace busbar::server

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+#include <busbar/binary/reader.hpp>
+#include <busbar/channel/channel_types.hpp>
+
+namespace busbar::server {
+
+/// The most operations one request may have (Part 5, 6.3.11); more answers Bad_TooManyOperations.
+struct OperationLimits {
+    std::uint32_t max_nodes_per_read{65'536};
+    std::uint32_t max_nodes_per_write{65'536};
+    std::uint32_t max_nodes_per_browse{10'000};
+    std::uint32_t max_nodes_per_register_nodes{10'000};
+    std::uint32_t max_nodes_per_translate_browse_paths{10'000};
+};
+
+/// Everything that peers can make a server hold or do has its limit here. All are finite.
+struct ServerLimits {
+    channel::TransportLimits transport;
+    binary::DecodeLimits decode;
+    OperationLimits operations;
+
+    // Connections.
+
+    std::size_t max_connections{120};
+    std::size_t max_connections_per_address{60};
+    /// A connection without an activated session is closed after this time; the oldest one goes
+    /// earlier if a new one needs its place (Part 4, 5.5.2.1).
+    std::chrono::milliseconds sessionless_timeout{30'000};
+    /// Bytes that may wait for a peer to take them, and how long it may take none. Past half of it
+    /// no more requests are worked on.
+    std::size_t max_send_queue{32U << 20U};
+    std::chrono::milliseconds send_timeout{30'000};
+    /// Requests of one connection that wait for their answers; more answer Bad_ServerTooBusy.
+    std::size_t max_pending_requests{100};
+    /// Range of the lifetime of SecurityTokens.
+    std::chrono::milliseconds min_token_lifetime{10'000};
+    std::chrono::milliseconds max_token_lifetime{3'600'000};
+
+    // Sessions.
+
+    /// Past it CreateSession evicts the oldest session that was never activated, or answers
+    /// Bad_TooManySessions.
+    std::size_t max_sessions{100};
+    std::size_t max_sessions_per_channel{5};
+    /// The requested timeout is brought into this range.
+    std::chrono::milliseconds min_session_timeout{10'000};
+    std::chrono::milliseconds max_session_timeout{3'600'000};
+    /// How long a session may stay without ActivateSession.
+    std::chrono::milliseconds activation_timeout{30'000};
+    /// Bytes that continuation points, registered nodes and the like of one session may take.
+    std::size_t max_session_memory{16U << 20U};
+    std::size_t max_locale_ids{16};
+
+    // Services.
+
+    std::uint16_t max_browse_continuation_points{10};
+    std::uint32_t max_references_per_node{10'000};
+    std::size_t max_registered_nodes{10'000};
+    std::uint32_t max_browse_path_elements{64};
+    std::uint32_t max_browse_path_targets{1'000};
+
+    // Logins (Part 4, 5.6.3.1): failures of one client until it is locked out, and for how long.
+
+    std::size_t max_login_failures{5};
+    std::chrono::milliseconds login_lock{300'000};
+    /// A repeated failure is answered this much later, each further one doubly late, up to the
+    /// second.
+    std::chrono::milliseconds first_login_delay{250};
+    std::chrono::milliseconds max_login_delay{4'000};
+    /// Clients that are remembered for their failures.
+    std::size_t max_login_entries{512};
+};
+
+} // namespace busbar::server

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include <busbar/binary/type_registry.hpp>
+#include <busbar/core/clock.hpp>
+#include <busbar/core/log.hpp>
+#include <busbar/crypto/certificate_validator.hpp>
+#include <busbar/crypto/random.hpp>
+#include <busbar/model/address_space.hpp>
+#include <busbar/server/access_control.hpp>
+#include <busbar/server/connection.hpp>
+#include <busbar/server/data_source.hpp>
+#include <busbar/server/server_config.hpp>
+#include <busbar/server/waker.hpp>
+
+namespace busbar::server {
+
+/// What a server needs from outside; all must outlive it. Random, clock and log are never null.
+struct ServerEnvironment {
+    crypto::Random* random{nullptr};
+    const WallClock* wall_clock{nullptr};
+    LogSink* log{nullptr};
+    /// May be null where every endpoint has policy None.
+    crypto::CertificateValidator* validator{nullptr};
+    /// Null: nobody but anonymous users.
+    UserStore* users{nullptr};
+    /// May be null.
+    const AccessControl* access{nullptr};
+    /// Null if every data source completes inline.
+    Waker* waker{nullptr};
+};
+
+/// One OPC UA server: address space, data sources and sessions, to which Connections bring the
+/// clients. Does no I/O; any number of them live in one process.
+///
+/// One thread owns a server with all its connections. Whoever drives it calls handle_deadline when
+/// next_deadline() has come and handle_completions when the Waker was called, and then sends the
+/// output of the connections that next_changed() names.
+class Server {
+public:
+    /// Bad_ConfigurationError, with the reason in the log, if `config` contradicts itself: an
+    /// endpoint with security and no certificate, a certificate that does not name the
+    /// ApplicationUri, a plain password that was not allowed, an URL that is none.
+    [[nodiscard]] static Result<Server> create(ServerConfig config,
+                                               const ServerEnvironment& environment,
+                                               model::AddressSpace address_space = {});
+    Server(Server&&) noexcept;
+    Server& operator=(Server&&) noexcept;
+    /// All Connections must be gone.
+    ~Server();
+
+    [[nodiscard]] const ServerConfig& config() const;
+    [[nodiscard]] model::AddressSpace& address_space();
+    /// Types that values may have beyond those of namespace 0; to be filled before clients come.
+    [[nodiscard]] binary::TypeRegistry& types();
+    /// The source's index, which nodes carry. The source must outlive the server.
+    std::uint32_t add_source(DataSource& source);
+
+    /// A connection for a peer that has connected, or that was connected to (see
+    /// Connection::reverse_hello). `peer_address` without port is what failed logins are counted
+    /// by. Bad_TcpServerTooBusy if there is no place; closing the socket is all that is left then.
+    [[nodiscard]] Result<Connection> connect(std::string_view peer_address, TimePoint now);
+
+    [[nodiscard]] TimePoint next_deadline() const;
+    void handle_deadline(TimePoint now);
+    /// Answers the requests whose data has come meanwhile.
+    void handle_completions(TimePoint now);
+    /// The id of a connection that got output, or ended, other than by a call of its own members.
+    /// Each is named once for any number of changes.
+    [[nodiscard]] std::optional<std::uint64_t> next_changed();
+
+    /// Sets State Shutdown, ends what is pending with Bad_Shutdown and refuses all requests but
+    /// Read and CloseSession; ServerConfig::shutdown_delay later closes all connections.
+    void begin_shutdown(TimePoint now, std::string_view reason);
+    /// True once shutdown is over and nothing more will be sent.
+    [[nodiscard]] bool is_stopped() const;
+
+    [[nodiscard]] std::size_t session_count() const;
+    [[nodiscard]] std::size_t connection_count() const;
+
+private:
+    friend class Connection;
+    struct Impl;
+    explicit Server(std::unique_ptr<Impl> impl);
+
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace busbar::server

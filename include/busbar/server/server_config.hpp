@@ -1,0 +1,65 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <busbar/channel/channel_types.hpp>
+#include <busbar/server/limits.hpp>
+
+namespace busbar::server {
+
+/// One way to connect: security and who may log in over it.
+struct EndpointConfig {
+    channel::SecuritySetting security;
+    bool allows_anonymous{false};
+    bool allows_user_name{true};
+    /// What passwords are encrypted with. Null: the endpoint's own policy or, if that is None,
+    /// Basic256Sha256. Policy None sends them as they are and is refused by Server::create unless
+    /// allows_plain_passwords is set.
+    const crypto::SecurityPolicy* password_policy{nullptr};
+    bool allows_plain_passwords{false};
+};
+
+/// Basic256Sha256 with Sign and with SignAndEncrypt, user names only.
+[[nodiscard]] std::vector<EndpointConfig> secure_endpoints();
+
+/// BuildInfo of the Server object (Part 5, 12.5) but for the name and URI of the product.
+struct BuildDescription {
+    std::string manufacturer_name;
+    std::string software_version;
+    std::string build_number;
+    DateTime build_date;
+};
+
+/// What a server is. The default is the secure one: no endpoint without security, no anonymous
+/// user.
+struct ServerConfig {
+    /// Globally unique; the certificate has to name it too.
+    std::string application_uri{"urn:busbar:server"};
+    std::string product_uri{"urn:busbar"};
+    std::string application_name{"Busbar"};
+    BuildDescription build;
+
+    /// Where the server is found by default: "opc.tcp://host:port/path".
+    std::string endpoint_url{"opc.tcp://localhost:4840"};
+    /// More host names and addresses by which clients reach it; endpoints are returned with the
+    /// one that the client used.
+    std::vector<std::string> host_names;
+    std::vector<EndpointConfig> endpoints{secure_endpoints()};
+    /// Answers FindServers and GetEndpoints over SecurityPolicy None, as clients expect, also if
+    /// no endpoint has it. Sessions need an endpoint.
+    bool has_open_discovery{true};
+    /// Sent as they are and needed by every policy but None.
+    std::optional<channel::ApplicationIdentity> identity;
+
+    /// Locales of the server's texts.
+    std::vector<std::string> locale_ids{"en"};
+    /// How long clients can see State Shutdown before their connections are closed.
+    std::chrono::milliseconds shutdown_delay{2'000};
+    ServerLimits limits;
+};
+
+} // namespace busbar::server

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace busbar::model::detail {
+
+/// A multimap from hashes to record numbers: open addressing with 4 bytes a slot, 24 bits for the
+/// record and 8 for a tag of the hash, so that a record is looked at only if it likely matches.
+/// `hash_of` gives the hash of a record that is in the table.
+class IndexTable {
+public:
+    static constexpr std::uint32_t none = UINT32_MAX;
+    /// Records are smaller than this.
+    static constexpr std::uint32_t max_records = (1U << 24U) - 1;
+
+    /// The first record with that hash for which `match` is true.
+    template <typename Match>
+    [[nodiscard]] std::uint32_t find(std::uint64_t hash, Match match) const
+    {
+        if (slots_.empty()) {
+            return none;
+        }
+        const std::uint32_t tag = tag_of(hash);
+        for (std::size_t at = hash & mask();; at = (at + 1) & mask()) {
+            const std::uint32_t slot = slots_[at];
+            if (slot == 0) {
+                return none;
+            }
+            if ((slot & tag_mask) == tag && match((slot & ~tag_mask) - 1)) {
+                return (slot & ~tag_mask) - 1;
+            }
+        }
+    }
+    template <typename HashOf>
+    void insert(std::uint64_t hash, std::uint32_t record, HashOf hash_of)
+    {
+        if ((size_ + 1) * 4 > slots_.size() * 3) {
+            resize(slots_.empty() ? 64 : slots_.size() * 2, hash_of);
+        }
+        ++size_;
+        place(hash, record);
+    }
+    /// Removes a record that is in the table.
+    template <typename HashOf>
+    void erase(std::uint64_t hash, std::uint32_t record, HashOf hash_of)
+    {
+        std::size_t hole = hash & mask();
+        while ((slots_[hole] & ~tag_mask) != record + 1) {
+            hole = (hole + 1) & mask();
+        }
+        --size_;
+        // Moves up what a search would not find any more past the hole.
+        for (std::size_t at = (hole + 1) & mask(); slots_[at] != 0; at = (at + 1) & mask()) {
+            const std::size_t home = hash_of((slots_[at] & ~tag_mask) - 1) & mask();
+            if (((at - home) & mask()) >= ((at - hole) & mask())) {
+                slots_[hole] = slots_[at];
+                hole = at;
+            }
+        }
+        slots_[hole] = 0;
+    }
+    template <typename HashOf>
+    void reserve(std::size_t records, HashOf hash_of)
+    {
+        std::size_t size = 64;
+        while (records * 4 > size * 3) {
+            size *= 2;
+        }
+        if (size > slots_.size()) {
+            resize(size, hash_of);
+        }
+    }
+
+private:
+    static constexpr std::uint32_t tag_mask = 0xFF000000U;
+
+    [[nodiscard]] static std::uint32_t tag_of(std::uint64_t hash)
+    {
+        return static_cast<std::uint32_t>(hash >> 32U) & tag_mask;
+    }
+    [[nodiscard]] std::size_t mask() const { return slots_.size() - 1; }
+    void place(std::uint64_t hash, std::uint32_t record)
+    {
+        std::size_t at = hash & mask();
+        while (slots_[at] != 0) {
+            at = (at + 1) & mask();
+        }
+        slots_[at] = tag_of(hash) | (record + 1);
+    }
+    template <typename HashOf>
+    void resize(std::size_t size, HashOf hash_of)
+    {
+        std::vector<std::uint32_t> old(size);
+        old.swap(slots_);
+        for (const std::uint32_t slot : old) {
+            if (slot != 0) {
+                const std::uint32_t record = (slot & ~tag_mask) - 1;
+                place(hash_of(record), record);
+            }
+        }
+    }
+
+    std::vector<std::uint32_t> slots_;
+    std::size_t size_{0};
+};
+
+} // namespace busbar::model::detail

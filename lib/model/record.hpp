@@ -1,0 +1,113 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include <busbar/model/node.hpp>
+
+namespace busbar::model::detail {
+
+[[nodiscard]] constexpr std::uint32_t number(NodeIndex node)
+{
+    return static_cast<std::uint32_t>(node);
+}
+
+/// One reference in a node's list; a hole where one was removed.
+struct Entry {
+    NodeIndex target{no_node};
+    /// The ReferenceType, bit 31 for inverse.
+    std::uint32_t type_bits{0};
+
+    static constexpr std::uint32_t inverse_bit = 1U << 31U;
+
+    Entry() = default;
+    Entry(NodeIndex type, NodeIndex to, bool is_forward)
+        : target{to}, type_bits{number(type) | (is_forward ? 0 : inverse_bit)}
+    {
+    }
+    [[nodiscard]] bool is_hole() const { return target == no_node; }
+    [[nodiscard]] NodeIndex type() const { return NodeIndex{type_bits & ~inverse_bit}; }
+    [[nodiscard]] bool is_forward() const { return (type_bits & inverse_bit) == 0; }
+    friend bool operator==(const Entry&, const Entry&) = default;
+};
+
+/// The references of a node to its children and those of add_reference, in the order of addition.
+struct ReferenceList {
+    Array<Entry> entries;
+    std::uint32_t holes{0};
+    /// How many are not to children whose parent is this node.
+    std::uint32_t others{0};
+};
+
+/// What few dynamic nodes have.
+struct Extra {
+    LocalizedText display_name;
+    LocalizedText description;
+    LocalizedText inverse_name;
+    Array<std::uint32_t> array_dimensions;
+    Variant value;
+    ExtensionObject definition;
+    /// Of a type: the dynamic types from the first one below a constant type down to itself.
+    std::vector<NodeIndex> chain;
+    /// Of a type: the nearest constant supertype.
+    NodeIndex constant_base{no_node};
+};
+
+/// A dynamic node. The text block has the identifier of a String or Opaque NodeId (the 16 bytes
+/// of a Guid) and the BrowseName, which shares bytes with the identifier where that ends with it.
+struct Record {
+    std::uint32_t generation{0};
+    NodeClass node_class{NodeClass::Unspecified};
+    std::uint16_t id_namespace{0};
+    std::uint16_t browse_namespace{0};
+    /// The numeric identifier, or the size of the identifier's text.
+    std::uint32_t id{0};
+    std::unique_ptr<char[]> text;
+    std::uint32_t name_offset{0};
+    std::uint32_t name_size{0};
+    NodeIndex parent{no_node};
+    std::uint32_t parent_slot{0};
+    NodeIndex parent_reference{no_node};
+    NodeIndex type_definition{no_node};
+    NodeIndex data_type{no_node};
+    std::int32_t value_rank{-1};
+    std::uint64_t handle{0};
+    float minimum_sampling_interval{0};
+    std::uint32_t source{no_source};
+    IdType id_type{IdType::Numeric};
+    std::uint8_t flags{0};
+    std::uint8_t event_notifier{0};
+    std::uint8_t access_level{0};
+    std::uint8_t user_access_level{0};
+    std::unique_ptr<ReferenceList> references;
+    std::unique_ptr<Extra> extra;
+
+    [[nodiscard]] bool is_free() const { return node_class == NodeClass::Unspecified; }
+    [[nodiscard]] std::string_view name() const { return {text.get() + name_offset, name_size}; }
+    /// The identifier; borrowed.
+    [[nodiscard]] NodeId node_id() const;
+    /// Sets identifier and BrowseName. The record must be new.
+    void set_names(const NodeId& id_of_node, const QualifiedName& browse_name);
+    [[nodiscard]] bool has_id(const NodeId& other) const;
+    [[nodiscard]] Extra& make_extra();
+};
+
+static_assert(sizeof(Record) <= 104);
+
+/// What was set of a constant node at run time.
+struct Overlay {
+    ReferenceList references;
+    Variant value;
+    LocalizedText display_name;
+    LocalizedText description;
+    std::uint64_t handle{0};
+    std::uint32_t source{no_source};
+    bool has_value{false};
+    bool has_access_level{false};
+    std::uint8_t access_level{0};
+    std::uint8_t user_access_level{0};
+};
+
+} // namespace busbar::model::detail

@@ -1,0 +1,225 @@
+#include "tables.hpp"
+
+namespace busbar::model::detail {
+
+Tables::Tables(const StaticNodes& nodes)
+    : constants{&nodes}, constant_count{static_cast<std::uint32_t>(nodes.nodes.size())},
+      hierarchical_references{find_constant(id_hierarchical_references)},
+      has_type_definition{find_constant(id_has_type_definition)},
+      has_subtype{find_constant(id_has_subtype)}
+{
+    for (const StaticText& uri : nodes.namespaces) {
+        namespaces.emplace_back(text(uri));
+    }
+}
+
+const Overlay* Tables::overlay(NodeIndex node) const
+{
+    const auto found = overlays.find(number(node));
+    return found == overlays.end() ? nullptr : found->second.get();
+}
+
+Overlay& Tables::make_overlay(NodeIndex node)
+{
+    auto& overlay = overlays[number(node)];
+    if (overlay == nullptr) {
+        overlay = std::make_unique<Overlay>();
+    }
+    return *overlay;
+}
+
+const ReferenceList* Tables::list(NodeIndex node) const
+{
+    if (!is_constant(node)) {
+        return record(node).references.get();
+    }
+    const Overlay* const found = overlay(node);
+    return found == nullptr ? nullptr : &found->references;
+}
+
+ReferenceList& Tables::make_list(NodeIndex node)
+{
+    if (is_constant(node)) {
+        return make_overlay(node).references;
+    }
+    auto& references = record(node).references;
+    if (references == nullptr) {
+        references = std::make_unique<ReferenceList>();
+    }
+    return *references;
+}
+
+NodeIndex Tables::find_constant(std::uint32_t numeric_id) const
+{
+    const auto slots = constants->slots;
+    if (slots.empty()) {
+        return no_node;
+    }
+    for (std::size_t at = static_slot(numeric_id, slots.size());; at = (at + 1) % slots.size()) {
+        const std::uint16_t slot = slots[at];
+        if (slot == 0) {
+            return no_node;
+        }
+        if (constants->nodes[slot - 1U].id.value == numeric_id) {
+            return NodeIndex{slot - 1U};
+        }
+    }
+}
+
+NodeIndex Tables::find(const NodeId& id) const
+{
+    if (id.namespace_index() == 0 && id.is_numeric()) {
+        const NodeIndex found = find_constant(id.numeric());
+        if (found != no_node) {
+            return found;
+        }
+    }
+    const std::uint32_t found = by_id.find(
+        hash_value(id), [&](std::uint32_t candidate) { return at(candidate).has_id(id); });
+    return found == IndexTable::none ? no_node : index_of(found);
+}
+
+std::uint64_t Tables::name_hash(NodeIndex parent, const QualifiedName& name)
+{
+    const NodeId key{name.namespace_index, String::borrow(name.name.view())};
+    return (hash_value(key) + number(parent)) * 0x9E37'79B9'7F4A'7C15U >> 7U;
+}
+
+std::uint64_t Tables::id_hash(std::uint32_t record_number) const
+{
+    return hash_value(at(record_number).node_id());
+}
+
+std::uint64_t Tables::name_hash(std::uint32_t record_number) const
+{
+    const Record& node = at(record_number);
+    return name_hash(node.parent, QualifiedName{node.browse_namespace, String::borrow(node.name())});
+}
+
+NodeIndex Tables::create(const NodeId& id, const QualifiedName& name, NodeClass node_class)
+{
+    std::uint32_t number_of_record = record_count;
+    if (!free_records.empty()) {
+        number_of_record = free_records.back();
+        free_records.pop_back();
+    } else {
+        if (record_count % block_size == 0) {
+            blocks.push_back(std::make_unique<Record[]>(block_size));
+        }
+        ++record_count;
+    }
+    Record& node = at(number_of_record);
+    node.generation = ++next_generation;
+    node.node_class = node_class;
+    node.set_names(id, name);
+    by_id.insert(hash_value(id), number_of_record, id_hasher());
+    return index_of(number_of_record);
+}
+
+void Tables::link(NodeIndex parent, NodeIndex reference_type, NodeIndex child)
+{
+    Record& node = record(child);
+    node.parent = parent;
+    node.parent_reference = reference_type;
+    node.parent_slot = push(parent, Entry{reference_type, child, true});
+    const std::uint32_t number_of_record = number(child) - constant_count;
+    by_name.insert(name_hash(number_of_record), number_of_record, name_hasher());
+}
+
+void Tables::unlink(NodeIndex child)
+{
+    Record& node = record(child);
+    if (node.parent == no_node) {
+        return;
+    }
+    const std::uint32_t number_of_record = number(child) - constant_count;
+    by_name.erase(name_hash(number_of_record), number_of_record, name_hasher());
+    ReferenceList& references = make_list(node.parent);
+    references.entries[node.parent_slot] = {};
+    ++references.holes;
+    node.parent = no_node;
+}
+
+void Tables::destroy(NodeIndex node)
+{
+    const std::uint32_t number_of_record = number(node) - constant_count;
+    by_id.erase(id_hash(number_of_record), number_of_record, id_hasher());
+    record(node) = Record{};
+    free_records.push_back(number_of_record);
+}
+
+std::uint32_t Tables::push(NodeIndex node, const Entry& entry)
+{
+    ReferenceList& references = make_list(node);
+    const std::size_t size = references.entries.size();
+    if (size == references.entries.capacity() && references.holes > size / 2) {
+        compact(node, references);
+    }
+    references.entries.push_back(entry);
+    return static_cast<std::uint32_t>(references.entries.size() - 1);
+}
+
+void Tables::compact(NodeIndex node, ReferenceList& references)
+{
+    std::uint32_t kept = 0;
+    for (std::uint32_t i = 0; i < references.entries.size(); ++i) {
+        const Entry entry = references.entries[i];
+        if (entry.is_hole()) {
+            continue;
+        }
+        if (!is_constant(entry.target)) {
+            Record& child = record(entry.target);
+            if (child.parent == node && child.parent_slot == i) {
+                child.parent_slot = kept;
+            }
+        }
+        references.entries[kept++] = entry;
+    }
+    references.entries.resize(kept);
+    references.holes = 0;
+    ++epoch;
+}
+
+void Tables::add_entry(NodeIndex node, const Entry& entry)
+{
+    static_cast<void>(push(node, entry));
+    ++make_list(node).others;
+}
+
+bool Tables::remove_entry(NodeIndex node, const Entry& entry)
+{
+    if (list(node) == nullptr) {
+        return false;
+    }
+    ReferenceList& references = make_list(node);
+    for (std::uint32_t i = 0; i < references.entries.size(); ++i) {
+        if (!(references.entries[i] == entry)) {
+            continue;
+        }
+        const bool is_child = !is_constant(entry.target) && entry.is_forward() &&
+                              record(entry.target).parent == node &&
+                              record(entry.target).parent_slot == i;
+        if (is_child) {
+            continue;
+        }
+        references.entries[i] = {};
+        ++references.holes;
+        --references.others;
+        return true;
+    }
+    return false;
+}
+
+NodeId Tables::free_id(std::uint16_t namespace_index)
+{
+    if (next_numeric_ids.size() <= namespace_index) {
+        next_numeric_ids.resize(namespace_index + std::size_t{1});
+    }
+    NodeId id{namespace_index, 0U};
+    do {
+        id = NodeId{namespace_index, ++next_numeric_ids[namespace_index]};
+    } while (id.is_null() || find(id) != no_node);
+    return id;
+}
+
+} // namespace busbar::model::detail

@@ -1,0 +1,141 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <busbar/model/address_space.hpp>
+
+#include "index_table.hpp"
+#include "record.hpp"
+
+namespace busbar::model::detail {
+
+// Nodes of namespace 0 that the rules of the address space name.
+inline constexpr std::uint32_t id_structure = 22;
+inline constexpr std::uint32_t id_base_data_type = 24;
+inline constexpr std::uint32_t id_hierarchical_references = 33;
+inline constexpr std::uint32_t id_organizes = 35;
+inline constexpr std::uint32_t id_has_modelling_rule = 37;
+inline constexpr std::uint32_t id_has_encoding = 38;
+inline constexpr std::uint32_t id_has_type_definition = 40;
+inline constexpr std::uint32_t id_has_subtype = 45;
+inline constexpr std::uint32_t id_has_property = 46;
+inline constexpr std::uint32_t id_has_component = 47;
+inline constexpr std::uint32_t id_base_object_type = 58;
+inline constexpr std::uint32_t id_folder_type = 61;
+inline constexpr std::uint32_t id_base_variable_type = 62;
+inline constexpr std::uint32_t id_property_type = 68;
+
+/// The contents of an AddressSpace. Constant nodes have the indices below `constant_count`.
+struct Tables {
+    explicit Tables(const StaticNodes& nodes);
+
+    static constexpr std::uint32_t block_size = 256;
+    using Block = std::unique_ptr<Record[]>;
+
+    const StaticNodes* constants;
+    std::uint32_t constant_count;
+    std::vector<std::string> namespaces;
+    std::vector<Block> blocks;
+    std::uint32_t record_count{0};
+    std::vector<std::uint32_t> free_records;
+    IndexTable by_id;
+    IndexTable by_name;
+    std::unordered_map<std::uint32_t, std::unique_ptr<Overlay>> overlays;
+    std::uint64_t epoch{0};
+    std::uint32_t next_generation{0};
+    std::vector<std::uint32_t> next_numeric_ids;
+    // Looked up once, since each new node asks for them.
+    NodeIndex hierarchical_references;
+    NodeIndex has_type_definition;
+    NodeIndex has_subtype;
+
+    [[nodiscard]] bool is_constant(NodeIndex node) const { return number(node) < constant_count; }
+    [[nodiscard]] const StaticNode& constant(NodeIndex node) const
+    {
+        return constants->nodes[number(node)];
+    }
+    [[nodiscard]] const Record& at(std::uint32_t record) const
+    {
+        return blocks[record / block_size][record % block_size];
+    }
+    [[nodiscard]] Record& at(std::uint32_t record)
+    {
+        return blocks[record / block_size][record % block_size];
+    }
+    [[nodiscard]] const Record& record(NodeIndex node) const
+    {
+        return at(number(node) - constant_count);
+    }
+    [[nodiscard]] Record& record(NodeIndex node) { return at(number(node) - constant_count); }
+    [[nodiscard]] NodeIndex index_of(std::uint32_t record_number) const
+    {
+        return NodeIndex{constant_count + record_number};
+    }
+    [[nodiscard]] const Overlay* overlay(NodeIndex node) const;
+    [[nodiscard]] Overlay& make_overlay(NodeIndex node);
+    /// The node's own list of references, null if it has none.
+    [[nodiscard]] const ReferenceList* list(NodeIndex node) const;
+    [[nodiscard]] ReferenceList& make_list(NodeIndex node);
+
+    [[nodiscard]] std::string_view text(StaticText at) const
+    {
+        return constants->text.substr(at.offset, at.size);
+    }
+    /// The node of an entry of a static table that may lie past the last node.
+    [[nodiscard]] NodeIndex target(std::uint32_t node_or_external) const
+    {
+        return node_or_external < constant_count ? NodeIndex{node_or_external} : no_node;
+    }
+    [[nodiscard]] NodeIndex find_constant(std::uint32_t numeric_id) const;
+    [[nodiscard]] NodeIndex find(const NodeId& id) const;
+    /// The first child of that name which was added below `parent` and for which `match` is true.
+    template <typename Match>
+    [[nodiscard]] NodeIndex find_child(NodeIndex parent, const QualifiedName& name,
+                                       Match match) const
+    {
+        const std::uint32_t found =
+            by_name.find(name_hash(parent, name), [&](std::uint32_t candidate) {
+                const Record& child = at(candidate);
+                return child.parent == parent && child.name() == name.name.view() &&
+                       child.browse_namespace == name.namespace_index &&
+                       match(index_of(candidate));
+            });
+        return found == IndexTable::none ? no_node : index_of(found);
+    }
+
+    [[nodiscard]] static std::uint64_t name_hash(NodeIndex parent, const QualifiedName& name);
+    [[nodiscard]] std::uint64_t id_hash(std::uint32_t record_number) const;
+    [[nodiscard]] std::uint64_t name_hash(std::uint32_t record_number) const;
+    [[nodiscard]] auto id_hasher() const
+    {
+        return [this](std::uint32_t record_number) { return id_hash(record_number); };
+    }
+    [[nodiscard]] auto name_hasher() const
+    {
+        return [this](std::uint32_t record_number) { return name_hash(record_number); };
+    }
+
+    /// A new record with these names that is linked to nothing yet.
+    [[nodiscard]] NodeIndex create(const NodeId& id, const QualifiedName& name,
+                                   NodeClass node_class);
+    /// Makes `child`, a record, a child of `parent`.
+    void link(NodeIndex parent, NodeIndex reference_type, NodeIndex child);
+    /// Takes the record out of its parent's list.
+    void unlink(NodeIndex child);
+    void destroy(NodeIndex node);
+    void add_entry(NodeIndex node, const Entry& entry);
+    /// False if the entry is not there.
+    bool remove_entry(NodeIndex node, const Entry& entry);
+    /// The number of a free numeric NodeId of the namespace.
+    [[nodiscard]] NodeId free_id(std::uint16_t namespace_index);
+
+private:
+    std::uint32_t push(NodeIndex node, const Entry& entry);
+    void compact(NodeIndex node, ReferenceList& list);
+};
+
+} // namespace busbar::model::detail

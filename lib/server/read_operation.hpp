@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <busbar/binary/writer.hpp>
+#include <busbar/core/function_ref.hpp>
+#include <busbar/model/address_space.hpp>
+#include <busbar/types/attribute.hpp>
+
+#include "data_call.hpp"
+#include "read_results.hpp"
+
+namespace busbar::server::detail {
+
+/// What a Read looks at besides its request.
+struct ReadContext {
+    const model::AddressSpace& space;
+    DataSources& sources;
+    /// The value of a Variable of namespace 0 that is computed when it is read; none if it is not.
+    FunctionRef<std::optional<DataValue>(std::uint32_t identifier)> live_value;
+    DateTime server_time;
+};
+
+/// Good, or why the whole request is refused (Part 4, 5.11.2.3). No `limit` is 0.
+[[nodiscard]] StatusCode check_read(const ReadRequest& request, std::size_t limit);
+
+/// One Read (Part 4, 5.11.2) that passed check_read: the values of one source are asked for in one
+/// batch, everything else is answered from the address space. The number of allocations does not
+/// depend on how many scalars are read.
+class ReadOperation {
+public:
+    /// Keeps no reference to `request`, and of `context` only the sources.
+    ReadOperation(const ReadContext& context, const ReadRequest& request);
+
+    /// True if the results are there, else `owner` is told.
+    [[nodiscard]] bool start(CallOwner& owner, TimePoint now, TimePoint limit);
+    [[nodiscard]] bool waiting() const { return call_.waiting(); }
+    [[nodiscard]] TimePoint next_deadline() const { return call_.next_deadline(); }
+    [[nodiscard]] bool handle_deadline(TimePoint now) { return call_.handle_deadline(now); }
+
+    /// Cuts the ranges that were left to the server; once, when nothing is waited for any more.
+    void finish();
+    /// Writes `results` and `diagnostic_infos` of the ReadResponse; after finish().
+    void encode_results(binary::Writer& writer) const;
+
+private:
+    /// An IndexRange of the request.
+    struct Range {
+        NumericRange range;
+        std::size_t index;
+        bool is_cut_here;
+    };
+
+    void plan(const ReadContext& context, std::size_t index, const ReadValueId& id);
+    void plan_value(const ReadContext& context, std::size_t index, const ReadValueId& id,
+                    model::NodeIndex node, const model::VariableAccess& variable);
+    [[nodiscard]] DataValue kept_value(const ReadContext& context, const ReadValueId& id,
+                                       model::NodeIndex node) const;
+    [[nodiscard]] Result<NumericRange*> keep_range(std::size_t index, const String& text);
+
+    ReadCall call_;
+    Timestamps timestamps_;
+    std::chrono::milliseconds max_age_;
+    /// Sources point at them: kept together with the call, and never more than it has items.
+    std::shared_ptr<std::vector<Range>> ranges_;
+};
+
+} // namespace busbar::server::detail
