@@ -12,22 +12,38 @@ std::uint32_t stricter(std::uint32_t peer, std::uint32_t own)
     return peer == 0 ? own : std::min(peer, own);
 }
 
-ErrorMessage parse_abort(std::span<const std::byte> body)
+/// A limit of ours that is not given is the default.
+TransportLimits completed(TransportLimits limits)
 {
-    auto message = parse_error(body);
-    return message ? *std::move(message) : ErrorMessage{status::Bad_DecodingError, {}};
+    constexpr TransportLimits defaults;
+    const auto size = [](std::uint32_t given, std::uint32_t standard) {
+        return given == 0 ? standard : std::max(given, min_buffer_size);
+    };
+    limits.receive_buffer_size = size(limits.receive_buffer_size, defaults.receive_buffer_size);
+    limits.send_buffer_size = size(limits.send_buffer_size, defaults.send_buffer_size);
+    if (limits.max_message_size == 0) {
+        limits.max_message_size = defaults.max_message_size;
+    }
+    if (limits.max_chunk_count == 0) {
+        limits.max_chunk_count = defaults.max_chunk_count;
+    }
+    return limits;
 }
+
+/// An idle connection does not keep more for its input.
+constexpr std::size_t max_idle_input = 256U << 10U;
 
 } // namespace
 
 Conversation::Conversation(const TransportLimits& limits, const ChannelEnvironment& environment,
-                           StatusCode too_large)
-    : limits_{limits}, environment_{environment}, too_large_{too_large}
+                           Role role)
+    : limits_{completed(limits)}, environment_{environment}, role_{role},
+      assembly_{limits_, environment.budget}
 {
-    sizes_.receive_buffer_size = std::max(limits.receive_buffer_size, min_buffer_size);
-    sizes_.send_buffer_size = std::max(limits.send_buffer_size, min_buffer_size);
-    sizes_.max_message_size = limits.max_message_size;
-    sizes_.max_chunk_count = limits.max_chunk_count;
+    sizes_.receive_buffer_size = limits_.receive_buffer_size;
+    sizes_.send_buffer_size = limits_.send_buffer_size;
+    sizes_.max_message_size = limits_.max_message_size;
+    sizes_.max_chunk_count = limits_.max_chunk_count;
 }
 
 void Conversation::feed(std::span<const std::byte> in)
@@ -35,6 +51,9 @@ void Conversation::feed(std::span<const std::byte> in)
     if (input_begin_ == input_.size()) {
         input_.clear();
         input_begin_ = 0;
+        if (input_.capacity() > max_idle_input) {
+            input_ = {};
+        }
     } else if (input_begin_ > input_.size() / 2) {
         input_.erase(input_.begin(), input_.begin() + static_cast<std::ptrdiff_t>(input_begin_));
         input_begin_ = 0;
@@ -61,15 +80,23 @@ Result<std::optional<Frame>> Conversation::next_frame()
 
 Token* Conversation::find_token(std::uint32_t id, TimePoint now)
 {
-    if (offered_ && offered_->id == id) {
-        // Part 4, 5.5.2.1: the first message under the new token ends the old one.
+    for (auto* token : {&offered_, &current_, &previous_}) {
+        if (*token && (*token)->id == id) {
+            return now < (*token)->expires_at ? &**token : nullptr;
+        }
+    }
+    return nullptr;
+}
+
+/// Part 4, 5.6.2.1: the first message that the client secures with a new token ends the old one.
+void Conversation::note_use(const Token& token)
+{
+    if (offered_ && &token == &*offered_) {
         current_ = std::exchange(offered_, std::nullopt);
         previous_.reset();
+    } else if (role_ == Role::Server && &token == &*current_) {
+        previous_.reset();
     }
-    if (current_ && current_->id == id) {
-        return now < current_->expires_at ? &*current_ : nullptr;
-    }
-    return previous_ && previous_->id == id && now < previous_->expires_at ? &*previous_ : nullptr;
 }
 
 Result<SymmetricContent> Conversation::open(const Frame& frame, TimePoint now)
@@ -81,59 +108,19 @@ Result<SymmetricContent> Conversation::open(const Frame& frame, TimePoint now)
     if (header->channel_id != channel_id) {
         return fail(status::Bad_TcpSecureChannelUnknown);
     }
-    // A token that was only offered counts as used once the chunk under it is verified.
-    const bool is_offered = offered_ && offered_->id == header->token_id;
-    Token* token = is_offered ? &*offered_ : find_token(header->token_id, now);
+    Token* const token = find_token(header->token_id, now);
     if (token == nullptr) {
         return fail(status::Bad_SecureChannelTokenUnknown);
     }
     auto content = open_symmetric(frame.bytes, security, *token);
-    if (content && !received_.accept(content->sequence_number)) {
-        environment_.log->write(LogLevel::Warning, "channel", "Bad_SequenceNumberInvalid");
-        return fail(status::Bad_SecurityChecksFailed);
+    if (!content) {
+        return content;
     }
-    if (content && is_offered) {
-        static_cast<void>(find_token(header->token_id, now));
+    if (!received_.accept(content->sequence_number)) {
+        return fail(status::Bad_SequenceNumberInvalid);
     }
+    note_use(*token);
     return content;
-}
-
-void Conversation::reset_assembly()
-{
-    message_ = {};
-    message_chunks_ = 0;
-}
-
-Result<std::optional<Event>> Conversation::assemble(const Frame& frame,
-                                                    const SymmetricContent& content)
-{
-    if (message_chunks_ != 0 && content.request_id != message_request_id_) {
-        return fail(status::Bad_TcpMessageTypeInvalid); // messages do not mix their chunks
-    }
-    if (frame.header.chunk == 'A') {
-        if (message_chunks_ == 0) {
-            return fail(status::Bad_TcpMessageTypeInvalid);
-        }
-        reset_assembly();
-        Event event{Event::Kind::Aborted, content.request_id, {}, {}, {}};
-        const auto error = parse_abort(content.body);
-        event.status = error.error;
-        event.reason = printable(error.reason.view());
-        return event;
-    }
-    if (message_chunks_ == limits_.max_chunk_count ||
-        content.body.size() > limits_.max_message_size - message_.size()) {
-        return fail(status::Bad_TcpMessageTooLarge);
-    }
-    ++message_chunks_;
-    message_request_id_ = content.request_id;
-    message_.insert(message_.end(), content.body.begin(), content.body.end());
-    if (frame.header.chunk == 'C') {
-        return std::nullopt;
-    }
-    Event event{Event::Kind::Message, content.request_id, std::move(message_), {}, {}};
-    reset_assembly();
-    return event;
 }
 
 bool Conversation::accept_sequence(std::uint32_t number)
@@ -146,11 +133,13 @@ Result<void> Conversation::send(MessageType type, std::uint32_t request_id,
 {
     const std::size_t position = output_.position();
     const std::uint32_t sequence = sent_.last();
+    const StatusCode too_large =
+        role_ == Role::Server ? status::Bad_ResponseTooLarge : status::Bad_RequestTooLarge;
     ChunkSink sink{output_,
                    *current_,
                    sent_,
                    {type, channel_id, request_id, security, sizes_.send_buffer_size,
-                    sizes_.max_message_size, sizes_.max_chunk_count, too_large_}};
+                    sizes_.max_message_size, sizes_.max_chunk_count, too_large}};
     binary::Writer writer{sink};
     encode(writer);
     if (!writer.ok() || !sink.finish(writer.filled())) {
@@ -197,8 +186,26 @@ void Conversation::offer(Token token)
 
 TimePoint Conversation::expires_at() const
 {
-    const TimePoint current = current_ ? current_->expires_at : no_deadline;
-    return offered_ ? std::max(current, offered_->expires_at) : current;
+    if (!current_) {
+        return no_deadline;
+    }
+    return offered_ ? current_->ends_at : current_->expires_at;
+}
+
+bool Conversation::expire(TimePoint now)
+{
+    if (offered_ && now >= current_->ends_at) {
+        previous_ = std::exchange(current_, std::exchange(offered_, std::nullopt));
+    }
+    if (previous_ && now >= previous_->expires_at) {
+        previous_.reset();
+    }
+    return current_ && now >= current_->expires_at;
+}
+
+std::size_t Conversation::memory_in_use() const
+{
+    return input_.capacity() + output_.capacity() + assembly_.capacity();
 }
 
 TimePoint Conversation::renew_at() const

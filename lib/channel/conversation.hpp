@@ -12,6 +12,7 @@
 #include <busbar/channel/channel_types.hpp>
 #include <busbar/core/function_ref.hpp>
 
+#include "assembly.hpp"
 #include "asymmetric_message.hpp"
 #include "frame.hpp"
 #include "output_buffer.hpp"
@@ -28,25 +29,25 @@ struct Frame {
     [[nodiscard]] std::span<const std::byte> body() const { return bytes.subspan(header_size); }
 };
 
+/// Which end of the connection this is.
+enum class Role : std::uint8_t { Server, Client };
+
 /// What both ends of a connection have in common: framing, tokens, sequence numbers, assembly of
 /// chunks, and sending.
 class Conversation {
 public:
-    Conversation(const TransportLimits& limits, const ChannelEnvironment& environment,
-                 StatusCode too_large);
+    Conversation(const TransportLimits& limits, const ChannelEnvironment& environment, Role role);
 
     // Input -----------------------------------------------------------------------------------
 
     void feed(std::span<const std::byte> in);
     /// The next whole frame, or none yet. Bad if what is there can be no frame.
     [[nodiscard]] Result<std::optional<Frame>> next_frame();
-    /// Checks a MSG or CLO chunk against token, signature and sequence;
-    /// Bad_TcpSecureChannelUnknown, Bad_SecureChannelTokenUnknown or Bad_SecurityChecksFailed.
+    /// Checks a MSG or CLO chunk against token, signature and sequence (Part 6, 6.7.7);
+    /// Bad_TcpSecureChannelUnknown, Bad_SecureChannelTokenUnknown, Bad_SecurityChecksFailed or
+    /// Bad_SequenceNumberInvalid.
     [[nodiscard]] Result<SymmetricContent> open(const Frame& frame, TimePoint now);
-    /// Adds a chunk to the message that is being assembled. The message when it is complete, none
-    /// while it is not or after it was aborted (then `aborted` has its status).
-    [[nodiscard]] Result<std::optional<Event>> assemble(const Frame& frame,
-                                                        const SymmetricContent& content);
+    [[nodiscard]] Assembly& assembly() { return assembly_; }
     /// Checks and counts the sequence number of an OPN.
     [[nodiscard]] bool accept_sequence(std::uint32_t number);
 
@@ -63,14 +64,19 @@ public:
 
     /// Takes over what Hello and Acknowledge agreed on.
     void negotiate(const Hello& agreed);
-    /// Makes `token` the one that is sent with; the one before is accepted until it expires.
+    /// Client: makes `token` the one that is sent with; the one before is accepted until it
+    /// expires (Part 4, 5.6.2.1).
     void use(Token token);
-    /// Accepts `token` too; it is sent with from the first message on that the peer secures with
-    /// it.
+    /// Server: accepts `token` too; it is sent with from the first message on that the client
+    /// secures with it, or when the one before has ended (Part 4, 5.6.2.1).
     void offer(Token token);
-    /// When the token that is in use ends, no_deadline before there is one.
+    /// When expire() has something to do; no_deadline before there is a token.
     [[nodiscard]] TimePoint expires_at() const;
+    /// Drops what is over at `now`. True if no token is left.
+    [[nodiscard]] bool expire(TimePoint now);
     [[nodiscard]] TimePoint renew_at() const;
+    /// Bytes that the buffers hold.
+    [[nodiscard]] std::size_t memory_in_use() const;
 
     SecuritySetting security;
     std::uint32_t channel_id{0};
@@ -81,11 +87,11 @@ public:
 
 private:
     [[nodiscard]] Token* find_token(std::uint32_t id, TimePoint now);
-    void reset_assembly();
+    void note_use(const Token& token);
 
     TransportLimits limits_;
     ChannelEnvironment environment_;
-    StatusCode too_large_;
+    Role role_;
     Hello sizes_; // ours to receive and send, the peer's message limits
     std::vector<std::byte> input_;
     std::size_t input_begin_{0};
@@ -95,9 +101,7 @@ private:
     std::optional<Token> offered_;
     SequenceNumbers sent_;
     SequenceNumbers received_;
-    std::vector<std::byte> message_;
-    std::uint32_t message_request_id_{0};
-    std::uint32_t message_chunks_{0};
+    Assembly assembly_;
 };
 
 /// One structure with its encoding's NodeId in front, as messages carry it.

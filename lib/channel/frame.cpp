@@ -138,9 +138,12 @@ Result<ErrorMessage> parse_error(std::span<const std::byte> body)
     auto reader = body_reader(body);
     ErrorMessage message;
     decode(reader, message.error);
-    decode(reader, message.reason);
     if (!reader.ok()) {
         return fail(status::Bad_DecodingError);
+    }
+    decode(reader, message.reason);
+    if (!reader.ok()) {
+        message.reason = {}; // more than 4096 bytes is ignored (Part 6, 7.1.2.5)
     }
     return message;
 }

@@ -15,6 +15,17 @@ void OutputBuffer::consume(std::size_t size)
 {
     begin_ += size;
     consumed_ += size;
+    shrink_if_idle();
+}
+
+void OutputBuffer::roll_back(std::size_t position)
+{
+    end_ = begin_ + (position - consumed_);
+    shrink_if_idle();
+}
+
+void OutputBuffer::shrink_if_idle()
+{
     if (begin_ != end_) {
         return;
     }
@@ -26,7 +37,8 @@ void OutputBuffer::consume(std::size_t size)
 
 std::span<std::byte> OutputBuffer::reserve(std::size_t size)
 {
-    if (storage_.size() - end_ < size && begin_ != 0) {
+    // Only where as much was sent as is moved, so that a slow reader costs no copy per chunk.
+    if (storage_.size() - end_ < size && begin_ != 0 && begin_ >= end_ - begin_) {
         std::copy(storage_.begin() + static_cast<std::ptrdiff_t>(begin_),
                   storage_.begin() + static_cast<std::ptrdiff_t>(end_), storage_.begin());
         end_ -= begin_;

@@ -23,9 +23,12 @@ public:
     /// Positions count the bytes ever committed and not rolled back.
     [[nodiscard]] std::size_t position() const { return consumed_ + end_ - begin_; }
     /// Takes back what was committed after `position`, none of which may have been consumed.
-    void roll_back(std::size_t position) { end_ = begin_ + (position - consumed_); }
+    void roll_back(std::size_t position);
+    [[nodiscard]] std::size_t capacity() const { return storage_.capacity(); }
 
 private:
+    void shrink_if_idle();
+
     std::vector<std::byte> storage_;
     std::size_t begin_{0};
     std::size_t end_{0};

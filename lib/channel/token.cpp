@@ -4,7 +4,7 @@ namespace busbar::channel::detail {
 
 namespace {
 
-/// Part 6, 6.7.2.4: behind this a number starts again, below `wrapped_below`.
+/// Part 6, 6.7.2.4: a number starts again, below `wrapped_below`, when it is greater than this.
 constexpr std::uint32_t wraps_after = UINT32_MAX - 1024;
 constexpr std::uint32_t wrapped_below = 1024;
 
@@ -16,6 +16,7 @@ Result<Token> make_token(std::uint32_t id, const SecuritySetting& setting, const
     Token token;
     token.id = id;
     token.renew_at = now + lifetime * 3 / 4;
+    token.ends_at = now + lifetime;
     token.expires_at = now + lifetime * 5 / 4;
     if (setting.mode == MessageSecurityMode::None) {
         return token;
@@ -37,13 +38,14 @@ Result<Token> make_token(std::uint32_t id, const SecuritySetting& setting, const
 
 std::uint32_t SequenceNumbers::next()
 {
-    last_ = last_ >= wraps_after ? 1 : last_ + 1;
+    last_ = last_ > wraps_after ? 1 : last_ + 1;
     return last_;
 }
 
 bool SequenceNumbers::accept(std::uint32_t number)
 {
     const bool follows = has_begun_ && number == last_ + 1 && number != 0;
+    // Some stacks wrap one number too early; nothing is lost by taking it.
     const bool wraps = has_begun_ && last_ >= wraps_after && number < wrapped_below;
     if (has_begun_ && !follows && !wraps) {
         return false;

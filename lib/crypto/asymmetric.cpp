@@ -18,6 +18,17 @@ auto failed()
     return fail(status::Bad_SecurityChecksFailed);
 }
 
+/// Part 7: a policy names the keys that it may be used with; None has no keys at all.
+bool allows_key(const SecurityPolicy& policy, std::size_t bits)
+{
+    return !policy.is_none() && bits >= policy.min_key_bits && bits <= policy.max_key_bits;
+}
+
+std::size_t bits_of(const PrivateKey& key)
+{
+    return static_cast<std::size_t>(EVP_PKEY_get_bits(key.native()));
+}
+
 bool set_signature_padding(EVP_PKEY_CTX* context, const SecurityPolicy& policy)
 {
     if (policy.signature != AsymmetricSignature::PssSha256) {
@@ -80,7 +91,7 @@ Result<Bytes> asymmetric_sign(const SecurityPolicy& policy, const PrivateKey& ke
     EVP_PKEY_CTX* parameters = nullptr;
     Bytes signature(key.key_size());
     std::size_t size = signature.size();
-    if (!context ||
+    if (!context || !allows_key(policy, bits_of(key)) ||
         EVP_DigestSignInit(context.get(), &parameters, EVP_sha256(), nullptr, key.native()) != 1 ||
         !set_signature_padding(parameters, policy) ||
         EVP_DigestSign(context.get(), detail::bytes_of(std::span{signature}), &size,
@@ -97,7 +108,7 @@ Result<void> asymmetric_verify(const SecurityPolicy& policy, const Certificate& 
 {
     const detail::DigestContext context{EVP_MD_CTX_new()};
     EVP_PKEY_CTX* parameters = nullptr;
-    if (!context || certificate.key_bits() == 0 ||
+    if (!context || !allows_key(policy, certificate.key_bits()) ||
         EVP_DigestVerifyInit(context.get(), &parameters, EVP_sha256(), nullptr,
                              X509_get0_pubkey(certificate.native())) != 1 ||
         !set_signature_padding(parameters, policy) ||
@@ -121,7 +132,8 @@ Result<Bytes> asymmetric_encrypt(const SecurityPolicy& policy, const Certificate
     const std::size_t block = plain_block_size(policy, key_size);
     const detail::PkeyContext context{
         EVP_PKEY_CTX_new(X509_get0_pubkey(certificate.native()), nullptr)};
-    if (!context || block == 0 || EVP_PKEY_encrypt_init(context.get()) != 1 ||
+    if (!context || plain.empty() || !allows_key(policy, certificate.key_bits()) || block == 0 ||
+        EVP_PKEY_encrypt_init(context.get()) != 1 ||
         !set_encryption_padding(context.get(), policy)) {
         return failed();
     }
@@ -133,7 +145,9 @@ Result<Bytes> asymmetric_decrypt(const SecurityPolicy& policy, const PrivateKey&
 {
     const std::size_t key_size = key.key_size();
     const detail::PkeyContext context{EVP_PKEY_CTX_new(key.native(), nullptr)};
-    if (!context || cipher.size() % key_size != 0 || EVP_PKEY_decrypt_init(context.get()) != 1 ||
+    if (!context || !allows_key(policy, bits_of(key)) || cipher.empty() ||
+        cipher.size() % key_size != 0 || cipher.size() / key_size > max_cipher_blocks ||
+        EVP_PKEY_decrypt_init(context.get()) != 1 ||
         !set_encryption_padding(context.get(), policy)) {
         return failed();
     }
@@ -144,8 +158,12 @@ Result<Bytes> encrypt_secret(const SecurityPolicy& policy, const Certificate& ce
                              std::span<const std::byte> secret,
                              std::span<const std::byte> server_nonce)
 {
+    if (secret.size() > max_secret_size || server_nonce.size() < min_server_nonce_size) {
+        return failed();
+    }
     const auto length = static_cast<std::uint32_t>(secret.size() + server_nonce.size());
     Bytes plain;
+    plain.reserve(4 + length); // no copies left behind by growing
     for (unsigned shift = 0; shift < 32; shift += 8) {
         plain.push_back(static_cast<std::byte>(length >> shift));
     }
@@ -160,10 +178,6 @@ Result<Secret> decrypt_secret(const SecurityPolicy& policy, const PrivateKey& ke
                               std::span<const std::byte> cipher,
                               std::span<const std::byte> server_nonce)
 {
-    constexpr std::size_t max_blocks = 64;
-    if (cipher.empty() || cipher.size() > key.key_size() * max_blocks) {
-        return failed();
-    }
     auto plain = asymmetric_decrypt(policy, key, cipher);
     if (!plain) {
         return fail(plain.error());
@@ -175,8 +189,11 @@ Result<Secret> decrypt_secret(const SecurityPolicy& policy, const PrivateKey& ke
     for (std::size_t i = 0; i < 4 && i < bytes.size(); ++i) {
         length |= std::to_integer<std::size_t>(bytes[i]) << (8 * i);
     }
-    // Part 4, 7.40.2.2: what follows the length ends with the nonce of this session.
-    if (bytes.size() < 4 || length > bytes.size() - 4 || length < server_nonce.size() ||
+    // Part 4, 7.40.2.2: what the length covers ends with the nonce of this session. Some clients
+    // fill the last block behind it, so that the text may be longer.
+    if (server_nonce.size() < min_server_nonce_size || bytes.size() < 4 ||
+        length > bytes.size() - 4 || length < server_nonce.size() ||
+        length - server_nonce.size() > max_secret_size ||
         !equal_in_constant_time(
             bytes.subspan(4 + length - server_nonce.size(), server_nonce.size()), server_nonce)) {
         return failed();

@@ -1,8 +1,7 @@
 #include <busbar/crypto/certificate.hpp>
 
-#include <array>
-#include <climits>
-
+#include <openssl/core_names.h>
+#include <openssl/err.h>
 #include <openssl/pem.h>
 
 #include "openssl.hpp"
@@ -11,7 +10,38 @@ namespace busbar::crypto {
 
 namespace {
 
-constexpr std::size_t max_certificate_size = 32'768;
+constexpr std::size_t max_certificate_size = 16'384;
+constexpr int max_modulus_bits = 16'384;
+constexpr int max_exponent_bits = 64;
+
+using Number = std::unique_ptr<BIGNUM, detail::FreeWith<BN_free>>;
+
+Number key_number(const EVP_PKEY* key, const char* name)
+{
+    BIGNUM* number = nullptr;
+    EVP_PKEY_get_bn_param(key, name, &number);
+    return Number{number};
+}
+
+/// False for RSA keys that mean nothing or cost too much: even numbers, an exponent of one or a
+/// giant one, a giant modulus. Other kinds of keys may stand in a chain.
+bool is_usable(const EVP_PKEY* key)
+{
+    if (EVP_PKEY_get_base_id(key) != EVP_PKEY_RSA) {
+        return true;
+    }
+    const Number modulus = key_number(key, OSSL_PKEY_PARAM_RSA_N);
+    const Number exponent = key_number(key, OSSL_PKEY_PARAM_RSA_E);
+    return modulus && exponent && BN_is_odd(modulus.get()) == 1 && BN_is_odd(exponent.get()) == 1 &&
+           BN_is_one(exponent.get()) == 0 && BN_num_bits(exponent.get()) <= max_exponent_bits &&
+           BN_num_bits(modulus.get()) <= max_modulus_bits;
+}
+
+/// OpenSSL would ask a terminal for the passphrase of an encrypted PEM block.
+int give_no_passphrase(char*, int, int, void*)
+{
+    return -1;
+}
 
 detail::GeneralNames alternative_names(X509* certificate)
 {
@@ -67,8 +97,11 @@ Result<Certificate> Certificate::parse(std::span<const std::byte> der)
     detail::X509Pointer x509{der.empty() || der.size() > max_certificate_size
                                  ? nullptr
                                  : d2i_X509(nullptr, &at, static_cast<long>(der.size()))};
-    if (!x509 || at != detail::bytes_of(der) + der.size() ||
-        X509_get0_pubkey(x509.get()) == nullptr) {
+    const EVP_PKEY* key = x509 ? X509_get0_pubkey(x509.get()) : nullptr;
+    const bool is_good =
+        key != nullptr && at == detail::bytes_of(der) + der.size() && is_usable(key);
+    ERR_clear_error();
+    if (!is_good) {
         return fail(status::Bad_CertificateInvalid);
     }
     return Certificate{std::shared_ptr<x509_st>{std::move(x509)}, {der.begin(), der.end()}};
@@ -77,8 +110,9 @@ Result<Certificate> Certificate::parse(std::span<const std::byte> der)
 Result<Certificate> Certificate::parse_file(std::span<const std::byte> contents)
 {
     const detail::Bio bio = detail::memory_bio(contents);
-    const detail::X509Pointer x509{bio ? PEM_read_bio_X509(bio.get(), nullptr, nullptr, nullptr)
-                                       : nullptr};
+    const detail::X509Pointer x509{
+        bio ? PEM_read_bio_X509(bio.get(), nullptr, give_no_passphrase, nullptr) : nullptr};
+    ERR_clear_error();
     if (!x509) {
         return parse(contents);
     }
@@ -126,13 +160,18 @@ std::string Certificate::subject() const
 std::string Certificate::application_uri() const
 {
     const auto names = alternative_names(x509_.get());
+    std::string uri;
     for (int i = 0; i < sk_GENERAL_NAME_num(names.get()); ++i) {
         const GENERAL_NAME* name = sk_GENERAL_NAME_value(names.get(), i);
-        if (name->type == GEN_URI) {
-            return text_of(name->d.uniformResourceIdentifier);
+        if (name->type != GEN_URI) {
+            continue;
         }
+        if (!uri.empty()) {
+            return {};
+        }
+        uri = text_of(name->d.uniformResourceIdentifier);
     }
-    return {};
+    return uri;
 }
 
 std::vector<std::string> Certificate::host_names() const

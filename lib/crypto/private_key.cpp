@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include <busbar/crypto/file.hpp>
+
 #include "openssl.hpp"
 
 namespace busbar::crypto {
@@ -23,10 +25,23 @@ int give_passphrase(char* buffer, int size, int, void* user)
     return static_cast<int>(passphrase.size());
 }
 
-EVP_PKEY* read_der(std::span<const std::byte> contents)
+/// Each form in its turn, from the first byte again.
+detail::Pkey read_key(std::span<const std::byte> contents, std::string_view passphrase)
 {
-    const detail::Bio bio = detail::memory_bio(contents);
-    return bio ? d2i_PrivateKey_bio(bio.get(), nullptr) : nullptr;
+    detail::Bio bio = detail::memory_bio(contents);
+    detail::Pkey key{bio ? PEM_read_bio_PrivateKey(bio.get(), nullptr, give_passphrase, &passphrase)
+                         : nullptr};
+    if (!key) {
+        bio = detail::memory_bio(contents);
+        key.reset(bio ? d2i_PrivateKey_bio(bio.get(), nullptr) : nullptr);
+    }
+    if (!key) {
+        bio = detail::memory_bio(contents);
+        key.reset(bio ? d2i_PKCS8PrivateKey_bio(bio.get(), nullptr, give_passphrase, &passphrase)
+                      : nullptr);
+    }
+    ERR_clear_error();
+    return key;
 }
 
 } // namespace
@@ -34,13 +49,7 @@ EVP_PKEY* read_der(std::span<const std::byte> contents)
 Result<PrivateKey> PrivateKey::parse(std::span<const std::byte> contents,
                                      std::string_view passphrase)
 {
-    const detail::Bio bio = detail::memory_bio(contents);
-    detail::Pkey key{bio ? PEM_read_bio_PrivateKey(bio.get(), nullptr, give_passphrase, &passphrase)
-                         : nullptr};
-    if (!key) {
-        key.reset(read_der(contents));
-    }
-    ERR_clear_error();
+    detail::Pkey key = read_key(contents, passphrase);
     if (!key || EVP_PKEY_get_base_id(key.get()) != EVP_PKEY_RSA) {
         return fail(status::Bad_ConfigurationError);
     }
@@ -69,6 +78,12 @@ Result<Secret> PrivateKey::to_pem() const
     char* text = nullptr;
     const long size = BIO_get_mem_data(bio.get(), &text);
     return Secret{std::string_view{text, static_cast<std::size_t>(size)}};
+}
+
+Result<void> PrivateKey::save(const std::string& path) const
+{
+    const auto pem = to_pem();
+    return pem ? save_file(path, pem->span(), FileAccess::Owner) : fail(pem.error());
 }
 
 std::size_t PrivateKey::key_size() const

@@ -17,6 +17,7 @@ using Kdf = std::unique_ptr<EVP_KDF, detail::FreeWith<EVP_KDF_free>>;
 using KdfContext = std::unique_ptr<EVP_KDF_CTX, detail::FreeWith<EVP_KDF_CTX_free>>;
 
 constexpr std::size_t hmac_size = 32;
+constexpr std::size_t aes_block_size = 16;
 
 OSSL_PARAM octets(const char* name, std::span<const std::byte> bytes)
 {
@@ -39,9 +40,17 @@ bool p_sha256(std::span<const std::byte> secret, std::span<const std::byte> seed
            EVP_KDF_derive(context.get(), detail::bytes_of(out), out.size(), parameters.data()) == 1;
 }
 
+/// Null for a key size that AES does not have.
 const EVP_CIPHER* cipher_of(const SecurityPolicy& policy)
 {
-    return policy.encrypting_key_size == 16 ? EVP_aes_128_cbc() : EVP_aes_256_cbc();
+    switch (policy.encrypting_key_size) {
+    case 16:
+        return EVP_aes_128_cbc();
+    case 32:
+        return EVP_aes_256_cbc();
+    default:
+        return nullptr;
+    }
 }
 
 } // namespace
@@ -49,6 +58,9 @@ const EVP_CIPHER* cipher_of(const SecurityPolicy& policy)
 Result<SymmetricKeys> derive_keys(const SecurityPolicy& policy, std::span<const std::byte> secret,
                                   std::span<const std::byte> seed)
 {
+    if (policy.is_none()) {
+        return fail(status::Bad_SecurityChecksFailed);
+    }
     Secret all{policy.signing_key_size + policy.encrypting_key_size + policy.block_size};
     if (!p_sha256(secret, seed, all.span())) {
         return fail(status::Bad_SecurityChecksFailed);
@@ -71,10 +83,11 @@ namespace {
 bool prepare_cipher(EVP_CIPHER_CTX* context, const SecurityPolicy& policy,
                     const SymmetricKeys& keys, int is_encrypting)
 {
-    return context != nullptr &&
-           EVP_CipherInit_ex2(
-               context, cipher_of(policy), detail::bytes_of(keys.encrypting_key.span()),
-               detail::bytes_of(keys.initialization_vector.span()), is_encrypting, nullptr) == 1 &&
+    const EVP_CIPHER* cipher = cipher_of(policy);
+    return context != nullptr && cipher != nullptr && policy.block_size == aes_block_size &&
+           EVP_CipherInit_ex2(context, cipher, detail::bytes_of(keys.encrypting_key.span()),
+                              detail::bytes_of(keys.initialization_vector.span()), is_encrypting,
+                              nullptr) == 1 &&
            EVP_CIPHER_CTX_set_padding(context, 0) == 1;
 }
 
@@ -120,6 +133,11 @@ SymmetricCipher::~SymmetricCipher() = default;
 Result<SymmetricCipher> SymmetricCipher::create(const SecurityPolicy& policy,
                                                 const SymmetricKeys& keys)
 {
+    if (policy.is_none() || keys.signing_key.size() != policy.signing_key_size ||
+        keys.encrypting_key.size() != policy.encrypting_key_size ||
+        keys.initialization_vector.size() != policy.block_size) {
+        return fail(status::Bad_SecurityChecksFailed);
+    }
     auto contexts = std::make_unique<Contexts>();
     contexts->encryption.reset(EVP_CIPHER_CTX_new());
     contexts->decryption.reset(EVP_CIPHER_CTX_new());

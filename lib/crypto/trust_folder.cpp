@@ -1,16 +1,13 @@
 #include <busbar/core/text.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
 
-#include <openssl/err.h>
-#include <openssl/x509_vfy.h>
-
 #include <algorithm>
 #include <array>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <utility>
 
-#include "openssl.hpp"
+#include "certificate_checks.hpp"
+#include "certificate_folder.hpp"
+#include "certificate_path.hpp"
 
 namespace busbar::crypto {
 
@@ -18,108 +15,141 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using Store = std::unique_ptr<X509_STORE, detail::FreeWith<X509_STORE_free>>;
-using StoreContext = std::unique_ptr<X509_STORE_CTX, detail::FreeWith<X509_STORE_CTX_free>>;
-
-struct FreeStack {
-    void operator()(STACK_OF(X509) * stack) const { sk_X509_free(stack); }
+/// What a check found: on which certificate of the chain, 0 for the leaf.
+struct Finding {
+    StatusCode code;
+    std::size_t depth{0};
 };
-using Stack = std::unique_ptr<STACK_OF(X509), FreeStack>;
 
-constexpr std::size_t max_files = 1'000;
-constexpr std::uintmax_t max_file_size = 65'536;
+/// What the operator reads: which check of Part 4, 6.1.3 failed and what can be done.
+struct Explanation {
+    StatusCode code;
+    std::string_view text;
+};
 
-std::vector<Certificate> read_folder(const fs::path& folder)
+constexpr std::array explanations = {
+    Explanation{status::Bad_CertificateInvalid,
+                "structure or signature is wrong; the peer needs another certificate"},
+    Explanation{status::Bad_CertificateChainIncomplete,
+                "the chain does not reach a root; put the missing CA certificates into issuers"},
+    Explanation{status::Bad_CertificatePolicyCheckFailed,
+                "key size or signature algorithm is not what the security policy asks for"},
+    Explanation{status::Bad_CertificateUntrusted,
+                "neither it nor one of its issuers is trusted; to trust it, move it from rejected "
+                "to trusted"},
+    Explanation{status::Bad_CertificateTimeInvalid,
+                "not valid now; renew it, or set this machine's clock"},
+    Explanation{status::Bad_CertificateIssuerTimeInvalid,
+                "issuer not valid now; renew it, or set this machine's clock"},
+    Explanation{status::Bad_CertificateHostNameInvalid,
+                "does not name the host that was connected to"},
+    Explanation{status::Bad_CertificateUriInvalid,
+                "does not name the peer's ApplicationUri, once and exactly"},
+    Explanation{status::Bad_CertificateUseNotAllowed,
+                "key usage must allow digitalSignature and dataEncipherment, extended key usage "
+                "serverAuth or clientAuth"},
+    Explanation{status::Bad_CertificateIssuerUseNotAllowed,
+                "issuer is not marked as a CA that may sign certificates"},
+};
+
+std::string_view explanation_of(StatusCode code)
 {
-    std::vector<Certificate> result;
-    std::error_code error;
-    for (const auto& entry : fs::directory_iterator{folder, error}) {
-        if (!entry.is_regular_file(error) || entry.file_size(error) > max_file_size ||
-            result.size() == max_files) {
-            continue;
+    const auto found = std::find_if(explanations.begin(), explanations.end(),
+                                    [&](const Explanation& e) { return e.code == code; });
+    return found == explanations.end() ? "" : found->text;
+}
+
+StatusCode check_path_policy(const CertificateChain& path, const SecurityPolicy* policy)
+{
+    const StatusCode leaf = detail::check_policy(path.front(), policy);
+    if (!leaf.is_good()) {
+        return leaf;
+    }
+    for (std::size_t i = 1; i < path.size(); ++i) {
+        const StatusCode issuer = detail::check_issuer_policy(path[i], policy);
+        if (!issuer.is_good()) {
+            return issuer;
         }
-        std::ifstream file{entry.path(), std::ios::binary};
-        const std::string contents{std::istreambuf_iterator<char>{file}, {}};
-        auto certificate = Certificate::parse_file(std::as_bytes(std::span{contents}));
-        if (certificate) {
-            result.push_back(*std::move(certificate));
+    }
+    return {};
+}
+
+bool is_trusted(const CertificateChain& path, const std::vector<Certificate>& trusted)
+{
+    return std::any_of(path.begin(), path.end(), [&](const Certificate& certificate) {
+        return std::find(trusted.begin(), trusted.end(), certificate) != trusted.end();
+    });
+}
+
+Finding check_time(const CertificateChain& path, DateTime now)
+{
+    for (std::size_t i = 0; i < path.size(); ++i) {
+        if (!detail::is_valid_at(path[i], now)) {
+            return {i == 0 ? status::Bad_CertificateTimeInvalid
+                           : status::Bad_CertificateIssuerTimeInvalid,
+                    i};
         }
     }
-    return result;
+    return {};
 }
 
-/// OpenSSL's verdict in the words of Part 4, 6.1.3, table 100.
-StatusCode status_of(int error)
+/// Part 4, 6.1.3, table 100, in its order; steps 10 and 11 would be revocation.
+Finding check_all(const detail::CertificatePath& path, const std::vector<Certificate>& trusted,
+                  const ValidationContext& context)
 {
-    switch (error) {
-    case X509_V_OK:
-        return {};
-    case X509_V_ERR_CERT_HAS_EXPIRED:
-    case X509_V_ERR_CERT_NOT_YET_VALID:
-        return status::Bad_CertificateTimeInvalid;
-    case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT:
-    case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT_LOCALLY:
-    case X509_V_ERR_UNABLE_TO_VERIFY_LEAF_SIGNATURE:
-        return status::Bad_CertificateChainIncomplete;
-    case X509_V_ERR_DEPTH_ZERO_SELF_SIGNED_CERT:
-    case X509_V_ERR_SELF_SIGNED_CERT_IN_CHAIN:
-    case X509_V_ERR_CERT_UNTRUSTED:
-        return status::Bad_CertificateUntrusted;
-    default:
-        return status::Bad_CertificateInvalid;
+    const Certificate& leaf = path.certificates.front();
+    for (const StatusCode code : {detail::check_structure(leaf), path.build,
+                                  check_path_policy(path.certificates, context.policy)}) {
+        if (!code.is_good()) {
+            return {code};
+        }
     }
-}
-
-/// Any certificate of the trusted folder ends a chain, whether it signed itself or not.
-Store make_store(const std::vector<Certificate>& trusted, DateTime now)
-{
-    Store store{X509_STORE_new()};
-    if (!store) {
-        return store;
+    if (!is_trusted(path.certificates, trusted)) {
+        return {status::Bad_CertificateUntrusted};
     }
-    X509_VERIFY_PARAM* parameters = X509_STORE_get0_param(store.get());
-    X509_VERIFY_PARAM_set_flags(parameters, X509_V_FLAG_PARTIAL_CHAIN);
-    X509_VERIFY_PARAM_set_depth(parameters, static_cast<int>(max_chain_length));
-    X509_VERIFY_PARAM_set_time(parameters, now.unix_seconds());
-    for (const Certificate& certificate : trusted) {
-        X509_STORE_add_cert(store.get(), certificate.native());
+    const Finding time = check_time(path.certificates, context.now);
+    if (!time.code.is_good()) {
+        return time;
     }
-    return store;
-}
-
-StatusCode verify(const CertificateChain& chain, const std::vector<Certificate>& trusted,
-                  const std::vector<Certificate>& issuers, DateTime now)
-{
-    const Store store = make_store(trusted, now);
-    const StoreContext context{X509_STORE_CTX_new()};
-    const Stack untrusted{sk_X509_new_null()};
-    if (!store || !context || !untrusted) {
-        return status::Bad_OutOfMemory;
+    for (const StatusCode code : {detail::check_host_name(leaf, context.host_name),
+                                  detail::check_application_uri(leaf, context.application_uri),
+                                  detail::check_usage(leaf), path.usage}) {
+        if (!code.is_good()) {
+            return {code};
+        }
     }
-    for (std::size_t i = 1; i < chain.size(); ++i) {
-        sk_X509_push(untrusted.get(), chain[i].native());
-    }
-    for (const Certificate& issuer : issuers) {
-        sk_X509_push(untrusted.get(), issuer.native());
-    }
-    if (X509_STORE_CTX_init(context.get(), store.get(), chain.front().native(), untrusted.get()) !=
-        1) {
-        return status::Bad_OutOfMemory;
-    }
-    const bool is_good = X509_verify_cert(context.get()) == 1;
-    const StatusCode result =
-        is_good ? StatusCode{} : status_of(X509_STORE_CTX_get_error(context.get()));
-    ERR_clear_error();
-    return result;
+    return {};
 }
 
 } // namespace
 
+struct TrustFolder::Folders {
+    explicit Folders(const fs::path& folder)
+        : trusted{folder / "trusted"}, issuers{folder / "issuers"}, rejected{
+                                                                        folder / "rejected",
+                                                                        max_rejected,
+                                                                        max_rejected_per_minute}
+    {
+    }
+
+    detail::CertificateFolder trusted;
+    detail::CertificateFolder issuers;
+    detail::RejectedFolder rejected;
+};
+
+TrustFolder::TrustFolder(std::string folder, LogSink& log)
+    : folders_{std::make_unique<Folders>(fs::path{std::move(folder)})}, log_{&log}
+{
+}
+
+TrustFolder::~TrustFolder() = default;
+
 Result<void> TrustFolder::create()
 {
-    for (const char* name : {"trusted", "issuers", "rejected"}) {
+    for (const fs::path& path :
+         {folders_->trusted.path(), folders_->issuers.path(), folders_->rejected.path()}) {
         std::error_code error;
-        fs::create_directories(fs::path{folder_} / name, error);
+        fs::create_directories(path, error);
         if (error) {
             return fail(status::Bad_ConfigurationError);
         }
@@ -129,34 +159,30 @@ Result<void> TrustFolder::create()
 
 Result<void> TrustFolder::validate(const CertificateChain& chain, const ValidationContext& context)
 {
-    const fs::path folder{folder_};
-    const StatusCode verdict = verify(chain, read_folder(folder / "trusted"),
-                                      read_folder(folder / "issuers"), context.now);
-    if (verdict == status::Bad_CertificateUntrusted ||
-        verdict == status::Bad_CertificateChainIncomplete) {
-        save_rejected(chain.front());
+    if (chain.empty() || chain.size() > max_chain_length) {
+        return fail(status::Bad_CertificateInvalid);
     }
-    if (!verdict.is_good()) {
-        log_->write(LogLevel::Warning, "certificate",
-                    std::string{name(verdict)} + ": " + printable(chain.front().subject()) + " " +
-                        chain.front().thumbprint_text());
-        return fail(verdict);
+    const std::vector<Certificate> trusted = folders_->trusted.certificates();
+    std::vector<Certificate> known = folders_->issuers.certificates();
+    known.insert(known.end(), trusted.begin(), trusted.end());
+    detail::CertificatePath path = detail::find_path(chain, known);
+    if (path.certificates.empty()) {
+        path.certificates = {chain.front()};
     }
-    return check_certificate(chain.front(), context);
-}
-
-void TrustFolder::save_rejected(const Certificate& leaf)
-{
-    const fs::path folder = fs::path{folder_} / "rejected";
-    const fs::path file = folder / (leaf.thumbprint_text() + ".der");
-    std::error_code error;
-    const auto count = std::distance(fs::directory_iterator{folder, error}, {});
-    if (error || static_cast<std::size_t>(count) >= max_rejected || fs::exists(file, error)) {
-        return;
+    const Finding finding = check_all(path, trusted, context);
+    if (finding.code.is_good()) {
+        return {};
     }
-    std::ofstream out{file, std::ios::binary};
-    out.write(reinterpret_cast<const char*>(leaf.der().data()),
-              static_cast<std::streamsize>(leaf.der().size()));
+    if (finding.code == status::Bad_CertificateUntrusted ||
+        finding.code == status::Bad_CertificateChainIncomplete) {
+        folders_->rejected.save(chain.front(), context.now);
+    }
+    const Certificate& culprit = path.certificates[finding.depth];
+    log_->write(LogLevel::Warning, "certificate",
+                std::string{name(finding.code)} + ": " + printable(culprit.subject()) + ", " +
+                    culprit.thumbprint_text() + ": " + std::string{explanation_of(finding.code)} +
+                    " (Part 4, 6.1.3)");
+    return fail(finding.code);
 }
 
 } // namespace busbar::crypto

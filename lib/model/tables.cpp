@@ -82,7 +82,8 @@ NodeIndex Tables::find(const NodeId& id) const
 std::uint64_t Tables::name_hash(NodeIndex parent, const QualifiedName& name)
 {
     const NodeId key{name.namespace_index, String::borrow(name.name.view())};
-    return (hash_value(key) + number(parent)) * 0x9E37'79B9'7F4A'7C15U >> 7U;
+    const std::uint64_t mixed = (hash_value(key) + number(parent)) * 0x9E37'79B9'7F4A'7C15U;
+    return mixed ^ mixed >> 32U;
 }
 
 std::uint64_t Tables::id_hash(std::uint32_t record_number) const
@@ -124,6 +125,20 @@ void Tables::link(NodeIndex parent, NodeIndex reference_type, NodeIndex child)
     node.parent_slot = push(parent, Entry{reference_type, child, true});
     const std::uint32_t number_of_record = number(child) - constant_count;
     by_name.insert(name_hash(number_of_record), number_of_record, name_hasher());
+}
+
+void Tables::place_type(NodeIndex type, NodeIndex supertype)
+{
+    Extra& extra = record(type).make_extra();
+    if (is_constant(supertype)) {
+        extra.constant_base = supertype;
+        extra.chain.clear();
+    } else {
+        const Extra& above = record(supertype).make_extra();
+        extra.constant_base = above.constant_base;
+        extra.chain = above.chain;
+    }
+    extra.chain.push_back(type);
 }
 
 void Tables::unlink(NodeIndex child)

@@ -18,13 +18,22 @@ namespace busbar::net::detail {
 
 /// The shape all engines share.
 template <typename E>
-concept Engine = requires(E& engine, std::span<const std::byte> in, TimePoint now, std::size_t n) {
-    { engine.feed(in, now) } -> std::same_as<Result<void>>;
-    { engine.output() } -> std::convertible_to<std::span<const std::byte>>;
+concept Engine = requires(E& engine, std::span<const std::byte> in, TimePoint now, std::size_t n)
+{
+    {
+        engine.feed(in, now)
+        } -> std::same_as<Result<void>>;
+    {
+        engine.output()
+        } -> std::convertible_to<std::span<const std::byte>>;
     engine.consume(n);
-    { engine.next_deadline() } -> std::same_as<TimePoint>;
+    {
+        engine.next_deadline()
+        } -> std::same_as<TimePoint>;
     engine.handle_deadline(now);
-    { engine.is_closed() } -> std::same_as<bool>;
+    {
+        engine.is_closed()
+        } -> std::same_as<bool>;
 };
 
 inline TimePoint now()
@@ -46,7 +55,8 @@ public:
     Link(asio::ip::tcp::socket socket, E& engine, Handler on_change, Handler on_end)
         : socket_{std::move(socket)}, timer_{socket_.get_executor()}, engine_{&engine},
           on_change_{std::move(on_change)}, on_end_{std::move(on_end)}
-    {}
+    {
+    }
 
     void start()
     {
@@ -97,7 +107,8 @@ private:
     {
         for (auto out = engine_->output(); !out.empty() && !is_writing_; out = engine_->output()) {
             std::error_code error;
-            const std::size_t sent = socket_.write_some(asio::buffer(out.data(), out.size()), error);
+            const std::size_t sent =
+                socket_.write_some(asio::buffer(out.data(), out.size()), error);
             if (error == asio::error::would_block) {
                 wait_for_room();
                 return true;

@@ -96,12 +96,11 @@ public:
     void refuse(std::uint32_t source, StatusCode status) { groups_[source].refusal = status; }
 
     /// Gives every source its batch; `prepare(part)` sees each before. True if all are answered;
-    /// else `owner` is told later, once. Nothing is waited for past `limit`.
+    /// else `owner` is told later, once.
     template <typename Prepare>
-    [[nodiscard]] bool start(CallOwner& owner, TimePoint now, TimePoint limit, Prepare prepare)
+    [[nodiscard]] bool start(CallOwner& owner, TimePoint now, Prepare prepare)
     {
         now_ = now;
-        limit_ = limit;
         group();
         owner_ = &owner;
         for (std::uint32_t i = 0; i < groups_.size(); ++i) {
@@ -226,7 +225,7 @@ private:
             return take_verdict(group, part);
         }
         group.waiting = true;
-        group.deadline = std::min(limit_, now_ + source->options().timeout);
+        group.deadline = now_ + source->options().timeout;
         ++waiting_;
     }
     void part_completed(detail::Part& part) override
@@ -310,7 +309,6 @@ private:
     std::size_t answered_{0};
     std::size_t waiting_{0};
     TimePoint now_;
-    TimePoint limit_{no_deadline};
 };
 
 using ReadCall = BatchCall<ReadTraits>;

@@ -93,7 +93,7 @@ std::uint64_t number(const ReadCall& call, std::size_t index)
 TEST_CASE_METHOD(Fixture, "a source that answers at once needs no waker")
 {
     const auto call = ask({1, 1, 1});
-    REQUIRE(call->start(owner, start_time, no_deadline, no_preparation));
+    REQUIRE(call->start(owner, start_time, no_preparation));
     CHECK(fast.reads == 1);
     CHECK(number(*call, 2) == 102);
     CHECK(call->result(2).status == status::Good);
@@ -105,7 +105,7 @@ TEST_CASE_METHOD(Fixture, "a source that answers at once needs no waker")
 TEST_CASE_METHOD(Fixture, "the items of a call reach each source in one batch and in order")
 {
     const auto call = ask({1, 0, 1, 0, 0, 1});
-    REQUIRE_FALSE(call->start(owner, start_time, no_deadline, no_preparation));
+    REQUIRE_FALSE(call->start(owner, start_time, no_preparation));
     CHECK(fast.reads == 1);
     REQUIRE(slow.reads.size() == 1);
     REQUIRE(slow.reads[0].size() == 3);
@@ -127,7 +127,7 @@ TEST_CASE_METHOD(Fixture, "answers of the server stand among those of the source
     call.answer(0) = DataValue{Variant{std::uint64_t{1}}};
     call.ask(1, 1, {8, nullptr});
     call.answer(3) = DataValue{status::Bad_NodeIdUnknown};
-    REQUIRE_FALSE(call.start(owner, start_time, no_deadline, no_preparation));
+    REQUIRE_FALSE(call.start(owner, start_time, no_preparation));
     slow.answer();
     sources->handle_completions();
     CHECK(number(call, 0) == 1);
@@ -139,7 +139,7 @@ TEST_CASE_METHOD(Fixture, "answers of the server stand among those of the source
 TEST_CASE_METHOD(Fixture, "a batch completes from another thread")
 {
     const auto call = ask({0, 0});
-    REQUIRE_FALSE(call->start(owner, start_time, no_deadline, no_preparation));
+    REQUIRE_FALSE(call->start(owner, start_time, no_preparation));
     std::thread plc{[&] { slow.answer(); }};
     waker.wait(0);
     sources->handle_completions();
@@ -179,7 +179,7 @@ TEST_CASE("a batch that completes while it is being given away is taken once")
 TEST_CASE_METHOD(Fixture, "a dropped batch answers with what it has")
 {
     const auto call = ask({0, 0});
-    REQUIRE_FALSE(call->start(owner, start_time, no_deadline, no_preparation));
+    REQUIRE_FALSE(call->start(owner, start_time, no_preparation));
     slow.reads[0].results()[0] = DataValue{Variant{std::uint64_t{5}}};
     slow.reads.clear();
     sources->handle_completions();
@@ -190,7 +190,7 @@ TEST_CASE_METHOD(Fixture, "a dropped batch answers with what it has")
 TEST_CASE_METHOD(Fixture, "a source can fail a whole batch")
 {
     const auto call = ask({0, 1, 0});
-    REQUIRE_FALSE(call->start(owner, start_time, no_deadline, no_preparation));
+    REQUIRE_FALSE(call->start(owner, start_time, no_preparation));
     slow.reads[0].fail(status::Bad_DeviceFailure);
     CHECK(slow.reads[0].size() == 0);
     slow.reads[0].complete(); // does nothing
@@ -203,7 +203,7 @@ TEST_CASE_METHOD(Fixture, "a source can fail a whole batch")
 TEST_CASE_METHOD(Fixture, "a late source answers Bad_Timeout and may still write into its slots")
 {
     const auto call = ask({0, 1});
-    REQUIRE_FALSE(call->start(owner, start_time, no_deadline, no_preparation));
+    REQUIRE_FALSE(call->start(owner, start_time, no_preparation));
     CHECK(call->next_deadline() == start_time + 5s);
     CHECK_FALSE(call->handle_deadline(start_time + 4999ms));
     CHECK(call->handle_deadline(start_time + 5s));
@@ -221,7 +221,7 @@ TEST_CASE_METHOD(Fixture, "batches outlive their call, the server and the source
     auto kept = std::make_shared<int>(7);
     const std::weak_ptr<int> watch = kept;
     auto call = ask({0});
-    REQUIRE_FALSE(call->start(owner, start_time, no_deadline, no_preparation));
+    REQUIRE_FALSE(call->start(owner, start_time, no_preparation));
     SECTION("the call is gone")
     {
         call.reset();
@@ -258,7 +258,7 @@ TEST_CASE_METHOD(Fixture, "kept memory is held until the call is done with it")
     auto memory = std::make_shared<std::string>("a text that lies in the source");
     const std::weak_ptr<std::string> watch = memory;
     auto call = ask({0});
-    REQUIRE_FALSE(call->start(owner, start_time, no_deadline, no_preparation));
+    REQUIRE_FALSE(call->start(owner, start_time, no_preparation));
     slow.reads[0].results()[0] = DataValue{Variant{String::borrow(*memory)}};
     slow.reads[0].keep_alive(std::move(memory));
     slow.reads.clear();
@@ -287,7 +287,7 @@ TEST_CASE_METHOD(Fixture, "a call that waits for one source owns what the others
     LendingSource lender;
     sources->add(lender);
     const auto call = ask({0, 2});
-    REQUIRE_FALSE(call->start(owner, start_time, no_deadline, no_preparation));
+    REQUIRE_FALSE(call->start(owner, start_time, no_preparation));
     CHECK(lender.kept.use_count() == 1);
     lender.lent = Variant{2};
     slow.answer();
@@ -310,7 +310,7 @@ TEST_CASE("a source is not asked for more than it may hold")
         for (std::size_t i = 0; i < count; ++i) {
             call->ask(i, 0, {i, nullptr});
         }
-        static_cast<void>(call->start(owner, start_time, no_deadline, no_preparation));
+        static_cast<void>(call->start(owner, start_time, no_preparation));
         return call;
     };
     CHECK(send(6)->result(5).status == status::Bad_TooManyOperations);
@@ -331,7 +331,7 @@ TEST_CASE_METHOD(Fixture, "a source that was refused is not called")
 {
     const auto call = ask({1, 0});
     call->refuse(1, status::Bad_InvalidState);
-    REQUIRE_FALSE(call->start(owner, start_time, no_deadline, no_preparation));
+    REQUIRE_FALSE(call->start(owner, start_time, no_preparation));
     CHECK(fast.reads == 0);
     CHECK(call->result(0).status == status::Bad_InvalidState);
 }
@@ -346,8 +346,8 @@ TEST_CASE_METHOD(Fixture, "one completion may end the calls of others that are q
     auto first = ask({0});
     auto second = ask({0});
     killer.victim = &second;
-    REQUIRE_FALSE(first->start(killer, start_time, no_deadline, no_preparation));
-    REQUIRE_FALSE(second->start(owner, start_time, no_deadline, no_preparation));
+    REQUIRE_FALSE(first->start(killer, start_time, no_preparation));
+    REQUIRE_FALSE(second->start(owner, start_time, no_preparation));
     slow.answer();
     slow.answer();
     CHECK(waker.count() == 1);
@@ -363,7 +363,7 @@ TEST_CASE_METHOD(Fixture, "a write takes the same way; a read-only source refuse
     call.ask(0, 0, {1, nullptr, &data});
     call.ask(1, 1, {2, nullptr, &data});
     call.ask(2, 0, {3, nullptr, &data});
-    REQUIRE_FALSE(call.start(owner, start_time, no_deadline, no_preparation));
+    REQUIRE_FALSE(call.start(owner, start_time, no_preparation));
     CHECK(call.result(1) == status::Bad_NotWritable);
     slow.writes[0].results()[1] = status::Good;
     slow.writes.clear();

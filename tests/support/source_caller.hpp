@@ -50,7 +50,7 @@ public:
         server::detail::ReadCall call{sources_, items.size()};
         ask(call, items);
         Owner owner;
-        if (!call.start(owner, TimePoint{}, no_deadline, [](auto&) {})) {
+        if (!call.start(owner, TimePoint{}, [](auto&) {})) {
             wait(owner);
         }
         std::vector<DataValue> values;
@@ -75,7 +75,7 @@ public:
         Owner owner;
         server::detail::WriteCall call{sources_, items.size()};
         ask(call, items);
-        if (!call.start(owner, TimePoint{}, no_deadline, [](auto&) {})) {
+        if (!call.start(owner, TimePoint{}, [](auto&) {})) {
             wait(owner);
         }
         std::vector<StatusCode> results;

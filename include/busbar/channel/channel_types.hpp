@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -21,8 +22,8 @@ namespace busbar::channel {
 /// The smallest buffer either side may ask for (Part 6, 7.1.2.3).
 inline constexpr std::uint32_t min_buffer_size = 8'192;
 
-/// Limits of one connection, in bytes. All are finite; what the peer calls unlimited is held to
-/// these too.
+/// Limits of one connection, in bytes. All are finite: 0 stands for the default, and what the peer
+/// calls unlimited is held to these too.
 struct TransportLimits {
     /// Largest chunk that is accepted and sent.
     std::uint32_t receive_buffer_size{65'535};
@@ -48,14 +49,30 @@ struct ApplicationIdentity {
     crypto::PrivateKey key;
 };
 
+/// The bytes that the unfinished messages of all channels which share it may hold together, so that
+/// many peers cannot do what one of them may not. Any thread.
+class AssemblyBudget {
+public:
+    explicit AssemblyBudget(std::size_t limit) : left_{limit} {}
+
+    /// False, and nothing taken, if that much is not left.
+    [[nodiscard]] bool take(std::size_t size);
+    void give_back(std::size_t size) { left_.fetch_add(size, std::memory_order_relaxed); }
+    [[nodiscard]] std::size_t left() const { return left_.load(std::memory_order_relaxed); }
+
+private:
+    std::atomic<std::size_t> left_;
+};
+
 /// What channels need from outside. All must outlive them; identity and validator may be null where
-/// only policy None is used.
+/// only policy None is used, the budget where connections are few.
 struct ChannelEnvironment {
     crypto::Random* random{nullptr};
     const WallClock* wall_clock{nullptr};
     LogSink* log{nullptr};
     crypto::CertificateValidator* validator{nullptr};
     const ApplicationIdentity* identity{nullptr};
+    AssemblyBudget* budget{nullptr};
 };
 
 /// What happened on a channel.
@@ -65,7 +82,8 @@ struct Event {
         Renewed, // it has a new SecurityToken
         Message, // a request (server) or response (client)
         Aborted, // client: the server gave up the response to request_id, with `status`
-        Closed,  // nothing more will come; `status` is Good after CloseSecureChannel
+        Closed,  // nothing more will come; `status` is Good after CloseSecureChannel, else exact:
+                 // the peer may have been told less
     };
     Kind kind{Kind::Closed};
     std::uint32_t request_id{0};

@@ -10,10 +10,18 @@
 #include <busbar/crypto/security_policy.hpp>
 
 /// RSA as the policies use it (Part 6, 6.7.4). Every failure is Bad_SecurityChecksFailed: a peer
-/// must not learn which step failed.
+/// must not learn which step failed. A key that the policy does not allow, and any use of policy
+/// None, is such a failure too. Any thread.
 namespace busbar::crypto {
 
 using Bytes = std::vector<std::byte>;
+
+/// What one message may make the receiver's private key do; an OpenSecureChannel needs about five.
+inline constexpr std::size_t max_cipher_blocks = 32;
+/// The legacy format is for secrets of at most this size (Part 4, 7.40.2.1), bound to a nonce of
+/// at least that size (Part 4, 5.7.2.2). In bytes.
+inline constexpr std::size_t max_secret_size = 64;
+inline constexpr std::size_t min_server_nonce_size = 32;
 
 [[nodiscard]] Result<Bytes> asymmetric_sign(const SecurityPolicy& policy, const PrivateKey& key,
                                             std::span<const std::byte> data);
@@ -25,7 +33,8 @@ using Bytes = std::vector<std::byte>;
 /// Bytes of plain text in one block of a key with `key_size` bytes; 0 if the key is too small.
 [[nodiscard]] std::size_t plain_block_size(const SecurityPolicy& policy, std::size_t key_size);
 
-/// Block by block; the last block may be shorter than the others.
+/// Block by block, of what is not empty; the last block's text may be shorter than the others'. All
+/// blocks are always decrypted, whichever is wrong; max_cipher_blocks at most.
 [[nodiscard]] Result<Bytes> asymmetric_encrypt(const SecurityPolicy& policy,
                                                const Certificate& certificate,
                                                std::span<const std::byte> plain);
@@ -33,7 +42,8 @@ using Bytes = std::vector<std::byte>;
                                                std::span<const std::byte> cipher);
 
 /// The secret of a UserNameIdentityToken: length, secret and the server's nonce, encrypted
-/// (Part 4, 7.40.2.2).
+/// (Part 4, 7.40.2.2). The nonce is the last one of the session; a secret that was encrypted for
+/// another one is refused. An empty secret comes back as such: the caller decides what it is worth.
 [[nodiscard]] Result<Bytes> encrypt_secret(const SecurityPolicy& policy,
                                            const Certificate& certificate,
                                            std::span<const std::byte> secret,

@@ -19,7 +19,8 @@ namespace busbar::crypto {
 /// One X.509 v3 ApplicationInstanceCertificate (Part 6, 6.2.2). Immutable; copies share.
 class Certificate {
 public:
-    /// Exactly one DER certificate; Bad_CertificateInvalid for anything else.
+    /// Exactly one DER certificate of at most 16 KiB with a key that makes sense;
+    /// Bad_CertificateInvalid for anything else.
     [[nodiscard]] static Result<Certificate> parse(std::span<const std::byte> der);
     /// PEM or DER, as files have it.
     [[nodiscard]] static Result<Certificate> parse_file(std::span<const std::byte> contents);
@@ -31,7 +32,8 @@ public:
     [[nodiscard]] std::string thumbprint_text() const;
     /// "CN=Name,O=..." for people.
     [[nodiscard]] std::string subject() const;
-    /// The first URI of subjectAltName; empty if there is none.
+    /// The URI of subjectAltName; empty if there is none or more than one (Part 6, 6.2.2). As it
+    /// stands there: `printable` it for people.
     [[nodiscard]] std::string application_uri() const;
     /// DNS names and IP addresses of subjectAltName.
     [[nodiscard]] std::vector<std::string> host_names() const;

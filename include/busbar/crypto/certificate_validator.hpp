@@ -1,6 +1,7 @@
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -16,8 +17,11 @@ namespace busbar::crypto {
 struct ValidationContext {
     const SecurityPolicy* policy{nullptr};
     DateTime now;
-    /// Not empty: the certificate must name this ApplicationUri.
+    /// Not empty: the certificate must name this ApplicationUri, and no other.
     std::string_view application_uri;
+    /// Not empty: the certificate must name this host or address, which a client knows from the
+    /// server's URL.
+    std::string_view host_name{};
 };
 
 /// Decides whether a peer's certificate is accepted (Part 4, 6.1.3).
@@ -34,11 +38,12 @@ public:
                                                 const ValidationContext& context) = 0;
 };
 
-/// The checks that need no trust list: structure, key size, time, usage, ApplicationUri.
+/// The checks of a leaf that need neither chain nor trust list, in the order of the table:
+/// structure, policy, time, host name, ApplicationUri, usage.
 [[nodiscard]] Result<void> check_certificate(const Certificate& leaf,
                                              const ValidationContext& context);
 
-/// Accepts whatever is well formed. For tests and the marked demo only.
+/// Accepts whoever has a key that the policy allows. For tests and the marked demo only.
 class InsecureAcceptAnyCertificate final : public CertificateValidator {
 public:
     [[nodiscard]] Result<void> validate(const CertificateChain& chain,
@@ -46,16 +51,23 @@ public:
 };
 
 /// Trust lists as folders: `trusted`, `issuers` and `rejected` in `folder`, one certificate a file
-/// (PEM or DER). Read at every validation, so that a moved file counts at once.
+/// (PEM or DER). Looked at for every validation, so that a moved file counts at once; only files
+/// that changed are read.
 ///
-/// A certificate is trusted if it, or one that signed it, lies in `trusted`; certificates in
-/// `issuers` only complete chains. What is not trusted is saved in `rejected`, at most
-/// max_rejected files. Revocation lists are not read.
+/// All steps of Part 4, 6.1.3, table 100, but revocation lists, which are not read. The chain is
+/// built up to a root from what the peer sent and both lists; then one certificate of it, or more,
+/// must lie in `trusted`. A leaf that is refused for want of trust is saved in `rejected`: at most
+/// max_rejected files, the oldest goes; at most max_rejected_per_minute are written.
+///
+/// The log says which check failed on which certificate. One thread at a time.
 class TrustFolder final : public CertificateValidator {
 public:
     static constexpr std::size_t max_rejected = 50;
+    static constexpr std::size_t max_rejected_per_minute = 10;
 
-    TrustFolder(std::string folder, LogSink& log) : folder_{std::move(folder)}, log_{&log} {}
+    /// `log` must outlive this.
+    TrustFolder(std::string folder, LogSink& log);
+    ~TrustFolder() override;
 
     /// Makes the folders that are missing; Bad_ConfigurationError if that fails.
     [[nodiscard]] Result<void> create();
@@ -63,9 +75,8 @@ public:
                                         const ValidationContext& context) override;
 
 private:
-    void save_rejected(const Certificate& leaf);
-
-    std::string folder_;
+    struct Folders;
+    std::unique_ptr<Folders> folders_;
     LogSink* log_;
 };
 

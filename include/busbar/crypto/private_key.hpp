@@ -20,7 +20,8 @@ namespace busbar::crypto {
 /// An RSA key pair. Immutable; copies share.
 class PrivateKey {
 public:
-    /// PEM or DER, PKCS#1 or PKCS#8. Bad_ConfigurationError if it is none or the passphrase wrong.
+    /// PEM or DER, PKCS#1 or PKCS#8, the latter also encrypted. Bad_ConfigurationError if it is
+    /// none of them, no RSA key or the passphrase is wrong. Never asks anyone.
     [[nodiscard]] static Result<PrivateKey> parse(std::span<const std::byte> contents,
                                                   std::string_view passphrase = {});
     /// A new key of 2048 to 4096 bits; else Bad_InvalidArgument.
@@ -28,6 +29,8 @@ public:
 
     /// PKCS#8 PEM, without a passphrase. For a file that only its owner may read.
     [[nodiscard]] Result<Secret> to_pem() const;
+    /// The same in a file that only its owner may read, whole or not at all (see save_file).
+    [[nodiscard]] Result<void> save(const std::string& path) const;
     [[nodiscard]] std::size_t key_size() const;
     /// True if this is the private half of the certificate's key.
     [[nodiscard]] bool belongs_to(const Certificate& certificate) const;

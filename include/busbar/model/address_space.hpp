@@ -109,6 +109,8 @@ public:
     [[nodiscard]] std::uint64_t reference_epoch() const;
     /// The target of HasTypeDefinition of an Object or Variable, else no_node.
     [[nodiscard]] NodeIndex type_definition(NodeIndex node) const;
+    /// The IsAbstract attribute of a type.
+    [[nodiscard]] bool is_abstract(NodeIndex type) const;
     /// The type above, no_node for one that has none.
     [[nodiscard]] NodeIndex supertype(NodeIndex type) const;
     /// True if `type` is `supertype` or below it along HasSubtype; false if either is no type or
@@ -164,9 +166,9 @@ public:
     Result<void> add_reference(NodeIndex source, const NodeId& type, NodeIndex target);
     /// Removes a reference that add_reference made; Bad_NotFound if there is none.
     Result<void> remove_reference(NodeIndex source, const NodeId& type, NodeIndex target);
-    /// Removes a dynamic node with all references to it; its own children are removed with it
-    /// unless something else references them hierarchically. Bad_NoDeleteRights for a constant
-    /// node, Bad_NodeIdUnknown if it is gone, Bad_InvalidState for a type that is in use.
+    /// Removes a dynamic node, all nodes that were added below it, and all references to them.
+    /// Bad_NodeIdUnknown if there is no such node, Bad_NoDeleteRights for a constant node or a
+    /// type, which nothing may lose.
     Result<void> remove(NodeIndex node);
 
     /// Gives a Variable a value of its own. Bad_TypeMismatch as check_value.
@@ -179,6 +181,8 @@ public:
     void set_description(NodeIndex node, LocalizedText text);
 
 private:
+    Result<NodeIndex> create(const NewNode& node, NodeClass node_class);
+    [[nodiscard]] Result<Variant> variable_attribute(NodeIndex node, AttributeId id) const;
     std::unique_ptr<detail::Tables> tables_;
 };
 

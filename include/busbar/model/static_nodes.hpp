@@ -21,7 +21,8 @@ struct StaticText {
 /// How StaticIdentifier::value is meant.
 enum class StaticIdKind : std::uint8_t { Numeric, Text };
 
-/// A NodeId: a number, or the offset of an entry of `texts` with what NodeId::parse reads.
+/// A NodeId: a number, or the index of the entry of `texts` with what NodeId::parse reads, without
+/// namespace.
 struct StaticIdentifier {
     std::uint32_t value{0};
     std::uint16_t namespace_index{0};
@@ -42,8 +43,8 @@ struct StaticNode {
     /// In `references`; those of a node end where those of the next one begin.
     std::uint32_t first_reference{0};
     /// Of a Variable or VariableType its entry of `variables`; of a ReferenceType the entry of
-    /// `texts` with its InverseName, of a DataType the entry of `values` with its
-    /// DataTypeDefinition, no_details if it has none.
+    /// `texts` with its InverseName, of a DataType the entry of `texts` that says where in
+    /// `values` its DataTypeDefinition is; no_details if it has none.
     std::uint32_t details{0};
     std::uint16_t browse_namespace{0};
     /// The value of NodeClass.
@@ -117,7 +118,9 @@ struct StaticNodes {
     /// Nodes or externals, as reference targets.
     std::span<const std::uint32_t> reference_types;
     std::span<const StaticIdentifier> externals;
+    /// Pieces of `text` or `values`.
     std::span<const StaticText> texts;
+    /// Sorted by node and kind.
     std::span<const StaticExtra> extras;
     std::span<const std::uint32_t> dimensions;
     std::string_view text;

@@ -57,6 +57,9 @@ public:
         return (place.in_arrays ? arrays_.get() : plain_.get()) + place.offset;
     }
 
+    /// The block of all that is not an array of numbers.
+    [[nodiscard]] const std::byte* plain() const { return plain_.get(); }
+
 private:
     template <typename T>
     [[nodiscard]] T* pointer(std::uint32_t handle)

@@ -1,4 +1,4 @@
-#include "read_operation.hpp"
+#include "read_job.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,18 +12,11 @@ namespace busbar::server::detail {
 namespace {
 
 constexpr auto value_attribute = static_cast<std::uint32_t>(AttributeId::Value);
-constexpr auto current_read = static_cast<std::uint8_t>(AccessLevelType::CurrentRead);
-
-/// Part 4, 7.16: what has the form of a NodeId but cannot be one.
-StatusCode why_not_found(const NodeId& id)
-{
-    return id.is_null() ? status::Bad_NodeIdInvalid : status::Bad_NodeIdUnknown;
-}
 
 /// A null DataEncoding is the default one. Bad_DataEncodingInvalid where none can be asked for,
 /// Bad_DataEncodingUnsupported for a structure's that is not the one of this protocol.
 StatusCode check_data_encoding(const ReadContext& context, const ReadValueId& id,
-                               const model::VariableAccess* variable)
+                               const model::VariableAttributes* variable)
 {
     if (id.data_encoding.name.empty()) {
         return status::Good;
@@ -34,19 +27,50 @@ StatusCode check_data_encoding(const ReadContext& context, const ReadValueId& id
     if (id.data_encoding.namespace_index == 0 && id.data_encoding.name.view() == "Default Binary") {
         return status::Good;
     }
-    const model::NodeIndex structure = context.space.find(id::Structure);
-    return context.space.is_subtype_of(variable->data_type, structure)
+    return context.space.is_subtype_of(variable->data_type, id::Structure)
                ? status::Bad_DataEncodingUnsupported
                : status::Bad_DataEncodingInvalid;
 }
 
-StatusCode check_access(const model::VariableAccess& variable)
+StatusCode check_access(const ReadContext& context, const ReadValueId& id,
+                        const model::VariableAttributes& variable)
 {
-    if ((variable.access_level & current_read) == 0) {
+    if (!has_access(variable.access_level, AccessLevelType::CurrentRead)) {
         return status::Bad_NotReadable;
     }
-    return (variable.user_access_level & current_read) == 0 ? status::Bad_UserAccessDenied
-                                                            : status::Good;
+    const std::uint8_t level = context.rights.access_level(id.node_id, variable);
+    return has_access(level, AccessLevelType::CurrentRead) ? status::Good
+                                                           : status::Bad_UserAccessDenied;
+}
+
+/// Any attribute but a Variable's Value.
+Result<Variant> attribute(const ReadContext& context, const ReadValueId& id, model::NodeIndex node)
+{
+    const model::AddressSpace& space = context.space;
+    const auto attribute_id = static_cast<AttributeId>(id.attribute_id);
+    if (attribute_id == AttributeId::Value) {
+        Variant value = space.value(node);
+        if (space.node_class(node) != NodeClass::VariableType || value.is_null()) {
+            return fail(status::Bad_AttributeIdInvalid);
+        }
+        return value;
+    }
+    if (attribute_id == AttributeId::UserAccessLevel &&
+        space.node_class(node) == NodeClass::Variable) {
+        return Variant{context.rights.access_level(id.node_id, space.variable(node))};
+    }
+    return space.attribute(node, attribute_id);
+}
+
+/// The value of a Variable without source.
+DataValue kept_value(const ReadContext& context, const ReadValueId& id, model::NodeIndex node)
+{
+    if (id.node_id.namespace_index() == 0) {
+        if (auto live = context.live_value(id.node_id)) {
+            return std::move(*live);
+        }
+    }
+    return DataValue{context.space.value(node)};
 }
 
 /// A maxAge of the largest Int32 or more asks for any value that is there (Part 4, 5.11.2.2).
@@ -58,12 +82,12 @@ std::chrono::milliseconds to_max_age(double milliseconds)
 
 } // namespace
 
-StatusCode check_read(const ReadRequest& request, std::size_t limit)
+StatusCode check_read(const ReadRequest& request, std::size_t max_nodes)
 {
     if (request.nodes_to_read.empty()) {
         return status::Bad_NothingToDo;
     }
-    if (limit != 0 && request.nodes_to_read.size() > limit) {
+    if (request.nodes_to_read.size() > max_nodes) {
         return status::Bad_TooManyOperations;
     }
     if (request.timestamps_to_return < TimestampsToReturn::Source ||
@@ -74,7 +98,7 @@ StatusCode check_read(const ReadRequest& request, std::size_t limit)
     return request.max_age >= 0 ? status::Good : status::Bad_MaxAgeInvalid;
 }
 
-ReadOperation::ReadOperation(const ReadContext& context, const ReadRequest& request)
+ReadJob::ReadJob(const ReadContext& context, const ReadRequest& request)
     : call_{context.sources, request.nodes_to_read.size()},
       timestamps_{request.timestamps_to_return, context.server_time}, max_age_{to_max_age(
                                                                           request.max_age)}
@@ -85,22 +109,19 @@ ReadOperation::ReadOperation(const ReadContext& context, const ReadRequest& requ
     }
 }
 
-void ReadOperation::plan(const ReadContext& context, std::size_t index, const ReadValueId& id)
+void ReadJob::plan(const ReadContext& context, std::size_t index, const ReadValueId& id)
 {
     const model::NodeIndex node = context.space.find(id.node_id);
-    if (node == model::no_node) {
+    if (node == model::no_node || !context.rights.may_see(id.node_id)) {
         call_.answer(index).status = why_not_found(id.node_id);
         return;
     }
-    if (id.attribute_id == value_attribute) {
-        if (const auto variable = context.space.variable(node)) {
-            plan_value(context, index, id, node, *variable);
-            return;
-        }
+    if (id.attribute_id == value_attribute &&
+        context.space.node_class(node) == NodeClass::Variable) {
+        return plan_value(context, index, id, node);
     }
     ReadSlot& slot = call_.answer(index);
-    Result<Variant> value =
-        context.space.attribute(node, static_cast<AttributeId>(id.attribute_id));
+    Result<Variant> value = attribute(context, id, node);
     slot.status = value ? check_data_encoding(context, id, nullptr) : value.error();
     if (slot.status.is_good()) {
         slot.value = std::move(*value);
@@ -110,10 +131,11 @@ void ReadOperation::plan(const ReadContext& context, std::size_t index, const Re
     }
 }
 
-void ReadOperation::plan_value(const ReadContext& context, std::size_t index, const ReadValueId& id,
-                               model::NodeIndex node, const model::VariableAccess& variable)
+void ReadJob::plan_value(const ReadContext& context, std::size_t index, const ReadValueId& id,
+                         model::NodeIndex node)
 {
-    StatusCode refusal = check_access(variable);
+    const model::VariableAttributes variable = context.space.variable(node);
+    StatusCode refusal = check_access(context, id, variable);
     if (refusal.is_good()) {
         refusal = check_data_encoding(context, id, &variable);
     }
@@ -125,9 +147,13 @@ void ReadOperation::plan_value(const ReadContext& context, std::size_t index, co
         call_.answer(index).status = refusal;
         return;
     }
+    if (variable.source == model::no_source) {
+        call_.answer(index) = kept_value(context, id, node);
+        return;
+    }
     const auto* source = context.sources.find(variable.source);
     if (source == nullptr) {
-        call_.answer(index) = kept_value(context, id, node);
+        call_.answer(index).status = status::Bad_NoCommunication;
         return;
     }
     const bool is_cut_by_source = *range != nullptr && (*source)->options().reads_ranges;
@@ -137,26 +163,14 @@ void ReadOperation::plan_value(const ReadContext& context, std::size_t index, co
     call_.ask(index, variable.source, {variable.handle, is_cut_by_source ? *range : nullptr});
 }
 
-DataValue ReadOperation::kept_value(const ReadContext& context, const ReadValueId& id,
-                                    model::NodeIndex node) const
-{
-    if (id.node_id.is_numeric() && id.node_id.namespace_index() == 0) {
-        if (auto live = context.live_value(id.node_id.numeric())) {
-            return std::move(*live);
-        }
-    }
-    return DataValue{context.space.value(node)};
-}
-
-/// Null if there is no range.
-Result<NumericRange*> ReadOperation::keep_range(std::size_t index, const String& text)
+Result<NumericRange*> ReadJob::keep_range(std::size_t index, const String& text)
 {
     if (text.empty()) {
         return nullptr;
     }
     auto range = NumericRange::parse(text.view());
     if (!range) {
-        return busbar::fail(range.error());
+        return fail(range.error());
     }
     if (ranges_ == nullptr) {
         ranges_ = std::make_shared<std::vector<Range>>();
@@ -166,13 +180,13 @@ Result<NumericRange*> ReadOperation::keep_range(std::size_t index, const String&
     return &ranges_->emplace_back(Range{*range, index, true}).range;
 }
 
-bool ReadOperation::start(CallOwner& owner, TimePoint now, TimePoint limit)
+bool ReadJob::start(CallOwner& owner, TimePoint now)
 {
     call_.kept_for_sources() = ranges_;
-    return call_.start(owner, now, limit, [&](ReadPart& part) { part.max_age = max_age_; });
+    return call_.start(owner, now, [&](ReadPart& part) { part.max_age = max_age_; });
 }
 
-void ReadOperation::finish()
+void ReadJob::finish()
 {
     if (ranges_ == nullptr) {
         return;
@@ -185,7 +199,7 @@ void ReadOperation::finish()
     }
 }
 
-void ReadOperation::encode_results(binary::Writer& writer) const
+void ReadJob::encode_results(binary::Writer& writer) const
 {
     writer.length(call_.size());
     for (std::size_t i = 0; i < call_.size(); ++i) {

@@ -1,8 +1,8 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
-#include <cstdint>
-#include <optional>
+#include <memory>
 #include <vector>
 
 #include <busbar/binary/writer.hpp>
@@ -11,6 +11,7 @@
 #include <busbar/types/attribute.hpp>
 
 #include "data_call.hpp"
+#include "data_rights.hpp"
 #include "read_results.hpp"
 
 namespace busbar::server::detail {
@@ -19,29 +20,34 @@ namespace busbar::server::detail {
 struct ReadContext {
     const model::AddressSpace& space;
     DataSources& sources;
-    /// The value of a Variable of namespace 0 that is computed when it is read; none if it is not.
-    FunctionRef<std::optional<DataValue>(std::uint32_t identifier)> live_value;
+    UserRights rights;
+    /// The value of a Variable of namespace 0 that is found when it is read; fails for any other.
+    FunctionRef<Result<DataValue>(const NodeId&)> live_value;
     DateTime server_time;
 };
 
-/// Good, or why the whole request is refused (Part 4, 5.11.2.3). No `limit` is 0.
-[[nodiscard]] StatusCode check_read(const ReadRequest& request, std::size_t limit);
+/// Good, or why the whole request is refused (Part 4, 5.11.2.3).
+[[nodiscard]] StatusCode check_read(const ReadRequest& request, std::size_t max_nodes);
 
-/// One Read (Part 4, 5.11.2) that passed check_read: the values of one source are asked for in one
-/// batch, everything else is answered from the address space. The number of allocations does not
-/// depend on how many scalars are read.
-class ReadOperation {
+/// The work of one Read (Part 4, 5.11.2) that passed check_read: the values of one source are asked
+/// for in one batch, everything else is answered from the address space. The number of allocations
+/// does not depend on how many scalars are read.
+class ReadJob {
 public:
+    /// About what an item takes until it is answered, its place in the request included.
+    static constexpr std::size_t bytes_per_item =
+        sizeof(ReadValueId) + sizeof(ReadItem) + sizeof(ReadSlot) + 64;
+
     /// Keeps no reference to `request`, and of `context` only the sources.
-    ReadOperation(const ReadContext& context, const ReadRequest& request);
+    ReadJob(const ReadContext& context, const ReadRequest& request);
 
     /// True if the results are there, else `owner` is told.
-    [[nodiscard]] bool start(CallOwner& owner, TimePoint now, TimePoint limit);
-    [[nodiscard]] bool waiting() const { return call_.waiting(); }
+    [[nodiscard]] bool start(CallOwner& owner, TimePoint now);
     [[nodiscard]] TimePoint next_deadline() const { return call_.next_deadline(); }
+    /// Answers Bad_Timeout for sources that are late; true if nothing is waited for any more.
     [[nodiscard]] bool handle_deadline(TimePoint now) { return call_.handle_deadline(now); }
 
-    /// Cuts the ranges that were left to the server; once, when nothing is waited for any more.
+    /// Cuts the ranges that were left to the server; once, when the results are there.
     void finish();
     /// Writes `results` and `diagnostic_infos` of the ReadResponse; after finish().
     void encode_results(binary::Writer& writer) const;
@@ -56,15 +62,13 @@ private:
 
     void plan(const ReadContext& context, std::size_t index, const ReadValueId& id);
     void plan_value(const ReadContext& context, std::size_t index, const ReadValueId& id,
-                    model::NodeIndex node, const model::VariableAccess& variable);
-    [[nodiscard]] DataValue kept_value(const ReadContext& context, const ReadValueId& id,
-                                       model::NodeIndex node) const;
+                    model::NodeIndex node);
+    /// Null if there is no range.
     [[nodiscard]] Result<NumericRange*> keep_range(std::size_t index, const String& text);
 
     ReadCall call_;
     Timestamps timestamps_;
     std::chrono::milliseconds max_age_;
-    /// Sources point at them: kept together with the call, and never more than it has items.
     std::shared_ptr<std::vector<Range>> ranges_;
 };
 

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include <busbar/client/client.hpp>
+#include <busbar/net/endpoint.hpp>
+
+namespace busbar::net {
+
+/// One Client on one TCP connection, driven by whoever waits for its events: for programs that do
+/// one thing after the other. One thread.
+class ClientLoop {
+public:
+    ClientLoop();
+    ClientLoop(const ClientLoop&) = delete;
+    ClientLoop& operator=(const ClientLoop&) = delete;
+    ~ClientLoop();
+
+    /// Connects to the configuration's endpoint URL and begins the handshake. Blocks for the
+    /// connection, at most `timeout`: Bad_Timeout, Bad_CommunicationError, or
+    /// Bad_TcpEndpointUrlInvalid. `environment` must outlive the loop.
+    [[nodiscard]] Result<void> connect(client::ClientConfig config,
+                                       const channel::ChannelEnvironment& environment,
+                                       Duration timeout = std::chrono::seconds{10});
+    /// The client; only after connect().
+    [[nodiscard]] client::Client& client();
+    /// The next event, or nothing after `timeout`.
+    [[nodiscard]] std::optional<client::ClientEvent> wait(Duration timeout = std::chrono::seconds{
+                                                              30});
+    /// Sends `request` and waits for its response; other events are dropped.
+    template <typename Response, typename Request>
+    [[nodiscard]] Result<client::ClientEvent> call(Request request)
+    {
+        const auto handle = client().send(std::move(request));
+        if (!handle) {
+            return fail(handle.error());
+        }
+        return wait_for(*handle);
+    }
+    /// Waits until the session is there; why not, if it does not come.
+    [[nodiscard]] Result<void> wait_until_ready();
+    /// Closes session and connection, and waits until that is sent.
+    void close();
+
+private:
+    [[nodiscard]] Result<client::ClientEvent> wait_for(std::uint32_t handle);
+
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// The time of day.
+class SystemWallClock final : public WallClock {
+public:
+    [[nodiscard]] DateTime now() const override;
+};
+
+} // namespace busbar::net

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string_view>
+
+#include <busbar/core/log.hpp>
+#include <busbar/core/result.hpp>
+#include <busbar/server/server.hpp>
+#include <busbar/server/waker.hpp>
+
+namespace busbar::net {
+
+/// Serves one Server over TCP on the thread that calls run().
+///
+/// Made before the Server, which is given waker(); then listen(), then run(). Survives what a
+/// user's callback throws: it is logged, and the connection it came from is dropped.
+class ServerLoop {
+public:
+    explicit ServerLoop(LogSink& log);
+    ServerLoop(const ServerLoop&) = delete;
+    ServerLoop& operator=(const ServerLoop&) = delete;
+    ~ServerLoop();
+
+    /// What data sources wake the loop with; from any thread, without blocking or allocating.
+    [[nodiscard]] server::Waker& waker();
+    /// Listens on `address` ("" is every address of the machine, IPv4 and IPv6) and `port` (0 is
+    /// any that is free). The port, or Bad_CommunicationError with the reason in the log.
+    [[nodiscard]] Result<std::uint16_t> listen(std::string_view address, std::uint16_t port);
+    /// Ends run() cleanly when the process gets SIGINT or SIGTERM.
+    void stop_on_signals();
+    /// Returns when the server has stopped: clients see State Shutdown first, then their
+    /// connections are closed. `server` must live until then.
+    void run(server::Server& server);
+    /// Begins the server's shutdown. From any thread.
+    void stop();
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace busbar::net

@@ -1,0 +1,163 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+#include <busbar/core/date_time.hpp>
+#include <busbar/core/function_ref.hpp>
+#include <busbar/server/data_source.hpp>
+#include <busbar/server/image_memory.hpp>
+#include <busbar/server/waker.hpp>
+
+namespace busbar::server {
+
+namespace detail {
+class ImageBuffer;
+class ImagePool;
+class ImageWrites;
+} // namespace detail
+
+struct ImageOptions {
+    /// Scans that may be held at the same time by ImagePins. The image has two buffers more than
+    /// this, so that the task always finds one to publish into.
+    std::uint32_t max_pins{8};
+    /// Write calls that may wait for the scan's edge.
+    std::uint32_t max_waiting_writes{64};
+    /// What the task applies at one scan's edge: single variables, array rows or texts, and their
+    /// bytes. One call with more answers Bad_TooManyOperations; calls that together have more are
+    /// applied at several edges, each of them at one.
+    std::uint32_t max_changes_per_scan{32'768};
+    std::uint32_t max_bytes_per_scan{1U << 20U};
+};
+
+class ProcessImage;
+
+/// Holds one published scan: what is read through it is from one point in time and does not
+/// change. Empty if there is none. Used by one thread at a time; keeps the image's memory alive.
+class ImagePin {
+public:
+    ImagePin() = default;
+    ImagePin(ImagePin&& other) noexcept
+        : image_{std::move(other.image_)}, buffer_{std::exchange(other.buffer_, nullptr)}
+    {
+    }
+    ImagePin& operator=(ImagePin&& other) noexcept
+    {
+        release();
+        image_ = std::move(other.image_);
+        buffer_ = std::exchange(other.buffer_, nullptr);
+        return *this;
+    }
+    ~ImagePin() { release(); }
+
+    [[nodiscard]] explicit operator bool() const { return buffer_ != nullptr; }
+    /// When the scan was, as the task told.
+    [[nodiscard]] DateTime time() const;
+    /// Counts the scans from 1.
+    [[nodiscard]] std::uint64_t scan() const;
+    /// Puts a variable's value into the slot, with the scan's time. True if the slot points into
+    /// the scan, so that the pin has to be kept as long as the slot is used. `handle` must exist.
+    bool read(std::uint32_t handle, ReadSlot& slot) const;
+    /// A copy of a variable's value.
+    [[nodiscard]] Variant value(std::uint32_t handle) const;
+
+private:
+    friend class ProcessImage;
+    ImagePin(std::shared_ptr<const ProcessImage> image, detail::ImageBuffer& buffer)
+        : image_{std::move(image)}, buffer_{&buffer}
+    {
+    }
+    void release();
+
+    std::shared_ptr<const ProcessImage> image_;
+    detail::ImageBuffer* buffer_{nullptr};
+};
+
+/// The variables of a PLC task and how they get to a server and back: once per scan, as a whole.
+///
+/// The task works in memory() and publishes a copy of it at the end of each scan. It never waits,
+/// locks, allocates or frees: whatever readers do, a scan's begin_scan() and publish() take a
+/// bounded number of steps, which grows with the image's size and with ImageOptions only.
+///
+/// Made by create() and shared by the task and by everyone who reads; whoever drops it last frees
+/// it, which should not be the task.
+class ProcessImage : public std::enable_shared_from_this<ProcessImage> {
+    struct Key {};
+
+public:
+    /// `layout` is copied.
+    [[nodiscard]] static std::shared_ptr<ProcessImage> create(ImageLayout layout,
+                                                              ImageOptions options = {});
+    ProcessImage(Key, ImageLayout layout, ImageOptions options);
+    ProcessImage(const ProcessImage&) = delete;
+    ProcessImage& operator=(const ProcessImage&) = delete;
+    ~ProcessImage();
+
+    [[nodiscard]] const ImageLayout& layout() const { return layout_; }
+    [[nodiscard]] const ImageOptions& options() const { return options_; }
+
+    // For the task's thread.
+
+    /// Says whether a variable may be written now: Good, or the item's result.
+    using WriteGuard = FunctionRef<StatusCode(std::uint32_t handle)>;
+
+    [[nodiscard]] ImageMemory& memory() { return memory_; }
+    /// The scan's edge: applies what clients wrote, all items of a Write call together.
+    void begin_scan(WriteGuard guard);
+    void begin_scan();
+    /// Makes the memory as it is now what readers see, with `time` as source timestamp; then the
+    /// Write calls of this scan are answered, so that a client which reads after its Write sees it.
+    void publish(DateTime time);
+    /// The task stops. Readers get the last scan with Uncertain_LastUsableValue (Part 8, 7.3.2),
+    /// Writes, those that wait included, Bad_NoCommunication. The next publish() ends this state.
+    void halt();
+
+    // From any thread.
+
+    /// True from the first publish() until halt().
+    [[nodiscard]] bool is_running() const { return running_.load(std::memory_order_acquire); }
+    /// The latest scan; empty if there is none yet or as many pins are held as may be. Takes a
+    /// constant number of steps.
+    [[nodiscard]] ImagePin pin() const;
+
+private:
+    friend class ImagePin;
+    friend class ImageSource;
+
+    void wake();
+
+    ImageLayout layout_;
+    ImageOptions options_;
+    ImageMemory memory_;
+    std::unique_ptr<detail::ImagePool> pool_;
+    std::unique_ptr<detail::ImageWrites> writes_;
+    std::atomic<bool> running_{false};
+    std::atomic<Waker*> waker_{nullptr};
+    std::atomic<bool> waking_{false};
+};
+
+/// Serves a process image to a server; the handles are the layout's.
+///
+/// Every Read call's values come from one scan. A Write call's items are checked here and applied
+/// together at a scan's edge; an array must have all its elements. Without any scan reads and
+/// writes answer Bad_NoCommunication, with too many pins or waiting writes Bad_TooManyOperations.
+///
+/// Lives on the server's thread. An image must not have two sources at the same time.
+class ImageSource final : public DataSource {
+public:
+    explicit ImageSource(std::shared_ptr<ProcessImage> image);
+    ~ImageSource() override;
+
+    [[nodiscard]] DataSourceOptions options() const override;
+    void read(ReadBatch batch) override;
+    void write(WriteBatch batch) override;
+    void attach(Waker* waker) override;
+    void handle_completions() override;
+
+private:
+    std::shared_ptr<ProcessImage> image_;
+};
+
+} // namespace busbar::server

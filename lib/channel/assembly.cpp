@@ -1,0 +1,98 @@
+#include "assembly.hpp"
+
+#include <utility>
+
+#include <busbar/core/text.hpp>
+
+namespace busbar::channel {
+
+bool AssemblyBudget::take(std::size_t size)
+{
+    std::size_t left = left_.load(std::memory_order_relaxed);
+    while (left >= size) {
+        if (left_.compare_exchange_weak(left, left - size, std::memory_order_relaxed)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+namespace detail {
+
+namespace {
+
+/// A larger buffer is not worth keeping for the next message.
+constexpr std::size_t max_recycled_size = 1U << 20U;
+
+} // namespace
+
+Result<std::optional<Event>> Assembly::add(char flag, const SymmetricContent& content)
+{
+    // The chunks of a message come in one piece: a sender finishes it before the next begins.
+    if (chunks_ != 0 && content.request_id != request_id_) {
+        return fail(status::Bad_TcpMessageTypeInvalid);
+    }
+    if (flag == 'A') {
+        return abort(content);
+    }
+    if (chunks_ == max_chunk_count_ ||
+        content.body.size() > max_message_size_ - message_.size()) {
+        return fail(status::Bad_TcpMessageTooLarge);
+    }
+    if (flag == 'C' && !charge(content.body.size())) {
+        return fail(status::Bad_TcpNotEnoughResources);
+    }
+    message_.insert(message_.end(), content.body.begin(), content.body.end());
+    if (flag == 'C') {
+        ++chunks_;
+        request_id_ = content.request_id;
+        return std::nullopt;
+    }
+    Event event{Event::Kind::Message, content.request_id, std::exchange(message_, {}), {}, {}};
+    drop();
+    return event;
+}
+
+Event Assembly::abort(const SymmetricContent& content)
+{
+    drop();
+    Event event{Event::Kind::Aborted, content.request_id, {}, status::Bad_DecodingError, {}};
+    const auto message = parse_error(content.body);
+    if (message && message->error.is_bad()) {
+        event.status = message->error;
+        event.reason = printable(message->reason.view());
+    }
+    return event;
+}
+
+bool Assembly::charge(std::size_t size)
+{
+    if (budget_ != nullptr && !budget_->take(size)) {
+        return false;
+    }
+    charged_ += size;
+    return true;
+}
+
+void Assembly::drop()
+{
+    if (budget_ != nullptr) {
+        budget_->give_back(charged_);
+    }
+    charged_ = 0;
+    chunks_ = 0;
+    recycle(std::exchange(message_, {}));
+}
+
+void Assembly::recycle(std::vector<std::byte> buffer)
+{
+    if (chunks_ == 0 && buffer.capacity() > message_.capacity() &&
+        buffer.capacity() <= max_recycled_size) {
+        message_ = std::move(buffer);
+        message_.clear();
+    }
+}
+
+} // namespace detail
+
+} // namespace busbar::channel

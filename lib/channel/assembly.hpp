@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <busbar/channel/channel_types.hpp>
+
+#include "frame.hpp"
+#include "symmetric_chunk.hpp"
+
+namespace busbar::channel::detail {
+
+/// Puts the chunks of one message after the other together (Part 6, 6.7.2 and 6.7.3).
+///
+/// What an unfinished message holds is bounded by the limits and charged to the budget.
+class Assembly {
+public:
+    Assembly(const TransportLimits& limits, AssemblyBudget* budget)
+        : max_message_size_{limits.max_message_size}, max_chunk_count_{limits.max_chunk_count},
+          budget_{budget}
+    {
+    }
+    Assembly(const Assembly&) = delete;
+    Assembly& operator=(const Assembly&) = delete;
+    ~Assembly() { drop(); }
+
+    /// Adds a verified chunk. The event when it ends a message: Message, or Aborted with the
+    /// sender's status. Bad_TcpMessageTypeInvalid for a chunk of another message in between,
+    /// Bad_TcpMessageTooLarge past a limit, Bad_TcpNotEnoughResources past the budget.
+    [[nodiscard]] Result<std::optional<Event>> add(char flag, const SymmetricContent& content);
+    /// True while a message is unfinished.
+    [[nodiscard]] bool has_begun() const { return chunks_ != 0; }
+    /// Takes a buffer for the next message to be put together in.
+    void recycle(std::vector<std::byte> buffer);
+    [[nodiscard]] std::size_t capacity() const { return message_.capacity(); }
+
+private:
+    [[nodiscard]] Event abort(const SymmetricContent& content);
+    [[nodiscard]] bool charge(std::size_t size);
+    void drop();
+
+    std::uint32_t max_message_size_;
+    std::uint32_t max_chunk_count_;
+    AssemblyBudget* budget_;
+    std::vector<std::byte> message_;
+    std::size_t charged_{0};
+    std::uint32_t request_id_{0};
+    std::uint32_t chunks_{0};
+};
+
+} // namespace busbar::channel::detail

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <busbar/channel/channel_types.hpp>
+
+namespace busbar::channel::detail {
+
+/// Events that wait to be taken. They are one or two, so this allocates once in a channel's life.
+class EventQueue {
+public:
+    [[nodiscard]] bool empty() const { return next_ == events_.size(); }
+    void push(Event event) { events_.push_back(std::move(event)); }
+    [[nodiscard]] std::optional<Event> pop()
+    {
+        if (empty()) {
+            return std::nullopt;
+        }
+        std::optional<Event> event{std::move(events_[next_])};
+        ++next_;
+        if (empty()) {
+            events_.clear();
+            next_ = 0;
+        }
+        return event;
+    }
+
+private:
+    std::vector<Event> events_;
+    std::size_t next_{0};
+};
+
+} // namespace busbar::channel::detail

@@ -1,0 +1,308 @@
+#include <busbar/model/address_space.hpp>
+
+#include "tables.hpp"
+
+namespace busbar::model {
+
+using detail::Extra;
+using detail::IndexTable;
+using detail::Record;
+using detail::Tables;
+
+namespace {
+
+constexpr unsigned type_classes =
+    static_cast<unsigned>(NodeClass::ObjectType) | static_cast<unsigned>(NodeClass::VariableType) |
+    static_cast<unsigned>(NodeClass::ReferenceType) | static_cast<unsigned>(NodeClass::DataType);
+
+bool is_type(NodeClass node_class)
+{
+    return (static_cast<unsigned>(node_class) & type_classes) != 0;
+}
+
+/// The longest name of a node in characters (Part 3, 8.3).
+constexpr std::size_t max_name_size = 512;
+/// The longest String or Opaque identifier in bytes (Part 3, 8.2.4).
+constexpr std::size_t max_identifier_size = 4096;
+
+bool is_valid_id(const AddressSpace& space, const NodeId& id)
+{
+    if (id.namespace_index() >= space.namespace_count()) {
+        return false;
+    }
+    if (id.id_type() == IdType::String) {
+        return !id.string().empty() && id.string().size() <= max_identifier_size;
+    }
+    return id.id_type() != IdType::Opaque ||
+           (!id.opaque().empty() && id.opaque().size() <= max_identifier_size);
+}
+
+/// The ReferenceType from the parent that a node without one gets.
+std::uint32_t default_reference(const AddressSpace& space, NodeIndex parent, NodeClass node_class)
+{
+    if (is_type(node_class)) {
+        return detail::id_has_subtype;
+    }
+    const bool is_folder = space.node_class(parent) == NodeClass::View ||
+                           space.is_subtype_of(space.type_definition(parent),
+                                               detail::id_folder_type);
+    return is_folder ? detail::id_organizes : detail::id_has_component;
+}
+
+StatusCode check_reference(const AddressSpace& space, const NewNode& node, NodeIndex reference,
+                           NodeClass node_class)
+{
+    if (reference == no_node || space.node_class(reference) != NodeClass::ReferenceType ||
+        space.is_abstract(reference)) {
+        return status::Bad_ReferenceTypeIdInvalid;
+    }
+    if (!space.is_subtype_of(reference, detail::id_hierarchical_references)) {
+        return status::Bad_ReferenceNotAllowed;
+    }
+    // HasSubtype leads from a type to a type of the same NodeClass, and every type has one above
+    // (Part 3, 7.10).
+    const bool is_subtype = space.is_subtype_of(reference, detail::id_has_subtype);
+    const bool is_allowed =
+        is_subtype == is_type(node_class) &&
+        (!is_subtype || space.node_class(node.parent) == node_class);
+    return is_allowed ? status::Good : status::Bad_ReferenceNotAllowed;
+}
+
+StatusCode check_names(const AddressSpace& space, const Tables& tables, const NewNode& node,
+                       NodeIndex reference)
+{
+    if (!node.id.is_null()) {
+        if (!is_valid_id(space, node.id)) {
+            return status::Bad_NodeIdInvalid;
+        }
+        if (tables.find(node.id) != no_node) {
+            return status::Bad_NodeIdExists;
+        }
+    }
+    const QualifiedName& name = node.browse_name;
+    if (name.name.empty() || name.name.size() > max_name_size ||
+        name.namespace_index >= space.namespace_count()) {
+        return status::Bad_BrowseNameInvalid;
+    }
+    bool is_taken = tables.find_child(node.parent, name, [&](NodeIndex child) {
+        return tables.record(child).parent_reference == reference;
+    }) != no_node;
+    if (!is_taken && tables.is_constant(node.parent)) {
+        space.for_each_child(node.parent, reference, false, name, [&](NodeIndex) {
+            is_taken = true;
+            return false;
+        });
+    }
+    return is_taken ? status::Bad_BrowseNameDuplicated : status::Good;
+}
+
+/// Finds the concrete type that a new Object or Variable is to have.
+Result<NodeIndex> definition_of(const AddressSpace& space, const NodeId& type,
+                                NodeClass type_class)
+{
+    const NodeIndex found = space.find(type);
+    if (found == no_node || space.node_class(found) != type_class || space.is_abstract(found)) {
+        return fail(status::Bad_TypeDefinitionInvalid);
+    }
+    return found;
+}
+
+/// The DataType of a new Variable or VariableType, if its other attributes are sound.
+Result<NodeIndex> data_type_of(const AddressSpace& space, const NodeId& id, std::int32_t rank,
+                               const Array<std::uint32_t>& dimensions, const Variant& value)
+{
+    const NodeIndex found = space.find(id);
+    const bool is_sound = found != no_node && space.node_class(found) == NodeClass::DataType &&
+                          rank >= -3 && (dimensions.empty() || rank > 0) &&
+                          (dimensions.empty() ||
+                           dimensions.size() == static_cast<std::size_t>(rank));
+    if (!is_sound) {
+        return fail(status::Bad_NodeAttributesInvalid);
+    }
+    if (!value.is_null()) {
+        const StatusCode fits = space.check_value(value, found, rank, dimensions.span());
+        if (!fits.is_good()) {
+            return fail(fits);
+        }
+    }
+    return found;
+}
+
+std::uint8_t flag(bool is_set, std::uint8_t bit)
+{
+    return is_set ? bit : std::uint8_t{0};
+}
+
+} // namespace
+
+/// Checks everything that a new node of any NodeClass has and creates it.
+Result<NodeIndex> AddressSpace::create(const NewNode& node, NodeClass node_class)
+{
+    Tables& tables = *tables_;
+    if (!exists(node.parent)) {
+        return fail(status::Bad_ParentNodeIdInvalid);
+    }
+    const NodeIndex reference = node.reference_type.is_null()
+                                    ? find(default_reference(*this, node.parent, node_class))
+                                    : find(node.reference_type);
+    if (const auto bad = check_reference(*this, node, reference, node_class); !bad.is_good()) {
+        return fail(bad);
+    }
+    if (const auto bad = check_names(*this, tables, node, reference); !bad.is_good()) {
+        return fail(bad);
+    }
+    if (tables.record_count + std::size_t{1} >= IndexTable::max_records) {
+        return fail(status::Bad_OutOfMemory);
+    }
+    const NodeIndex created =
+        node.id.is_null()
+            ? tables.create(tables.free_id(node.browse_name.namespace_index), node.browse_name,
+                            node_class)
+            : tables.create(node.id, node.browse_name, node_class);
+    tables.link(node.parent, reference, created);
+    Record& record = tables.record(created);
+    if (!node.display_name.text.is_null()) {
+        record.make_extra().display_name = node.display_name;
+    }
+    if (!node.description.text.is_null()) {
+        record.make_extra().description = node.description;
+    }
+    if (is_type(node_class)) {
+        tables.place_type(created, node.parent);
+    }
+    return created;
+}
+
+Result<NodeIndex> AddressSpace::add_object(const NewNode& node, const NewObject& object)
+{
+    const auto type = definition_of(*this, object.type_definition, NodeClass::ObjectType);
+    if (!type) {
+        return type;
+    }
+    const auto created = create(node, NodeClass::Object);
+    if (created) {
+        Record& record = tables_->record(*created);
+        record.type_definition = *type;
+        record.event_notifier = object.event_notifier;
+    }
+    return created;
+}
+
+Result<NodeIndex> AddressSpace::add_folder(const NewNode& node)
+{
+    return add_object(node, NewObject{NodeId{0, detail::id_folder_type}, 0});
+}
+
+Result<NodeIndex> AddressSpace::add_variable(const NewNode& node, const NewVariable& variable)
+{
+    const auto type = definition_of(*this, variable.type_definition, NodeClass::VariableType);
+    if (!type) {
+        return type;
+    }
+    const auto data_type = data_type_of(*this, variable.data_type, variable.value_rank,
+                                        variable.array_dimensions, variable.value);
+    if (!data_type) {
+        return data_type;
+    }
+    const auto created = create(node, NodeClass::Variable);
+    if (!created) {
+        return created;
+    }
+    Record& record = tables_->record(*created);
+    record.type_definition = *type;
+    record.data_type = *data_type;
+    record.value_rank = variable.value_rank;
+    record.access_level = variable.access_level;
+    record.user_access_level = variable.access_level & variable.user_access_level;
+    record.minimum_sampling_interval = static_cast<float>(variable.minimum_sampling_interval);
+    record.flags = flag(variable.historizing, static_flag::historizing);
+    record.source = variable.source;
+    record.handle = variable.handle;
+    if (!variable.array_dimensions.is_null()) {
+        record.make_extra().array_dimensions = variable.array_dimensions;
+    }
+    if (!variable.value.is_null()) {
+        record.make_extra().value = variable.value;
+    }
+    return created;
+}
+
+Result<NodeIndex> AddressSpace::add_property(const NewNode& node, NewVariable variable)
+{
+    NewNode property = node;
+    property.reference_type = NodeId{0, detail::id_has_property};
+    variable.type_definition = NodeId{0, detail::id_property_type};
+    return add_variable(property, variable);
+}
+
+Result<NodeIndex> AddressSpace::add_method(const NewNode& node, bool executable)
+{
+    const auto created = create(node, NodeClass::Method);
+    if (created) {
+        tables_->record(*created).flags = flag(executable, static_flag::executable);
+    }
+    return created;
+}
+
+Result<NodeIndex> AddressSpace::add_view(const NewNode& node, bool contains_no_loops)
+{
+    const auto created = create(node, NodeClass::View);
+    if (created) {
+        tables_->record(*created).flags = flag(contains_no_loops, static_flag::contains_no_loops);
+    }
+    return created;
+}
+
+Result<NodeIndex> AddressSpace::add_object_type(const NewNode& node, bool is_abstract)
+{
+    const auto created = create(node, NodeClass::ObjectType);
+    if (created) {
+        tables_->record(*created).flags = flag(is_abstract, static_flag::is_abstract);
+    }
+    return created;
+}
+
+Result<NodeIndex> AddressSpace::add_variable_type(const NewNode& node, const NewVariableType& type)
+{
+    const auto data_type =
+        data_type_of(*this, type.data_type, type.value_rank, type.array_dimensions, type.value);
+    if (!data_type) {
+        return data_type;
+    }
+    const auto created = create(node, NodeClass::VariableType);
+    if (created) {
+        Record& record = tables_->record(*created);
+        record.data_type = *data_type;
+        record.value_rank = type.value_rank;
+        record.flags = flag(type.is_abstract, static_flag::is_abstract);
+        record.make_extra().array_dimensions = type.array_dimensions;
+        record.make_extra().value = type.value;
+    }
+    return created;
+}
+
+Result<NodeIndex> AddressSpace::add_reference_type(const NewNode& node,
+                                                   const NewReferenceType& type)
+{
+    const auto created = create(node, NodeClass::ReferenceType);
+    if (created) {
+        Record& record = tables_->record(*created);
+        record.flags = static_cast<std::uint8_t>(flag(type.is_abstract, static_flag::is_abstract) |
+                                                 flag(type.symmetric, static_flag::symmetric));
+        record.make_extra().inverse_name = type.inverse_name;
+    }
+    return created;
+}
+
+Result<NodeIndex> AddressSpace::add_data_type(const NewNode& node, const NewDataType& type)
+{
+    const auto created = create(node, NodeClass::DataType);
+    if (created) {
+        Record& record = tables_->record(*created);
+        record.flags = flag(type.is_abstract, static_flag::is_abstract);
+        record.make_extra().definition = type.definition;
+    }
+    return created;
+}
+
+} // namespace busbar::model

@@ -1,0 +1,133 @@
+#include <busbar/model/address_space.hpp>
+
+#include "tables.hpp"
+
+namespace busbar::model {
+
+using detail::Entry;
+using detail::Overlay;
+using detail::Record;
+using detail::ReferenceList;
+using detail::Tables;
+
+namespace {
+
+constexpr unsigned type_classes =
+    static_cast<unsigned>(NodeClass::ObjectType) | static_cast<unsigned>(NodeClass::VariableType) |
+    static_cast<unsigned>(NodeClass::ReferenceType) | static_cast<unsigned>(NodeClass::DataType);
+
+/// The node and everything that was added below it, parents before children.
+std::vector<NodeIndex> subtree(const Tables& tables, NodeIndex root)
+{
+    std::vector<NodeIndex> nodes{root};
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        const ReferenceList* const list = tables.list(nodes[i]);
+        for (std::uint32_t slot = 0; list != nullptr && slot < list->entries.size(); ++slot) {
+            const Entry& entry = list->entries[slot];
+            if (!entry.is_hole() && entry.is_forward() && !tables.is_constant(entry.target) &&
+                tables.record(entry.target).parent == nodes[i] &&
+                tables.record(entry.target).parent_slot == slot) {
+                nodes.push_back(entry.target);
+            }
+        }
+    }
+    return nodes;
+}
+
+/// Takes the references that add_reference made out of the nodes at their other ends.
+void remove_from_others(Tables& tables, NodeIndex node)
+{
+    const ReferenceList* const list = tables.list(node);
+    for (std::size_t i = 0; list != nullptr && i < list->entries.size(); ++i) {
+        const Entry entry = list->entries[i];
+        if (!entry.is_hole() && entry.target != node) {
+            static_cast<void>(tables.remove_entry(
+                entry.target, Entry{entry.type(), node, !entry.is_forward()}));
+        }
+    }
+}
+
+} // namespace
+
+Result<void> AddressSpace::remove(NodeIndex node)
+{
+    if (!exists(node)) {
+        return fail(status::Bad_NodeIdUnknown);
+    }
+    if (tables_->is_constant(node) ||
+        (static_cast<unsigned>(node_class(node)) & type_classes) != 0) {
+        return fail(status::Bad_NoDeleteRights);
+    }
+    const std::vector<NodeIndex> nodes = subtree(*tables_, node);
+    for (auto at = nodes.rbegin(); at != nodes.rend(); ++at) {
+        remove_from_others(*tables_, *at);
+        tables_->unlink(*at);
+        tables_->destroy(*at);
+    }
+    return {};
+}
+
+Result<void> AddressSpace::set_value(NodeIndex node, Variant value)
+{
+    const VariableAttributes attributes = variable(node);
+    if (attributes.data_type != no_node) {
+        const StatusCode fits = check_value(value, attributes.data_type, attributes.value_rank,
+                                            attributes.array_dimensions);
+        if (!fits.is_good()) {
+            return fail(fits);
+        }
+    }
+    if (tables_->is_constant(node)) {
+        Overlay& overlay = tables_->make_overlay(node);
+        overlay.value = std::move(value);
+        overlay.has_value = true;
+    } else {
+        tables_->record(node).make_extra().value = std::move(value);
+    }
+    return {};
+}
+
+void AddressSpace::bind(NodeIndex node, std::uint32_t source, std::uint64_t handle)
+{
+    if (tables_->is_constant(node)) {
+        Overlay& overlay = tables_->make_overlay(node);
+        overlay.source = source;
+        overlay.handle = handle;
+    } else {
+        Record& record = tables_->record(node);
+        record.source = source;
+        record.handle = handle;
+    }
+}
+
+void AddressSpace::set_access_level(NodeIndex node, std::uint8_t access_level,
+                                    std::uint8_t user_access_level)
+{
+    const std::uint8_t of_user = access_level & user_access_level;
+    if (tables_->is_constant(node)) {
+        Overlay& overlay = tables_->make_overlay(node);
+        overlay.access_level = access_level;
+        overlay.user_access_level = of_user;
+        overlay.has_access_level = true;
+    } else {
+        Record& record = tables_->record(node);
+        record.access_level = access_level;
+        record.user_access_level = of_user;
+    }
+}
+
+void AddressSpace::set_display_name(NodeIndex node, LocalizedText text)
+{
+    LocalizedText& to = tables_->is_constant(node) ? tables_->make_overlay(node).display_name
+                                                   : tables_->record(node).make_extra().display_name;
+    to = std::move(text);
+}
+
+void AddressSpace::set_description(NodeIndex node, LocalizedText text)
+{
+    LocalizedText& to = tables_->is_constant(node) ? tables_->make_overlay(node).description
+                                                   : tables_->record(node).make_extra().description;
+    to = std::move(text);
+}
+
+} // namespace busbar::model

@@ -1,0 +1,174 @@
+#include <busbar/model/address_space.hpp>
+
+#include "tables.hpp"
+
+namespace busbar::model {
+
+using detail::Entry;
+using detail::number;
+using detail::Record;
+using detail::ReferenceList;
+using detail::Tables;
+
+std::optional<Reference> ReferenceCursor::next()
+{
+    while (position_ < end_) {
+        std::size_t at = position_++;
+        if (at < constant_count_) {
+            const StaticReference& reference = constant_[at];
+            const std::uint32_t type = static_nodes_->reference_types[reference.type()];
+            if (type < static_nodes_->nodes.size() &&
+                reference.target() < static_nodes_->nodes.size()) {
+                return Reference{NodeIndex{type}, NodeIndex{reference.target()},
+                                 reference.is_forward()};
+            }
+            continue;
+        }
+        at -= constant_count_;
+        if (at < own_count_) {
+            return own_[at];
+        }
+        const Entry& entry = entries_[at - own_count_];
+        if (!entry.is_hole()) {
+            return Reference{entry.type(), entry.target, entry.is_forward()};
+        }
+    }
+    return std::nullopt;
+}
+
+ReferenceCursor AddressSpace::references(NodeIndex node, std::size_t position) const
+{
+    ReferenceCursor cursor;
+    const Tables& tables = *tables_;
+    if (tables.is_constant(node)) {
+        const auto all = tables.constants->references;
+        const std::size_t first = tables.constant(node).first_reference;
+        const std::size_t next = number(node) + std::size_t{1};
+        const std::size_t last = next < tables.constant_count
+                                     ? tables.constants->nodes[next].first_reference
+                                     : all.size();
+        cursor.static_nodes_ = tables.constants;
+        cursor.constant_ = all.data() + first;
+        cursor.constant_count_ = last - first;
+    } else {
+        const Record& record = tables.record(node);
+        if (record.parent != no_node) {
+            cursor.own_[cursor.own_count_++] = {record.parent_reference, record.parent, false};
+        }
+        if (record.type_definition != no_node) {
+            cursor.own_[cursor.own_count_++] = {tables.has_type_definition, record.type_definition,
+                                                true};
+        }
+    }
+    cursor.end_ = cursor.constant_count_ + cursor.own_count_;
+    if (const ReferenceList* const list = tables.list(node)) {
+        cursor.entries_ = list->entries.data();
+        cursor.end_ += list->entries.size();
+    }
+    cursor.position_ = position < cursor.end_ ? position : cursor.end_;
+    return cursor;
+}
+
+std::uint64_t AddressSpace::reference_epoch() const
+{
+    return tables_->epoch;
+}
+
+NodeIndex AddressSpace::type_definition(NodeIndex node) const
+{
+    if (!tables_->is_constant(node)) {
+        return tables_->record(node).type_definition;
+    }
+    ReferenceCursor cursor = references(node);
+    while (const auto reference = cursor.next()) {
+        if (reference->is_forward && reference->type == tables_->has_type_definition) {
+            return reference->target;
+        }
+    }
+    return no_node;
+}
+
+void AddressSpace::for_each_child(NodeIndex parent, NodeIndex type, bool include_subtypes,
+                                  const QualifiedName& name,
+                                  FunctionRef<bool(NodeIndex)> visit) const
+{
+    const Tables& tables = *tables_;
+    const auto fits = [&](NodeIndex reference) {
+        return include_subtypes ? is_subtype_of(reference, type) : reference == type;
+    };
+    bool goes_on = true;
+    // The children that were added below `parent` are found by name, however many they are.
+    static_cast<void>(tables.find_child(parent, name, [&](NodeIndex child) {
+        if (fits(tables.record(child).parent_reference)) {
+            goes_on = visit(child);
+        }
+        return !goes_on;
+    }));
+    const ReferenceList* const list = tables.list(parent);
+    const bool has_others = list != nullptr && list->others != 0;
+    ReferenceCursor cursor = references(parent);
+    if (!has_others && list != nullptr) {
+        cursor.end_ -= list->entries.size();
+    }
+    while (goes_on) {
+        const auto reference = cursor.next();
+        if (!reference) {
+            return;
+        }
+        if (!reference->is_forward || !fits(reference->type)) {
+            continue;
+        }
+        const bool was_found = !tables.is_constant(reference->target) &&
+                               tables.record(reference->target).parent == parent &&
+                               tables.record(reference->target).parent_reference ==
+                                   reference->type;
+        if (!was_found && browse_name(reference->target) == name) {
+            goes_on = visit(reference->target);
+        }
+    }
+}
+
+Result<void> AddressSpace::add_reference(NodeIndex source, const NodeId& type, NodeIndex target)
+{
+    if (!exists(source) || !exists(target)) {
+        return fail(exists(source) ? status::Bad_TargetNodeIdInvalid
+                                   : status::Bad_SourceNodeIdInvalid);
+    }
+    const NodeIndex reference_type = find(type);
+    if (reference_type == no_node || node_class(reference_type) != NodeClass::ReferenceType ||
+        is_abstract(reference_type)) {
+        return fail(status::Bad_ReferenceTypeIdInvalid);
+    }
+    // Both are one for each node and come with it (Part 3, 7.10 and 7.13).
+    if (is_subtype_of(reference_type, detail::id_has_subtype) ||
+        is_subtype_of(reference_type, detail::id_has_type_definition)) {
+        return fail(status::Bad_ReferenceNotAllowed);
+    }
+    // A node never references itself hierarchically (Part 3, 7.3).
+    if (source == target && is_subtype_of(reference_type, detail::id_hierarchical_references)) {
+        return fail(status::Bad_ReferenceNotAllowed);
+    }
+    ReferenceCursor cursor = references(source);
+    while (const auto reference = cursor.next()) {
+        if (reference->is_forward && reference->type == reference_type &&
+            reference->target == target) {
+            return fail(status::Bad_DuplicateReferenceNotAllowed);
+        }
+    }
+    tables_->add_entry(source, Entry{reference_type, target, true});
+    tables_->add_entry(target, Entry{reference_type, source, false});
+    return {};
+}
+
+Result<void> AddressSpace::remove_reference(NodeIndex source, const NodeId& type, NodeIndex target)
+{
+    const NodeIndex reference_type = find(type);
+    if (!exists(source) || !exists(target) || reference_type == no_node ||
+        !tables_->remove_entry(source, Entry{reference_type, target, true})) {
+        return fail(status::Bad_NotFound);
+    }
+    static_cast<void>(tables_->remove_entry(target, Entry{reference_type, source, false}));
+    return {};
+}
+
+} // namespace busbar::model

@@ -1,0 +1,142 @@
+#include <busbar/net/client_loop.hpp>
+
+#include <asio/connect.hpp>
+#include <asio/io_context.hpp>
+
+#include "link.hpp"
+
+namespace busbar::net {
+
+struct ClientLoop::Impl {
+    using ClientLink = detail::Link<client::Client>;
+
+    asio::io_context context;
+    std::optional<client::Client> client;
+    std::shared_ptr<ClientLink> link;
+    bool is_connected{false};
+
+    /// Lets the link work until there is an event or the time is over.
+    [[nodiscard]] std::optional<client::ClientEvent> wait(TimePoint until);
+};
+
+ClientLoop::ClientLoop() : impl_{std::make_unique<Impl>()} {}
+
+ClientLoop::~ClientLoop()
+{
+    if (impl_->link) {
+        impl_->link->end();
+    }
+}
+
+Result<void> ClientLoop::connect(client::ClientConfig config,
+                                 const channel::ChannelEnvironment& environment, Duration timeout)
+{
+    const auto endpoint = parse_endpoint_url(config.channel.endpoint_url);
+    if (!endpoint) {
+        return fail(endpoint.error());
+    }
+    std::error_code error;
+    asio::ip::tcp::resolver resolver{impl_->context};
+    const auto addresses = resolver.resolve(endpoint->host, std::to_string(endpoint->port), error);
+    if (error) {
+        return fail(status::Bad_CommunicationError);
+    }
+    asio::ip::tcp::socket socket{impl_->context};
+    error = asio::error::would_block;
+    asio::async_connect(
+        socket, addresses,
+        [&](std::error_code result, const asio::ip::tcp::endpoint&) { error = result; });
+    impl_->context.restart();
+    const TimePoint until = detail::now() + timeout;
+    while (error == asio::error::would_block && impl_->context.run_one_until(until) != 0) {
+    }
+    if (error) {
+        const bool is_late = error == asio::error::would_block;
+        socket.close(error);
+        impl_->context.restart();
+        impl_->context.poll();
+        return fail(is_late ? status::Bad_Timeout : status::Bad_CommunicationError);
+    }
+    impl_->client.emplace(std::move(config), environment, detail::now());
+    impl_->is_connected = true;
+    impl_->link = std::make_shared<Impl::ClientLink>(
+        std::move(socket), *impl_->client, [](auto&) {},
+        [this](auto&) { impl_->is_connected = false; });
+    impl_->link->start();
+    return {};
+}
+
+client::Client& ClientLoop::client()
+{
+    return *impl_->client;
+}
+
+std::optional<client::ClientEvent> ClientLoop::Impl::wait(TimePoint until)
+{
+    for (;;) {
+        if (auto event = client->next_event()) {
+            return event;
+        }
+        if (!is_connected) {
+            return client::ClientEvent{
+                client::ClientEvent::Kind::Closed, 0, status::Bad_ConnectionClosed, {}};
+        }
+        link->pump();
+        context.restart();
+        if (context.run_one_until(until) == 0 && detail::now() >= until) {
+            return std::nullopt;
+        }
+    }
+}
+
+std::optional<client::ClientEvent> ClientLoop::wait(Duration timeout)
+{
+    return impl_->wait(detail::now() + timeout);
+}
+
+Result<void> ClientLoop::wait_until_ready()
+{
+    const auto event = wait();
+    if (!event) {
+        return fail(status::Bad_Timeout);
+    }
+    if (event->kind == client::ClientEvent::Kind::Ready) {
+        return {};
+    }
+    return fail(event->status.is_bad() ? event->status : status::Bad_ConnectionClosed);
+}
+
+Result<client::ClientEvent> ClientLoop::wait_for(std::uint32_t handle)
+{
+    while (auto event = wait()) {
+        if (event->kind == client::ClientEvent::Kind::Closed) {
+            return fail(event->status.is_bad() ? event->status : status::Bad_ConnectionClosed);
+        }
+        if (event->kind == client::ClientEvent::Kind::Response && event->handle == handle) {
+            return *std::move(event);
+        }
+    }
+    return fail(status::Bad_Timeout);
+}
+
+void ClientLoop::close()
+{
+    if (!impl_->client || !impl_->is_connected) {
+        return;
+    }
+    impl_->client->close();
+    const TimePoint until = detail::now() + std::chrono::seconds{2};
+    impl_->link->pump();
+    impl_->context.restart();
+    while (impl_->is_connected && impl_->context.run_one_until(until) != 0) {
+    }
+}
+
+DateTime SystemWallClock::now() const
+{
+    using Ticks = std::chrono::duration<std::int64_t, std::ratio<1, DateTime::ticks_per_second>>;
+    return DateTime::from_unix(
+        std::chrono::duration_cast<Ticks>(std::chrono::system_clock::now().time_since_epoch()));
+}
+
+} // namespace busbar::net

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include <busbar/server/server.hpp>
+#include <busbar/types/enumerations.hpp>
+
+#include "data_sources.hpp"
+#include "login_guard.hpp"
+#include "session_table.hpp"
+
+namespace busbar::server::detail {
+
+/// What all connections and services of one server share.
+struct Core {
+    Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space);
+
+    ServerConfig config;
+    ServerEnvironment environment;
+    model::AddressSpace address_space;
+    binary::TypeRegistry types;
+    DataSources sources;
+    SessionTable sessions;
+    LoginGuard logins;
+    /// All connections, oldest first.
+    std::vector<Link*> links;
+    /// Ids of connections with news for whoever drives them.
+    std::deque<std::uint64_t> changed;
+    std::uint64_t next_link_id{1};
+    /// Of the next channel; begins at a random number (Part 6, 6.7.2.2).
+    std::uint32_t next_channel_id{1};
+
+    DateTime start_time;
+    ServerState state{ServerState::Running};
+    std::string shutdown_reason;
+    DateTime shutdown_time;
+    TimePoint shutdown_deadline{no_deadline};
+
+    [[nodiscard]] const ServerLimits& limits() const { return config.limits; }
+    [[nodiscard]] bool is_shutting_down() const { return state == ServerState::Shutdown; }
+    void log(LogLevel level, std::string_view source, std::string_view text) const
+    {
+        environment.log->write(level, source, text);
+    }
+    /// Ends what the session has pending with `status`, then the session itself.
+    void close_session(Session& session, StatusCode status);
+};
+
+} // namespace busbar::server::detail

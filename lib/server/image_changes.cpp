@@ -1,0 +1,218 @@
+#include "image_changes.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "core/range_walk.hpp"
+#include "image_types.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+template <typename T>
+std::span<const T> elements_of(const Variant& value)
+{
+    if (const Array<T>* array = value.array_if<T>()) {
+        return array->span();
+    }
+    if (const T* scalar = value.get_if<T>()) {
+        return {scalar, 1};
+    }
+    return {};
+}
+
+/// The box of the range, or why a Write to it is refused. A range must lie inside the array
+/// entirely (Part 4, 5.11.4.2).
+StatusCode find_box(const ImagePlace& place, const NumericRange& range, busbar::detail::Box& box)
+{
+    const auto bounds = range.bounds();
+    const std::size_t rank = place.dimensions.size();
+    if (place.is_text() && bounds.size() == rank + 1) {
+        return status::Bad_WriteNotSupported; // a part of a text
+    }
+    const auto dimensions =
+        rank > 1 ? std::span<const std::uint32_t>{place.dimensions} : std::span<const std::uint32_t>{};
+    if (rank == 0 || !busbar::detail::make_box(bounds, place.elements, dimensions, box)) {
+        return status::Bad_IndexRangeNoData;
+    }
+    for (std::size_t i = 0; i < box.rank; ++i) {
+        if (bounds[i].last >= box.size[i]) {
+            return status::Bad_IndexRangeNoData;
+        }
+    }
+    return status::Good;
+}
+
+bool fits(const busbar::detail::Box& box, const Variant& value, std::size_t elements)
+{
+    const auto dimensions = value.dimensions();
+    return box.elements() == elements &&
+           (dimensions.empty() ||
+            std::equal(dimensions.begin(), dimensions.end(), box.count.begin(),
+                       box.count.begin() + static_cast<std::ptrdiff_t>(box.rank)));
+}
+
+} // namespace
+
+ImageChanges::ImageChanges(WriteBatch batch, const ImageLayout& layout)
+    : batch_{std::move(batch)}, layout_{&layout}
+{
+}
+
+bool ImageChanges::is_too_much() const
+{
+    return changes_.size() > max_changes_ || bytes_.size() > max_bytes_;
+}
+
+bool ImageChanges::add_all(std::uint32_t max_changes, std::uint32_t max_bytes)
+{
+    max_changes_ = max_changes;
+    max_bytes_ = max_bytes;
+    const auto items = batch_.items();
+    const auto results = batch_.results();
+    const std::size_t expected = std::min<std::size_t>(items.size(), max_changes);
+    items_.reserve(expected);
+    changes_.reserve(expected);
+    for (std::size_t i = 0; i < items.size() && !is_too_much(); ++i) {
+        first_of_item_ = changes_.size();
+        results[i] = add(items[i]);
+        if (results[i].is_good()) {
+            items_.push_back({static_cast<std::uint32_t>(i),
+                              static_cast<std::uint32_t>(items[i].handle),
+                              static_cast<std::uint32_t>(first_of_item_),
+                              static_cast<std::uint32_t>(changes_.size() - first_of_item_),
+                              {}});
+        }
+    }
+    return !is_too_much();
+}
+
+StatusCode ImageChanges::add(const WriteItem& item)
+{
+    if (item.handle >= layout_->size()) {
+        return status::Bad_NodeIdUnknown;
+    }
+    if (item.data->status != StatusCode{} || !item.data->source_timestamp.is_null()) {
+        return status::Bad_WriteNotSupported; // an image has them per scan, not per value
+    }
+    const ImagePlace& place = (*layout_)[item.handle];
+    return item.range == nullptr ? add_whole(place, item.data->value)
+                                 : add_range(place, *item.range, item.data->value);
+}
+
+StatusCode ImageChanges::add_whole(const ImagePlace& place, const Variant& value)
+{
+    if (const StatusCode checked = check_value(place, value); !checked.is_good()) {
+        return checked;
+    }
+    if (!place.is_text()) {
+        const auto from = number_bytes(value);
+        std::memcpy(grow(0, from.size()), from.data(), from.size());
+        return status::Good;
+    }
+    visit_image_type(
+        place.type,
+        [&](auto tag) {
+            using T = typename decltype(tag)::type;
+            if constexpr (is_image_text<T>) {
+                const auto texts = elements_of<T>(value);
+                for (std::size_t i = 0; i < texts.size() && !is_too_much(); ++i) {
+                    add_element(place, i, texts[i]);
+                }
+            }
+        },
+        [] {});
+    return status::Good;
+}
+
+StatusCode ImageChanges::add_range(const ImagePlace& place, const NumericRange& range,
+                                   const Variant& value)
+{
+    if (value.type() != place.type) {
+        return status::Bad_TypeMismatch;
+    }
+    return visit_image_type(
+        place.type,
+        [&](auto tag) { return add_elements<typename decltype(tag)::type>(place, range, value); },
+        [] { return StatusCode{status::Bad_TypeMismatch}; });
+}
+
+template <typename T>
+StatusCode ImageChanges::add_elements(const ImagePlace& place, const NumericRange& range,
+                                      const Variant& value)
+{
+    busbar::detail::Box box;
+    if (const StatusCode found = find_box(place, range, box); !found.is_good()) {
+        return found;
+    }
+    const std::span<const T> values = elements_of<T>(value);
+    if (!fits(box, value, values.size())) {
+        return status::Bad_IndexRangeDataMismatch;
+    }
+    if constexpr (is_image_text<T>) {
+        if (std::ranges::any_of(values, [&](const T& t) { return t.size() > place.capacity; })) {
+            return status::Bad_OutOfRange;
+        }
+    }
+    std::size_t next = 0;
+    busbar::detail::walk(box, [&](std::size_t index) {
+        add_element(place, index, values[next++]);
+        return !is_too_much();
+    });
+    return status::Good;
+}
+
+template <typename T>
+void ImageChanges::add_element(const ImagePlace& place, std::size_t element, const T& value)
+{
+    if constexpr (is_image_text<T>) {
+        const auto text = text_of(value);
+        const ImageText head{text ? static_cast<std::uint32_t>(text->size())
+                                  : ImageText::null_size};
+        const std::size_t size = text ? text->size() : 0;
+        std::byte* const to = grow(element * place.stride, sizeof head + size);
+        std::memcpy(to, &head, sizeof head);
+        if (size != 0) {
+            std::memcpy(to + sizeof head, text->data(), size);
+        }
+    } else {
+        std::memcpy(grow(element * place.stride, sizeof(T)), &value, sizeof(T));
+    }
+}
+
+std::byte* ImageChanges::grow(std::size_t to, std::size_t size)
+{
+    const std::size_t from = bytes_.size();
+    bytes_.resize(from + size);
+    Change* const before = changes_.size() > first_of_item_ ? &changes_.back() : nullptr;
+    if (before != nullptr && before->to + before->size == to) {
+        before->size += static_cast<std::uint32_t>(size);
+    } else {
+        changes_.push_back({static_cast<std::uint32_t>(to), static_cast<std::uint32_t>(from),
+                            static_cast<std::uint32_t>(size)});
+    }
+    return bytes_.data() + from;
+}
+
+void ImageChanges::copy(ImageMemory& memory, const Item& item) const
+{
+    std::byte* const variable = memory.bytes((*layout_)[item.handle]);
+    for (std::uint32_t i = item.first; i < item.first + item.count; ++i) {
+        const Change& change = changes_[i];
+        std::memcpy(variable + change.to, bytes_.data() + change.from, change.size);
+    }
+}
+
+void ImageChanges::complete()
+{
+    const auto results = batch_.results();
+    if (!results.empty()) {
+        for (const Item& item : items_) {
+            results[item.index] = item.result;
+        }
+    }
+    batch_.complete();
+}
+
+} // namespace busbar::server::detail

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <busbar/server/data_source.hpp>
+#include <busbar/server/image_memory.hpp>
+
+namespace busbar::server::detail {
+
+/// One Write call as the PLC task applies it: checked, and cut into runs of bytes.
+///
+/// Made and destroyed on the server's thread; while it waits, the task reads it and sets results,
+/// and never touches the batch.
+class ImageChanges {
+public:
+    ImageChanges(WriteBatch batch, const ImageLayout& layout);
+
+    /// Checks all items and takes them in. False, and nothing may be applied, if they are more
+    /// than `max_changes` runs or `max_bytes`.
+    [[nodiscard]] bool add_all(std::uint32_t max_changes, std::uint32_t max_bytes);
+    [[nodiscard]] bool empty() const { return items_.empty(); }
+    [[nodiscard]] std::size_t change_count() const { return changes_.size(); }
+    [[nodiscard]] std::size_t byte_count() const { return bytes_.size(); }
+
+    /// The task: for each item `guard(handle)`, and if that is Good, the item's bytes.
+    template <typename Guard>
+    void apply(ImageMemory& memory, Guard&& guard)
+    {
+        for (Item& item : items_) {
+            item.result = guard(item.handle);
+            if (item.result.is_good()) {
+                copy(memory, item);
+            }
+        }
+    }
+    /// The task: no item is applied.
+    void refuse(StatusCode status)
+    {
+        for (Item& item : items_) {
+            item.result = status;
+        }
+    }
+
+    /// Tells the client what came of each item.
+    void complete();
+    void fail(StatusCode status) { batch_.finish(status); }
+    /// Nobody waits for the results any more.
+    void drop() { const WriteBatch dropped = std::move(batch_); }
+
+private:
+    struct Item {
+        std::uint32_t index; // in the batch
+        std::uint32_t handle;
+        std::uint32_t first; // in changes_
+        std::uint32_t count;
+        StatusCode result;
+    };
+    /// So many bytes, from bytes_ to a variable.
+    struct Change {
+        std::uint32_t to; // from the variable's first byte
+        std::uint32_t from;
+        std::uint32_t size;
+    };
+
+    [[nodiscard]] StatusCode add(const WriteItem& item);
+    [[nodiscard]] StatusCode add_whole(const ImagePlace& place, const Variant& value);
+    [[nodiscard]] StatusCode add_range(const ImagePlace& place, const NumericRange& range,
+                                       const Variant& value);
+    template <typename T>
+    [[nodiscard]] StatusCode add_elements(const ImagePlace& place, const NumericRange& range,
+                                          const Variant& value);
+    template <typename T>
+    void add_element(const ImagePlace& place, std::size_t element, const T& value);
+    /// So many bytes to be filled in, for what lies `to` bytes behind the variable's first; they
+    /// belong to the change before if they follow it.
+    std::byte* grow(std::size_t to, std::size_t size);
+    void copy(ImageMemory& memory, const Item& item) const;
+    [[nodiscard]] bool is_too_much() const;
+
+    WriteBatch batch_;
+    const ImageLayout* layout_;
+    std::size_t max_changes_{0};
+    std::size_t max_bytes_{0};
+    std::size_t first_of_item_{0};
+    std::vector<Item> items_;
+    std::vector<Change> changes_;
+    std::vector<std::byte> bytes_;
+};
+
+} // namespace busbar::server::detail

@@ -1,0 +1,198 @@
+#include <busbar/server/image_memory.hpp>
+
+#include <algorithm>
+
+#include "image_types.hpp"
+
+namespace busbar::server {
+
+namespace detail {
+
+std::optional<std::string_view> text_at(const std::byte* from)
+{
+    ImageText head{};
+    std::memcpy(&head, from, sizeof head);
+    if (head.size == ImageText::null_size) {
+        return std::nullopt;
+    }
+    return std::string_view{reinterpret_cast<const char*>(from + sizeof head), head.size};
+}
+
+namespace {
+
+bool has_shape(const ImagePlace& place, const Variant& value)
+{
+    if (value.type() != place.type || value.is_array() != place.is_array()) {
+        return false;
+    }
+    if (value.is_matrix() || place.dimensions.size() > 1) {
+        return std::ranges::equal(value.dimensions(), place.dimensions);
+    }
+    return !place.is_array() || value.array_size() == place.elements;
+}
+
+template <typename T>
+bool texts_fit(const ImagePlace& place, const Variant& value)
+{
+    if (const T* scalar = value.get_if<T>()) {
+        return scalar->size() <= place.capacity;
+    }
+    const Array<T>& texts = *value.array_if<T>();
+    return std::ranges::all_of(texts.span(),
+                               [&](const T& text) { return text.size() <= place.capacity; });
+}
+
+} // namespace
+
+StatusCode check_value(const ImagePlace& place, const Variant& value)
+{
+    if (!has_shape(place, value)) {
+        return status::Bad_TypeMismatch;
+    }
+    return visit_image_type(
+        place.type,
+        [&](auto tag) -> StatusCode {
+            using T = typename decltype(tag)::type;
+            if constexpr (is_image_text<T>) {
+                return texts_fit<T>(place, value) ? status::Good : status::Bad_OutOfRange;
+            }
+            return status::Good;
+        },
+        [] { return StatusCode{status::Bad_TypeMismatch}; });
+}
+
+std::span<const std::byte> number_bytes(const Variant& value)
+{
+    return visit_image_type(
+        value.type(),
+        [&](auto tag) -> std::span<const std::byte> {
+            using T = typename decltype(tag)::type;
+            if constexpr (is_image_text<T>) {
+                return {};
+            } else if (const T* scalar = value.get_if<T>()) {
+                return std::as_bytes(std::span{scalar, 1});
+            } else if (const Array<T>* array = value.array_if<T>()) {
+                return std::as_bytes(array->span());
+            } else {
+                return {};
+            }
+        },
+        [] { return std::span<const std::byte>{}; });
+}
+
+} // namespace detail
+
+namespace {
+
+template <typename T>
+Variant load_numbers(const ImagePlace& place, const std::byte* from)
+{
+    if (!place.is_array()) {
+        T value{};
+        std::memcpy(&value, from, sizeof value);
+        return Variant{value};
+    }
+    Array<T> values(place.elements);
+    std::memcpy(values.data(), from, place.bytes());
+    return Variant::matrix(std::move(values), Array<std::uint32_t>{place.dimensions});
+}
+
+template <typename T>
+Variant load_texts(const ImagePlace& place, const std::byte* from)
+{
+    if (!place.is_array()) {
+        const T borrowed = detail::borrow_text<T>(from);
+        return Variant{T(borrowed)};
+    }
+    Array<T> values;
+    values.reserve(place.elements);
+    for (std::uint32_t i = 0; i < place.elements; ++i) {
+        const T borrowed = detail::borrow_text<T>(from + std::size_t{i} * place.stride);
+        values.push_back(borrowed);
+    }
+    return Variant::matrix(std::move(values), Array<std::uint32_t>{place.dimensions});
+}
+
+} // namespace
+
+ImageMemory::ImageMemory(const ImageLayout& layout)
+    : layout_{&layout}, plain_{std::make_unique<std::byte[]>(layout.plain_bytes())},
+      arrays_{std::make_unique<std::byte[]>(layout.array_bytes())}
+{
+    for (std::uint32_t handle = 0; handle < layout.size(); ++handle) {
+        if (layout[handle].is_text()) {
+            for (std::uint32_t i = 0; i < layout[handle].elements; ++i) {
+                set_text(handle, std::nullopt, i);
+            }
+        }
+    }
+}
+
+std::optional<std::string_view> ImageMemory::text(std::uint32_t handle, std::uint32_t element) const
+{
+    const ImagePlace& place = (*layout_)[handle];
+    return detail::text_at(bytes(place) + std::size_t{element} * place.stride);
+}
+
+bool ImageMemory::set_text(std::uint32_t handle, std::optional<std::string_view> text,
+                           std::uint32_t element)
+{
+    const ImagePlace& place = (*layout_)[handle];
+    if (text && text->size() > place.capacity) {
+        return false;
+    }
+    std::byte* const to = bytes(place) + std::size_t{element} * place.stride;
+    const detail::ImageText head{text ? static_cast<std::uint32_t>(text->size())
+                                      : detail::ImageText::null_size};
+    std::memcpy(to, &head, sizeof head);
+    if (text && !text->empty()) {
+        // The text may be this very one.
+        std::memmove(to + sizeof head, text->data(), text->size());
+    }
+    return true;
+}
+
+StatusCode ImageMemory::store(std::uint32_t handle, const Variant& value)
+{
+    const ImagePlace& place = (*layout_)[handle];
+    if (const StatusCode checked = detail::check_value(place, value); !checked.is_good()) {
+        return checked;
+    }
+    if (!place.is_text()) {
+        const auto from = detail::number_bytes(value);
+        std::memcpy(bytes(place), from.data(), from.size());
+        return status::Good;
+    }
+    detail::visit_image_type(
+        place.type,
+        [&](auto tag) {
+            using T = typename decltype(tag)::type;
+            if constexpr (detail::is_image_text<T>) {
+                const T* first =
+                    place.is_array() ? value.array_if<T>()->data() : value.get_if<T>();
+                for (std::uint32_t i = 0; i < place.elements; ++i) {
+                    set_text(handle, detail::text_of(first[i]), i);
+                }
+            }
+        },
+        [] {});
+    return status::Good;
+}
+
+Variant ImageMemory::load(std::uint32_t handle) const
+{
+    const ImagePlace& place = (*layout_)[handle];
+    return detail::visit_image_type(
+        place.type,
+        [&](auto tag) {
+            using T = typename decltype(tag)::type;
+            if constexpr (detail::is_image_text<T>) {
+                return load_texts<T>(place, bytes(place));
+            } else {
+                return load_numbers<T>(place, bytes(place));
+            }
+        },
+        [] { return Variant{}; });
+}
+
+} // namespace busbar::server

@@ -1,0 +1,138 @@
+#include "image_pool.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "image_types.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+/// An array of zeros, as the place has it, and where its elements lie.
+template <typename T>
+Variant make_array(const ImagePlace& place, std::byte*& elements)
+{
+    Variant array = Variant::matrix(Array<T>(std::size_t{place.elements}),
+                                    Array<std::uint32_t>{place.dimensions});
+    elements = std::as_writable_bytes(array.array_if<T>()->span()).data();
+    return array;
+}
+
+} // namespace
+
+ImageBuffer::ImageBuffer(const ImageLayout& layout)
+    : plain_{std::make_unique<std::byte[]>(layout.plain_bytes())},
+      plain_bytes_{layout.plain_bytes()}
+{
+    arrays_.reserve(layout.array_count());
+    copies_.reserve(layout.array_count());
+    for (const ImagePlace& place : layout.places()) {
+        if (!place.in_arrays) {
+            continue;
+        }
+        std::byte* to = nullptr;
+        arrays_.push_back(visit_image_type(
+            place.type,
+            [&](auto tag) {
+                using T = typename decltype(tag)::type;
+                if constexpr (is_image_text<T>) {
+                    return Variant{};
+                } else {
+                    return make_array<T>(place, to);
+                }
+            },
+            [] { return Variant{}; }));
+        copies_.push_back({&place, nullptr});
+        copies_.back().to = to;
+    }
+}
+
+void ImageBuffer::fill(const ImageMemory& memory, DateTime time, std::uint64_t scan)
+{
+    if (plain_bytes_ != 0) {
+        std::memcpy(plain_.get(), memory.plain(), plain_bytes_);
+    }
+    for (const ArrayCopy& copy : copies_) {
+        std::memcpy(copy.to, memory.bytes(*copy.from), copy.from->bytes());
+    }
+    time_ = time;
+    scan_ = scan;
+}
+
+ImagePool::ImagePool(const ImageLayout& layout, std::uint32_t max_pins) : max_pins_{max_pins}
+{
+    for (std::uint32_t i = 0; i < max_pins + 2; ++i) {
+        buffers_.push_back(std::make_unique<ImageBuffer>(layout));
+    }
+}
+
+std::uint64_t ImagePool::find_free() const
+{
+    // Longest unused first, which is the most likely to be free.
+    for (std::size_t i = 1; i <= buffers_.size(); ++i) {
+        const std::uint64_t index = (current_ + i) % buffers_.size();
+        const ImageBuffer& buffer = *buffers_[index];
+        // acquire: with the release of the last unpin() all reads of the buffer are behind us, and
+        // it may be overwritten.
+        if (index != current_ &&
+            buffer.released_.load(std::memory_order_acquire) == buffer.taken_) {
+            return index;
+        }
+    }
+    return no_buffer;
+}
+
+void ImagePool::publish(const ImageMemory& memory, DateTime time)
+{
+    const std::uint64_t next = find_free();
+    if (next == no_buffer) {
+        return; // the class comment says why this does not happen
+    }
+    buffers_[next]->fill(memory, time, ++scans_);
+    // release: who pins `next` sees what was just filled in. acquire: who took a pin of the old
+    // buffer was admitted after others had given theirs back (see pin); find_free must see that
+    // those are back, else it could count more than max_pins.
+    const std::uint64_t old =
+        latest_.exchange(next << index_shift, std::memory_order_acq_rel);
+    if (current_ != no_buffer) {
+        constexpr std::uint64_t count_mask = (std::uint64_t{1} << index_shift) - 1;
+        buffers_[current_]->taken_ += old & count_mask;
+    }
+    current_ = next;
+}
+
+ImageBuffer* ImagePool::pin()
+{
+    // acquire: pairs with the release in unpin(), so that a pin whose place this one takes is seen
+    // to be given back by everyone who sees this one.
+    if (held_.fetch_add(1, std::memory_order_acquire) >= max_pins_) {
+        held_.fetch_sub(1, std::memory_order_relaxed);
+        return nullptr;
+    }
+    // acquire: the buffer's content. It lies behind the exchange in publish() also for the second
+    // and later pins, whose fetch_adds continue its release sequence. release: see publish().
+    // 48 bits count the pins of one scan: nine years of a million per second.
+    const std::uint64_t index =
+        latest_.fetch_add(1, std::memory_order_acq_rel) >> index_shift;
+    if (index == no_buffer) {
+        held_.fetch_sub(1, std::memory_order_release);
+        return nullptr;
+    }
+    return buffers_[index].get();
+}
+
+void ImagePool::unpin(ImageBuffer& buffer)
+{
+    // release: the task overwrites the buffer only after our last look at it. This comes first:
+    // whoever is admitted in our place must find it done.
+    buffer.released_.fetch_add(1, std::memory_order_release);
+    held_.fetch_sub(1, std::memory_order_release);
+}
+
+bool ImagePool::is_empty() const
+{
+    return latest_.load(std::memory_order_relaxed) >> index_shift == no_buffer;
+}
+
+} // namespace busbar::server::detail

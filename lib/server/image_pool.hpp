@@ -1,0 +1,92 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <busbar/server/image_memory.hpp>
+
+namespace busbar::server::detail {
+
+/// One scan as readers see it: scalars and texts as bytes, arrays as Variants.
+class ImageBuffer {
+public:
+    explicit ImageBuffer(const ImageLayout& layout);
+
+    void fill(const ImageMemory& memory, DateTime time, std::uint64_t scan);
+
+    [[nodiscard]] DateTime time() const { return time_; }
+    [[nodiscard]] std::uint64_t scan() const { return scan_; }
+    [[nodiscard]] const std::byte* plain(const ImagePlace& place) const
+    {
+        return plain_.get() + place.offset;
+    }
+    [[nodiscard]] const Variant& array(const ImagePlace& place) const
+    {
+        return arrays_[place.array];
+    }
+
+private:
+    friend class ImagePool;
+
+    struct ArrayCopy {
+        const ImagePlace* from;
+        std::byte* to;
+    };
+
+    std::unique_ptr<std::byte[]> plain_;
+    std::size_t plain_bytes_;
+    std::vector<Variant> arrays_;
+    std::vector<ArrayCopy> copies_;
+    DateTime time_;
+    std::uint64_t scan_{0};
+    /// Pins that were taken while this was the latest buffer, known to the task when it no longer
+    /// is; only the task looks at it.
+    std::uint64_t taken_{0};
+    /// Pins that were given back. The buffer is free when both are equal. Far from what readers
+    /// only read, and from the next buffer's.
+    alignas(64) std::atomic<std::uint64_t> released_{0};
+};
+
+/// The buffers of an image, and which of them is the latest. Both sides are wait-free: neither
+/// has a loop that the other could prolong.
+///
+/// `latest_` is the index of the latest buffer in its upper bits and the number of pins taken of
+/// it in its lower ones, so that one fetch_add both takes a pin and says of which buffer, and one
+/// exchange both publishes and closes the books of the buffer before. There is no moment in which
+/// a reader knows a buffer and has not pinned it.
+///
+/// At most `max_pins` pins are held at a time and there are two buffers more. When the task looks
+/// for a free one it has just published, so that nobody can pin anything but the latest: of the
+/// max_pins + 1 others at least one has no pin, and none can get one while the task looks.
+class ImagePool {
+public:
+    ImagePool(const ImageLayout& layout, std::uint32_t max_pins);
+
+    // The task's thread.
+
+    void publish(const ImageMemory& memory, DateTime time);
+
+    // Any thread.
+
+    /// Null if nothing was published or too many pins are held.
+    [[nodiscard]] ImageBuffer* pin();
+    void unpin(ImageBuffer& buffer);
+    [[nodiscard]] bool is_empty() const;
+
+private:
+    static constexpr unsigned index_shift = 48;
+    static constexpr std::uint64_t no_buffer = UINT16_MAX;
+
+    [[nodiscard]] std::uint64_t find_free() const;
+
+    std::vector<std::unique_ptr<ImageBuffer>> buffers_;
+    std::uint32_t max_pins_;
+    std::uint64_t current_{no_buffer};
+    std::uint64_t scans_{0};
+    alignas(64) std::atomic<std::uint64_t> latest_{no_buffer << index_shift};
+    alignas(64) std::atomic<std::uint32_t> held_{0};
+};
+
+} // namespace busbar::server::detail

@@ -1,0 +1,84 @@
+#include <busbar/server/process_image.hpp>
+
+#include "image_pool.hpp"
+#include "image_writes.hpp"
+
+namespace busbar::server {
+
+ImageSource::ImageSource(std::shared_ptr<ProcessImage> image) : image_{std::move(image)} {}
+
+ImageSource::~ImageSource()
+{
+    attach(nullptr);
+    image_->writes_->drop_batches();
+}
+
+DataSourceOptions ImageSource::options() const
+{
+    DataSourceOptions options;
+    // Ranges to read are left to the server: it cuts them out of the shared value.
+    options.writes_ranges = true;
+    return options;
+}
+
+void ImageSource::read(ReadBatch batch)
+{
+    ImagePin pin = image_->pin();
+    if (!pin) {
+        const bool is_empty = image_->pool_->is_empty();
+        return batch.fail(is_empty ? status::Bad_NoCommunication : status::Bad_TooManyOperations);
+    }
+    const auto items = batch.items();
+    const auto slots = batch.results();
+    // Part 8, 7.3.2: what used to update the values has stopped.
+    const StatusCode quality =
+        image_->is_running() ? status::Good : status::Uncertain_LastUsableValue;
+    bool is_borrowed = false;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        if (items[i].handle >= image_->layout().size()) {
+            slots[i].status = status::Bad_NodeIdUnknown;
+            continue;
+        }
+        is_borrowed |= pin.read(static_cast<std::uint32_t>(items[i].handle), slots[i]);
+        slots[i].status = quality;
+    }
+    if (is_borrowed) {
+        batch.keep_alive(std::make_shared<const ImagePin>(std::move(pin)));
+    }
+    batch.complete();
+}
+
+void ImageSource::write(WriteBatch batch)
+{
+    handle_completions();
+    const ImageOptions& options = image_->options();
+    auto call = std::make_unique<detail::ImageChanges>(std::move(batch), image_->layout());
+    if (!image_->is_running()) {
+        return call->fail(status::Bad_NoCommunication);
+    }
+    if (image_->writes_->is_full() ||
+        !call->add_all(options.max_changes_per_scan, options.max_bytes_per_scan)) {
+        return call->fail(status::Bad_TooManyOperations);
+    }
+    if (call->empty()) {
+        return call->complete();
+    }
+    image_->writes_->push(std::move(call));
+}
+
+void ImageSource::attach(Waker* waker)
+{
+    image_->waker_.store(waker, std::memory_order_seq_cst);
+    while (image_->waking_.load(std::memory_order_seq_cst)) {
+        // The task is inside Waker::wake, which does not block.
+    }
+}
+
+void ImageSource::handle_completions()
+{
+    while (const std::unique_ptr<detail::ImageChanges> call = image_->writes_->collect()) {
+        call->complete();
+    }
+}
+
+} // namespace busbar::server

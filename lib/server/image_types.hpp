@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstddef>
+
+#include <busbar/server/image_layout.hpp>
+
+namespace busbar::server::detail {
+
+template <typename T>
+struct ImageTag {
+    using type = T;
+};
+
+/// Calls `visit(ImageTag<T>)` for a type that an image can have, else `otherwise()`.
+template <typename Visit, typename Otherwise>
+auto visit_image_type(BuiltInType type, Visit&& visit, Otherwise&& otherwise)
+{
+    // clang-format off
+    switch (type) {
+    case BuiltInType::Boolean: return visit(ImageTag<bool>{});
+    case BuiltInType::SByte: return visit(ImageTag<std::int8_t>{});
+    case BuiltInType::Byte: return visit(ImageTag<std::uint8_t>{});
+    case BuiltInType::Int16: return visit(ImageTag<std::int16_t>{});
+    case BuiltInType::UInt16: return visit(ImageTag<std::uint16_t>{});
+    case BuiltInType::Int32: return visit(ImageTag<std::int32_t>{});
+    case BuiltInType::UInt32: return visit(ImageTag<std::uint32_t>{});
+    case BuiltInType::Int64: return visit(ImageTag<std::int64_t>{});
+    case BuiltInType::UInt64: return visit(ImageTag<std::uint64_t>{});
+    case BuiltInType::Float: return visit(ImageTag<float>{});
+    case BuiltInType::Double: return visit(ImageTag<double>{});
+    case BuiltInType::String: return visit(ImageTag<String>{});
+    case BuiltInType::DateTime: return visit(ImageTag<DateTime>{});
+    case BuiltInType::Guid: return visit(ImageTag<Guid>{});
+    case BuiltInType::ByteString: return visit(ImageTag<ByteString>{});
+    case BuiltInType::XmlElement: return visit(ImageTag<XmlElement>{});
+    case BuiltInType::StatusCode: return visit(ImageTag<StatusCode>{});
+    default: return otherwise();
+    }
+    // clang-format on
+}
+
+/// The bytes of a text that lies at `from`; none if it is null.
+[[nodiscard]] std::optional<std::string_view> text_at(const std::byte* from);
+
+/// A String, ByteString or XmlElement that points at the text at `from`.
+template <typename T>
+[[nodiscard]] T borrow_text(const std::byte* from)
+{
+    const auto text = text_at(from);
+    if (!text) {
+        return T{};
+    }
+    if constexpr (std::same_as<T, ByteString>) {
+        return ByteString::borrow(std::as_bytes(std::span{text->data(), text->size()}));
+    } else {
+        return T{String::borrow(*text)};
+    }
+}
+
+template <typename T>
+[[nodiscard]] std::optional<std::string_view> text_of(const T& text)
+{
+    if (text.is_null()) {
+        return std::nullopt;
+    }
+    if constexpr (std::same_as<T, ByteString>) {
+        return std::string_view{reinterpret_cast<const char*>(text.span().data()), text.size()};
+    } else {
+        return text.view();
+    }
+}
+
+/// Good if `value` has the place's type, dimensions and text capacity.
+[[nodiscard]] StatusCode check_value(const ImagePlace& place, const Variant& value);
+
+/// The bytes of the elements of a Variant of numbers; valid as long as that.
+[[nodiscard]] std::span<const std::byte> number_bytes(const Variant& value);
+
+} // namespace busbar::server::detail

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "image_changes.hpp"
+
+namespace busbar::server::detail {
+
+/// Write calls on their way to a PLC task and back: a ring that only the server's thread puts into
+/// and takes out of. The task moves along it and leaves everything where it is, so that it never
+/// frees memory. Both sides are wait-free.
+///
+///     collected_ <= finished_ <= begun_ <= head_ <= collected_ + capacity
+///
+/// Up to `finished_` the results are the server's again, up to `begun_` the task has applied the
+/// calls to its memory but not published it, up to `head_` they wait.
+class ImageWrites {
+public:
+    explicit ImageWrites(std::uint32_t capacity) : slots_(capacity) {}
+
+    // The server's thread.
+
+    [[nodiscard]] bool is_full() const { return size() == slots_.size(); }
+    /// Not when is_full().
+    void push(std::unique_ptr<ImageChanges> changes);
+    /// The next call that has its results, or null.
+    [[nodiscard]] std::unique_ptr<ImageChanges> collect();
+    /// The source ends: what comes of the waiting calls interests nobody.
+    void drop_batches();
+
+    // The task's thread.
+
+    /// The next call that waits, or null; it stays next until begin().
+    [[nodiscard]] ImageChanges* next();
+    void begin() { ++begun_; }
+    /// Every call that was begun has its results; true if there was one.
+    bool finish();
+
+private:
+    [[nodiscard]] std::uint64_t size() const
+    {
+        return head_.load(std::memory_order_relaxed) - collected_;
+    }
+    [[nodiscard]] std::unique_ptr<ImageChanges>& slot(std::uint64_t position)
+    {
+        return slots_[position % slots_.size()];
+    }
+
+    std::vector<std::unique_ptr<ImageChanges>> slots_;
+    std::uint64_t collected_{0}; // the server's
+    alignas(64) std::atomic<std::uint64_t> head_{0};
+    alignas(64) std::atomic<std::uint64_t> finished_{0};
+    std::uint64_t begun_{0}; // the task's
+};
+
+} // namespace busbar::server::detail

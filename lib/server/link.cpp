@@ -1,0 +1,307 @@
+#include "link.hpp"
+
+#include <algorithm>
+
+#include <busbar/core/text.hpp>
+
+#include "dispatch.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+channel::ServerChannelConfig channel_config(Core& core)
+{
+    channel::ServerChannelConfig config;
+    config.limits = core.limits().transport;
+    config.min_lifetime = core.limits().min_token_lifetime;
+    config.max_lifetime = core.limits().max_token_lifetime;
+    config.channel_id = core.next_channel_id++;
+    if (core.next_channel_id == 0) {
+        core.next_channel_id = 1;
+    }
+    for (const EndpointConfig& endpoint : core.config.endpoints) {
+        config.allowed.push_back(endpoint.security);
+    }
+    if (core.config.has_open_discovery) {
+        config.allowed.push_back({});
+    }
+    return config;
+}
+
+channel::ChannelEnvironment channel_environment(const Core& core)
+{
+    const ServerEnvironment& from = core.environment;
+    return {from.random, from.wall_clock, from.log, from.validator,
+            core.config.identity ? &*core.config.identity : nullptr};
+}
+
+} // namespace
+
+class Link::Running {
+public:
+    Running(Link& link, TimePoint now) : link_{link}
+    {
+        link_.is_running_ = true;
+        link_.now_ = now;
+    }
+    Running(const Running&) = delete;
+    Running& operator=(const Running&) = delete;
+    ~Running()
+    {
+        link_.is_running_ = false;
+        link_.core_.sweep();
+    }
+
+private:
+    Link& link_;
+};
+
+Link::Link(Core& core, std::string_view peer_address, TimePoint now)
+    : core_{core}, id_{core.next_link_id++}, peer_address_{printable(peer_address)},
+      channel_{channel_config(core), channel_environment(core), now}, created_{now}, now_{now},
+      session_check_{now + core.limits().sessionless_timeout}
+{
+    core_.links.push_back(this);
+}
+
+Link::~Link()
+{
+    core_.sessions.unbind(*this);
+    std::erase(core_.links, this);
+}
+
+Result<void> Link::reverse_hello(std::string_view endpoint_url)
+{
+    return channel_.reverse_hello(core_.config.application_uri, endpoint_url);
+}
+
+Result<void> Link::feed(std::span<const std::byte> in, TimePoint now)
+{
+    const Running running{*this, now};
+    auto fed = channel_.feed(in, now);
+    work(now);
+    return fed;
+}
+
+std::optional<ConnectionEvent> Link::next_event()
+{
+    if (events_.empty()) {
+        return std::nullopt;
+    }
+    ConnectionEvent event = std::move(events_.front());
+    events_.erase(events_.begin());
+    return event;
+}
+
+std::span<const std::byte> Link::output() const
+{
+    return has_given_up_ ? std::span<const std::byte>{} : channel_.output();
+}
+
+void Link::consume(std::size_t size)
+{
+    const Running running{*this, now_};
+    channel_.consume(size);
+    has_progressed_ = true;
+    work(now_);
+}
+
+TimePoint Link::next_deadline() const
+{
+    TimePoint first = output().empty() ? no_deadline : send_check_;
+    if (is_closed()) {
+        return first;
+    }
+    first = std::min({first, channel_.next_deadline(), session_check_});
+    for (const auto& operation : operations_) {
+        first = std::min({first, operation->client_deadline_, operation->next_deadline()});
+    }
+    return first;
+}
+
+void Link::handle_deadline(TimePoint now)
+{
+    const Running running{*this, now};
+    check_silence(now);
+    if (is_closed()) {
+        return;
+    }
+    channel_.handle_deadline(now);
+    // By index: what an operation does may not add others, but it may end all of them.
+    for (std::size_t i = 0; i < operations_.size(); ++i) {
+        Operation& operation = *operations_[i];
+        if (!operation.is_finished() && operation.client_deadline_ <= now) {
+            operation.fault(status::Bad_Timeout); // Part 4, 7.32 timeoutHint
+        } else if (!operation.is_finished() && operation.next_deadline() <= now) {
+            operation.handle_deadline(now);
+        }
+    }
+    if (session_check_ <= now) {
+        session_check_ = now + core_.limits().sessionless_timeout;
+        if (!core_.sessions.has_activated(*this)) {
+            close(status::Bad_Timeout, "no session");
+        }
+    }
+    work(now);
+}
+
+void Link::check_silence(TimePoint now)
+{
+    if (output().empty() || has_progressed_ || send_check_ == no_deadline) {
+        has_progressed_ = false;
+        send_check_ = output().empty() ? no_deadline : now + core_.limits().send_timeout;
+    } else if (send_check_ <= now) {
+        has_given_up_ = true;
+        close(status::Bad_ConnectionClosed, "the peer takes nothing");
+    }
+}
+
+void Link::work(TimePoint now)
+{
+    // A peer that does not take its answers is not asked for more requests.
+    while (channel_.output().size() <= core_.limits().max_send_queue / 2) {
+        auto event = channel_.next_event();
+        if (!event) {
+            break;
+        }
+        handle(*std::move(event), now);
+    }
+    if (send_check_ == no_deadline && !output().empty()) {
+        send_check_ = now + core_.limits().send_timeout;
+        has_progressed_ = false;
+    }
+}
+
+void Link::handle(channel::Event event, TimePoint now)
+{
+    switch (event.kind) {
+    case channel::Event::Kind::Opened:
+        events_.push_back({ConnectionEvent::Kind::Opened, {}, {}});
+        break;
+    case channel::Event::Kind::Message:
+        dispatch(core_, *this, std::move(event.body), event.request_id, now);
+        break;
+    case channel::Event::Kind::Closed:
+        handle_closed(event.status, std::move(event.reason));
+        break;
+    case channel::Event::Kind::Renewed:
+    case channel::Event::Kind::Aborted:
+        break;
+    }
+}
+
+void Link::handle_closed(StatusCode status, std::string reason)
+{
+    if (std::exchange(has_ended_, true)) {
+        return;
+    }
+    for (const auto& operation : operations_) {
+        operation->link_ = nullptr;
+        operation->session_ = nullptr;
+    }
+    core_.needs_sweep = core_.needs_sweep || !operations_.empty();
+    core_.sessions.unbind(*this);
+    events_.push_back({ConnectionEvent::Kind::Closed, status, std::move(reason)});
+}
+
+std::string Link::login_key() const
+{
+    const auto& certificates = channel_.peer_certificates();
+    return certificates.empty() ? "address " + peer_address_
+                                : "certificate " + certificates.front().thumbprint_text();
+}
+
+void Link::respond(const Reply& reply, std::uint32_t encoding_id,
+                   FunctionRef<void(binary::Writer&)> encode_rest)
+{
+    const auto sent = channel_.send(reply.request_id, [&](binary::Writer& writer) {
+        encode(writer, NodeId{0, encoding_id});
+        ResponseHeader header;
+        header.timestamp = core_.environment.wall_clock->now();
+        header.request_handle = reply.request_handle;
+        encode(writer, header);
+        encode_rest(writer);
+        if (reply.max_size != 0 && writer.written() > reply.max_size) {
+            writer.fail(status::Bad_ResponseTooLarge); // Part 4, 5.6.2.2
+        }
+    });
+    if (!sent) {
+        fault(reply, sent.error());
+        return;
+    }
+    check_send_queue();
+    mark();
+}
+
+void Link::fault(const Reply& reply, StatusCode status)
+{
+    // It fails only if the channel is gone, or so small that there is nothing to say.
+    static_cast<void>(channel_.send(reply.request_id, [&](binary::Writer& writer) {
+        ServiceFault body;
+        body.response_header.timestamp = core_.environment.wall_clock->now();
+        body.response_header.request_handle = reply.request_handle;
+        body.response_header.service_result = status;
+        encode(writer, NodeId{0, ServiceFault::binary_encoding_id});
+        encode(writer, body);
+    }));
+    check_send_queue();
+    mark();
+}
+
+bool Link::has_place_for_operation() const
+{
+    return operations_.size() < core_.limits().max_pending_requests;
+}
+
+void Link::end_operations(const Session* session, StatusCode status)
+{
+    for (const auto& operation : operations_) {
+        if (!operation->is_finished() && (session == nullptr || operation->session_ == session)) {
+            operation->fault(status);
+        }
+    }
+}
+
+std::uint32_t Link::cancel(const Session& session, std::uint32_t request_handle)
+{
+    std::uint32_t count = 0;
+    for (const auto& operation : operations_) {
+        if (!operation->is_finished() && operation->session_ == &session &&
+            operation->request_handle_ == request_handle) {
+            operation->fault(status::Bad_RequestCancelledByClient);
+            ++count;
+        }
+    }
+    return count;
+}
+
+void Link::close(StatusCode status, std::string_view reason)
+{
+    if (!is_closed()) {
+        channel_.close(status, reason);
+    }
+    handle_closed(status, std::string{reason});
+    mark();
+}
+
+void Link::sweep()
+{
+    std::erase_if(operations_, [](const auto& operation) { return operation->is_finished(); });
+}
+
+void Link::check_send_queue()
+{
+    if (!is_closed() && channel_.output().size() > core_.limits().max_send_queue) {
+        close(status::Bad_TcpNotEnoughResources, "the peer takes too little");
+    }
+}
+
+void Link::mark()
+{
+    if (!is_running_ && !std::exchange(is_marked_, true)) {
+        core_.changed.push_back(id_);
+    }
+}
+
+} // namespace busbar::server::detail

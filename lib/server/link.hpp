@@ -1,0 +1,112 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/channel/server_channel.hpp>
+#include <busbar/server/connection.hpp>
+
+#include "core.hpp"
+#include "service.hpp"
+
+namespace busbar::server::detail {
+
+/// What an answer has to refer to.
+struct Reply {
+    std::uint32_t request_id{0};
+    std::uint32_t request_handle{0};
+    /// Bytes; 0 if only the channel's limit holds.
+    std::uint32_t max_size{0};
+};
+
+/// The inside of a Connection: its channel and the operations that wait on it.
+class Link {
+public:
+    /// Adds itself to `core`.
+    Link(Core& core, std::string_view peer_address, TimePoint now);
+    Link(const Link&) = delete;
+    Link& operator=(const Link&) = delete;
+    ~Link();
+
+    // The engine, see Connection.
+
+    [[nodiscard]] std::uint64_t id() const { return id_; }
+    [[nodiscard]] Core& core() { return core_; }
+    [[nodiscard]] Result<void> reverse_hello(std::string_view endpoint_url);
+    Result<void> feed(std::span<const std::byte> in, TimePoint now);
+    [[nodiscard]] std::optional<ConnectionEvent> next_event();
+    [[nodiscard]] std::span<const std::byte> output() const;
+    void consume(std::size_t size);
+    [[nodiscard]] TimePoint next_deadline() const;
+    void handle_deadline(TimePoint now);
+    [[nodiscard]] bool is_closed() const { return channel_.is_closed(); }
+
+    // For services.
+
+    [[nodiscard]] const channel::ServerChannel& channel() const { return channel_; }
+    [[nodiscard]] std::string_view peer_address() const { return peer_address_; }
+    /// Whose failed logins are counted together: the certificate's, without one the address's.
+    [[nodiscard]] std::string login_key() const;
+
+    // For dispatch.
+
+    void respond(const Reply& reply, std::uint32_t encoding_id,
+                 FunctionRef<void(binary::Writer&)> encode);
+    void fault(const Reply& reply, StatusCode status);
+    [[nodiscard]] bool has_place_for_operation() const;
+    /// Takes the operation with its message, decodes the request behind `header_offset` and
+    /// starts it.
+    void start(std::unique_ptr<Operation> operation, std::vector<std::byte> message,
+               const RequestHeader& header, const Reply& reply, ServiceContext& context);
+
+    // For the server.
+
+    /// Answers what the session has pending here with `status`; all sessions' if it is null.
+    void end_operations(const Session* session, StatusCode status);
+    /// Ends the session's operations with this handle; how many there were (Part 4, 5.6.5).
+    std::uint32_t cancel(const Session& session, std::uint32_t request_handle);
+    void close(StatusCode status, std::string_view reason);
+    /// Destroys the operations that have answered.
+    void sweep();
+    [[nodiscard]] TimePoint created() const { return created_; }
+    /// Clears the mark that next_changed() reports; false if it was not set.
+    bool take_mark() { return std::exchange(is_marked_, false); }
+
+private:
+    friend class Operation;
+    /// While one of the engine's own members runs, whose caller looks at the output anyhow.
+    class Running;
+
+    void work(TimePoint now);
+    void handle(channel::Event event, TimePoint now);
+    void handle_closed(StatusCode status, std::string reason);
+    void check_silence(TimePoint now);
+    void check_send_queue();
+    void mark();
+
+    Core& core_;
+    std::uint64_t id_;
+    std::string peer_address_;
+    channel::ServerChannel channel_;
+    std::vector<std::unique_ptr<Operation>> operations_;
+    std::vector<ConnectionEvent> events_;
+    TimePoint created_;
+    /// The last time that was given.
+    TimePoint now_;
+    /// When it is checked that there is an activated session.
+    TimePoint session_check_;
+    /// When the peer must have taken something.
+    TimePoint send_check_{no_deadline};
+    bool has_progressed_{false};
+    bool is_running_{false};
+    bool is_marked_{false};
+    bool has_ended_{false};
+    /// The peer took nothing for too long; what is left is not offered any more.
+    bool has_given_up_{false};
+};
+
+} // namespace busbar::server::detail

@@ -1,0 +1,177 @@
+#include <busbar/server/process_image.hpp>
+
+#include <algorithm>
+
+#include "image_pool.hpp"
+#include "image_types.hpp"
+#include "image_writes.hpp"
+
+namespace busbar::server {
+
+namespace {
+
+constexpr std::uint32_t most_pins = 1024;
+
+ImageOptions checked(ImageOptions options, const ImageLayout& layout)
+{
+    options.max_pins = std::clamp(options.max_pins, 1U, most_pins);
+    options.max_waiting_writes = std::max(options.max_waiting_writes, 1U);
+    options.max_changes_per_scan = std::max(options.max_changes_per_scan, 1U);
+    // Each variable can be written, be it as large as the image.
+    const std::size_t all = layout.plain_bytes() + layout.array_bytes();
+    options.max_bytes_per_scan =
+        std::max(options.max_bytes_per_scan, static_cast<std::uint32_t>(all));
+    return options;
+}
+
+template <typename T>
+Variant borrowed_texts(const ImagePlace& place, const std::byte* from)
+{
+    if (!place.is_array()) {
+        return Variant{detail::borrow_text<T>(from)};
+    }
+    Array<T> texts;
+    texts.reserve(place.elements);
+    for (std::uint32_t i = 0; i < place.elements; ++i) {
+        texts.push_back(detail::borrow_text<T>(from + std::size_t{i} * place.stride));
+    }
+    return Variant::matrix(std::move(texts), Array<std::uint32_t>{place.dimensions});
+}
+
+Variant scalar(const ImagePlace& place, const std::byte* from)
+{
+    return detail::visit_image_type(
+        place.type,
+        [&](auto tag) {
+            using T = typename decltype(tag)::type;
+            if constexpr (detail::is_image_text<T>) {
+                return borrowed_texts<T>(place, from);
+            } else {
+                T value{};
+                std::memcpy(&value, from, sizeof value);
+                return Variant{value};
+            }
+        },
+        [] { return Variant{}; });
+}
+
+} // namespace
+
+DateTime ImagePin::time() const
+{
+    return buffer_->time();
+}
+
+std::uint64_t ImagePin::scan() const
+{
+    return buffer_->scan();
+}
+
+bool ImagePin::read(std::uint32_t handle, ReadSlot& slot) const
+{
+    const ImagePlace& place = image_->layout_[handle];
+    slot.status = status::Good;
+    slot.source_timestamp = buffer_->time();
+    if (place.in_arrays) {
+        slot.shared = &buffer_->array(place);
+        return true;
+    }
+    slot.value = scalar(place, buffer_->plain(place));
+    return place.is_text();
+}
+
+Variant ImagePin::value(std::uint32_t handle) const
+{
+    ReadSlot slot;
+    read(handle, slot);
+    const Variant& value = slot.shared != nullptr ? *slot.shared : slot.value;
+    return Variant{value};
+}
+
+void ImagePin::release()
+{
+    if (buffer_ != nullptr) {
+        image_->pool_->unpin(*std::exchange(buffer_, nullptr));
+    }
+    image_.reset();
+}
+
+std::shared_ptr<ProcessImage> ProcessImage::create(ImageLayout layout, ImageOptions options)
+{
+    return std::make_shared<ProcessImage>(Key{}, std::move(layout), options);
+}
+
+ProcessImage::ProcessImage(Key, ImageLayout layout, ImageOptions options)
+    : layout_{std::move(layout)}, options_{checked(options, layout_)}, memory_{layout_},
+      pool_{std::make_unique<detail::ImagePool>(layout_, options_.max_pins)},
+      writes_{std::make_unique<detail::ImageWrites>(options_.max_waiting_writes)}
+{
+}
+
+ProcessImage::~ProcessImage() = default;
+
+void ProcessImage::begin_scan()
+{
+    begin_scan([](std::uint32_t) { return StatusCode{}; });
+}
+
+void ProcessImage::begin_scan(WriteGuard guard)
+{
+    // A call that came while the task was halting was not seen by halt() and has run into its
+    // timeout; to apply it now would surprise everybody.
+    const bool is_first = !running_.load(std::memory_order_relaxed);
+    std::size_t changes = 0;
+    std::size_t bytes = 0;
+    while (detail::ImageChanges* const call = writes_->next()) {
+        changes += call->change_count();
+        bytes += call->byte_count();
+        if (is_first) {
+            call->refuse(status::Bad_NoCommunication);
+        } else if (changes > options_.max_changes_per_scan || bytes > options_.max_bytes_per_scan) {
+            break; // the next edge's; a call alone is never too much
+        } else {
+            call->apply(memory_, guard);
+        }
+        writes_->begin();
+    }
+}
+
+void ProcessImage::publish(DateTime time)
+{
+    pool_->publish(memory_, time);
+    running_.store(true, std::memory_order_release);
+    if (writes_->finish()) {
+        wake();
+    }
+}
+
+void ProcessImage::halt()
+{
+    running_.store(false, std::memory_order_release);
+    while (detail::ImageChanges* const call = writes_->next()) {
+        call->refuse(status::Bad_NoCommunication);
+        writes_->begin();
+    }
+    if (writes_->finish()) {
+        wake();
+    }
+}
+
+void ProcessImage::wake()
+{
+    // seq_cst on both, here and in ImageSource::attach: either this load finds the waker gone, or
+    // attach() finds that it is in use and waits.
+    waking_.store(true, std::memory_order_seq_cst);
+    if (Waker* const waker = waker_.load(std::memory_order_seq_cst); waker != nullptr) {
+        waker->wake();
+    }
+    waking_.store(false, std::memory_order_release);
+}
+
+ImagePin ProcessImage::pin() const
+{
+    detail::ImageBuffer* const buffer = pool_->pin();
+    return buffer != nullptr ? ImagePin{shared_from_this(), *buffer} : ImagePin{};
+}
+
+} // namespace busbar::server

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <busbar/binary/codec.hpp>
+#include <busbar/core/clock.hpp>
+#include <busbar/core/function_ref.hpp>
+#include <busbar/types/common.hpp>
+
+/// What services are written against; `dispatch.cpp` has the table of them.
+///
+/// A service that always answers at once is a function
+///     StatusCode browse(ServiceContext&, const BrowseRequest&, BrowseResponse&);
+/// whose bad status becomes a ServiceFault; dispatch fills the response header. One that may have to
+/// wait is an Operation. Requests are decoded with Strings::Borrow: their strings point into the
+/// message, and copies of them own.
+namespace busbar::server::detail {
+
+struct Core;
+class Link;
+class Session;
+
+struct ServiceContext {
+    Core& core;
+    /// The connection that the request came by.
+    Link& link;
+    /// Null for the services that need no session.
+    Session* session;
+    TimePoint now;
+};
+
+/// One request whose answer may come later. Owns the message it was decoded from.
+///
+/// Lives on the server's thread. It may be destroyed at any time after start() without having
+/// answered: its connection, session or server has ended, or the client cancelled it; whatever it
+/// waits for must then stop referring to it. It is never destroyed from within respond() or
+/// fault().
+class Operation {
+public:
+    Operation() = default;
+    Operation(const Operation&) = delete;
+    Operation& operator=(const Operation&) = delete;
+    virtual ~Operation() = default;
+
+    /// Begins, once. Answers by respond() or fault(), exactly once, from here or from later calls.
+    /// `context` is gone when it returns; its `core` and, as long as this object is, its `link` and
+    /// `session` stay.
+    virtual void start(ServiceContext& context) = 0;
+    /// When the operation itself wants to be called; the client's own timeout is dispatch's
+    /// business.
+    [[nodiscard]] virtual TimePoint next_deadline() const { return no_deadline; }
+    virtual void handle_deadline(TimePoint) {}
+
+    [[nodiscard]] bool is_finished() const { return link_ == nullptr; }
+    [[nodiscard]] Session* session() const { return session_; }
+
+protected:
+    /// Sends the response: `encode` writes what follows its ResponseHeader. If that does not fit the
+    /// client's limits a ServiceFault goes out instead.
+    template <typename Response>
+    void respond(FunctionRef<void(binary::Writer&)> encode)
+    {
+        respond(Response::binary_encoding_id, encode);
+    }
+    void fault(StatusCode status);
+    /// The message, which the request borrows from, for what outlives the operation.
+    [[nodiscard]] std::vector<std::byte> take_message() { return std::move(message_); }
+
+private:
+    friend class Link;
+
+    virtual void decode_request(binary::Reader& reader) = 0;
+    void respond(std::uint32_t encoding_id, FunctionRef<void(binary::Writer&)> encode);
+
+    std::vector<std::byte> message_;
+    Link* link_{nullptr};
+    Session* session_{nullptr};
+    std::uint32_t request_id_{0};
+    std::uint32_t request_handle_{0};
+    TimePoint client_deadline_{no_deadline};
+};
+
+/// An Operation with its request.
+template <typename Request>
+class OperationOf : public Operation {
+protected:
+    [[nodiscard]] const Request& request() const { return request_; }
+    [[nodiscard]] Request take_request() { return std::move(request_); }
+
+private:
+    void decode_request(binary::Reader& reader) final { decode(reader, request_); }
+
+    Request request_;
+};
+
+/// How the table makes one: `make_operation<ReadOperation>`.
+template <typename T>
+[[nodiscard]] std::unique_ptr<Operation> make_operation()
+{
+    return std::make_unique<T>();
+}
+
+} // namespace busbar::server::detail

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <busbar/channel/channel_types.hpp>
+#include <busbar/core/clock.hpp>
+#include <busbar/core/types.hpp>
+#include <busbar/server/access_control.hpp>
+
+namespace busbar::server::detail {
+
+class Link;
+
+/// What one service set keeps in a session; destroyed with it.
+class SessionPart {
+public:
+    SessionPart() = default;
+    SessionPart(const SessionPart&) = delete;
+    SessionPart& operator=(const SessionPart&) = delete;
+    virtual ~SessionPart() = default;
+};
+
+/// A Session (Part 4, 5.6). Fields are plain: the session services change them, others read.
+class Session {
+public:
+    explicit Session(std::size_t max_memory) : memory_left_{max_memory} {}
+
+    /// Charges what the session makes the server hold; false, and nothing is charged, if it has
+    /// not that much left.
+    [[nodiscard]] bool charge(std::size_t bytes)
+    {
+        if (bytes > memory_left_) {
+            return false;
+        }
+        memory_left_ -= bytes;
+        return true;
+    }
+    void release(std::size_t bytes) { memory_left_ += bytes; }
+
+    NodeId id;
+    NodeId authentication_token;
+    std::string name;
+    std::vector<std::string> locale_ids;
+    bool is_activated{false};
+    UserIdentity user;
+
+    /// The connection whose channel it is bound to; null while there is none.
+    Link* link{nullptr};
+    channel::SecuritySetting security;
+    /// The leaf; none with SecurityPolicy None.
+    crypto::CertificateChain client_certificate;
+    /// The last one that was given out; single use.
+    ByteString server_nonce;
+    /// Bytes, 0 for no limit but the channel's.
+    std::uint32_t max_response_message_size{0};
+    std::string client_application_uri;
+
+    std::chrono::milliseconds timeout{0};
+    TimePoint created;
+    /// When it ends if no request comes.
+    TimePoint deadline{no_deadline};
+
+    /// Continuation points and registered nodes, of the View services.
+    std::unique_ptr<SessionPart> view;
+
+private:
+    std::size_t memory_left_;
+};
+
+} // namespace busbar::server::detail

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <unordered_map>
+
+#include "session.hpp"
+
+namespace busbar::server::detail {
+
+/// All sessions of a server by their authentication tokens. A Session stays where it is until it is
+/// removed.
+class SessionTable {
+public:
+    [[nodiscard]] Session* find(const NodeId& authentication_token);
+    /// Takes a session whose token is not there yet.
+    Session& add(std::unique_ptr<Session> session);
+    void remove(const Session& session);
+
+    [[nodiscard]] std::size_t size() const { return sessions_.size(); }
+    [[nodiscard]] std::size_t count_of(const Link& link) const;
+    /// The oldest that was never activated, or null (Part 4, 5.6.2.1).
+    [[nodiscard]] Session* oldest_unactivated();
+    /// The session that is overdue first, or null if there is none at all.
+    [[nodiscard]] Session* next_to_expire();
+    [[nodiscard]] Session* any() { return empty() ? nullptr : sessions_.begin()->second.get(); }
+    [[nodiscard]] bool empty() const { return sessions_.empty(); }
+    /// A connection has gone; its sessions wait for another.
+    void unbind(const Link& link);
+
+private:
+    std::unordered_map<NodeId, std::unique_ptr<Session>> sessions_;
+};
+
+} // namespace busbar::server::detail

@@ -1,0 +1,57 @@
+#include "write.hpp"
+
+#include "core.hpp"
+#include "session.hpp"
+
+namespace busbar::server::detail {
+
+WriteOperation::~WriteOperation()
+{
+    if (charged_ != 0) {
+        session()->release(charged_);
+    }
+    if (job_) {
+        job_->keep(take_request(), take_message());
+    }
+}
+
+void WriteOperation::start(ServiceContext& context)
+{
+    Core& core = context.core;
+    const StatusCode refusal = check_write(request(), core.limits().operations.max_nodes_per_write);
+    if (refusal.is_bad()) {
+        return fault(refusal);
+    }
+    // Before anything is written, as batches cannot be taken back.
+    const std::size_t cost = request().nodes_to_write.size() * WriteJob::bytes_per_item;
+    if (!context.session->charge(cost)) {
+        return fault(status::Bad_TooManyOperations);
+    }
+    charged_ = cost;
+    job_.emplace(WriteContext{core.address_space,
+                              core.sources,
+                              {context.session->user, core.environment.access}},
+                 request());
+    if (job_->start(*this, context.now)) {
+        call_completed();
+    }
+}
+
+TimePoint WriteOperation::next_deadline() const
+{
+    return job_ ? job_->next_deadline() : no_deadline;
+}
+
+void WriteOperation::handle_deadline(TimePoint now)
+{
+    if (job_ && !is_finished() && job_->handle_deadline(now)) {
+        call_completed();
+    }
+}
+
+void WriteOperation::call_completed()
+{
+    respond<WriteResponse>([&](binary::Writer& writer) { job_->encode_results(writer); });
+}
+
+} // namespace busbar::server::detail

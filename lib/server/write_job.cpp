@@ -1,0 +1,211 @@
+#include "write_job.hpp"
+
+#include <busbar/binary/codec.hpp>
+#include <busbar/core/attribute_id.hpp>
+
+namespace busbar::server::detail {
+
+namespace {
+
+/// WriteMask is 0 everywhere: what is not a Variable's Value cannot be written, if it is there.
+StatusCode why_not_writable(const model::AddressSpace& space, model::NodeIndex node,
+                            AttributeId attribute)
+{
+    const bool is_there = attribute == AttributeId::Value
+                              ? space.node_class(node) == NodeClass::VariableType
+                              : space.attribute(node, attribute).has_value();
+    return is_there ? status::Bad_NotWritable : status::Bad_AttributeIdInvalid;
+}
+
+StatusCode check_access(const WriteContext& context, const WriteValue& value,
+                        const model::VariableAttributes& variable)
+{
+    if (!has_access(variable.access_level, AccessLevelType::CurrentWrite)) {
+        return status::Bad_NotWritable;
+    }
+    const std::uint8_t level = context.rights.access_level(value.node_id, variable);
+    return has_access(level, AccessLevelType::CurrentWrite) ? status::Good
+                                                            : status::Bad_UserAccessDenied;
+}
+
+/// Part 3, 8.57: without StatusWrite only Good can be written, without TimestampWrite no source
+/// timestamp. The server timestamp is the server's alone.
+StatusCode check_quality(std::uint8_t access_level, const DataValue& data)
+{
+    const bool is_refused =
+        (data.status != status::Good && !has_access(access_level, AccessLevelType::StatusWrite)) ||
+        (!data.source_timestamp.is_null() &&
+         !has_access(access_level, AccessLevelType::TimestampWrite)) ||
+        !data.server_timestamp.is_null();
+    return is_refused ? status::Bad_WriteNotSupported : status::Good;
+}
+
+/// A part has the shape of its range, which is for whoever replaces it to check.
+StatusCode check_type(const model::AddressSpace& space, const model::VariableAttributes& variable,
+                      const Variant& value, bool is_part)
+{
+    if (!is_part) {
+        return space.check_value(value, variable.data_type, variable.value_rank,
+                                 variable.array_dimensions);
+    }
+    const std::uint32_t types = space.built_in_types_of(variable.data_type);
+    const bool fits =
+        !value.is_null() && ((types >> static_cast<unsigned>(value.type())) & 1U) != 0;
+    return fits ? status::Good : status::Bad_TypeMismatch;
+}
+
+/// Part 4, 5.11.4.2: a ByteString is taken where an array of Byte is expected.
+bool stands_for_byte_array(const model::AddressSpace& space,
+                           const model::VariableAttributes& variable, const Variant& value)
+{
+    return value.is_scalar() && value.type() == BuiltInType::ByteString &&
+           space.built_in_type_of(variable.data_type) == BuiltInType::Byte;
+}
+
+/// Replaces a value that the address space keeps.
+StatusCode replace_kept(model::AddressSpace& space, model::NodeIndex node,
+                        const NumericRange* range, const Variant& value)
+{
+    Variant whole = range != nullptr ? space.value(node) : value;
+    if (range != nullptr) {
+        if (const auto written = write_range(whole, *range, value); !written) {
+            return written.error();
+        }
+    }
+    const auto set = space.set_value(node, std::move(whole));
+    return set ? status::Good : set.error();
+}
+
+} // namespace
+
+StatusCode check_write(const WriteRequest& request, std::size_t max_nodes)
+{
+    if (request.nodes_to_write.empty()) {
+        return status::Bad_NothingToDo;
+    }
+    return request.nodes_to_write.size() > max_nodes ? status::Bad_TooManyOperations : status::Good;
+}
+
+WriteJob::WriteJob(const WriteContext& context, const WriteRequest& request)
+    : call_{context.sources, request.nodes_to_write.size()}, memory_{std::make_shared<Memory>()}
+{
+    const auto values = request.nodes_to_write.span();
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (const auto answer = plan(context, i, values[i])) {
+            call_.answer(i) = *answer;
+        }
+    }
+}
+
+/// Nothing if a source will answer.
+std::optional<StatusCode> WriteJob::plan(const WriteContext& context, std::size_t index,
+                                         const WriteValue& value)
+{
+    const model::NodeIndex node = context.space.find(value.node_id);
+    if (node == model::no_node || !context.rights.may_see(value.node_id)) {
+        return why_not_found(value.node_id);
+    }
+    const auto attribute = static_cast<AttributeId>(value.attribute_id);
+    if (attribute != AttributeId::Value || context.space.node_class(node) != NodeClass::Variable) {
+        return why_not_writable(context.space, node, attribute);
+    }
+    const Target target{node, context.space.variable(node)};
+    const auto answer = plan_value(context, index, value, target);
+    const auto* source = context.sources.find(target.variable.source);
+    if (answer && source != nullptr && (*source)->options().all_or_nothing) {
+        call_.refuse(target.variable.source, status::Bad_InvalidState);
+    }
+    return answer;
+}
+
+std::optional<StatusCode> WriteJob::plan_value(const WriteContext& context, std::size_t index,
+                                               const WriteValue& value, const Target& target)
+{
+    const model::VariableAttributes& variable = target.variable;
+    if (const auto denied = check_access(context, value, variable); denied.is_bad()) {
+        return denied;
+    }
+    const auto range = keep_range(index, value.index_range);
+    if (!range) {
+        return range.error();
+    }
+    if (const auto bad = check_quality(variable.access_level, value.value); bad.is_bad()) {
+        return bad;
+    }
+    const DataValue* data = &value.value;
+    const bool is_part = *range != nullptr;
+    if (stands_for_byte_array(context.space, variable, data->value)) {
+        data = to_byte_array(*data);
+    }
+    const auto mismatch = check_type(context.space, variable, data->value, is_part);
+    if (mismatch.is_bad()) {
+        return mismatch;
+    }
+    if (variable.source == model::no_source) {
+        return replace_kept(context.space, target.node, *range, data->value);
+    }
+    const auto* source = context.sources.find(variable.source);
+    if (source == nullptr) {
+        return status::Bad_NoCommunication;
+    }
+    if (is_part && !(*source)->options().writes_ranges) {
+        return status::Bad_WriteNotSupported;
+    }
+    call_.ask(index, variable.source, {variable.handle, *range, data});
+    return std::nullopt;
+}
+
+Result<const NumericRange*> WriteJob::keep_range(std::size_t index, const String& text)
+{
+    if (text.empty()) {
+        return nullptr;
+    }
+    const auto range = NumericRange::parse(text.view());
+    if (!range) {
+        return fail(range.error());
+    }
+    if (memory_->ranges.empty()) {
+        // It must not move: sources are given the addresses.
+        memory_->ranges.reserve(call_.size() - index);
+    }
+    return &memory_->ranges.emplace_back(*range);
+}
+
+const DataValue* WriteJob::to_byte_array(const DataValue& data)
+{
+    Array<std::uint8_t> bytes;
+    if (const ByteString& from = *data.value.get_if<ByteString>(); !from.is_null()) {
+        const auto span = from.span();
+        bytes.resize(span.size());
+        std::transform(span.begin(), span.end(), bytes.begin(),
+                       [](std::byte b) { return std::to_integer<std::uint8_t>(b); });
+    }
+    auto converted =
+        std::make_unique<DataValue>(Variant{std::move(bytes)}, data.status, data.source_timestamp);
+    converted->source_picoseconds = data.source_picoseconds;
+    return memory_->converted.emplace_back(std::move(converted)).get();
+}
+
+bool WriteJob::start(CallOwner& owner, TimePoint now)
+{
+    call_.kept_for_sources() = memory_;
+    return call_.start(owner, now, [](WritePart&) {});
+}
+
+void WriteJob::keep(WriteRequest request, std::vector<std::byte> message)
+{
+    // Moving the array and the buffer leaves what they hold where it is.
+    memory_->request = std::move(request);
+    memory_->message = std::move(message);
+}
+
+void WriteJob::encode_results(binary::Writer& writer) const
+{
+    writer.length(call_.size());
+    for (std::size_t i = 0; i < call_.size(); ++i) {
+        encode(writer, call_.result(i));
+    }
+    encode(writer, Array<DiagnosticInfo>{});
+}
+
+} // namespace busbar::server::detail
