@@ -82,9 +82,26 @@ void SourceEntry::release(std::size_t item_count)
     --batches_;
 }
 
+DataSources::~DataSources()
+{
+    for (const auto& entry : entries_) {
+        entry->source().attach(nullptr);
+    }
+    queue_->close();
+}
+
+void DataSources::handle_completions()
+{
+    for (const auto& entry : entries_) {
+        entry->source().handle_completions();
+    }
+    queue_->drain();
+}
+
 std::uint32_t DataSources::add(DataSource& source)
 {
     entries_.push_back(std::make_shared<SourceEntry>(source, queue_));
+    source.attach(waker_);
     return static_cast<std::uint32_t>(entries_.size() - 1);
 }
 

@@ -67,10 +67,13 @@ private:
 /// The sources of a server; a node names its own by index. Lives on the server's thread.
 class DataSources {
 public:
-    explicit DataSources(Waker* waker) : queue_{std::make_shared<CompletionQueue>(waker)} {}
+    explicit DataSources(Waker* waker)
+        : waker_{waker}, queue_{std::make_shared<CompletionQueue>(waker)}
+    {
+    }
     DataSources(const DataSources&) = delete;
     DataSources& operator=(const DataSources&) = delete;
-    ~DataSources() { queue_->close(); }
+    ~DataSources();
 
     /// The index that nodes are to carry; `source` must outlive this object.
     std::uint32_t add(DataSource& source);
@@ -81,9 +84,10 @@ public:
         return index < entries_.size() ? &entries_[index] : nullptr;
     }
     /// Tells those who wait for batches that were completed meanwhile.
-    void handle_completions() { queue_->drain(); }
+    void handle_completions();
 
 private:
+    Waker* waker_;
     std::shared_ptr<CompletionQueue> queue_;
     std::vector<std::shared_ptr<SourceEntry>> entries_;
 };

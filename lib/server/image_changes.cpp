@@ -31,8 +31,8 @@ StatusCode find_box(const ImagePlace& place, const NumericRange& range, busbar::
     if (place.is_text() && bounds.size() == rank + 1) {
         return status::Bad_WriteNotSupported; // a part of a text
     }
-    const auto dimensions =
-        rank > 1 ? std::span<const std::uint32_t>{place.dimensions} : std::span<const std::uint32_t>{};
+    const auto dimensions = rank > 1 ? std::span<const std::uint32_t>{place.dimensions}
+                                     : std::span<const std::uint32_t>{};
     if (rank == 0 || !busbar::detail::make_box(bounds, place.elements, dimensions, box)) {
         return status::Bad_IndexRangeNoData;
     }

@@ -168,8 +168,7 @@ StatusCode ImageMemory::store(std::uint32_t handle, const Variant& value)
         [&](auto tag) {
             using T = typename decltype(tag)::type;
             if constexpr (detail::is_image_text<T>) {
-                const T* first =
-                    place.is_array() ? value.array_if<T>()->data() : value.get_if<T>();
+                const T* first = place.is_array() ? value.array_if<T>()->data() : value.get_if<T>();
                 for (std::uint32_t i = 0; i < place.elements; ++i) {
                     set_text(handle, detail::text_of(first[i]), i);
                 }

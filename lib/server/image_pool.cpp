@@ -22,8 +22,8 @@ Variant make_array(const ImagePlace& place, std::byte*& elements)
 } // namespace
 
 ImageBuffer::ImageBuffer(const ImageLayout& layout)
-    : plain_{std::make_unique<std::byte[]>(layout.plain_bytes())},
-      plain_bytes_{layout.plain_bytes()}
+    : plain_{std::make_unique<std::byte[]>(layout.plain_bytes())}, plain_bytes_{
+                                                                       layout.plain_bytes()}
 {
     arrays_.reserve(layout.array_count());
     copies_.reserve(layout.array_count());
@@ -93,8 +93,7 @@ void ImagePool::publish(const ImageMemory& memory, DateTime time)
     // release: who pins `next` sees what was just filled in. acquire: who took a pin of the old
     // buffer was admitted after others had given theirs back (see pin); find_free must see that
     // those are back, else it could count more than max_pins.
-    const std::uint64_t old =
-        latest_.exchange(next << index_shift, std::memory_order_acq_rel);
+    const std::uint64_t old = latest_.exchange(next << index_shift, std::memory_order_acq_rel);
     if (current_ != no_buffer) {
         constexpr std::uint64_t count_mask = (std::uint64_t{1} << index_shift) - 1;
         buffers_[current_]->taken_ += old & count_mask;
@@ -113,8 +112,7 @@ ImageBuffer* ImagePool::pin()
     // acquire: the buffer's content. It lies behind the exchange in publish() also for the second
     // and later pins, whose fetch_adds continue its release sequence. release: see publish().
     // 48 bits count the pins of one scan: nine years of a million per second.
-    const std::uint64_t index =
-        latest_.fetch_add(1, std::memory_order_acq_rel) >> index_shift;
+    const std::uint64_t index = latest_.fetch_add(1, std::memory_order_acq_rel) >> index_shift;
     if (index == no_buffer) {
         held_.fetch_sub(1, std::memory_order_release);
         return nullptr;

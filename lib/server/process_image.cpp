@@ -1,6 +1,7 @@
 #include <busbar/server/process_image.hpp>
 
 #include <algorithm>
+#include <cstring>
 
 #include "image_pool.hpp"
 #include "image_types.hpp"

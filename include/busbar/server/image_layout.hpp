@@ -1,6 +1,6 @@
 #pragma once
 
-#include <bit>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -30,8 +30,8 @@ struct ImageText {
 };
 
 template <typename T>
-inline constexpr bool is_image_text = std::same_as<T, String> || std::same_as<T, ByteString> ||
-                                      std::same_as<T, XmlElement>;
+inline constexpr bool is_image_text =
+    std::same_as<T, String> || std::same_as<T, ByteString> || std::same_as<T, XmlElement>;
 
 } // namespace detail
 

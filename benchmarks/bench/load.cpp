@@ -1,0 +1,329 @@
+#include "load.hpp"
+
+#include <algorithm>
+
+#include <busbar/types/attribute.hpp>
+#include <busbar/types/discovery.hpp>
+
+#include "floor.hpp"
+
+namespace busbar::bench {
+
+namespace {
+
+constexpr std::size_t fewest_runs = 5;
+constexpr std::size_t most_runs = 5'000;
+/// What a chunk adds to a body, roughly; it hardly counts.
+constexpr std::size_t frame_size = 80;
+
+binary::DecodeLimits generous()
+{
+    binary::DecodeLimits limits;
+    limits.max_array_length = 1'000'000;
+    return limits;
+}
+
+template <typename Structure>
+std::size_t wire_size(const Structure& structure)
+{
+    const auto bytes = binary::to_bytes(structure);
+    return frame_size + (bytes ? bytes->size() : 0);
+}
+
+/// A self-signed certificate of the moment, for servers that ask for one.
+Result<channel::ApplicationIdentity> make_identity(DateTime now)
+{
+    auto key = crypto::PrivateKey::generate(2048);
+    if (!key) {
+        return fail(key.error());
+    }
+    crypto::CertificateSubject subject;
+    subject.common_name = "Busbar bench";
+    subject.application_uri = "urn:busbar:bench";
+    subject.dns_names = {"localhost"};
+    subject.valid_from = DateTime{now.ticks - 3'600 * DateTime::ticks_per_second};
+    subject.valid_days = 1;
+    auto certificate = crypto::create_self_signed(*key, subject);
+    if (!certificate) {
+        return fail(certificate.error());
+    }
+    return channel::ApplicationIdentity{{*std::move(certificate)}, *std::move(key)};
+}
+
+MessageSecurityMode mode_of(const std::string& name)
+{
+    return name == "Sign"             ? MessageSecurityMode::Sign
+           : name == "SignAndEncrypt" ? MessageSecurityMode::SignAndEncrypt
+                                      : MessageSecurityMode::None;
+}
+
+} // namespace
+
+TimePoint clock_now()
+{
+    return std::chrono::time_point_cast<Duration>(std::chrono::steady_clock::now());
+}
+
+double elapsed_us(TimePoint since)
+{
+    return std::chrono::duration<double, std::micro>(clock_now() - since).count();
+}
+
+Row summarise(std::string load, std::vector<double> times_us)
+{
+    std::sort(times_us.begin(), times_us.end());
+    Row row;
+    row.load = std::move(load);
+    row.runs = times_us.size();
+    row.best_us = times_us.front();
+    row.median_us = times_us[times_us.size() / 2];
+    row.p99_us = times_us[times_us.size() * 99 / 100];
+    row.per_second = 1e6 / row.median_us;
+    return row;
+}
+
+Load::Load(Options options) : options_{std::move(options)}
+{
+    security_ = {crypto::find_policy_by_name(options_.policy), mode_of(options_.mode)};
+}
+
+channel::ChannelEnvironment Load::environment()
+{
+    return {&random_, &wall_clock_, &log_, &validator_, identity_ ? &*identity_ : nullptr};
+}
+
+Result<void> Load::open(net::ClientLoop& loop, bool wants_session)
+{
+    client::ClientConfig config;
+    config.channel.endpoint_url = options_.url;
+    config.channel.limits.max_message_size = 64U << 20U;
+    config.application_uri = "urn:busbar:bench";
+    config.limits = generous();
+    config.wants_session = wants_session;
+    if (wants_session) {
+        config.channel.security = security_;
+        config.channel.server_certificate = server_certificate_;
+        config.identity = {options_.user, options_.password};
+    }
+    const auto connected = loop.connect(std::move(config), environment());
+    return connected ? loop.wait_until_ready() : connected;
+}
+
+Result<void> Load::prepare()
+{
+    if (security_.policy == nullptr) {
+        return fail(status::Bad_SecurityPolicyRejected);
+    }
+    if (security_.policy->is_none()) {
+        return {};
+    }
+    auto identity = make_identity(wall_clock_.now());
+    net::ClientLoop loop;
+    const auto opened = identity ? open(loop, false) : fail(identity.error());
+    if (!opened) {
+        return opened;
+    }
+    identity_ = *std::move(identity);
+    GetEndpointsRequest request;
+    request.endpoint_url = String{options_.url};
+    const auto event = loop.call<GetEndpointsResponse>(request);
+    const auto response = event ? event->response<GetEndpointsResponse>() : fail(event.error());
+    if (!response) {
+        return fail(response.error());
+    }
+    for (const EndpointDescription& endpoint : response->endpoints) {
+        if (endpoint.security_mode == security_.mode &&
+            endpoint.security_policy_uri.view() == security_.policy->uri) {
+            const auto chain = crypto::parse_chain(endpoint.server_certificate.span());
+            if (chain) {
+                server_certificate_ = chain->front();
+                return {};
+            }
+        }
+    }
+    return fail(status::Bad_SecurityPolicyRejected);
+}
+
+NodeId Load::node(std::size_t number) const
+{
+    std::string text = options_.node;
+    const std::size_t at = text.find("{}");
+    if (at != std::string::npos) {
+        text.replace(at, 2, std::to_string(number));
+    }
+    return NodeId::parse(text).value_or(NodeId{});
+}
+
+Result<Row> Load::connect_load()
+{
+    std::vector<double> times;
+    for (std::size_t i = 0; i < options_.connects; ++i) {
+        net::ClientLoop loop;
+        const TimePoint start = clock_now();
+        const auto opened = open(loop, true);
+        if (!opened) {
+            return fail(opened.error());
+        }
+        times.push_back(elapsed_us(start));
+        loop.close();
+    }
+    return summarise("connect and activate", std::move(times));
+}
+
+/// Runs `once` for the time the options give; it answers false on failure.
+template <typename Once>
+Result<std::vector<double>> repeat(double seconds, Once once)
+{
+    std::vector<double> times;
+    const TimePoint begin = clock_now();
+    while (times.size() < fewest_runs ||
+           (times.size() < most_runs && elapsed_us(begin) < seconds * 1e6)) {
+        const TimePoint start = clock_now();
+        const auto done = once();
+        if (!done) {
+            return fail(done.error());
+        }
+        times.push_back(elapsed_us(start));
+    }
+    return times;
+}
+
+Result<Row> Load::read_load(net::ClientLoop& loop, std::size_t count)
+{
+    ReadRequest request;
+    request.timestamps_to_return = TimestampsToReturn::Neither;
+    request.nodes_to_read.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        ReadValueId& item = request.nodes_to_read.emplace_back();
+        item.node_id = node(i);
+        item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
+    }
+    std::size_t response_size = 0;
+    auto times = repeat(options_.seconds, [&]() -> Result<void> {
+        const auto event = loop.call<ReadResponse>(request);
+        const auto response =
+            event ? event->response<ReadResponse>(generous()) : fail(event.error());
+        if (!response) {
+            return fail(response.error());
+        }
+        response_size = event->body.size() + frame_size;
+        const auto& results = response->results;
+        const bool is_good = results.size() == count &&
+                             std::all_of(results.begin(), results.end(),
+                                         [](const DataValue& v) { return v.status.is_good(); });
+        return is_good ? Result<void>{}
+                       : fail(results.empty() ? status::Bad_NoData : results[0].status);
+    });
+    if (!times) {
+        return fail(times.error());
+    }
+    Row row = summarise("read " + std::to_string(count), *std::move(times));
+    row.floor_us = floor_us(wire_size(request), response_size, security_);
+    row.per_second *= static_cast<double>(count);
+    return row;
+}
+
+Result<Row> Load::write_load(net::ClientLoop& loop, std::size_t count)
+{
+    WriteRequest request;
+    request.nodes_to_write.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        WriteValue& item = request.nodes_to_write.emplace_back();
+        item.node_id = node(i);
+        item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
+        item.value = DataValue{Variant{static_cast<std::int16_t>(i)}};
+    }
+    std::size_t response_size = 0;
+    auto times = repeat(options_.seconds, [&]() -> Result<void> {
+        const auto event = loop.call<WriteResponse>(request);
+        const auto response =
+            event ? event->response<WriteResponse>(generous()) : fail(event.error());
+        if (!response) {
+            return fail(response.error());
+        }
+        response_size = event->body.size() + frame_size;
+        const auto bad = std::find_if(response->results.begin(), response->results.end(),
+                                      [](StatusCode code) { return code.is_bad(); });
+        return bad == response->results.end() ? Result<void>{} : fail(*bad);
+    });
+    if (!times) {
+        return fail(times.error());
+    }
+    Row row = summarise("write " + std::to_string(count), *std::move(times));
+    row.floor_us = floor_us(wire_size(request), response_size, security_);
+    row.per_second *= static_cast<double>(count);
+    return row;
+}
+
+Result<Row> Load::in_flight_load(net::ClientLoop& loop, std::size_t in_flight)
+{
+    ReadRequest request;
+    request.timestamps_to_return = TimestampsToReturn::Neither;
+    ReadValueId& item = request.nodes_to_read.emplace_back();
+    item.node_id = node(0);
+    item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
+    std::size_t answers = 0;
+    std::size_t open = 0;
+    const TimePoint begin = clock_now();
+    while (elapsed_us(begin) < options_.seconds * 1e6) {
+        for (; open < in_flight; ++open) {
+            const auto sent = loop.client().send(request);
+            if (!sent) {
+                return fail(sent.error());
+            }
+        }
+        const auto event = loop.wait();
+        if (!event || event->kind != client::ClientEvent::Kind::Response ||
+            event->status.is_bad()) {
+            return fail(event ? event->status : status::Bad_Timeout);
+        }
+        ++answers;
+        --open;
+    }
+    const double total = elapsed_us(begin);
+    for (; open != 0; --open) {
+        static_cast<void>(loop.wait());
+    }
+    Row row;
+    row.load = "one value, " + std::to_string(in_flight) + " in flight";
+    row.runs = answers;
+    row.median_us = total / static_cast<double>(answers);
+    row.per_second = 1e6 / row.median_us;
+    return row;
+}
+
+Result<std::vector<Row>> Load::run()
+{
+    std::vector<Row> rows;
+    const auto keep = [&](Result<Row> row) -> Result<void> {
+        if (!row) {
+            return fail(row.error());
+        }
+        rows.push_back(*std::move(row));
+        return {};
+    };
+    Result<void> done;
+    if (options_.connects != 0) {
+        done = keep(connect_load());
+    }
+    net::ClientLoop loop;
+    if (done) {
+        done = open(loop, true);
+    }
+    for (std::size_t i = 0; done && i < options_.read_counts.size(); ++i) {
+        done = keep(read_load(loop, options_.read_counts[i]));
+    }
+    for (std::size_t i = 0; done && i < options_.write_counts.size(); ++i) {
+        done = keep(write_load(loop, options_.write_counts[i]));
+    }
+    for (std::size_t i = 0; done && i < options_.in_flight.size(); ++i) {
+        done = keep(in_flight_load(loop, options_.in_flight[i]));
+    }
+    loop.close();
+    if (!done) {
+        return fail(done.error());
+    }
+    return rows;
+}
+
+} // namespace busbar::bench

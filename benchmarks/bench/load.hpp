@@ -1,0 +1,75 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <busbar/net/client_loop.hpp>
+
+namespace busbar::bench {
+
+struct Options {
+    std::string url{"opc.tcp://localhost:4840"};
+    std::string policy{"None"};
+    std::string mode{"None"};
+    std::string user;
+    std::string password;
+    /// A NodeId with "{}" where the number goes.
+    std::string node{"ns=2;s=Bulk{}"};
+    std::vector<std::size_t> read_counts{1, 100, 1'000, 10'000, 25'000};
+    std::vector<std::size_t> write_counts{1, 100, 3'000};
+    std::vector<std::size_t> in_flight{1, 64};
+    std::size_t connects{20};
+    double seconds{1.0};
+    bool json{false};
+};
+
+/// One line of the table; times in microseconds.
+struct Row {
+    std::string load;
+    std::size_t runs{0};
+    double median_us{0};
+    double best_us{0};
+    double p99_us{0};
+    /// What the same bytes cost without any OPC UA, 0 where there is no such thing.
+    double floor_us{0};
+    double per_second{0};
+};
+
+/// The median and the like of a series of times.
+[[nodiscard]] Row summarise(std::string load, std::vector<double> times_us);
+[[nodiscard]] double elapsed_us(TimePoint since);
+[[nodiscard]] TimePoint clock_now();
+
+/// A server under test: finds the endpoint, connects and runs the loads.
+class Load {
+public:
+    explicit Load(Options options);
+
+    /// Asks the server for its endpoints. Bad_SecurityPolicyRejected if the one that is wanted is
+    /// not among them.
+    [[nodiscard]] Result<void> prepare();
+    /// All loads of the options; stops at the first that fails.
+    [[nodiscard]] Result<std::vector<Row>> run();
+
+private:
+    [[nodiscard]] Result<void> open(net::ClientLoop& loop, bool wants_session);
+    [[nodiscard]] Result<Row> connect_load();
+    [[nodiscard]] Result<Row> read_load(net::ClientLoop& loop, std::size_t count);
+    [[nodiscard]] Result<Row> write_load(net::ClientLoop& loop, std::size_t count);
+    [[nodiscard]] Result<Row> in_flight_load(net::ClientLoop& loop, std::size_t in_flight);
+    [[nodiscard]] NodeId node(std::size_t number) const;
+    [[nodiscard]] channel::ChannelEnvironment environment();
+
+    Options options_;
+    crypto::SystemRandom random_;
+    net::SystemWallClock wall_clock_;
+    NullLog log_;
+    crypto::InsecureAcceptAnyCertificate validator_;
+    std::optional<channel::ApplicationIdentity> identity_;
+    std::optional<crypto::Certificate> server_certificate_;
+    channel::SecuritySetting security_;
+};
+
+} // namespace busbar::bench
