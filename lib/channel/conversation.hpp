@@ -83,6 +83,8 @@ public:
     crypto::CertificateChain peer_certificates;
     [[nodiscard]] const ChannelEnvironment& environment() const { return environment_; }
     [[nodiscard]] const Hello& sizes() const { return sizes_; }
+    /// Our own limits, complete.
+    [[nodiscard]] const TransportLimits& limits() const { return limits_; }
     std::uint32_t max_frame_size{max_early_size};
 
 private:

@@ -1,12 +1,14 @@
 #include <busbar/channel/server_channel.hpp>
 
 #include <algorithm>
-#include <deque>
+#include <array>
 
 #include <busbar/core/text.hpp>
 #include <busbar/types/secure_channel.hpp>
 
 #include "conversation.hpp"
+#include "event_queue.hpp"
+#include "open_request.hpp"
 
 namespace busbar::channel {
 
@@ -16,17 +18,21 @@ namespace {
 
 enum class State : std::uint8_t { Hello, Opening, Open, Closed };
 
-/// Of the reasons why a certificate is refused a peer learns only these (Part 4, 6.1.3).
+/// What a peer may be told; of everything else it learns Bad_SecurityChecksFailed only
+/// (Part 4, 6.1.3 and Part 6, 6.7.7).
+constexpr std::array told = {
+    status::Bad_TcpMessageTypeInvalid,   status::Bad_TcpMessageTooLarge,
+    status::Bad_TcpNotEnoughResources,   status::Bad_TcpInternalError,
+    status::Bad_TcpEndpointUrlInvalid,   status::Bad_TcpSecureChannelUnknown,
+    status::Bad_SecureChannelTokenUnknown, status::Bad_SecurityPolicyRejected,
+    status::Bad_SecurityModeRejected,    status::Bad_RequestTypeInvalid,
+    status::Bad_Timeout,
+};
+
 StatusCode outward(StatusCode status)
 {
-    const bool may_be_told = status == status::Bad_SecurityPolicyRejected ||
-                             status == status::Bad_SecurityModeRejected ||
-                             status == status::Bad_TcpSecureChannelUnknown ||
-                             status == status::Bad_SecureChannelTokenUnknown ||
-                             status == status::Bad_RequestTypeInvalid ||
-                             status == status::Bad_TcpMessageTypeInvalid ||
-                             status == status::Bad_TcpMessageTooLarge;
-    return may_be_told ? status : status::Bad_SecurityChecksFailed;
+    const bool is_told = std::find(told.begin(), told.end(), status) != told.end();
+    return is_told ? status : status::Bad_SecurityChecksFailed;
 }
 
 } // namespace
@@ -34,7 +40,7 @@ StatusCode outward(StatusCode status)
 struct ServerChannel::Impl {
     Impl(ServerChannelConfig c, const ChannelEnvironment& environment, TimePoint start)
         : config{std::move(c)}, conversation{config.limits, environment,
-                                             status::Bad_ResponseTooLarge},
+                                             Role::Server},
           now{start}, handshake_deadline{start + config.limits.handshake_timeout}
     {
     }
@@ -44,16 +50,10 @@ struct ServerChannel::Impl {
     [[nodiscard]] Result<void> handle_hello(const Frame& frame);
     [[nodiscard]] Result<void> handle_open(const Frame& frame);
     [[nodiscard]] Result<void> handle_message(const Frame& frame);
-    [[nodiscard]] Result<crypto::CertificateChain> check_sender(const AsymmetricHeader& header);
-    [[nodiscard]] Result<AsymmetricContent> open_request(const Frame& frame,
-                                                         const AsymmetricHeader& header,
-                                                         const crypto::CertificateChain& chain);
-    [[nodiscard]] Result<void> check_request(const OpenSecureChannelRequest& request,
-                                             const AsymmetricHeader& header,
-                                             const crypto::CertificateChain& chain);
     [[nodiscard]] Result<void> issue(const OpenSecureChannelRequest& request,
                                      std::uint32_t request_id);
-    void fail_with(StatusCode status, std::string_view reason);
+    void refuse(StatusCode status);
+    void fail_with(StatusCode told_status, StatusCode status, std::string_view reason);
     void end(StatusCode status, std::string reason);
 
     ServerChannelConfig config;
@@ -64,7 +64,8 @@ struct ServerChannel::Impl {
     std::string endpoint_url;
     std::uint32_t last_token_id{0};
     ByteString client_nonce;
-    std::deque<Event> events;
+    bool is_reverse{false};
+    EventQueue events;
 };
 
 std::optional<Event> ServerChannel::Impl::next_event()
@@ -72,23 +73,14 @@ std::optional<Event> ServerChannel::Impl::next_event()
     while (events.empty() && state != State::Closed) {
         const auto frame = conversation.next_frame();
         if (!frame) {
-            fail_with(frame.error(), "malformed message header");
+            refuse(frame.error());
+        } else if (!*frame) {
             break;
-        }
-        if (!*frame) {
-            break;
-        }
-        const auto handled = handle(**frame);
-        if (!handled) {
-            fail_with(outward(handled.error()), name(handled.error()));
+        } else if (const auto handled = handle(**frame); !handled) {
+            refuse(handled.error());
         }
     }
-    if (events.empty()) {
-        return std::nullopt;
-    }
-    Event event = std::move(events.front());
-    events.pop_front();
-    return event;
+    return events.pop();
 }
 
 /// Which message is allowed in which state; anything else is Bad_TcpMessageTypeInvalid.
@@ -104,6 +96,11 @@ Result<void> ServerChannel::Impl::handle(const Frame& frame)
     if (state == State::Open && (type == MessageType::MSG || type == MessageType::CLO)) {
         return handle_message(frame);
     }
+    if (is_reverse && state == State::Hello && type == MessageType::ERR) {
+        const auto error = parse_error(frame.body()); // the client does not want the connection
+        end(error ? error->error : status::Bad_DecodingError, "the client refused");
+        return {};
+    }
     return fail(status::Bad_TcpMessageTypeInvalid);
 }
 
@@ -111,143 +108,48 @@ Result<void> ServerChannel::Impl::handle_hello(const Frame& frame)
 {
     const auto hello = parse_hello(frame.body());
     if (!hello) {
-        fail_with(hello.error() == status::Bad_TcpEndpointUrlInvalid ? hello.error()
-                                                                     : status::Bad_TcpInternalError,
-                  "malformed Hello");
-        return {};
+        return fail(hello.error());
     }
     if (hello->receive_buffer_size < min_buffer_size || hello->send_buffer_size < min_buffer_size) {
-        fail_with(status::Bad_TcpNotEnoughResources, "the buffers must have 8192 bytes or more");
-        return {};
+        return fail(status::Bad_TcpNotEnoughResources); // Part 6, 7.1.2.3
     }
     endpoint_url = hello->endpoint_url.str();
     conversation.negotiate(*hello);
     Hello acknowledge;
     acknowledge.receive_buffer_size = conversation.sizes().receive_buffer_size;
     acknowledge.send_buffer_size = conversation.sizes().send_buffer_size;
-    acknowledge.max_message_size = config.limits.max_message_size;
-    acknowledge.max_chunk_count = config.limits.max_chunk_count;
+    acknowledge.max_message_size = conversation.limits().max_message_size;
+    acknowledge.max_chunk_count = conversation.limits().max_chunk_count;
     write_acknowledge(conversation.output(), acknowledge);
     state = State::Opening;
     return {};
 }
 
-Result<crypto::CertificateChain> ServerChannel::Impl::check_sender(const AsymmetricHeader& header)
-{
-    const ChannelEnvironment& environment = conversation.environment();
-    if (header.policy->is_none()) {
-        return crypto::CertificateChain{};
-    }
-    if (environment.identity == nullptr || environment.validator == nullptr) {
-        return fail(status::Bad_SecurityPolicyRejected);
-    }
-    auto chain = crypto::parse_chain(header.sender_certificate);
-    if (!chain) {
-        return fail(status::Bad_SecurityChecksFailed);
-    }
-    const auto thumbprint = environment.identity->certificates.front().thumbprint();
-    if (!std::equal(thumbprint.begin(), thumbprint.end(), header.receiver_thumbprint.begin(),
-                    header.receiver_thumbprint.end())) {
-        return fail(status::Bad_SecurityChecksFailed);
-    }
-    const auto valid =
-        environment.validator->validate(*chain, {header.policy, environment.wall_clock->now(), {}});
-    if (!valid) {
-        environment.log->write(LogLevel::Warning, "channel",
-                               "client certificate refused: " + std::string{name(valid.error())});
-        return fail(status::Bad_SecurityChecksFailed);
-    }
-    return chain;
-}
-
-Result<AsymmetricContent> ServerChannel::Impl::open_request(const Frame& frame,
-                                                            const AsymmetricHeader& header,
-                                                            const crypto::CertificateChain& chain)
-{
-    const ApplicationIdentity* identity = conversation.environment().identity;
-    return open_asymmetric(frame.bytes, header, identity != nullptr ? &identity->key : nullptr,
-                           chain.empty() ? nullptr : &chain.front());
-}
-
-/// Part 4, 5.5.2: what a request may ask for in the state the channel is in.
-Result<void> ServerChannel::Impl::check_request(const OpenSecureChannelRequest& request,
-                                                const AsymmetricHeader& header,
-                                                const crypto::CertificateChain& chain)
-{
-    const SecuritySetting wanted{header.policy, request.security_mode};
-    const bool is_renewal = request.request_type == SecurityTokenRequestType::Renew;
-    if (!is_renewal && request.request_type != SecurityTokenRequestType::Issue) {
-        return fail(status::Bad_RequestTypeInvalid);
-    }
-    if (is_renewal != (state == State::Open)) {
-        return fail(status::Bad_RequestTypeInvalid);
-    }
-    if (header.policy->is_none() != (request.security_mode == MessageSecurityMode::None)) {
-        return fail(status::Bad_SecurityModeRejected);
-    }
-    if (std::find(config.allowed.begin(), config.allowed.end(), wanted) == config.allowed.end()) {
-        return fail(status::Bad_SecurityModeRejected);
-    }
-    if (is_renewal &&
-        (!(wanted == conversation.security) || !(chain == conversation.peer_certificates))) {
-        return fail(status::Bad_SecurityChecksFailed);
-    }
-    if (!header.policy->is_none() && (request.client_nonce.size() != header.policy->nonce_size ||
-                                      request.client_nonce == client_nonce)) {
-        return fail(status::Bad_SecurityChecksFailed); // Bad_NonceInvalid, for the log only
-    }
-    return {};
-}
-
 Result<void> ServerChannel::Impl::handle_open(const Frame& frame)
 {
-    const auto header = parse_asymmetric_header(frame.bytes);
-    if (!header) {
-        return fail(header.error());
-    }
-    const bool is_known = std::any_of(config.allowed.begin(), config.allowed.end(),
-                                      [&](const auto& s) { return s.policy == header->policy; });
-    if (!is_known) {
-        return fail(status::Bad_SecurityPolicyRejected);
-    }
-    if (header->channel_id != (state == State::Open ? config.channel_id : 0)) {
-        return fail(state == State::Open ? status::Bad_TcpSecureChannelUnknown
-                                         : status::Bad_SecurityChecksFailed);
-    }
-    auto chain = check_sender(*header);
-    if (!chain) {
-        return fail(chain.error());
-    }
-    const auto content = open_request(frame, *header, *chain);
-    if (!content || !conversation.accept_sequence(content->sequence_number)) {
-        return fail(status::Bad_SecurityChecksFailed);
-    }
-    const auto request = decode_message<OpenSecureChannelRequest>(content->body);
+    auto request = read_open_request(frame, conversation,
+                                     {config, state == State::Open, client_nonce});
     if (!request) {
-        return fail(status::Bad_SecurityChecksFailed);
+        return fail(request.error());
     }
-    const auto checked = check_request(*request, *header, *chain);
-    if (!checked) {
-        return checked;
-    }
-    conversation.security = {header->policy, request->security_mode};
-    conversation.peer_certificates = *std::move(chain);
+    conversation.security = request->security;
+    conversation.peer_certificates = std::move(request->sender);
     conversation.channel_id = config.channel_id;
-    return issue(*request, content->request_id);
+    return issue(request->body, request->request_id);
 }
 
 Result<void> ServerChannel::Impl::issue(const OpenSecureChannelRequest& request,
                                         std::uint32_t request_id)
 {
     const ChannelEnvironment& environment = conversation.environment();
-    std::vector<std::byte> nonce(conversation.security.policy->nonce_size);
-    if (!environment.random->fill(nonce)) {
+    crypto::Secret nonce{conversation.security.policy->nonce_size};
+    if (!environment.random->fill(nonce.span())) {
         return fail(status::Bad_ResourceUnavailable);
     }
     const auto lifetime = std::clamp(std::chrono::milliseconds{request.requested_lifetime},
                                      config.min_lifetime, config.max_lifetime);
     auto token = make_token(++last_token_id, conversation.security,
-                            {nonce, request.client_nonce.span()}, lifetime, now);
+                            {nonce.span(), request.client_nonce.span()}, lifetime, now);
     if (!token) {
         return fail(token.error());
     }
@@ -258,7 +160,7 @@ Result<void> ServerChannel::Impl::issue(const OpenSecureChannelRequest& request,
     response.security_token.token_id = last_token_id;
     response.security_token.created_at = response.response_header.timestamp;
     response.security_token.revised_lifetime = static_cast<std::uint32_t>(lifetime.count());
-    response.server_nonce = ByteString{nonce};
+    response.server_nonce = ByteString{nonce.span()};
     binary::VectorSink sink;
     binary::Writer writer{sink};
     encode_message(writer, response);
@@ -271,7 +173,7 @@ Result<void> ServerChannel::Impl::issue(const OpenSecureChannelRequest& request,
     client_nonce = request.client_nonce;
     conversation.offer(*std::move(token));
     const bool is_new = std::exchange(state, State::Open) == State::Opening;
-    events.push_back({is_new ? Event::Kind::Opened : Event::Kind::Renewed, 0, {}, {}, {}});
+    events.push({is_new ? Event::Kind::Opened : Event::Kind::Renewed, 0, {}, {}, {}});
     return {};
 }
 
@@ -285,27 +187,39 @@ Result<void> ServerChannel::Impl::handle_message(const Frame& frame)
         end({}, {});
         return {};
     }
-    auto event = conversation.assemble(frame, *content);
+    if (frame.header.chunk == 'A' && !conversation.assembly().has_begun()) {
+        return fail(status::Bad_TcpMessageTypeInvalid);
+    }
+    auto event = conversation.assembly().add(frame.header.chunk, *content);
     if (!event) {
         return fail(event.error());
     }
     // A client that gave up a request leaves nothing to do (Part 6, 6.7.3).
     if (*event && (*event)->kind == Event::Kind::Message) {
-        events.push_back(**std::move(event));
+        events.push(**std::move(event));
     }
     return {};
 }
 
-void ServerChannel::Impl::fail_with(StatusCode status, std::string_view reason)
+/// Where an error of the peer becomes an Error message (Part 6, 7.1.5).
+void ServerChannel::Impl::refuse(StatusCode status)
 {
-    write_error(conversation.output(), status, name(status));
+    conversation.environment().log->write(LogLevel::Warning, "channel",
+                                          "connection closed: " + std::string{name(status)});
+    fail_with(outward(status), status, name(status));
+}
+
+void ServerChannel::Impl::fail_with(StatusCode told_status, StatusCode status,
+                                    std::string_view reason)
+{
+    write_error(conversation.output(), told_status, name(told_status));
     end(status, std::string{reason});
 }
 
 void ServerChannel::Impl::end(StatusCode status, std::string reason)
 {
     state = State::Closed;
-    events.push_back({Event::Kind::Closed, 0, {}, status, std::move(reason)});
+    events.push({Event::Kind::Closed, 0, {}, status, std::move(reason)});
 }
 
 ServerChannel::ServerChannel(ServerChannelConfig config, const ChannelEnvironment& environment,
@@ -324,6 +238,7 @@ Result<void> ServerChannel::reverse_hello(std::string_view server_uri,
         impl_->state != State::Hello) {
         return fail(status::Bad_InvalidArgument);
     }
+    impl_->is_reverse = true;
     write_reverse_hello(impl_->conversation.output(), server_uri, endpoint_url);
     return {};
 }
@@ -370,10 +285,13 @@ TimePoint ServerChannel::next_deadline() const
 void ServerChannel::handle_deadline(TimePoint now)
 {
     impl_->now = now;
-    if (now >= next_deadline()) {
-        impl_->fail_with(impl_->state == State::Open ? status::Bad_SecureChannelTokenUnknown
-                                                     : status::Bad_Timeout,
-                         "nothing came in time");
+    if (impl_->state == State::Closed || now < next_deadline()) {
+        return;
+    }
+    if (impl_->state != State::Open) {
+        impl_->refuse(status::Bad_Timeout); // Part 6, 7.1.3
+    } else if (impl_->conversation.expire(now)) {
+        impl_->refuse(status::Bad_SecureChannelTokenUnknown);
     }
 }
 
@@ -389,8 +307,18 @@ Result<void> ServerChannel::send(std::uint32_t request_id,
 void ServerChannel::close(StatusCode status, std::string_view reason)
 {
     if (impl_->state != State::Closed) {
-        impl_->fail_with(status, reason);
+        impl_->fail_with(status, status, reason);
     }
+}
+
+void ServerChannel::recycle(std::vector<std::byte> body)
+{
+    impl_->conversation.assembly().recycle(std::move(body));
+}
+
+std::size_t ServerChannel::memory_in_use() const
+{
+    return impl_->conversation.memory_in_use();
 }
 
 bool ServerChannel::is_open() const

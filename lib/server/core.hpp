@@ -29,6 +29,8 @@ struct Core {
     std::vector<Link*> links;
     /// Ids of connections with news for whoever drives them.
     std::deque<std::uint64_t> changed;
+    /// There are operations that have answered and can be destroyed.
+    bool needs_sweep{false};
     std::uint64_t next_link_id{1};
     /// Of the next channel; begins at a random number (Part 6, 6.7.2.2).
     std::uint32_t next_channel_id{1};
@@ -45,6 +47,8 @@ struct Core {
     {
         environment.log->write(level, source, text);
     }
+    /// To be called at the end of whatever is called from outside.
+    void sweep();
     /// Ends what the session has pending with `status`, then the session itself.
     void close_session(Session& session, StatusCode status);
 };

@@ -109,7 +109,10 @@ void Link::consume(std::size_t size)
 
 TimePoint Link::next_deadline() const
 {
-    TimePoint first = output().empty() ? no_deadline : send_check_;
+    TimePoint first = no_deadline;
+    if (!output().empty()) {
+        first = send_check_ == no_deadline ? now_ : send_check_;
+    }
     if (is_closed()) {
         return first;
     }
@@ -197,10 +200,10 @@ void Link::handle_closed(StatusCode status, std::string reason)
         return;
     }
     for (const auto& operation : operations_) {
-        operation->link_ = nullptr;
-        operation->session_ = nullptr;
+        if (!operation->is_finished()) {
+            static_cast<void>(operation->finish());
+        }
     }
-    core_.needs_sweep = core_.needs_sweep || !operations_.empty();
     core_.sessions.unbind(*this);
     events_.push_back({ConnectionEvent::Kind::Closed, status, std::move(reason)});
 }

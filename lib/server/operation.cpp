@@ -2,30 +2,40 @@
 
 namespace busbar::server::detail {
 
+Link& Operation::finish()
+{
+    Link& link = *std::exchange(link_, nullptr);
+    if (session_ != nullptr) {
+        session_->release(charged_);
+        session_ = nullptr;
+    }
+    link.core().needs_sweep = true;
+    return link;
+}
+
 void Operation::respond(std::uint32_t encoding_id, FunctionRef<void(binary::Writer&)> encode)
 {
-    if (is_finished()) {
-        return;
+    if (!is_finished()) {
+        const Reply reply{request_id_, request_handle_,
+                          session_ != nullptr ? session_->max_response_message_size : 0};
+        finish().respond(reply, encoding_id, encode);
     }
-    Link& link = *link_;
-    const Reply reply{request_id_, request_handle_,
-                      session_ != nullptr ? session_->max_response_message_size : 0};
-    link_ = nullptr;
-    session_ = nullptr;
-    link.core().needs_sweep = true;
-    link.respond(reply, encoding_id, encode);
 }
 
 void Operation::fault(StatusCode status)
 {
-    if (is_finished()) {
-        return;
+    if (!is_finished()) {
+        finish().fault({request_id_, request_handle_, 0}, status);
     }
-    Link& link = *link_;
-    link_ = nullptr;
-    session_ = nullptr;
-    link.core().needs_sweep = true;
-    link.fault({request_id_, request_handle_, 0}, status);
+}
+
+bool Operation::charge(std::size_t bytes)
+{
+    if (session_ != nullptr && !session_->charge(bytes)) {
+        return false;
+    }
+    charged_ += bytes;
+    return true;
 }
 
 void Link::start(std::unique_ptr<Operation> operation, std::vector<std::byte> message,
@@ -50,8 +60,14 @@ void Link::start(std::unique_ptr<Operation> operation, std::vector<std::byte> me
             context.now + std::chrono::milliseconds{header.timeout_hint};
     }
     operations_.push_back(std::move(operation));
-    // It may have been destroyed with its connection when this returns; it is not looked at again.
-    operations_.back()->start(context);
+    Operation& started = *operations_.back();
+    started.start(context);
+    if (!started.is_finished() && !started.charge(started.message_.capacity())) {
+        started.fault(status::Bad_TooManyOperations);
+    }
+    if (started.is_finished()) {
+        operations_.pop_back();
+    }
 }
 
 } // namespace busbar::server::detail

@@ -6,13 +6,6 @@
 
 namespace busbar::server::detail {
 
-ReadOperation::~ReadOperation()
-{
-    if (charged_ != 0) {
-        session()->release(charged_);
-    }
-}
-
 void ReadOperation::start(ServiceContext& context)
 {
     Core& core = context.core;
@@ -32,11 +25,10 @@ void ReadOperation::start(ServiceContext& context)
     }
     // Only what waits is held at the session's expense.
     const std::size_t cost = request().nodes_to_read.size() * ReadJob::bytes_per_item;
-    if (!context.session->charge(cost)) {
+    if (!charge(cost)) {
         job_.reset();
         return fault(status::Bad_TooManyOperations);
     }
-    charged_ = cost;
 }
 
 TimePoint ReadOperation::next_deadline() const

@@ -12,8 +12,6 @@ namespace busbar::server::detail {
 /// Read (Part 4, 5.11.2).
 class ReadOperation final : public OperationOf<ReadRequest>, private CallOwner {
 public:
-    ~ReadOperation() override;
-
     void start(ServiceContext& context) override;
     [[nodiscard]] TimePoint next_deadline() const override;
     void handle_deadline(TimePoint now) override;
@@ -22,7 +20,6 @@ private:
     void call_completed() override;
 
     std::optional<ReadJob> job_;
-    std::size_t charged_{0};
 };
 
 } // namespace busbar::server::detail

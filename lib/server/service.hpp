@@ -34,10 +34,10 @@ struct ServiceContext {
 
 /// One request whose answer may come later. Owns the message it was decoded from.
 ///
-/// Lives on the server's thread. It may be destroyed at any time after start() without having
-/// answered: its connection, session or server has ended, or the client cancelled it; whatever it
-/// waits for must then stop referring to it. It is never destroyed from within respond() or
-/// fault().
+/// Lives on the server's thread. Others may answer for it (timeout, Cancel, end of the session) or
+/// destroy it unanswered (end of the connection); answers that come after that are dropped, and
+/// whatever it waits for must stop referring to it when it is destroyed. That is never from within
+/// one of its own members.
 class Operation {
 public:
     Operation() = default;
@@ -46,8 +46,8 @@ public:
     virtual ~Operation() = default;
 
     /// Begins, once. Answers by respond() or fault(), exactly once, from here or from later calls.
-    /// `context` is gone when it returns; its `core` and, as long as this object is, its `link` and
-    /// `session` stay.
+    /// `context` is gone when it returns; its `core` stays. The session may be gone as soon as
+    /// session() is null.
     virtual void start(ServiceContext& context) = 0;
     /// When the operation itself wants to be called; the client's own timeout is dispatch's
     /// business.
@@ -74,6 +74,8 @@ private:
 
     virtual void decode_request(binary::Reader& reader) = 0;
     void respond(std::uint32_t encoding_id, FunctionRef<void(binary::Writer&)> encode);
+    /// Lets go of link and session; the link it had.
+    Link& finish();
 
     std::vector<std::byte> message_;
     Link* link_{nullptr};
@@ -81,6 +83,7 @@ private:
     std::uint32_t request_id_{0};
     std::uint32_t request_handle_{0};
     TimePoint client_deadline_{no_deadline};
+    std::size_t charged_{0};
 };
 
 /// An Operation with its request.

@@ -5,16 +5,6 @@
 
 namespace busbar::server::detail {
 
-WriteOperation::~WriteOperation()
-{
-    if (charged_ != 0) {
-        session()->release(charged_);
-    }
-    if (job_) {
-        job_->keep(take_request(), take_message());
-    }
-}
-
 void WriteOperation::start(ServiceContext& context)
 {
     Core& core = context.core;
@@ -24,10 +14,9 @@ void WriteOperation::start(ServiceContext& context)
     }
     // Before anything is written, as batches cannot be taken back.
     const std::size_t cost = request().nodes_to_write.size() * WriteJob::bytes_per_item;
-    if (!context.session->charge(cost)) {
+    if (!charge(cost)) {
         return fault(status::Bad_TooManyOperations);
     }
-    charged_ = cost;
     job_.emplace(WriteContext{core.address_space,
                               core.sources,
                               {context.session->user, core.environment.access}},

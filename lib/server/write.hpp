@@ -12,8 +12,6 @@ namespace busbar::server::detail {
 /// Write (Part 4, 5.11.4).
 class WriteOperation final : public OperationOf<WriteRequest>, private CallOwner {
 public:
-    ~WriteOperation() override;
-
     void start(ServiceContext& context) override;
     [[nodiscard]] TimePoint next_deadline() const override;
     void handle_deadline(TimePoint now) override;
@@ -22,7 +20,6 @@ private:
     void call_completed() override;
 
     std::optional<WriteJob> job_;
-    std::size_t charged_{0};
 };
 
 } // namespace busbar::server::detail

@@ -38,12 +38,13 @@ public:
     ~ServerChannel();
 
     /// Sends ReverseHello instead of waiting for the client's connection (Part 6, 7.1.2.6). Only
-    /// before anything was fed.
+    /// before anything was fed, and with texts of at most 4096 bytes: else Bad_InvalidArgument.
     [[nodiscard]] Result<void> reverse_hello(std::string_view server_uri,
                                              std::string_view endpoint_url);
 
     /// Takes bytes from the peer. Bad once the channel is closed. Poll next_event() after it until
-    /// there is none: that is when the bytes are worked on.
+    /// there is none: that is when the bytes are worked on. An owner whose peer does not read, so
+    /// that output() grows, stops feeding.
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
     [[nodiscard]] std::optional<Event> next_event();
     /// Bytes for the peer, valid until the next call of any other member but consume().
@@ -59,6 +60,11 @@ public:
                                     FunctionRef<void(binary::Writer&)> encode);
     /// Sends an Error message and closes.
     void close(StatusCode status, std::string_view reason);
+
+    /// Gives a Message's body back, so that the next one needs no allocation. Never needed.
+    void recycle(std::vector<std::byte> body);
+    /// Bytes that the buffers of this connection hold now, for the owner's accounts.
+    [[nodiscard]] std::size_t memory_in_use() const;
 
     [[nodiscard]] bool is_open() const;
     [[nodiscard]] bool is_closed() const;

@@ -52,8 +52,9 @@ struct ServerLimits {
     std::chrono::milliseconds max_session_timeout{3'600'000};
     /// How long a session may stay without ActivateSession.
     std::chrono::milliseconds activation_timeout{30'000};
-    /// Bytes that continuation points, registered nodes and the like of one session may take.
-    std::size_t max_session_memory{16U << 20U};
+    /// Bytes that continuation points, registered nodes, waiting requests and the like of one
+    /// session may take.
+    std::size_t max_session_memory{64U << 20U};
     std::size_t max_locale_ids{16};
 
     // Services.

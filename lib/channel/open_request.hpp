@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+
+#include <busbar/channel/server_channel.hpp>
+#include <busbar/types/secure_channel.hpp>
+
+#include "conversation.hpp"
+
+namespace busbar::channel::detail {
+
+/// An OpenSecureChannel request that was decrypted, verified and found admissible.
+struct OpenRequest {
+    SecuritySetting security;
+    crypto::CertificateChain sender;
+    std::uint32_t request_id{0};
+    OpenSecureChannelRequest body;
+};
+
+/// What a server knows when an OPN comes.
+struct OpenContext {
+    const ServerChannelConfig& config;
+    bool is_renewal{false};        // the channel is open
+    const ByteString& last_nonce;  // the client's, of the request before
+};
+
+/// Checks an OPN in the order of Part 6, 6.7.7, then what it asks for (Part 4, 5.6.2). The status
+/// is the exact one, for the log; what the peer may learn of it is decided elsewhere.
+[[nodiscard]] Result<OpenRequest> read_open_request(const Frame& frame, Conversation& conversation,
+                                                    const OpenContext& context);
+
+} // namespace busbar::channel::detail
