@@ -1,0 +1,94 @@
+#include "channel_fuzz.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace busbar::fuzz {
+
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+void send(test::ChannelPair& pair, Script& script)
+{
+    const std::size_t size = script.byte() * std::size_t{script.byte()};
+    static_cast<void>(pair.client.send([&](binary::Writer& writer) {
+        writer.bytes(script.bytes(size / 2));
+        for (std::size_t i = 0; i < size && writer.ok(); ++i) {
+            writer.number(static_cast<std::uint8_t>(i));
+        }
+    }));
+}
+
+/// What the client has to send, changed as the script says.
+Bytes changed(test::ChannelPair& pair, Script& script)
+{
+    Bytes bytes{pair.client.output().begin(), pair.client.output().end()};
+    pair.client.consume(bytes.size());
+    switch (script.byte() % 4) {
+    case 0: {
+        for (std::size_t i = script.byte() % 4; i != 0 && !bytes.empty(); --i) {
+            const std::size_t at = script.byte() + std::size_t{script.byte()} * 256;
+            bytes[at % bytes.size()] ^= static_cast<std::byte>(script.byte());
+        }
+        break;
+    }
+    case 1:
+        bytes.resize(std::min<std::size_t>(bytes.size(), script.byte()));
+        break;
+    case 2:
+        bytes.insert(bytes.end(), bytes.begin(), bytes.end());
+        break;
+    default: {
+        const auto raw = script.bytes(script.byte());
+        bytes.insert(bytes.end(), raw.begin(), raw.end());
+    }
+    }
+    return bytes;
+}
+
+void poll(test::ChannelPair& pair)
+{
+    while (pair.server.next_event()) {
+    }
+    pair.server.consume(pair.server.output().size());
+}
+
+} // namespace
+
+void play(test::ChannelPair& pair, Script& script)
+{
+    for (int step = 0; step < 24 && !script.is_over() && !pair.server.is_closed(); ++step) {
+        switch (script.byte() % 6) {
+        case 0:
+            send(pair, script);
+            pair.run();
+            break;
+        case 1:
+            send(pair, script);
+            static_cast<void>(pair.server.feed(changed(pair, script), pair.now));
+            poll(pair);
+            break;
+        case 2:
+            static_cast<void>(pair.server.feed(script.bytes(script.byte()), pair.now));
+            poll(pair);
+            break;
+        case 3:
+            pair.advance(std::chrono::seconds{script.byte() % 64});
+            break;
+        case 4:
+            static_cast<void>(pair.server.send(script.byte(), [&](binary::Writer& writer) {
+                writer.bytes(script.bytes(script.byte()));
+            }));
+            pair.run();
+            break;
+        default:
+            pair.client.close();
+            pair.run();
+        }
+        pair.server_events.clear();
+        pair.client_events.clear();
+    }
+}
+
+} // namespace busbar::fuzz
