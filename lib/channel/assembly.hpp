@@ -18,8 +18,8 @@ namespace busbar::channel::detail {
 class Assembly {
 public:
     Assembly(const TransportLimits& limits, AssemblyBudget* budget)
-        : max_message_size_{limits.max_message_size}, max_chunk_count_{limits.max_chunk_count},
-          budget_{budget}
+        : max_message_size_{limits.max_message_size},
+          max_chunk_count_{limits.max_chunk_count}, budget_{budget}
     {
     }
     Assembly(const Assembly&) = delete;

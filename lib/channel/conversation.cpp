@@ -37,8 +37,9 @@ constexpr std::size_t max_idle_input = 256U << 10U;
 
 Conversation::Conversation(const TransportLimits& limits, const ChannelEnvironment& environment,
                            Role role)
-    : limits_{completed(limits)}, environment_{environment}, role_{role},
-      assembly_{limits_, environment.budget}
+    : limits_{completed(limits)}, environment_{environment}, role_{role}, assembly_{
+                                                                              limits_,
+                                                                              environment.budget}
 {
     sizes_.receive_buffer_size = limits_.receive_buffer_size;
     sizes_.send_buffer_size = limits_.send_buffer_size;

@@ -20,8 +20,8 @@ struct OpenRequest {
 /// What a server knows when an OPN comes.
 struct OpenContext {
     const ServerChannelConfig& config;
-    bool is_renewal{false};        // the channel is open
-    const ByteString& last_nonce;  // the client's, of the request before
+    bool is_renewal{false};       // the channel is open
+    const ByteString& last_nonce; // the client's, of the request before
 };
 
 /// Checks an OPN in the order of Part 6, 6.7.7, then what it asks for (Part 4, 5.6.2). The status

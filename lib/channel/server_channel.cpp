@@ -21,11 +21,16 @@ enum class State : std::uint8_t { Hello, Opening, Open, Closed };
 /// What a peer may be told; of everything else it learns Bad_SecurityChecksFailed only
 /// (Part 4, 6.1.3 and Part 6, 6.7.7).
 constexpr std::array told = {
-    status::Bad_TcpMessageTypeInvalid,   status::Bad_TcpMessageTooLarge,
-    status::Bad_TcpNotEnoughResources,   status::Bad_TcpInternalError,
-    status::Bad_TcpEndpointUrlInvalid,   status::Bad_TcpSecureChannelUnknown,
-    status::Bad_SecureChannelTokenUnknown, status::Bad_SecurityPolicyRejected,
-    status::Bad_SecurityModeRejected,    status::Bad_RequestTypeInvalid,
+    status::Bad_TcpMessageTypeInvalid,
+    status::Bad_TcpMessageTooLarge,
+    status::Bad_TcpNotEnoughResources,
+    status::Bad_TcpInternalError,
+    status::Bad_TcpEndpointUrlInvalid,
+    status::Bad_TcpSecureChannelUnknown,
+    status::Bad_SecureChannelTokenUnknown,
+    status::Bad_SecurityPolicyRejected,
+    status::Bad_SecurityModeRejected,
+    status::Bad_RequestTypeInvalid,
     status::Bad_Timeout,
 };
 
@@ -39,9 +44,8 @@ StatusCode outward(StatusCode status)
 
 struct ServerChannel::Impl {
     Impl(ServerChannelConfig c, const ChannelEnvironment& environment, TimePoint start)
-        : config{std::move(c)}, conversation{config.limits, environment,
-                                             Role::Server},
-          now{start}, handshake_deadline{start + config.limits.handshake_timeout}
+        : config{std::move(c)}, conversation{config.limits, environment, Role::Server}, now{start},
+          handshake_deadline{start + config.limits.handshake_timeout}
     {
     }
 
@@ -108,7 +112,8 @@ Result<void> ServerChannel::Impl::handle_hello(const Frame& frame)
 {
     const auto hello = parse_hello(frame.body());
     if (!hello) {
-        return fail(hello.error());
+        const bool is_url = hello.error() == status::Bad_TcpEndpointUrlInvalid;
+        return fail(is_url ? hello.error() : status::Bad_TcpInternalError);
     }
     if (hello->receive_buffer_size < min_buffer_size || hello->send_buffer_size < min_buffer_size) {
         return fail(status::Bad_TcpNotEnoughResources); // Part 6, 7.1.2.3
@@ -127,8 +132,8 @@ Result<void> ServerChannel::Impl::handle_hello(const Frame& frame)
 
 Result<void> ServerChannel::Impl::handle_open(const Frame& frame)
 {
-    auto request = read_open_request(frame, conversation,
-                                     {config, state == State::Open, client_nonce});
+    auto request =
+        read_open_request(frame, conversation, {config, state == State::Open, client_nonce});
     if (!request) {
         return fail(request.error());
     }
@@ -164,9 +169,11 @@ Result<void> ServerChannel::Impl::issue(const OpenSecureChannelRequest& request,
     binary::VectorSink sink;
     binary::Writer writer{sink};
     encode_message(writer, response);
+    auto body = sink.take(writer.written());
     const auto& peer = conversation.peer_certificates;
-    const auto sent = conversation.send_open(request_id, sink.take(writer.written()),
-                                             peer.empty() ? nullptr : &peer.front());
+    const auto sent =
+        conversation.send_open(request_id, body, peer.empty() ? nullptr : &peer.front());
+    crypto::cleanse(body);
     if (!sent) {
         return sent;
     }

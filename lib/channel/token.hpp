@@ -15,8 +15,8 @@ struct Token {
     std::optional<crypto::SymmetricCipher> send;    // none with mode None
     std::optional<crypto::SymmetricCipher> receive; // none with mode None
     TimePoint renew_at{no_deadline};                // 75 % of the lifetime (Part 4, 5.5.2.1)
-    TimePoint ends_at{no_deadline};                 // 100 %: no longer sent with if there is another
-    TimePoint expires_at{no_deadline};              // 125 %: no longer accepted
+    TimePoint ends_at{no_deadline};    // 100 %: no longer sent with if there is another
+    TimePoint expires_at{no_deadline}; // 125 %: no longer accepted
 };
 
 struct Nonces {

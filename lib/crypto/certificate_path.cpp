@@ -24,6 +24,8 @@ StatusCode status_of(int error)
 {
     switch (error) {
     case X509_V_OK:
+    case X509_V_ERR_CERT_NOT_YET_VALID: // checked in a later step
+    case X509_V_ERR_CERT_HAS_EXPIRED:
         return {};
     case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT:
     case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT_LOCALLY:
@@ -58,20 +60,25 @@ int note_finding(int is_good, X509_STORE_CTX* context)
     return 1;
 }
 
-/// Every root ends a chain here; whether one is trusted is asked afterwards.
-Store make_store(const std::vector<Certificate>& pool)
+bool is_root(const Certificate& certificate)
+{
+    return X509_self_signed(certificate.native(), 0) == 1;
+}
+
+/// Every root in `roots` ends a chain; whether one is trusted is asked afterwards.
+Store make_store(const std::vector<Certificate>& roots, DateTime now)
 {
     Store store{X509_STORE_new()};
     if (!store) {
         return store;
     }
     X509_VERIFY_PARAM* parameters = X509_STORE_get0_param(store.get());
-    X509_VERIFY_PARAM_set_flags(parameters,
-                                X509_V_FLAG_NO_CHECK_TIME | X509_V_FLAG_CHECK_SS_SIGNATURE);
+    X509_VERIFY_PARAM_set_flags(parameters, X509_V_FLAG_CHECK_SS_SIGNATURE);
+    X509_VERIFY_PARAM_set_time(parameters, now.unix_seconds());
     // OpenSSL counts the certificates between leaf and root.
     X509_VERIFY_PARAM_set_depth(parameters, static_cast<int>(max_chain_length) - 2);
-    for (const Certificate& certificate : pool) {
-        if (X509_self_signed(certificate.native(), 0) == 1) {
+    for (const Certificate& certificate : roots) {
+        if (is_root(certificate)) {
             X509_STORE_add_cert(store.get(), certificate.native());
         }
     }
@@ -82,7 +89,7 @@ Stack make_stack(const std::vector<Certificate>& pool)
 {
     Stack stack{sk_X509_new_null()};
     for (const Certificate& certificate : pool) {
-        if (stack && X509_self_signed(certificate.native(), 0) != 1) {
+        if (stack && !is_root(certificate)) {
             sk_X509_push(stack.get(), certificate.native());
         }
     }
@@ -111,37 +118,50 @@ void keep_certificates(const STACK_OF(X509) * found, const std::vector<Certifica
     }
 }
 
-} // namespace
-
-CertificatePath find_path(const CertificateChain& sent, const std::vector<Certificate>& known)
+CertificatePath build_path(const Certificate& leaf, const std::vector<Certificate>& roots,
+                           const std::vector<Certificate>& pool, DateTime now)
 {
     CertificatePath path;
-    std::vector<Certificate> pool{known};
-    pool.insert(pool.end(), sent.begin(), sent.end());
-    const Store store = make_store(pool);
+    const Store store = make_store(roots, now);
     const Stack others = make_stack(pool);
     const StoreContext context{X509_STORE_CTX_new()};
     if (!store || !others || !context ||
-        X509_STORE_CTX_init(context.get(), store.get(), sent.front().native(), others.get()) != 1) {
+        X509_STORE_CTX_init(context.get(), store.get(), leaf.native(), others.get()) != 1) {
         path.build = status::Bad_OutOfMemory;
         return path;
     }
     X509_STORE_CTX_set_app_data(context.get(), &path);
     X509_STORE_CTX_set_verify_cb(context.get(), note_finding);
-    const int is_done = X509_verify_cert(context.get());
-    if (is_done != 1 && path.build.is_good() && path.usage.is_good()) {
-        path.build = status_of(X509_STORE_CTX_get_error(context.get()));
-        path.build = path.build.is_good() ? status::Bad_CertificateInvalid : path.build;
+    // Findings do not end the search, so that only a failure of OpenSSL itself is not 1.
+    if (X509_verify_cert(context.get()) != 1 && path.build.is_good()) {
+        path.build = status::Bad_CertificateInvalid;
     }
-    ERR_clear_error();
     keep_certificates(X509_STORE_CTX_get0_chain(context.get()), pool, path);
-    if (path.usage.is_good() && path.certificates.size() > 1) {
-        path.usage = check_issuers(path.certificates);
-    }
     if (path.certificates.empty() && path.build.is_good()) {
         path.build = status::Bad_CertificateInvalid;
     }
+    if (path.usage.is_good() && path.certificates.size() > 1) {
+        path.usage = check_issuers(path.certificates);
+    }
+    ERR_clear_error();
     return path;
+}
+
+} // namespace
+
+CertificatePath find_path(const CertificateChain& sent, const std::vector<Certificate>& known,
+                          DateTime now)
+{
+    const Certificate& leaf = sent.front();
+    if (is_root(leaf)) { // a path by itself, whoever else has its name and key
+        return build_path(leaf, {leaf}, {leaf}, now);
+    }
+    std::vector<Certificate> pool{known};
+    pool.insert(pool.end(), sent.begin(), sent.end());
+    CertificatePath path = build_path(leaf, known, pool, now);
+    // With the roots that the peer sent there may be a chain, which is trusted only if a
+    // certificate below them is.
+    return path.build.is_good() ? path : build_path(leaf, pool, pool, now);
 }
 
 } // namespace busbar::crypto::detail

@@ -14,9 +14,10 @@ struct CertificatePath {
     StatusCode usage;              // Bad_CertificateIssuerUseNotAllowed
 };
 
-/// Builds the path of sent.front() from the others in `sent` and from `known`. At most
-/// max_chain_length certificates; loops end. `known` in any order, roots and others.
+/// Builds the path of sent.front() from the others in `sent` and from `known`, which stand in any
+/// order, roots and others. At most max_chain_length certificates; loops end. Among issuers that
+/// would do, those that are known and valid at `now` come first.
 [[nodiscard]] CertificatePath find_path(const CertificateChain& sent,
-                                        const std::vector<Certificate>& known);
+                                        const std::vector<Certificate>& known, DateTime now);
 
 } // namespace busbar::crypto::detail

@@ -71,7 +71,8 @@ std::optional<Parameters> parse(std::string_view stored)
     stored.remove_prefix(prefix.size());
     if (!take_number(stored, 15, parameters.log_n) || !take_number(stored, 8, parameters.r) ||
         !take_number(stored, 4, parameters.p) || !take_bytes(stored, salt_size, parameters.salt) ||
-        !take_bytes(stored, hash_size, parameters.hash) || !stored.empty()) {
+        stored.find('$') != std::string_view::npos ||
+        !take_bytes(stored, hash_size, parameters.hash)) {
         return std::nullopt;
     }
     return parameters;

@@ -85,6 +85,15 @@ bool add_name(X509_NAME* name, const char* field, const std::string& text)
                                       static_cast<int>(text.size()), -1, 0) == 1;
 }
 
+/// Until the last moment that a certificate can name (RFC 5280, 4.1.2.5).
+bool has_validity(const CertificateSubject& subject)
+{
+    const std::int64_t ticks =
+        std::int64_t{subject.valid_days} * 86'400 * DateTime::ticks_per_second;
+    return subject.valid_days != 0 && !subject.valid_from.is_null() &&
+           ticks <= DateTime::latest - subject.valid_from.ticks;
+}
+
 bool set_validity(X509* certificate, const CertificateSubject& subject)
 {
     constexpr std::int64_t seconds_per_day = 86'400;
@@ -111,7 +120,7 @@ bool fill(X509* certificate, const PrivateKey& key, const CertificateSubject& su
 Result<Certificate> create_self_signed(const PrivateKey& key, const CertificateSubject& subject)
 {
     const auto names = alternative_names(subject);
-    if (!names || subject.common_name.empty()) {
+    if (!names || subject.common_name.empty() || !has_validity(subject)) {
         return fail(status::Bad_InvalidArgument);
     }
     const detail::X509Pointer x509{X509_new()};

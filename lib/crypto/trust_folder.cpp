@@ -165,7 +165,7 @@ Result<void> TrustFolder::validate(const CertificateChain& chain, const Validati
     const std::vector<Certificate> trusted = folders_->trusted.certificates();
     std::vector<Certificate> known = folders_->issuers.certificates();
     known.insert(known.end(), trusted.begin(), trusted.end());
-    detail::CertificatePath path = detail::find_path(chain, known);
+    detail::CertificatePath path = detail::find_path(chain, known, context.now);
     if (path.certificates.empty()) {
         path.certificates = {chain.front()};
     }

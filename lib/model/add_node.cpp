@@ -43,9 +43,9 @@ std::uint32_t default_reference(const AddressSpace& space, NodeIndex parent, Nod
     if (is_type(node_class)) {
         return detail::id_has_subtype;
     }
-    const bool is_folder = space.node_class(parent) == NodeClass::View ||
-                           space.is_subtype_of(space.type_definition(parent),
-                                               detail::id_folder_type);
+    const bool is_folder =
+        space.node_class(parent) == NodeClass::View ||
+        space.is_subtype_of(space.type_definition(parent), detail::id_folder_type);
     return is_folder ? detail::id_organizes : detail::id_has_component;
 }
 
@@ -62,9 +62,8 @@ StatusCode check_reference(const AddressSpace& space, const NewNode& node, NodeI
     // HasSubtype leads from a type to a type of the same NodeClass, and every type has one above
     // (Part 3, 7.10).
     const bool is_subtype = space.is_subtype_of(reference, detail::id_has_subtype);
-    const bool is_allowed =
-        is_subtype == is_type(node_class) &&
-        (!is_subtype || space.node_class(node.parent) == node_class);
+    const bool is_allowed = is_subtype == is_type(node_class) &&
+                            (!is_subtype || space.node_class(node.parent) == node_class);
     return is_allowed ? status::Good : status::Bad_ReferenceNotAllowed;
 }
 
@@ -97,8 +96,7 @@ StatusCode check_names(const AddressSpace& space, const Tables& tables, const Ne
 }
 
 /// Finds the concrete type that a new Object or Variable is to have.
-Result<NodeIndex> definition_of(const AddressSpace& space, const NodeId& type,
-                                NodeClass type_class)
+Result<NodeIndex> definition_of(const AddressSpace& space, const NodeId& type, NodeClass type_class)
 {
     const NodeIndex found = space.find(type);
     if (found == no_node || space.node_class(found) != type_class || space.is_abstract(found)) {
@@ -112,10 +110,10 @@ Result<NodeIndex> data_type_of(const AddressSpace& space, const NodeId& id, std:
                                const Array<std::uint32_t>& dimensions, const Variant& value)
 {
     const NodeIndex found = space.find(id);
-    const bool is_sound = found != no_node && space.node_class(found) == NodeClass::DataType &&
-                          rank >= -3 && (dimensions.empty() || rank > 0) &&
-                          (dimensions.empty() ||
-                           dimensions.size() == static_cast<std::size_t>(rank));
+    const bool is_sound =
+        found != no_node && space.node_class(found) == NodeClass::DataType && rank >= -3 &&
+        (dimensions.empty() || rank > 0) &&
+        (dimensions.empty() || dimensions.size() == static_cast<std::size_t>(rank));
     if (!is_sound) {
         return fail(status::Bad_NodeAttributesInvalid);
     }
@@ -154,11 +152,10 @@ Result<NodeIndex> AddressSpace::create(const NewNode& node, NodeClass node_class
     if (tables.record_count + std::size_t{1} >= IndexTable::max_records) {
         return fail(status::Bad_OutOfMemory);
     }
-    const NodeIndex created =
-        node.id.is_null()
-            ? tables.create(tables.free_id(node.browse_name.namespace_index), node.browse_name,
-                            node_class)
-            : tables.create(node.id, node.browse_name, node_class);
+    const NodeIndex created = node.id.is_null()
+                                  ? tables.create(tables.free_id(node.browse_name.namespace_index),
+                                                  node.browse_name, node_class)
+                                  : tables.create(node.id, node.browse_name, node_class);
     tables.link(node.parent, reference, created);
     Record& record = tables.record(created);
     if (!node.display_name.text.is_null()) {

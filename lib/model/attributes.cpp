@@ -249,12 +249,10 @@ NodeId AddressSpace::data_type_id(NodeIndex node) const
     if (type != no_node) {
         return node_id(type);
     }
-    if (!tables_->is_constant(node) ||
-        !has_attribute(node_class(node), AttributeId::Value)) {
+    if (!tables_->is_constant(node) || !has_attribute(node_class(node), AttributeId::Value)) {
         return {};
     }
-    const StaticVariable& from =
-        tables_->constants->variables[tables_->constant(node).details];
+    const StaticVariable& from = tables_->constants->variables[tables_->constant(node).details];
     return NodeId{0, tables_->constants->externals[from.data_type - tables_->constant_count].value};
 }
 

@@ -41,8 +41,8 @@ void remove_from_others(Tables& tables, NodeIndex node)
     for (std::size_t i = 0; list != nullptr && i < list->entries.size(); ++i) {
         const Entry entry = list->entries[i];
         if (!entry.is_hole() && entry.target != node) {
-            static_cast<void>(tables.remove_entry(
-                entry.target, Entry{entry.type(), node, !entry.is_forward()}));
+            static_cast<void>(
+                tables.remove_entry(entry.target, Entry{entry.type(), node, !entry.is_forward()}));
         }
     }
 }
@@ -118,8 +118,9 @@ void AddressSpace::set_access_level(NodeIndex node, std::uint8_t access_level,
 
 void AddressSpace::set_display_name(NodeIndex node, LocalizedText text)
 {
-    LocalizedText& to = tables_->is_constant(node) ? tables_->make_overlay(node).display_name
-                                                   : tables_->record(node).make_extra().display_name;
+    LocalizedText& to = tables_->is_constant(node)
+                            ? tables_->make_overlay(node).display_name
+                            : tables_->record(node).make_extra().display_name;
     to = std::move(text);
 }
 

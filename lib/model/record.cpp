@@ -69,8 +69,7 @@ void Record::set_names(const NodeId& id_of_node, const QualifiedName& browse_nam
     const bool shares = identifier.ends_with(name_text);
     text = std::make_unique<char[]>(identifier.size() + (shares ? 0 : name_text.size()));
     std::copy(identifier.begin(), identifier.end(), text.get());
-    name_offset =
-        static_cast<std::uint32_t>(identifier.size() - (shares ? name_text.size() : 0));
+    name_offset = static_cast<std::uint32_t>(identifier.size() - (shares ? name_text.size() : 0));
     if (!shares) {
         std::copy(name_text.begin(), name_text.end(), text.get() + name_offset);
     }

@@ -120,8 +120,7 @@ void AddressSpace::for_each_child(NodeIndex parent, NodeIndex type, bool include
         }
         const bool was_found = !tables.is_constant(reference->target) &&
                                tables.record(reference->target).parent == parent &&
-                               tables.record(reference->target).parent_reference ==
-                                   reference->type;
+                               tables.record(reference->target).parent_reference == reference->type;
         if (!was_found && browse_name(reference->target) == name) {
             goes_on = visit(reference->target);
         }

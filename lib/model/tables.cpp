@@ -5,8 +5,8 @@ namespace busbar::model::detail {
 Tables::Tables(const StaticNodes& nodes)
     : constants{&nodes}, constant_count{static_cast<std::uint32_t>(nodes.nodes.size())},
       hierarchical_references{find_constant(id_hierarchical_references)},
-      has_type_definition{find_constant(id_has_type_definition)},
-      has_subtype{find_constant(id_has_subtype)}
+      has_type_definition{find_constant(id_has_type_definition)}, has_subtype{
+                                                                      find_constant(id_has_subtype)}
 {
     for (const StaticText& uri : nodes.namespaces) {
         namespaces.emplace_back(text(uri));
@@ -94,7 +94,8 @@ std::uint64_t Tables::id_hash(std::uint32_t record_number) const
 std::uint64_t Tables::name_hash(std::uint32_t record_number) const
 {
     const Record& node = at(record_number);
-    return name_hash(node.parent, QualifiedName{node.browse_namespace, String::borrow(node.name())});
+    return name_hash(node.parent,
+                     QualifiedName{node.browse_namespace, String::borrow(node.name())});
 }
 
 NodeIndex Tables::create(const NodeId& id, const QualifiedName& name, NodeClass node_class)

@@ -101,8 +101,7 @@ struct Tables {
             by_name.find(name_hash(parent, name), [&](std::uint32_t candidate) {
                 const Record& child = at(candidate);
                 return child.parent == parent && child.name() == name.name.view() &&
-                       child.browse_namespace == name.namespace_index &&
-                       match(index_of(candidate));
+                       child.browse_namespace == name.namespace_index && match(index_of(candidate));
             });
         return found == IndexTable::none ? no_node : index_of(found);
     }

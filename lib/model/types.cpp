@@ -216,11 +216,10 @@ StatusCode AddressSpace::check_value(const Variant& value, NodeIndex data_type,
                           bytes->size() <= array_dimensions[0];
         return fits ? status::Good : status::Bad_TypeMismatch;
     }
-    const bool fits = (types & bit(value.type())) != 0 &&
-                      fits_rank(dimension_count(value), value_rank) &&
-                      fits_dimensions(value, array_dimensions) &&
-                      (types != bit(BuiltInType::ExtensionObject) ||
-                       fit_structures(*this, value, data_type));
+    const bool fits =
+        (types & bit(value.type())) != 0 && fits_rank(dimension_count(value), value_rank) &&
+        fits_dimensions(value, array_dimensions) &&
+        (types != bit(BuiltInType::ExtensionObject) || fit_structures(*this, value, data_type));
     return fits ? status::Good : status::Bad_TypeMismatch;
 }
 

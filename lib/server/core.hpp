@@ -35,6 +35,8 @@ struct Core {
     /// Of the next channel; begins at a random number (Part 6, 6.7.2.2).
     std::uint32_t next_channel_id{1};
 
+    /// Index of the ApplicationUri in the NamespaceArray.
+    std::uint16_t own_namespace{1};
     DateTime start_time;
     ServerState state{ServerState::Running};
     std::string shutdown_reason;

@@ -215,16 +215,21 @@ std::string Link::login_key() const
                                 : "certificate " + certificates.front().thumbprint_text();
 }
 
+ResponseHeader Link::response_header(const Reply& reply, StatusCode status) const
+{
+    ResponseHeader header;
+    header.timestamp = core_.environment.wall_clock->now();
+    header.request_handle = reply.request_handle;
+    header.service_result = status;
+    return header;
+}
+
 void Link::respond(const Reply& reply, std::uint32_t encoding_id,
-                   FunctionRef<void(binary::Writer&)> encode_rest)
+                   FunctionRef<void(binary::Writer&)> encode_response)
 {
     const auto sent = channel_.send(reply.request_id, [&](binary::Writer& writer) {
         encode(writer, NodeId{0, encoding_id});
-        ResponseHeader header;
-        header.timestamp = core_.environment.wall_clock->now();
-        header.request_handle = reply.request_handle;
-        encode(writer, header);
-        encode_rest(writer);
+        encode_response(writer);
         if (reply.max_size != 0 && writer.written() > reply.max_size) {
             writer.fail(status::Bad_ResponseTooLarge); // Part 4, 5.6.2.2
         }
@@ -241,12 +246,8 @@ void Link::fault(const Reply& reply, StatusCode status)
 {
     // It fails only if the channel is gone, or so small that there is nothing to say.
     static_cast<void>(channel_.send(reply.request_id, [&](binary::Writer& writer) {
-        ServiceFault body;
-        body.response_header.timestamp = core_.environment.wall_clock->now();
-        body.response_header.request_handle = reply.request_handle;
-        body.response_header.service_result = status;
         encode(writer, NodeId{0, ServiceFault::binary_encoding_id});
-        encode(writer, body);
+        encode(writer, response_header(reply, status));
     }));
     check_send_queue();
     mark();

@@ -54,12 +54,14 @@ public:
 
     // For dispatch.
 
+    [[nodiscard]] ResponseHeader response_header(const Reply& reply, StatusCode status) const;
+    /// Sends a response of that type, of which `encode_response` writes everything; a ServiceFault
+    /// if it does not fit the client's limits.
     void respond(const Reply& reply, std::uint32_t encoding_id,
-                 FunctionRef<void(binary::Writer&)> encode);
+                 FunctionRef<void(binary::Writer&)> encode_response);
     void fault(const Reply& reply, StatusCode status);
     [[nodiscard]] bool has_place_for_operation() const;
-    /// Takes the operation with its message, decodes the request behind `header_offset` and
-    /// starts it.
+    /// Takes the operation with its message, decodes the request and starts it.
     void start(std::unique_ptr<Operation> operation, std::vector<std::byte> message,
                const RequestHeader& header, const Reply& reply, ServiceContext& context);
 

@@ -18,7 +18,11 @@ void Operation::respond(std::uint32_t encoding_id, FunctionRef<void(binary::Writ
     if (!is_finished()) {
         const Reply reply{request_id_, request_handle_,
                           session_ != nullptr ? session_->max_response_message_size : 0};
-        finish().respond(reply, encoding_id, encode);
+        Link& link = finish();
+        link.respond(reply, encoding_id, [&](binary::Writer& writer) {
+            busbar::encode(writer, link.response_header(reply, status::Good));
+            encode(writer);
+        });
     }
 }
 

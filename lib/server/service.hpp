@@ -66,6 +66,9 @@ protected:
         respond(Response::binary_encoding_id, encode);
     }
     void fault(StatusCode status);
+    /// Charges the session with what the operation holds while it waits, until it has answered;
+    /// false if the session has not that much left. The message itself is charged by dispatch.
+    [[nodiscard]] bool charge(std::size_t bytes);
     /// The message, which the request borrows from, for what outlives the operation.
     [[nodiscard]] std::vector<std::byte> take_message() { return std::move(message_); }
 

@@ -23,8 +23,8 @@ public:
     /// The oldest that was never activated, or null (Part 4, 5.6.2.1).
     [[nodiscard]] Session* oldest_unactivated();
     /// The session that is overdue first, or null if there is none at all.
-    [[nodiscard]] Session* next_to_expire();
-    [[nodiscard]] Session* any() { return empty() ? nullptr : sessions_.begin()->second.get(); }
+    [[nodiscard]] Session* next_to_expire() const;
+    [[nodiscard]] Session* any() const { return empty() ? nullptr : sessions_.begin()->second.get(); }
     [[nodiscard]] bool empty() const { return sessions_.empty(); }
     /// A connection has gone; its sessions wait for another.
     void unbind(const Link& link);

@@ -5,6 +5,13 @@
 
 namespace busbar::server::detail {
 
+WriteOperation::~WriteOperation()
+{
+    if (job_) {
+        job_->keep(take_request(), take_message());
+    }
+}
+
 void WriteOperation::start(ServiceContext& context)
 {
     Core& core = context.core;

@@ -12,6 +12,8 @@ namespace busbar::server::detail {
 /// Write (Part 4, 5.11.4).
 class WriteOperation final : public OperationOf<WriteRequest>, private CallOwner {
 public:
+    ~WriteOperation() override;
+
     void start(ServiceContext& context) override;
     [[nodiscard]] TimePoint next_deadline() const override;
     void handle_deadline(TimePoint now) override;

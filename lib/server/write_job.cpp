@@ -1,5 +1,7 @@
 #include "write_job.hpp"
 
+#include <algorithm>
+
 #include <busbar/binary/codec.hpp>
 #include <busbar/core/attribute_id.hpp>
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include <busbar/binary/codec.hpp>
+#include <busbar/core/function_ref.hpp>
 #include <core/base64.hpp>
 
 namespace busbar::generator {
@@ -69,10 +70,7 @@ private:
     void read(const Element& xml, Guid& value);
     void read(const Element& xml, ByteString& value);
     void read(const Element& xml, NodeId& value);
-    void read(const Element& xml, ExpandedNodeId& value)
-    {
-        read(xml, value.node_id);
-    }
+    void read(const Element& xml, ExpandedNodeId& value) { read(xml, value.node_id); }
     void read(const Element& xml, StatusCode& value)
     {
         value = StatusCode{read_child<std::uint32_t>(xml, "Code")};
@@ -145,8 +143,8 @@ void ValueReader::read(const Element& xml, DateTime& value)
     }
     using namespace std::chrono;
     const sys_days date{std::chrono::year{year} / month / day};
-    const auto seconds = date.time_since_epoch() + hours{hour} + minutes{minute} +
-                         std::chrono::seconds{second};
+    const auto seconds =
+        date.time_since_epoch() + hours{hour} + minutes{minute} + std::chrono::seconds{second};
     value = DateTime::from_unix_seconds(duration_cast<std::chrono::seconds>(seconds).count());
 }
 
@@ -254,8 +252,8 @@ void ValueReader::encode_scalar(binary::Writer& writer, const Element& xml, cons
     if (kind == Kind::Enumeration) {
         // "Name_3"
         const std::size_t digits = xml.text.find_last_of('_') + 1;
-        encode(writer, static_cast<std::int32_t>(
-                           std::strtol(xml.text.c_str() + digits, nullptr, 10)));
+        encode(writer,
+               static_cast<std::int32_t>(std::strtol(xml.text.c_str() + digits, nullptr, 10)));
         return;
     }
     const bool is_open = kind == Kind::Structure && hierarchy_.is_open_structure(type);
@@ -360,10 +358,9 @@ tl::expected<std::string, Failure> NodeValues::value(const Node& node) const
     ValueReader reader{document_, hierarchy_, find};
     const Element* const root = node.value ? &*node.value : nullptr;
     // The reader of documents may keep the <Value> itself or what is in it.
-    const Element* const xml =
-        root != nullptr && root->name == "Value" && !root->children.empty()
-            ? &root->children.front()
-            : root;
+    const Element* const xml = root != nullptr && root->name == "Value" && !root->children.empty()
+                                   ? &root->children.front()
+                                   : root;
     if (xml == nullptr || xml->name == "Value") {
         return std::string{};
     }

@@ -24,13 +24,6 @@ Bytes from_hex(std::string_view hex)
     return bytes;
 }
 
-Bytes take_output(channel::ClientChannel& client)
-{
-    const Bytes bytes{client.output().begin(), client.output().end()};
-    client.consume(bytes.size());
-    return bytes;
-}
-
 /// The status in the Error message that the server answered with; Good if it sent none.
 StatusCode error_of(channel::ServerChannel& server)
 {
@@ -265,8 +258,6 @@ TEST_CASE("a second Issue on an open channel is refused", "[channel][hostile]")
     }
     REQUIRE(pair.server.is_open());
     open[8] = std::byte{77};
-    const std::size_t sequence = open.size() - 0;
-    static_cast<void>(sequence);
     // The same message again, for the open channel and with the next sequence number.
     binary::Reader reader{open};
     reader.skip(12 + 4 + 47 + 8);

@@ -39,7 +39,7 @@ policy = "Basic256Sha256"
 mode = "SignAndEncrypt"
 
 [users]
-anonymous = true
+anonymous = "write"
 [[users.account]]
 name = "${user.userName}"
 password = "${hash.stdout.trim()}"
@@ -49,7 +49,6 @@ scan_ms = 20
 [[plc.variable]]
 name = "Counter"
 type = "Int32"
-program = "increment"
 [[plc.variable]]
 name = "Level"
 type = "Double"
@@ -67,6 +66,9 @@ dimensions = [8]
 name = "Bulk"
 type = "Int16"
 count = 25000
+[[plc.program]]
+kind = "increment"
+target = "Counter"
 `;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <optional>
 #include <vector>
 
 #include <busbar/binary/codec.hpp>
@@ -9,6 +8,7 @@
 #include <busbar/channel/server_channel.hpp>
 #include <busbar/types/common.hpp>
 
+#include "support/byte_pipe.hpp"
 #include "support/identity.hpp"
 #include "support/seeded_random.hpp"
 
@@ -18,22 +18,6 @@ namespace busbar::test {
                                                       MessageSecurityMode mode)
 {
     return {crypto::find_policy_by_name(policy), mode};
-}
-
-/// Moves everything that waits on one engine to the other in pieces of at most `piece` bytes.
-template <typename From, typename To>
-bool carry(From& from, To& to, TimePoint now, std::size_t piece = SIZE_MAX)
-{
-    bool any = false;
-    while (!from.output().empty()) {
-        const auto out = from.output();
-        const std::vector<std::byte> part{
-            out.begin(), out.begin() + static_cast<std::ptrdiff_t>(std::min(piece, out.size()))};
-        from.consume(part.size());
-        static_cast<void>(to.feed(part, now));
-        any = true;
-    }
-    return any;
 }
 
 /// A client's and a server's channel joined by memory, in virtual time.
@@ -52,10 +36,8 @@ public:
     {
         bool moved = true;
         while (moved) {
-            moved = carry(client, server, now, piece);
-            collect(server, server_events);
-            moved = carry(server, client, now, piece) || moved;
-            collect(client, client_events);
+            moved = run_to_server(piece);
+            moved = run_to_client(piece) || moved;
         }
     }
     void advance(Duration time)
@@ -65,6 +47,19 @@ public:
         client.handle_deadline(now);
         server.handle_deadline(now);
         run();
+    }
+    /// Lets one direction's bytes through; the answer stays in the other side's output.
+    bool run_to_server(std::size_t piece = SIZE_MAX)
+    {
+        const auto poll = [this] { collect(server, server_events); };
+        poll();
+        return carry(client, server, now, piece, poll);
+    }
+    bool run_to_client(std::size_t piece = SIZE_MAX)
+    {
+        const auto poll = [this] { collect(client, client_events); };
+        poll();
+        return carry(server, client, now, piece, poll);
     }
     /// The newest event of that kind, or null.
     template <typename Events>

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <busbar/binary/writer.hpp>
 #include <busbar/channel/channel_types.hpp>
@@ -17,11 +18,14 @@ struct ClientChannelConfig {
     TransportLimits limits;
     std::string endpoint_url;
     SecuritySetting security;
-    /// The server's certificate, known from GetEndpoints; needed for any policy but None.
+    /// The server's certificate, known from GetEndpoints; needed for any policy but None. What the
+    /// server sends must begin with it and pass the validator before the channel is open.
     std::optional<crypto::Certificate> server_certificate;
     std::chrono::milliseconds requested_lifetime{3'600'000};
     /// Wait for the server's ReverseHello before sending Hello (Part 6, 7.1.2.6).
     bool is_reverse{false};
+    /// Not empty: the ApplicationUri that a ReverseHello must name. Empty accepts any.
+    std::string expected_server_uri;
 };
 
 /// The client's end of one connection; the shape of ServerChannel. Opens the channel by itself,
@@ -47,10 +51,17 @@ public:
     /// Sends CloseSecureChannel; output() is still to be delivered.
     void close();
 
+    /// Gives a Message's body back, so that the next one needs no allocation. Never needed.
+    void recycle(std::vector<std::byte> body);
+    /// Bytes that the buffers of this connection hold now.
+    [[nodiscard]] std::size_t memory_in_use() const;
+
     [[nodiscard]] bool is_open() const;
     [[nodiscard]] bool is_closed() const;
     [[nodiscard]] std::uint32_t channel_id() const;
     [[nodiscard]] const SecuritySetting& security() const;
+    /// The URL in our Hello; with is_reverse, the one that the server named.
+    [[nodiscard]] const std::string& endpoint_url() const;
 
 private:
     struct Impl;

@@ -30,7 +30,7 @@ public:
     [[nodiscard]] std::vector<std::byte> thumbprint() const;
     /// The same in upper-case hexadecimal.
     [[nodiscard]] std::string thumbprint_text() const;
-    /// "CN=Name,O=..." for people.
+    /// "CN=Name, O=..." for people.
     [[nodiscard]] std::string subject() const;
     /// The URI of subjectAltName; empty if there is none or more than one (Part 6, 6.2.2). As it
     /// stands there: `printable` it for people.

@@ -54,7 +54,8 @@ struct CertificateSubject {
     std::uint32_t valid_days{365 * 5};
 };
 
-/// Bad_InvalidArgument if a name or address cannot stand in a certificate.
+/// Bad_InvalidArgument if a name, address or time cannot stand in a certificate. Signed with
+/// SHA-256; usable as server and as client.
 [[nodiscard]] Result<Certificate> create_self_signed(const PrivateKey& key,
                                                      const CertificateSubject& subject);
 

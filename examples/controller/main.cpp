@@ -1,0 +1,217 @@
+#include <cstdio>
+#include <iostream>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <unistd.h>
+
+#include <busbar/controller/plc.hpp>
+#include <busbar/controller/plc_nodes.hpp>
+#include <busbar/controller/plc_task.hpp>
+#include <busbar/crypto/password_hash.hpp>
+#include <busbar/net/client_loop.hpp>
+#include <busbar/net/server_loop.hpp>
+#include <busbar/server/process_image.hpp>
+
+#include "config.hpp"
+#include "default_config.hpp"
+#include "identity.hpp"
+
+using namespace busbar;
+using example::ConfigError;
+using example::ControllerConfig;
+
+namespace {
+
+class StderrLog final : public LogSink {
+public:
+    void write(LogLevel level, std::string_view source, std::string_view text) override
+    {
+        static constexpr const char* names[] = {"debug", "info", "warning", "error"};
+        std::fprintf(stderr, "%s: %.*s: %.*s\n", names[static_cast<int>(level)],
+                     static_cast<int>(source.size()), source.data(), static_cast<int>(text.size()),
+                     text.data());
+    }
+};
+
+std::string host_name()
+{
+    char text[256] = {};
+    return ::gethostname(text, sizeof text - 1) == 0 ? text : "localhost";
+}
+
+int hash_password()
+{
+    std::string password;
+    if (!std::getline(std::cin, password) || password.empty()) {
+        std::fprintf(stderr, "expected a password on standard input\n");
+        return 1;
+    }
+    crypto::SystemRandom random;
+    const auto hash = crypto::hash_password(password, random);
+    if (!hash) {
+        return 1;
+    }
+    std::printf("%s\n", hash->c_str());
+    return 0;
+}
+
+template <typename T>
+T expect(Result<T> result, const std::string& what)
+{
+    if (!result) {
+        throw ConfigError{what + ": " + std::string{name(result.error())}};
+    }
+    if constexpr (!std::is_void_v<T>) {
+        return *std::move(result);
+    }
+}
+
+bool needs_certificate(const ControllerConfig& config)
+{
+    for (const server::EndpointConfig& endpoint : config.server.endpoints) {
+        if (!endpoint.security.policy->is_none() || endpoint.allows_user_name) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// Names, certificate and URL that a file need not give.
+void complete(ControllerConfig& config, std::uint16_t port, DateTime now)
+{
+    const std::string host = host_name();
+    server::ServerConfig& server = config.server;
+    if (server.application_uri.empty()) {
+        server.application_uri = "urn:" + host + ":busbar:controller";
+    }
+    server.endpoint_url = "opc.tcp://localhost:" + std::to_string(port);
+    server.build.manufacturer_name = "Busbar";
+    server.build.software_version = BUSBAR_VERSION;
+    for (const std::string known : {std::string{"localhost"}, std::string{"127.0.0.1"}, host}) {
+        server.host_names.push_back(known);
+    }
+    if (needs_certificate(config)) {
+        server.identity = example::load_identity(config.certificates, server.application_name,
+                                                 server.application_uri, server.host_names, now);
+    }
+}
+
+void add_accounts(const ControllerConfig& config, server::PasswordUsers& users)
+{
+    constexpr std::uint8_t read_only = 0x01; // Part 3, 8.57: CurrentRead
+    constexpr std::uint8_t everything = 0xFF;
+    for (const example::Account& account : config.accounts) {
+        expect(users.set(account.name, account.password_hash,
+                         account.may_write ? everything : read_only),
+               "account \"" + account.name + "\"");
+    }
+    users.set_anonymous_access(config.anonymous_may_write ? everything : read_only);
+}
+
+void print_welcome(const ControllerConfig& config, const controller::Plc& plc)
+{
+    const server::ServerConfig& server = config.server;
+    std::printf("%s with %zu variables at %s\n", server.application_name.c_str(),
+                plc.variables().size(), server.endpoint_url.c_str());
+    bool has_login = !config.accounts.empty();
+    for (const server::EndpointConfig& endpoint : server.endpoints) {
+        static constexpr const char* modes[] = {"", "None", "Sign", "SignAndEncrypt"};
+        has_login = has_login || endpoint.allows_anonymous;
+        std::printf("  endpoint: %s %s%s%s\n", std::string{endpoint.security.policy->name}.c_str(),
+                    modes[static_cast<int>(endpoint.security.mode)],
+                    endpoint.allows_anonymous ? ", anonymous" : "",
+                    endpoint.allows_user_name ? ", user name" : "");
+    }
+    if (server.identity) {
+        std::printf("  certificate: %s\n",
+                    server.identity->certificates.front().thumbprint_text().c_str());
+        std::printf(config.trusts_all_clients
+                        ? "  every client is trusted: not for use in production\n"
+                        : "  clients: move a certificate from %s/rejected to %s/trusted\n",
+                    config.certificates.c_str(), config.certificates.c_str());
+    }
+    if (!has_login) {
+        std::printf("  nobody can log in yet: add an account to the configuration, see "
+                    "--print-config\n");
+    }
+    std::printf("ready; stop with Ctrl+C\n");
+    std::fflush(stdout);
+}
+
+int serve(ControllerConfig config)
+{
+    StderrLog log;
+    net::SystemWallClock wall_clock;
+    crypto::SystemRandom random;
+    crypto::InsecureAcceptAnyCertificate accept_all;
+    crypto::TrustFolder trust{config.certificates, log};
+    server::PasswordUsers users;
+    net::ServerLoop loop{log};
+
+    const std::uint16_t port = expect(loop.listen(config.address, config.port), "listening");
+    complete(config, port, wall_clock.now());
+    if (config.server.identity) {
+        expect(trust.create(), config.certificates);
+    }
+    add_accounts(config, users);
+    auto plc = controller::Plc::create(config.plc);
+    if (!plc) {
+        throw ConfigError{plc.error().text};
+    }
+    server::ImageSource source{(*plc)->image()};
+
+    server::ServerEnvironment environment;
+    environment.random = &random;
+    environment.wall_clock = &wall_clock;
+    environment.log = &log;
+    environment.validator = &trust;
+    if (config.trusts_all_clients) {
+        environment.validator = &accept_all;
+    }
+    environment.users = &users;
+    environment.waker = &loop.waker();
+    auto server = expect(server::Server::create(config.server, environment), "the server");
+    controller::PlcNodesOptions nodes;
+    nodes.source = server.add_source(source);
+    nodes.cycle = config.scan;
+    expect(controller::publish_variables(server.address_space(), **plc, nodes), "the variables");
+
+    controller::PlcTask task{**plc, wall_clock, config.scan};
+    task.start();
+    loop.stop_on_signals();
+    print_welcome(config, **plc);
+    loop.run(server);
+    task.stop();
+    std::printf("stopped\n");
+    return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    std::string file;
+    bool wants_hash = false;
+    bool wants_config = false;
+    CLI::App app{"An OPC UA server in front of a simulated PLC."};
+    app.add_option("--config", file, "configuration; the built-in one by default");
+    app.add_flag("--print-config", wants_config, "print the built-in configuration, commented");
+    app.add_flag("--hash-password", wants_hash,
+                 "read a password from standard input, print what a configuration may store");
+    CLI11_PARSE(app, argc, argv);
+    if (wants_config) {
+        std::fputs(example::default_config, stdout);
+        return 0;
+    }
+    if (wants_hash) {
+        return hash_password();
+    }
+    try {
+        return serve(file.empty() ? example::parse_config(example::default_config, "built-in")
+                                  : example::read_config(file));
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "busbar-controller: %s\n", error.what());
+        return 1;
+    }
+}

@@ -1,0 +1,121 @@
+#include "plc_section.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <busbar/controller/plc.hpp>
+
+namespace busbar::example {
+
+namespace {
+
+using controller::PlcConfig;
+using controller::PlcConfigError;
+using controller::PlcProgram;
+using controller::PlcProgramKind;
+using controller::PlcVariable;
+
+BuiltInType read_type(const TomlTable& table)
+{
+    const std::string text = table.text("type");
+    for (std::uint8_t id = 1; id <= last_built_in_type; ++id) {
+        if (name(static_cast<BuiltInType>(id)) == text) {
+            return static_cast<BuiltInType>(id);
+        }
+    }
+    table.fail("type", "a built-in type such as Boolean, Int16, Double or String");
+}
+
+Variant initial_value(const toml::node& node)
+{
+    if (const auto value = node.value_exact<bool>()) {
+        return Variant{*value};
+    }
+    if (const auto value = node.value_exact<std::int64_t>()) {
+        return Variant{*value};
+    }
+    if (const auto value = node.value_exact<double>()) {
+        return Variant{*value};
+    }
+    if (const auto value = node.value_exact<std::string>()) {
+        return Variant{String{*value}};
+    }
+    return {};
+}
+
+PlcVariable read_variable(const TomlTable& table)
+{
+    table.allow({"name", "type", "dimensions", "count", "initial", "access", "capacity"});
+    PlcVariable variable;
+    variable.name = table.text("name");
+    variable.type = read_type(table);
+    for (const std::int64_t size : table.integers("dimensions", 1, 1'000'000)) {
+        variable.dimensions.push_back(static_cast<std::uint32_t>(size));
+    }
+    variable.count = static_cast<std::uint32_t>(table.integer("count", 0, 0, 1'000'000));
+    variable.capacity = static_cast<std::uint32_t>(table.integer("capacity", 80, 1, 1'000'000));
+    if (const toml::node* node = table.node("initial")) {
+        variable.initial = initial_value(*node);
+        if (variable.initial.is_null()) {
+            table.fail("initial", "true, false, a number or a text");
+        }
+    }
+    const std::string access = table.text("access", "write");
+    if (access != "read" && access != "write") {
+        table.fail("access", "\"read\" or \"write\"");
+    }
+    variable.is_writable = access == "write";
+    return variable;
+}
+
+PlcProgram read_program(const TomlTable& table)
+{
+    static constexpr std::array<std::pair<std::string_view, PlcProgramKind>, 4> kinds = {
+        {{"increment", PlcProgramKind::Increment},
+         {"sine", PlcProgramKind::Sine},
+         {"toggle", PlcProgramKind::Toggle},
+         {"copy", PlcProgramKind::Copy}}};
+    table.allow({"kind", "target", "source", "period_ms", "amplitude", "offset"});
+    PlcProgram program;
+    const std::string text = table.text("kind");
+    const auto* kind = std::find_if(kinds.begin(), kinds.end(),
+                                    [&](const auto& known) { return known.first == text; });
+    if (kind == kinds.end()) {
+        table.fail("kind", "increment, sine, toggle or copy");
+    }
+    program.kind = kind->second;
+    program.target = table.text("target");
+    program.source = table.text("source", "");
+    program.period = std::chrono::milliseconds{table.integer("period_ms", 0, 0, 86'400'000)};
+    program.amplitude = table.number("amplitude", 1);
+    program.offset = table.number("offset", 0);
+    return program;
+}
+
+} // namespace
+
+void read_plc(const TomlTable& table, ControllerConfig& config)
+{
+    table.allow({"scan_ms", "variable", "program"});
+    config.scan = std::chrono::milliseconds{table.integer("scan_ms", 20, 1, 10'000)};
+    const auto variables = table.tables("variable");
+    const auto programs = table.tables("program");
+    for (const TomlTable& entry : variables) {
+        config.plc.variables.push_back(read_variable(entry));
+    }
+    for (const TomlTable& entry : programs) {
+        config.plc.programs.push_back(read_program(entry));
+    }
+    const auto plc = controller::Plc::create(config.plc);
+    if (!plc) {
+        const PlcConfigError& error = plc.error();
+        const auto& part = error.part == PlcConfigError::Part::Variable ? variables : programs;
+        if (error.index < part.size()) {
+            part[error.index].fail(error.field, error.text);
+        }
+        throw ConfigError{error.field + ": " + error.text};
+    }
+}
+
+} // namespace busbar::example

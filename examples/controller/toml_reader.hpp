@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <toml++/toml.h>
+
+namespace busbar::example {
+
+/// "controller.toml:12: found \"x\", expected ...".
+class ConfigError : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+/// One table of a configuration file. Every function throws a ConfigError with the place if what is
+/// there is not what is expected.
+class TomlTable {
+public:
+    TomlTable(const toml::table& table, std::string file) : table_{&table}, file_{std::move(file)}
+    {
+    }
+
+    /// Any key but these is a mistake.
+    void allow(std::initializer_list<std::string_view> keys) const;
+
+    [[nodiscard]] bool has(std::string_view key) const { return table_->contains(key); }
+    [[nodiscard]] std::string text(std::string_view key, std::string otherwise) const;
+    [[nodiscard]] std::string text(std::string_view key) const;
+    [[nodiscard]] bool flag(std::string_view key, bool otherwise) const;
+    [[nodiscard]] std::int64_t integer(std::string_view key, std::int64_t otherwise,
+                                       std::int64_t least, std::int64_t most) const;
+    [[nodiscard]] double number(std::string_view key, double otherwise) const;
+    [[nodiscard]] std::vector<std::string> texts(std::string_view key) const;
+    [[nodiscard]] std::vector<std::int64_t> integers(std::string_view key, std::int64_t least,
+                                                     std::int64_t most) const;
+    /// An empty table if there is none.
+    [[nodiscard]] TomlTable table(std::string_view key) const;
+    /// [[key]]
+    [[nodiscard]] std::vector<TomlTable> tables(std::string_view key) const;
+    [[nodiscard]] const toml::node* node(std::string_view key) const { return table_->get(key); }
+
+    /// Fails at a key, or at the table itself if the key is not there.
+    [[noreturn]] void fail(std::string_view key, const std::string& expected) const;
+
+private:
+    [[nodiscard]] std::string place(const toml::node& node) const;
+
+    const toml::table* table_;
+    std::string file_;
+};
+
+} // namespace busbar::example

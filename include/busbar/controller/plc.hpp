@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include <busbar/controller/plc_config.hpp>
+#include <busbar/server/process_image.hpp>
+
+namespace busbar::controller {
+
+namespace detail {
+class PlcStep;
+}
+
+/// A simulated PLC: variables in a process image and small programs that move them.
+///
+/// It knows no clock: whoever calls scan() says what time it is. scan(), halt() and image()'s task
+/// side belong to one thread at a time; they never wait, allocate or free. What else is here does
+/// not change and may be asked from any thread.
+class Plc {
+public:
+    [[nodiscard]] static tl::expected<std::unique_ptr<Plc>, PlcConfigError>
+    create(const PlcConfig& config, server::ImageOptions options = {});
+    Plc(const Plc&) = delete;
+    Plc& operator=(const Plc&) = delete;
+    ~Plc();
+
+    /// One cycle: takes in what clients wrote, runs the programs, publishes. `now` becomes the
+    /// source timestamp; `elapsed` is the time since the scan before.
+    void scan(DateTime now, Duration elapsed);
+    /// The PLC stops until the next scan, see ProcessImage::halt.
+    void halt() { image_->halt(); }
+
+    [[nodiscard]] const std::shared_ptr<server::ProcessImage>& image() const { return image_; }
+
+    struct Variable {
+        std::string name;
+        bool is_writable;
+    };
+    /// The variables by their handles.
+    [[nodiscard]] const std::vector<Variable>& variables() const { return variables_; }
+    /// The handle of a variable.
+    [[nodiscard]] std::optional<std::uint32_t> find(std::string_view name) const;
+
+private:
+    Plc();
+
+    std::vector<Variable> variables_;
+    /// The handles, sorted by name.
+    std::vector<std::uint32_t> by_name_;
+    std::vector<detail::PlcStep> steps_;
+    std::shared_ptr<server::ProcessImage> image_;
+
+    friend class PlcBuilder;
+};
+
+} // namespace busbar::controller

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <busbar/core/clock.hpp>
+#include <busbar/core/variant.hpp>
+
+/// What a simulated PLC consists of. These are plain values; Plc::create checks them.
+namespace busbar::controller {
+
+struct PlcVariable {
+    std::string name;
+    /// Boolean to Double, String, DateTime, Guid, ByteString, XmlElement or StatusCode.
+    BuiltInType type{BuiltInType::Int32};
+    /// None for a scalar, one for an array, more for a matrix.
+    std::vector<std::uint32_t> dimensions;
+    /// Not 0: so many variables of this kind, called <name>0, <name>1...
+    std::uint32_t count{0};
+    /// Null: zeros, and texts that are empty. Else of the type and dimensions above; a scalar
+    /// fills all elements of an array. Int64 and Double stand for any number that the type can
+    /// have, String for a ByteString, XmlElement or Guid.
+    Variant initial;
+    bool is_writable{true};
+    /// The most bytes of a text.
+    std::uint32_t capacity{80};
+};
+
+enum class PlcProgramKind : std::uint8_t {
+    Increment, // adds `amplitude`; integers start over at their other end
+    Sine,      // offset + amplitude * sin(2 pi t / period), elements shifted by their part of it
+    Toggle,    // inverts a Boolean
+    Copy,      // gives `target` the value of `source`
+};
+
+/// A program works on all elements of a variable, and on all variables if that has a `count`.
+struct PlcProgram {
+    PlcProgramKind kind{PlcProgramKind::Increment};
+    std::string target;
+    /// Of Copy only: a variable of the same type and size.
+    std::string source;
+    /// How often it does its work; 0 in every scan. For Sine the length of a wave.
+    std::chrono::milliseconds period{0};
+    double amplitude{1};
+    double offset{0};
+};
+
+struct PlcConfig {
+    std::vector<PlcVariable> variables;
+    /// Run in this order in each scan.
+    std::vector<PlcProgram> programs;
+};
+
+/// What is wrong with a PlcConfig.
+struct PlcConfigError {
+    enum class Part : std::uint8_t { Variable, Program };
+    /// variables[index] or programs[index].
+    Part part{Part::Variable};
+    std::size_t index{0};
+    /// The field's name: "type", "target"...
+    std::string field;
+    /// What was found and what was expected.
+    std::string text;
+};
+
+} // namespace busbar::controller

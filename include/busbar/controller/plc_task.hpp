@@ -1,0 +1,60 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <thread>
+
+#include <busbar/controller/plc.hpp>
+
+namespace busbar::controller {
+
+/// Runs a PLC's scans in a thread of its own, at equal distances of time.
+///
+/// `plc` and `clock` must outlive it; from start() to stop() nobody else may use the scan's side of
+/// `plc`. start() and stop() belong to one thread.
+class PlcTask {
+public:
+    PlcTask(Plc& plc, const WallClock& clock, Duration cycle = std::chrono::milliseconds{20});
+    PlcTask(const PlcTask&) = delete;
+    PlcTask& operator=(const PlcTask&) = delete;
+    ~PlcTask() { stop(); }
+
+    /// The first scan begins at once.
+    void start();
+    /// Waits for a scan that runs, then halts the PLC.
+    void stop();
+
+    struct Statistics {
+        std::uint64_t scans{0};
+        /// Cycles that were left out because the scan before was too long or began too late.
+        std::uint64_t missed_cycles{0};
+        /// How much later than planned a scan began, and how long one took, at worst.
+        Duration worst_lateness{0};
+        Duration worst_scan{0};
+    };
+    /// Since start(); from any thread.
+    [[nodiscard]] Statistics statistics() const;
+    [[nodiscard]] Duration cycle() const { return cycle_; }
+
+private:
+    void run();
+    void scan(TimePoint planned, TimePoint begin, Duration elapsed);
+
+    Plc* plc_;
+    const WallClock* clock_;
+    Duration cycle_;
+    std::thread thread_;
+    /// Guards `stopping_`. The task holds it only while it waits for its next cycle.
+    std::mutex mutex_;
+    std::condition_variable stop_;
+    bool stopping_{false};
+
+    std::atomic<std::uint64_t> scans_{0};
+    std::atomic<std::uint64_t> missed_cycles_{0};
+    std::atomic<Duration::rep> worst_lateness_{0};
+    std::atomic<Duration::rep> worst_scan_{0};
+};
+
+} // namespace busbar::controller

@@ -1,0 +1,41 @@
+#include <busbar/controller/plc.hpp>
+
+#include <algorithm>
+
+#include "plc_builder.hpp"
+#include "plc_step.hpp"
+
+namespace busbar::controller {
+
+Plc::Plc() = default;
+Plc::~Plc() = default;
+
+tl::expected<std::unique_ptr<Plc>, PlcConfigError> Plc::create(const PlcConfig& config,
+                                                               server::ImageOptions options)
+{
+    return PlcBuilder{config}.build(options);
+}
+
+void Plc::scan(DateTime now, Duration elapsed)
+{
+    image_->begin_scan([this](std::uint32_t handle) -> StatusCode {
+        // The server refuses such a Write by itself; a backend does not rely on that.
+        return variables_[handle].is_writable ? status::Good : status::Bad_NotWritable;
+    });
+    for (detail::PlcStep& step : steps_) {
+        step.run(elapsed);
+    }
+    image_->publish(now);
+}
+
+std::optional<std::uint32_t> Plc::find(std::string_view name) const
+{
+    const auto name_at = [this](std::uint32_t handle) {
+        return std::string_view{variables_[handle].name};
+    };
+    const auto found = std::ranges::lower_bound(by_name_, name, {}, name_at);
+    return found != by_name_.end() && name_at(*found) == name ? std::optional{*found}
+                                                              : std::nullopt;
+}
+
+} // namespace busbar::controller

@@ -1,0 +1,227 @@
+#include "plc_builder.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <busbar/core/text.hpp>
+
+#include "plc_initial.hpp"
+
+namespace busbar::controller {
+
+namespace {
+
+std::string quoted(std::string_view text)
+{
+    return "'" + printable(text) + "'";
+}
+
+const char* name_of(PlcProgramKind kind)
+{
+    switch (kind) {
+    case PlcProgramKind::Increment:
+        return "increment";
+    case PlcProgramKind::Sine:
+        return "sine";
+    case PlcProgramKind::Toggle:
+        return "toggle";
+    case PlcProgramKind::Copy:
+        return "copy";
+    }
+    return "?";
+}
+
+} // namespace
+
+PlcBuilder::Checked PlcBuilder::error(Part part, std::size_t index, std::string field,
+                                      std::string text)
+{
+    return tl::unexpected{PlcConfigError{part, index, std::move(field), std::move(text)}};
+}
+
+tl::expected<std::unique_ptr<Plc>, PlcConfigError> PlcBuilder::build(server::ImageOptions options)
+{
+    Checked checked = add_variables();
+    if (checked) {
+        checked = check_names();
+    }
+    if (checked) {
+        plc_->image_ = server::ProcessImage::create(layout_, options);
+        checked = set_values();
+    }
+    if (checked) {
+        checked = add_programs();
+    }
+    if (!checked) {
+        return tl::unexpected{checked.error()};
+    }
+    return std::move(plc_);
+}
+
+PlcBuilder::Checked PlcBuilder::add_variables()
+{
+    for (std::size_t i = 0; i < config_->variables.size(); ++i) {
+        if (auto added = add_variable(i); !added) {
+            return added;
+        }
+    }
+    return {};
+}
+
+PlcBuilder::Checked PlcBuilder::add_variable(std::size_t index)
+{
+    const PlcVariable& variable = config_->variables[index];
+    if (variable.name.empty()) {
+        return error(Part::Variable, index, "name", "found no name, expected one");
+    }
+    const Group group{static_cast<std::uint32_t>(layout_.size()), std::max(variable.count, 1U)};
+    for (std::uint32_t i = 0; i < group.count; ++i) {
+        const auto added = layout_.add({variable.type, variable.dimensions, variable.capacity});
+        if (!added && added.error() == status::Bad_DataTypeIdUnknown) {
+            return error(Part::Variable, index, "type",
+                         "found " + std::string{name(variable.type)} +
+                             ", expected Boolean to Double, String, DateTime, Guid, ByteString, "
+                             "XmlElement or StatusCode");
+        }
+        if (!added && added.error() == status::Bad_OutOfRange) {
+            return error(Part::Variable, index, "dimensions",
+                         "expected at most 16 dimensions and none of them 0");
+        }
+        if (!added) {
+            return error(Part::Variable, index, "dimensions",
+                         "the variables need more memory than an image may have");
+        }
+        plc_->variables_.push_back(
+            {variable.count == 0 ? variable.name : variable.name + std::to_string(i),
+             variable.is_writable});
+    }
+    groups_.push_back(group);
+    return {};
+}
+
+PlcBuilder::Checked PlcBuilder::check_names()
+{
+    auto& sorted = plc_->by_name_;
+    const auto name_at = [this](std::uint32_t handle) -> const std::string& {
+        return plc_->variables_[handle].name;
+    };
+    for (std::uint32_t handle = 0; handle < plc_->variables_.size(); ++handle) {
+        sorted.push_back(handle);
+    }
+    std::ranges::sort(sorted, {}, name_at);
+    const auto twin = std::ranges::adjacent_find(sorted, {}, name_at);
+    if (twin == sorted.end()) {
+        return {};
+    }
+    const std::uint32_t later = std::max(twin[0], twin[1]);
+    const auto group = std::ranges::find_if(
+        groups_, [&](const Group& g) { return later >= g.first && later - g.first < g.count; });
+    return error(Part::Variable, static_cast<std::size_t>(group - groups_.begin()), "name",
+                 "found " + quoted(name_at(later)) + " again, expected a name of its own");
+}
+
+PlcBuilder::Checked PlcBuilder::set_values()
+{
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+        const auto value = detail::initial_value(config_->variables[i]);
+        if (!value) {
+            return error(Part::Variable, i, "initial",
+                         "expected a value that " + std::string{name(config_->variables[i].type)} +
+                             " can have, with all elements or one for all");
+        }
+        for (std::uint32_t j = 0; j < groups_[i].count; ++j) {
+            if (!plc_->image_->memory().store(groups_[i].first + j, *value).is_good()) {
+                return error(Part::Variable, i, "initial",
+                             "expected a text of at most " +
+                                 std::to_string(config_->variables[i].capacity) + " bytes");
+            }
+        }
+    }
+    return {};
+}
+
+std::optional<PlcBuilder::Group> PlcBuilder::find(std::string_view name) const
+{
+    if (const auto handle = plc_->find(name)) {
+        return Group{*handle, 1};
+    }
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+        if (config_->variables[i].name == name) {
+            return groups_[i];
+        }
+    }
+    return std::nullopt;
+}
+
+PlcBuilder::Checked PlcBuilder::add_programs()
+{
+    for (std::size_t i = 0; i < config_->programs.size(); ++i) {
+        if (auto added = add_program(i); !added) {
+            return added;
+        }
+    }
+    return {};
+}
+
+PlcBuilder::Checked PlcBuilder::add_program(std::size_t index)
+{
+    const PlcProgram& program = config_->programs[index];
+    const auto target = find(program.target);
+    if (!target) {
+        return error(Part::Program, index, "target",
+                     "found " + quoted(program.target) + ", expected a variable's name");
+    }
+    const BuiltInType type = layout_[target->first].type;
+    if (!detail::PlcStep::accepts(program.kind, type)) {
+        return error(Part::Program, index, "target",
+                     "found a variable of " + std::string{name(type)} + ", which " +
+                         name_of(program.kind) + " cannot work on");
+    }
+    if (program.period.count() < 0 ||
+        (program.period.count() == 0 && program.kind == PlcProgramKind::Sine)) {
+        return error(Part::Program, index, "period",
+                     "found " + std::to_string(program.period.count()) +
+                         " ms, expected more than 0");
+    }
+    if (!std::isfinite(program.amplitude) || !std::isfinite(program.offset)) {
+        return error(Part::Program, index, "amplitude", "expected finite numbers");
+    }
+    const bool is_whole = std::trunc(program.amplitude) == program.amplitude;
+    if (program.kind == PlcProgramKind::Increment && type < BuiltInType::Float && !is_whole) {
+        return error(Part::Program, index, "amplitude",
+                     "found " + std::to_string(program.amplitude) +
+                         ", expected a whole number for a variable of " + std::string{name(type)});
+    }
+    if (program.kind == PlcProgramKind::Copy) {
+        return check_copy(index, *target);
+    }
+    for (std::uint32_t i = 0; i < target->count; ++i) {
+        plc_->steps_.emplace_back(plc_->image_->memory(), program, target->first + i, 0U);
+    }
+    return {};
+}
+
+PlcBuilder::Checked PlcBuilder::check_copy(std::size_t index, const Group& target)
+{
+    const PlcProgram& program = config_->programs[index];
+    const auto source = find(program.source);
+    if (!source) {
+        return error(Part::Program, index, "source",
+                     "found " + quoted(program.source) + ", expected a variable's name");
+    }
+    const server::ImagePlace& from = layout_[source->first];
+    const server::ImagePlace& to = layout_[target.first];
+    if (from.type != to.type || from.dimensions != to.dimensions || from.capacity > to.capacity ||
+        (source->count != 1 && source->count != target.count)) {
+        return error(Part::Program, index, "source",
+                     "found " + quoted(program.source) +
+                         ", expected a variable of the type and size of " + quoted(program.target));
+    }
+    for (std::uint32_t i = 0; i < target.count; ++i) {
+        plc_->steps_.emplace_back(plc_->image_->memory(), program, target.first + i,
+                                  source->first + (source->count == 1 ? 0 : i));
+    }
+    return {};
+}
+
+} // namespace busbar::controller

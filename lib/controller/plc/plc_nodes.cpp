@@ -1,0 +1,62 @@
+#include <busbar/controller/plc_nodes.hpp>
+
+namespace busbar::controller {
+
+namespace {
+
+constexpr std::uint32_t objects_folder = 85;
+constexpr std::uint8_t current_read = 0x01; // AccessLevelType, Part 3, 8.57
+constexpr std::uint8_t current_write = 0x02;
+
+Result<model::NodeIndex> add_variable(model::AddressSpace& address_space, model::NodeIndex folder,
+                                      std::uint16_t namespace_index, const Plc& plc,
+                                      std::uint32_t handle, const PlcNodesOptions& options)
+{
+    const Plc::Variable& variable = plc.variables()[handle];
+    const server::ImagePlace& place = plc.image()->layout()[handle];
+    model::NewNode node;
+    node.id = NodeId{namespace_index, String::borrow(variable.name)};
+    node.browse_name = QualifiedName{namespace_index, String::borrow(variable.name)};
+    node.parent = folder;
+    model::NewVariable attributes;
+    // A built-in type's DataType has the type's own number (Part 6, 5.1.2).
+    attributes.data_type = NodeId{0, static_cast<std::uint32_t>(place.type)};
+    if (place.is_array()) {
+        attributes.value_rank = static_cast<std::int32_t>(place.dimensions.size());
+        attributes.array_dimensions = Array<std::uint32_t>{place.dimensions};
+    }
+    attributes.access_level =
+        static_cast<std::uint8_t>(current_read | (variable.is_writable ? current_write : 0));
+    attributes.minimum_sampling_interval =
+        std::chrono::duration<double, std::milli>{options.cycle}.count();
+    attributes.source = options.source;
+    attributes.handle = handle;
+    return address_space.add_variable(node, attributes);
+}
+
+} // namespace
+
+Result<model::NodeIndex> publish_variables(model::AddressSpace& address_space, const Plc& plc,
+                                           const PlcNodesOptions& options)
+{
+    const auto namespace_index = address_space.add_namespace(options.namespace_uri);
+    if (!namespace_index) {
+        return fail(namespace_index.error());
+    }
+    model::NewNode node;
+    node.id = NodeId{*namespace_index, String::borrow(options.folder)};
+    node.browse_name = QualifiedName{*namespace_index, String::borrow(options.folder)};
+    node.parent = address_space.find(objects_folder);
+    const auto folder = address_space.add_folder(node);
+    address_space.reserve(plc.variables().size());
+    for (std::uint32_t handle = 0; folder && handle < plc.variables().size(); ++handle) {
+        const auto added =
+            add_variable(address_space, *folder, *namespace_index, plc, handle, options);
+        if (!added) {
+            return fail(added.error());
+        }
+    }
+    return folder;
+}
+
+} // namespace busbar::controller

@@ -1,0 +1,155 @@
+#include "plc_step.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numbers>
+#include <type_traits>
+
+namespace busbar::controller::detail {
+
+namespace {
+
+template <typename T>
+struct Tag {
+    using type = T;
+};
+
+/// Calls `visit(Tag<T>)` for a number's type, else gives null.
+template <typename Visit>
+auto visit_number(BuiltInType type, Visit&& visit) -> decltype(visit(Tag<double>{}))
+{
+    // clang-format off
+    switch (type) {
+    case BuiltInType::SByte: return visit(Tag<std::int8_t>{});
+    case BuiltInType::Byte: return visit(Tag<std::uint8_t>{});
+    case BuiltInType::Int16: return visit(Tag<std::int16_t>{});
+    case BuiltInType::UInt16: return visit(Tag<std::uint16_t>{});
+    case BuiltInType::Int32: return visit(Tag<std::int32_t>{});
+    case BuiltInType::UInt32: return visit(Tag<std::uint32_t>{});
+    case BuiltInType::Int64: return visit(Tag<std::int64_t>{});
+    case BuiltInType::UInt64: return visit(Tag<std::uint64_t>{});
+    case BuiltInType::Float: return visit(Tag<float>{});
+    case BuiltInType::Double: return visit(Tag<double>{});
+    default: return nullptr;
+    }
+    // clang-format on
+}
+
+/// The nearest value of T; Integers' limits stand for what is beyond them.
+template <typename T>
+T nearest(double value)
+{
+    if constexpr (std::is_floating_point_v<T>) {
+        return static_cast<T>(value);
+    } else {
+        // As doubles the limits may lie one above the type's own, which `>=` leaves out.
+        constexpr auto lowest = static_cast<double>(std::numeric_limits<T>::min());
+        constexpr auto highest = static_cast<double>(std::numeric_limits<T>::max());
+        const double rounded = std::round(value);
+        if (rounded >= highest) {
+            return std::numeric_limits<T>::max();
+        }
+        return rounded <= lowest ? std::numeric_limits<T>::min() : static_cast<T>(rounded);
+    }
+}
+
+} // namespace
+
+bool PlcStep::accepts(PlcProgramKind kind, BuiltInType type)
+{
+    return choose(kind, type) != nullptr;
+}
+
+PlcStep::Run PlcStep::choose(PlcProgramKind kind, BuiltInType type)
+{
+    switch (kind) {
+    case PlcProgramKind::Increment:
+        return visit_number(
+            type, [](auto tag) -> Run { return &increment<typename decltype(tag)::type>; });
+    case PlcProgramKind::Sine:
+        return visit_number(type,
+                            [](auto tag) -> Run { return &sine<typename decltype(tag)::type>; });
+    case PlcProgramKind::Toggle:
+        return type == BuiltInType::Boolean ? &toggle : nullptr;
+    case PlcProgramKind::Copy:
+        return &copy;
+    }
+    return nullptr;
+}
+
+PlcStep::PlcStep(server::ImageMemory& memory, const PlcProgram& program, std::uint32_t target,
+                 std::uint32_t source)
+    : memory_{&memory}, run_{choose(program.kind, memory.layout()[target].type)}, target_{target},
+      source_{source}, period_{program.period}, amplitude_{program.amplitude}, offset_{
+                                                                                   program.offset}
+{
+}
+
+std::uint64_t PlcStep::firings(Duration elapsed)
+{
+    if (period_ <= Duration::zero()) {
+        return 1;
+    }
+    since_ += std::max(elapsed, Duration::zero());
+    const auto count = static_cast<std::uint64_t>(since_ / period_);
+    since_ %= period_;
+    return count;
+}
+
+template <typename T>
+void PlcStep::increment(PlcStep& step, Duration elapsed)
+{
+    const std::uint64_t count = step.firings(elapsed);
+    for (T& value : step.memory_->values<T>(step.target_)) {
+        if constexpr (std::is_floating_point_v<T>) {
+            value += static_cast<T>(step.amplitude_ * static_cast<double>(count));
+        } else {
+            const auto sum =
+                static_cast<std::uint64_t>(value) +
+                static_cast<std::uint64_t>(nearest<std::int64_t>(step.amplitude_)) * count;
+            value = static_cast<T>(sum);
+        }
+    }
+}
+
+template <typename T>
+void PlcStep::sine(PlcStep& step, Duration elapsed)
+{
+    static_cast<void>(step.firings(elapsed));
+    const auto values = step.memory_->values<T>(step.target_);
+    const double position =
+        static_cast<double>(step.since_.count()) / static_cast<double>(step.period_.count());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const double shift = static_cast<double>(i) / static_cast<double>(values.size());
+        const double angle = 2 * std::numbers::pi * (position + shift);
+        values[i] = nearest<T>(step.offset_ + step.amplitude_ * std::sin(angle));
+    }
+}
+
+void PlcStep::toggle(PlcStep& step, Duration elapsed)
+{
+    if (step.firings(elapsed) % 2 == 1) {
+        for (bool& value : step.memory_->values<bool>(step.target_)) {
+            value = !value;
+        }
+    }
+}
+
+void PlcStep::copy(PlcStep& step, Duration elapsed)
+{
+    if (step.firings(elapsed) == 0) {
+        return;
+    }
+    server::ImageMemory& memory = *step.memory_;
+    const server::ImagePlace& from = memory.layout()[step.source_];
+    if (!from.is_text()) {
+        std::memmove(memory.bytes(memory.layout()[step.target_]), memory.bytes(from), from.bytes());
+        return;
+    }
+    for (std::uint32_t i = 0; i < from.elements; ++i) {
+        memory.set_text(step.target_, memory.text(step.source_, i), i);
+    }
+}
+
+} // namespace busbar::controller::detail

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+
+#include <busbar/controller/plc_config.hpp>
+#include <busbar/server/image_memory.hpp>
+
+namespace busbar::controller::detail {
+
+/// One program on one variable.
+class PlcStep {
+public:
+    /// True if a program of this kind can work on variables of this type.
+    [[nodiscard]] static bool accepts(PlcProgramKind kind, BuiltInType type);
+
+    /// The config's program must have been checked.
+    PlcStep(server::ImageMemory& memory, const PlcProgram& program, std::uint32_t target,
+            std::uint32_t source);
+
+    void run(Duration elapsed) { run_(*this, elapsed); }
+
+private:
+    using Run = void (*)(PlcStep&, Duration);
+
+    /// How often the program's period has ended now.
+    [[nodiscard]] std::uint64_t firings(Duration elapsed);
+    template <typename T>
+    static void increment(PlcStep& step, Duration elapsed);
+    template <typename T>
+    static void sine(PlcStep& step, Duration elapsed);
+    static void toggle(PlcStep& step, Duration elapsed);
+    static void copy(PlcStep& step, Duration elapsed);
+    [[nodiscard]] static Run choose(PlcProgramKind kind, BuiltInType type);
+
+    server::ImageMemory* memory_;
+    Run run_;
+    std::uint32_t target_;
+    std::uint32_t source_;
+    Duration period_;
+    /// Since the period's begin.
+    Duration since_{0};
+    double amplitude_;
+    double offset_;
+};
+
+} // namespace busbar::controller::detail

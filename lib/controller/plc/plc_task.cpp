@@ -1,0 +1,94 @@
+#include <busbar/controller/plc_task.hpp>
+
+#include <algorithm>
+
+namespace busbar::controller {
+
+namespace {
+
+TimePoint steady_now()
+{
+    return std::chrono::steady_clock::now();
+}
+
+/// Only the task's thread writes these.
+template <typename T>
+void raise(std::atomic<T>& worst, T value)
+{
+    if (value > worst.load(std::memory_order_relaxed)) {
+        worst.store(value, std::memory_order_relaxed);
+    }
+}
+
+} // namespace
+
+PlcTask::PlcTask(Plc& plc, const WallClock& clock, Duration cycle)
+    : plc_{&plc}, clock_{&clock}, cycle_{std::max(cycle, Duration{1})}
+{
+}
+
+void PlcTask::start()
+{
+    if (thread_.joinable()) {
+        return;
+    }
+    stopping_ = false;
+    scans_ = 0;
+    missed_cycles_ = 0;
+    worst_lateness_ = 0;
+    worst_scan_ = 0;
+    thread_ = std::thread{[this] { run(); }};
+}
+
+void PlcTask::stop()
+{
+    if (!thread_.joinable()) {
+        return;
+    }
+    {
+        const std::lock_guard lock{mutex_};
+        stopping_ = true;
+    }
+    stop_.notify_one();
+    thread_.join();
+    plc_->halt();
+}
+
+void PlcTask::run()
+{
+    TimePoint planned = steady_now();
+    TimePoint before = planned;
+    for (;;) {
+        const TimePoint begin = steady_now();
+        scan(planned, begin, begin - before);
+        before = begin;
+        planned += cycle_;
+        // A task that is behind by whole cycles leaves them out; it does not hurry after them.
+        if (const Duration behind = steady_now() - planned; behind > cycle_) {
+            missed_cycles_.fetch_add(static_cast<std::uint64_t>(behind / cycle_),
+                                     std::memory_order_relaxed);
+            planned += behind / cycle_ * cycle_;
+        }
+        std::unique_lock lock{mutex_};
+        if (stop_.wait_until(lock, planned, [this] { return stopping_; })) {
+            return;
+        }
+    }
+}
+
+void PlcTask::scan(TimePoint planned, TimePoint begin, Duration elapsed)
+{
+    plc_->scan(clock_->now(), elapsed);
+    raise(worst_lateness_, (begin - planned).count());
+    raise(worst_scan_, Duration{steady_now() - begin}.count());
+    scans_.fetch_add(1, std::memory_order_relaxed);
+}
+
+PlcTask::Statistics PlcTask::statistics() const
+{
+    return {scans_.load(std::memory_order_relaxed), missed_cycles_.load(std::memory_order_relaxed),
+            Duration{worst_lateness_.load(std::memory_order_relaxed)},
+            Duration{worst_scan_.load(std::memory_order_relaxed)}};
+}
+
+} // namespace busbar::controller

@@ -1,0 +1,98 @@
+#include "config_check.hpp"
+
+#include <algorithm>
+
+#include "endpoint_url.hpp"
+#include "user_token.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+std::string describe(const channel::SecuritySetting& security)
+{
+    static constexpr std::string_view modes[] = {"Invalid", "None", "Sign", "SignAndEncrypt"};
+    const auto mode = static_cast<std::size_t>(security.mode);
+    return "endpoint " + std::string{security.policy->name} + " " +
+           std::string{mode < std::size(modes) ? modes[mode] : modes[0]};
+}
+
+std::string check_endpoint(const EndpointConfig& endpoint, const ServerConfig& config,
+                           const ServerEnvironment& environment)
+{
+    if (endpoint.security.policy == nullptr) {
+        return "an endpoint has a security policy that is not known";
+    }
+    const std::string which = describe(endpoint.security);
+    const bool is_none = endpoint.security.policy->is_none();
+    const auto mode = endpoint.security.mode;
+    if (is_none ? mode != MessageSecurityMode::None
+                : mode != MessageSecurityMode::Sign && mode != MessageSecurityMode::SignAndEncrypt) {
+        return which + ": policy and mode do not go together";
+    }
+    if (!is_none && (!config.identity || environment.validator == nullptr)) {
+        return which + ": needs a certificate, its key and a certificate validator";
+    }
+    if (token_policies(endpoint, environment.users != nullptr).empty()) {
+        return which + ": nobody can log in, no kind of user is allowed";
+    }
+    if (!endpoint.allows_user_name || environment.users == nullptr) {
+        return {};
+    }
+    const bool is_plain = password_policy(endpoint).is_none();
+    if (is_plain && !endpoint.allows_plain_passwords) {
+        return which + ": passwords would be sent as they are, which is not allowed";
+    }
+    if (!is_plain && !config.identity) {
+        return which + ": encrypted passwords need a certificate and its key";
+    }
+    return {};
+}
+
+std::string check_identity(const ServerConfig& config)
+{
+    if (!config.identity) {
+        return {};
+    }
+    const auto& [certificates, key] = *config.identity;
+    if (certificates.empty()) {
+        return "there is a key but no certificate";
+    }
+    if (!key.belongs_to(certificates.front())) {
+        return "the private key does not belong to the certificate";
+    }
+    if (certificates.front().application_uri() != config.application_uri) {
+        // Part 6, 6.2.2
+        return "the certificate names \"" + printable(certificates.front().application_uri()) +
+               "\" and not the ApplicationUri \"" + config.application_uri + "\"";
+    }
+    return {};
+}
+
+} // namespace
+
+std::string find_contradiction(const ServerConfig& config, const ServerEnvironment& environment)
+{
+    if (!EndpointUrl::parse(config.endpoint_url)) {
+        return "\"" + config.endpoint_url + "\" is no URL like opc.tcp://host:port";
+    }
+    if (config.application_uri.empty() || config.endpoints.empty()) {
+        return "an ApplicationUri and an endpoint are needed";
+    }
+    if (std::string reason = check_identity(config); !reason.empty()) {
+        return reason;
+    }
+    for (auto at = config.endpoints.begin(); at != config.endpoints.end(); ++at) {
+        if (std::string reason = check_endpoint(*at, config, environment); !reason.empty()) {
+            return reason;
+        }
+        if (std::any_of(config.endpoints.begin(), at, [&](const EndpointConfig& other) {
+                return other.security == at->security;
+            })) {
+            return describe(at->security) + ": is there twice";
+        }
+    }
+    return {};
+}
+
+} // namespace busbar::server::detail

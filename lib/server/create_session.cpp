@@ -1,0 +1,184 @@
+#include <algorithm>
+#include <cmath>
+
+#include <busbar/core/text.hpp>
+
+#include "discovery.hpp"
+#include "link.hpp"
+#include "session_proof.hpp"
+#include "session_services.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+/// Sizes of nonces and tokens in bytes (Part 4, 5.6.2.2 and 7.35).
+constexpr std::size_t nonce_size = 32;
+constexpr std::size_t max_nonce_size = 128;
+constexpr std::size_t max_name_size = 256;
+
+/// The security of the channel has to be that of an endpoint: discovery may have less.
+StatusCode check_endpoint(const Core& core, const channel::SecuritySetting& security)
+{
+    const auto& endpoints = core.config.endpoints;
+    const bool is_there = std::any_of(endpoints.begin(), endpoints.end(), [&](const auto& e) {
+        return e.security == security;
+    });
+    return is_there ? status::Good : status::Bad_SecurityPolicyRejected;
+}
+
+StatusCode check_nonce(const ByteString& nonce, bool is_secure)
+{
+    if (nonce.empty() && !is_secure) {
+        return status::Good;
+    }
+    return nonce.size() >= nonce_size && nonce.size() <= max_nonce_size ? status::Good
+                                                                        : status::Bad_NonceInvalid;
+}
+
+/// The client's certificate must be the one that its channel was opened with, and name the
+/// application that it says it is (Part 4, 5.6.2.2).
+StatusCode check_certificate(const channel::ServerChannel& channel,
+                             const CreateSessionRequest& request)
+{
+    const auto sent = crypto::parse_chain(request.client_certificate.span());
+    if (!sent || channel.peer_certificates().empty() ||
+        sent->front() != channel.peer_certificates().front()) {
+        return status::Bad_SecurityChecksFailed;
+    }
+    if (sent->front().application_uri() != request.client_description.application_uri.view()) {
+        return status::Bad_CertificateUriInvalid;
+    }
+    return status::Good;
+}
+
+StatusCode check(const ServiceContext& context, const CreateSessionRequest& request)
+{
+    const channel::ServerChannel& channel = context.link.channel();
+    const bool is_secure = !channel.security().policy->is_none();
+    for (const StatusCode status :
+         {check_endpoint(context.core, channel.security()),
+          check_nonce(request.client_nonce, is_secure),
+          is_secure ? check_certificate(channel, request) : status::Good}) {
+        if (status.is_bad()) {
+            return status;
+        }
+    }
+    return status::Good;
+}
+
+/// Part 4, 5.6.2.1: sessions that nobody activates do not keep others out.
+StatusCode make_place(ServiceContext& context)
+{
+    Core& core = context.core;
+    if (core.sessions.count_of(context.link) >= core.limits().max_sessions_per_channel) {
+        return status::Bad_TooManySessions;
+    }
+    if (core.sessions.size() < core.limits().max_sessions) {
+        return status::Good;
+    }
+    Session* oldest = core.sessions.oldest_unactivated();
+    if (oldest == nullptr) {
+        return status::Bad_TooManySessions;
+    }
+    core.close_session(*oldest, status::Bad_SessionClosed);
+    return status::Good;
+}
+
+/// Any number, not a number included, comes into the limits.
+std::chrono::milliseconds revise_timeout(const ServerLimits& limits, double requested_ms)
+{
+    const auto least = limits.min_session_timeout;
+    const auto most = limits.max_session_timeout;
+    if (!(requested_ms > static_cast<double>(least.count()))) {
+        return least;
+    }
+    if (requested_ms >= static_cast<double>(most.count())) {
+        return most;
+    }
+    return std::chrono::milliseconds{static_cast<std::int64_t>(requested_ms)};
+}
+
+Result<Guid> random_guid(const Core& core)
+{
+    const auto bytes = random_bytes(core, 16);
+    if (!bytes) {
+        return fail(bytes.error());
+    }
+    return binary::from_bytes<Guid>(bytes->span());
+}
+
+Result<std::unique_ptr<Session>> make_session(ServiceContext& context,
+                                              const CreateSessionRequest& request)
+{
+    Core& core = context.core;
+    const auto id = random_guid(core);
+    const auto token = random_bytes(core, nonce_size);
+    auto nonce = random_bytes(core, nonce_size);
+    if (!id || !token || !nonce) {
+        return fail(status::Bad_ResourceUnavailable);
+    }
+    auto session = std::make_unique<Session>(core.limits().max_session_memory);
+    session->id = NodeId{core.own_namespace, *id};
+    session->authentication_token = NodeId{0, *token};
+    session->server_nonce = *std::move(nonce);
+    session->name = request.session_name.view().substr(0, max_name_size);
+    if (session->name.empty()) {
+        session->name = to_string(*id);
+    }
+    session->client_application_uri =
+        request.client_description.application_uri.view().substr(0, max_name_size);
+    session->link = &context.link;
+    session->security = context.link.channel().security();
+    if (const auto& certificates = context.link.channel().peer_certificates();
+        !certificates.empty()) {
+        session->client_certificate = {certificates.front()};
+    }
+    session->max_response_message_size = request.max_response_message_size;
+    session->timeout = revise_timeout(core.limits(), request.requested_session_timeout);
+    session->created = context.now;
+    session->deadline =
+        context.now + std::min(session->timeout, core.limits().activation_timeout);
+    return session;
+}
+
+} // namespace
+
+StatusCode create_session(ServiceContext& context, const CreateSessionRequest& request,
+                          CreateSessionResponse& response)
+{
+    Core& core = context.core;
+    if (const StatusCode status = check(context, request); status.is_bad()) {
+        return status;
+    }
+    const auto& peer = context.link.channel().peer_certificates();
+    auto signature = sign_for_client(
+        core, context.link.channel().security(),
+        peer.empty() ? std::span<const std::byte>{} : peer.front().der(),
+        request.client_nonce.span());
+    if (!signature) {
+        return signature.error();
+    }
+    if (const StatusCode status = make_place(context); status.is_bad()) {
+        return status;
+    }
+    auto made = make_session(context, request);
+    if (!made) {
+        return made.error();
+    }
+    const Session& session = core.sessions.add(*std::move(made));
+    response.session_id = session.id;
+    response.authentication_token = session.authentication_token;
+    response.revised_session_timeout = static_cast<double>(session.timeout.count());
+    response.server_nonce = session.server_nonce;
+    response.server_certificate = server_certificates(core);
+    response.server_endpoints = describe_endpoints(core, request.endpoint_url.view());
+    response.server_signature = *std::move(signature);
+    response.max_request_message_size = core.limits().transport.max_message_size;
+    core.log(LogLevel::Info, "session",
+             "\"" + printable(session.name) + "\" created from " +
+                 std::string{context.link.peer_address()});
+    return status::Good;
+}
+
+} // namespace busbar::server::detail

@@ -1,0 +1,238 @@
+#include "dispatch.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include <busbar/core/text.hpp>
+#include <busbar/types/history.hpp>
+#include <busbar/types/method.hpp>
+#include <busbar/types/monitored_item.hpp>
+#include <busbar/types/node_management.hpp>
+#include <busbar/types/query.hpp>
+#include <busbar/types/subscription.hpp>
+
+#include "link.hpp"
+#include "read.hpp"
+#include "session_services.hpp"
+#include "view_services.hpp"
+#include "write.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+/// A request on its way to its service.
+struct Incoming {
+    std::vector<std::byte> message;
+    RequestHeader header;
+    Reply reply;
+    /// Where the request begins in the message, behind its type.
+    std::size_t offset;
+};
+
+/// What a service needs of the session that the request names.
+enum class Need : std::uint8_t {
+    Nothing,   // the token is not looked at
+    Known,     // a session; the service itself checks the rest
+    Activated, // an activated session of this channel
+};
+
+struct Service {
+    std::uint32_t encoding_id;
+    Need need;
+    /// Also works while the server shuts down.
+    bool is_for_shutdown;
+    /// Null: known, but not supported.
+    void (*run)(ServiceContext& context, Incoming& incoming);
+};
+
+template <auto Function, typename Request, typename Response>
+void run_function(ServiceContext& context, Incoming& incoming)
+{
+    const Core& core = context.core;
+    binary::Reader reader{std::span{incoming.message}.subspan(incoming.offset),
+                          binary::Strings::Borrow, &core.types, core.limits().decode};
+    Request request;
+    decode(reader, request);
+    if (reader.ok() && reader.remaining() != 0) {
+        reader.fail(status::Bad_DecodingError);
+    }
+    if (!reader.ok()) {
+        return context.link.fault(incoming.reply, reader.status());
+    }
+    Response response;
+    const StatusCode status = Function(context, request, response);
+    if (status.is_bad()) {
+        return context.link.fault(incoming.reply, status);
+    }
+    response.response_header = context.link.response_header(incoming.reply, status);
+    context.link.respond(incoming.reply, Response::binary_encoding_id,
+                         [&](binary::Writer& writer) { encode(writer, response); });
+}
+
+template <std::unique_ptr<Operation> (*Make)()>
+void run_operation(ServiceContext& context, Incoming& incoming)
+{
+    if (!context.link.has_place_for_operation()) {
+        return context.link.fault(incoming.reply, status::Bad_ServerTooBusy);
+    }
+    context.link.start(Make(), std::move(incoming.message), incoming.header, incoming.reply,
+                       context);
+}
+
+template <auto Function, typename Request, typename Response>
+constexpr Service function(Need need, bool is_for_shutdown = false)
+{
+    return {Request::binary_encoding_id, need, is_for_shutdown,
+            run_function<Function, Request, Response>};
+}
+template <typename Request>
+constexpr Service operation(Need need, void (*run)(ServiceContext&, Incoming&),
+                            bool is_for_shutdown = false)
+{
+    return {Request::binary_encoding_id, need, is_for_shutdown, run};
+}
+template <typename Request>
+constexpr Service unsupported()
+{
+    return {Request::binary_encoding_id, Need::Nothing, true, nullptr};
+}
+
+/// Every request of Part 4, by encoding id.
+constexpr auto services = [] {
+    std::array table{
+        function<find_servers, FindServersRequest, FindServersResponse>(Need::Nothing),
+        function<get_endpoints, GetEndpointsRequest, GetEndpointsResponse>(Need::Nothing),
+        unsupported<RegisterServerRequest>(),
+        unsupported<RegisterServer2Request>(),
+        unsupported<FindServersOnNetworkRequest>(),
+        function<create_session, CreateSessionRequest, CreateSessionResponse>(Need::Nothing),
+        operation<ActivateSessionRequest>(Need::Known, run_operation<make_activate_session>),
+        function<close_session, CloseSessionRequest, CloseSessionResponse>(Need::Known, true),
+        function<cancel, CancelRequest, CancelResponse>(Need::Activated),
+        unsupported<AddNodesRequest>(),
+        unsupported<AddReferencesRequest>(),
+        unsupported<DeleteNodesRequest>(),
+        unsupported<DeleteReferencesRequest>(),
+        function<browse, BrowseRequest, BrowseResponse>(Need::Activated),
+        function<browse_next, BrowseNextRequest, BrowseNextResponse>(Need::Activated),
+        function<translate_browse_paths, TranslateBrowsePathsToNodeIdsRequest,
+                 TranslateBrowsePathsToNodeIdsResponse>(Need::Activated),
+        function<register_nodes, RegisterNodesRequest, RegisterNodesResponse>(Need::Activated),
+        function<unregister_nodes, UnregisterNodesRequest, UnregisterNodesResponse>(
+            Need::Activated),
+        unsupported<QueryFirstRequest>(),
+        unsupported<QueryNextRequest>(),
+        operation<ReadRequest>(Need::Activated, run_operation<make_operation<ReadOperation>>,
+                               true),
+        operation<WriteRequest>(Need::Activated, run_operation<make_operation<WriteOperation>>),
+        unsupported<HistoryReadRequest>(),
+        unsupported<HistoryUpdateRequest>(),
+        unsupported<CallRequest>(),
+        unsupported<CreateMonitoredItemsRequest>(),
+        unsupported<ModifyMonitoredItemsRequest>(),
+        unsupported<SetMonitoringModeRequest>(),
+        unsupported<SetTriggeringRequest>(),
+        unsupported<DeleteMonitoredItemsRequest>(),
+        unsupported<CreateSubscriptionRequest>(),
+        unsupported<ModifySubscriptionRequest>(),
+        unsupported<SetPublishingModeRequest>(),
+        unsupported<PublishRequest>(),
+        unsupported<RepublishRequest>(),
+        unsupported<TransferSubscriptionsRequest>(),
+        unsupported<DeleteSubscriptionsRequest>(),
+    };
+    std::sort(table.begin(), table.end(), [](const Service& a, const Service& b) {
+        return a.encoding_id < b.encoding_id;
+    });
+    return table;
+}();
+
+const Service* find_service(const NodeId& encoding_id)
+{
+    if (encoding_id.namespace_index() != 0 || !encoding_id.is_numeric()) {
+        return nullptr;
+    }
+    const auto* const found = std::lower_bound(
+        services.begin(), services.end(), encoding_id.numeric(),
+        [](const Service& service, std::uint32_t id) { return service.encoding_id < id; });
+    return found != services.end() && found->encoding_id == encoding_id.numeric() ? found : nullptr;
+}
+
+/// The session that the request belongs to, if the service may be used with it.
+Result<Session*> find_session(Core& core, const Link& link, const RequestHeader& header, Need need,
+                              TimePoint now)
+{
+    if (need == Need::Nothing) {
+        return nullptr;
+    }
+    Session* session = core.sessions.find(header.authentication_token);
+    if (session == nullptr) {
+        return fail(status::Bad_SessionIdInvalid);
+    }
+    if (need == Need::Activated) {
+        if (session->link != &link) {
+            return fail(status::Bad_SecureChannelIdInvalid);
+        }
+        if (!session->is_activated) {
+            core.close_session(*session, status::Bad_SessionClosed); // Part 4, 5.6.3.1
+            return fail(status::Bad_SessionNotActivated);
+        }
+        session->deadline = now + session->timeout;
+    }
+    return session;
+}
+
+/// A response or another structure that no client sends: it does not speak the protocol.
+bool is_response(const Core& core, const NodeId& encoding_id)
+{
+    const StructureType* type = core.types.find(encoding_id);
+    return type != nullptr && type->name.ends_with("Response");
+}
+
+void run(const Service* service, Core& core, Link& link, Incoming& incoming, TimePoint now)
+{
+    if (service == nullptr || service->run == nullptr) {
+        return link.fault(incoming.reply, status::Bad_ServiceUnsupported);
+    }
+    if (core.is_shutting_down() && !service->is_for_shutdown) {
+        return link.fault(incoming.reply, status::Bad_Shutdown);
+    }
+    const auto session = find_session(core, link, incoming.header, service->need, now);
+    if (!session) {
+        return link.fault(incoming.reply, session.error());
+    }
+    if (*session != nullptr) {
+        incoming.reply.max_size = (*session)->max_response_message_size;
+    }
+    ServiceContext context{core, link, *session, now};
+    service->run(context, incoming);
+}
+
+} // namespace
+
+void dispatch(Core& core, Link& link, std::vector<std::byte> message, std::uint32_t request_id,
+              TimePoint now)
+{
+    Incoming incoming{std::move(message), {}, {request_id, 0, 0}, 0};
+    binary::Reader reader{incoming.message, binary::Strings::Borrow, &core.types,
+                          core.limits().decode};
+    NodeId encoding_id;
+    decode(reader, encoding_id);
+    incoming.offset = reader.offset();
+    if (reader.ok() && is_response(core, encoding_id)) {
+        return link.close(status::Bad_TcpMessageTypeInvalid, "not a request");
+    }
+    // Every request begins with its header (Part 4, 7.32); those that are not known may too.
+    const Service* service = find_service(encoding_id);
+    decode(reader, incoming.header);
+    if (reader.ok()) {
+        incoming.reply.request_handle = incoming.header.request_handle;
+    } else if (service != nullptr || encoding_id.is_null()) {
+        return link.fault(incoming.reply, reader.status());
+    }
+    run(service, core, link, incoming, now);
+}
+
+} // namespace busbar::server::detail

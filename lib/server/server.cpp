@@ -1,0 +1,193 @@
+#include <busbar/server/server.hpp>
+
+#include <algorithm>
+
+#include "config_check.hpp"
+#include "core.hpp"
+#include "link.hpp"
+
+namespace busbar::server {
+
+struct Server::Impl : detail::Core {
+    using Core::Core;
+
+    /// Makes place by closing the oldest connection that has no session (Part 4, 5.5.2.1).
+    [[nodiscard]] bool make_place();
+    void expire_sessions(TimePoint now);
+    void finish_shutdown();
+};
+
+std::vector<EndpointConfig> secure_endpoints()
+{
+    const auto* policy = crypto::find_policy_by_name("Basic256Sha256");
+    std::vector<EndpointConfig> endpoints(2);
+    endpoints[0].security = {policy, MessageSecurityMode::SignAndEncrypt};
+    endpoints[1].security = {policy, MessageSecurityMode::Sign};
+    return endpoints;
+}
+
+Result<Server> Server::create(ServerConfig config, const ServerEnvironment& environment,
+                              model::AddressSpace address_space)
+{
+    if (const auto reason = detail::find_contradiction(config, environment); !reason.empty()) {
+        environment.log->write(LogLevel::Error, "server", reason);
+        return fail(status::Bad_ConfigurationError);
+    }
+    // Part 5, 6.3.2: index 1 is the server's own namespace.
+    const auto own = address_space.add_namespace(config.application_uri);
+    if (!own) {
+        return fail(own.error());
+    }
+    auto impl = std::make_unique<Impl>(std::move(config), environment, std::move(address_space));
+    impl->own_namespace = *own;
+    return Server{std::move(impl)};
+}
+
+Server::Server(std::unique_ptr<Impl> impl) : impl_{std::move(impl)} {}
+Server::Server(Server&&) noexcept = default;
+Server& Server::operator=(Server&&) noexcept = default;
+Server::~Server() = default;
+
+const ServerConfig& Server::config() const
+{
+    return impl_->config;
+}
+
+model::AddressSpace& Server::address_space()
+{
+    return impl_->address_space;
+}
+
+binary::TypeRegistry& Server::types()
+{
+    return impl_->types;
+}
+
+std::uint32_t Server::add_source(DataSource& source)
+{
+    return impl_->sources.add(source);
+}
+
+Result<Connection> Server::connect(std::string_view peer_address, TimePoint now)
+{
+    const auto from_there = std::count_if(
+        impl_->links.begin(), impl_->links.end(),
+        [&](const detail::Link* link) { return link->peer_address() == peer_address; });
+    if (impl_->is_shutting_down() ||
+        static_cast<std::size_t>(from_there) >= impl_->limits().max_connections_per_address ||
+        !impl_->make_place()) {
+        return fail(status::Bad_TcpServerTooBusy);
+    }
+    return Connection{std::make_unique<detail::Link>(*impl_, peer_address, now)};
+}
+
+bool Server::Impl::make_place()
+{
+    const auto open = static_cast<std::size_t>(std::count_if(
+        links.begin(), links.end(), [](const detail::Link* link) { return !link->is_closed(); }));
+    if (open < limits().max_connections) {
+        return links.size() < 2 * limits().max_connections;
+    }
+    for (detail::Link* link : links) { // the oldest first
+        if (!link->is_closed() && !sessions.has_activated(*link)) {
+            link->close(status::Bad_TcpServerTooBusy, "another needs the place");
+            sweep();
+            return links.size() < 2 * limits().max_connections;
+        }
+    }
+    return false;
+}
+
+TimePoint Server::next_deadline() const
+{
+    const detail::Session* first = impl_->sessions.next_to_expire();
+    return std::min(first != nullptr ? first->deadline : no_deadline, impl_->shutdown_deadline);
+}
+
+void Server::handle_deadline(TimePoint now)
+{
+    impl_->expire_sessions(now);
+    if (impl_->shutdown_deadline <= now) {
+        impl_->finish_shutdown();
+    }
+    impl_->sweep();
+}
+
+void Server::Impl::expire_sessions(TimePoint now)
+{
+    detail::Session* session = sessions.next_to_expire();
+    while (session != nullptr && session->deadline <= now) {
+        close_session(*session, status::Bad_SessionClosed);
+        session = sessions.next_to_expire();
+    }
+}
+
+void Server::handle_completions(TimePoint)
+{
+    impl_->sources.handle_completions();
+    impl_->sweep();
+}
+
+std::optional<std::uint64_t> Server::next_changed()
+{
+    while (!impl_->changed.empty()) {
+        const std::uint64_t id = impl_->changed.front();
+        impl_->changed.pop_front();
+        const auto found =
+            std::find_if(impl_->links.begin(), impl_->links.end(),
+                         [id](const detail::Link* link) { return link->id() == id; });
+        if (found != impl_->links.end() && (*found)->take_mark()) {
+            return id;
+        }
+    }
+    return std::nullopt;
+}
+
+void Server::begin_shutdown(TimePoint now, std::string_view reason)
+{
+    if (impl_->is_shutting_down()) {
+        return;
+    }
+    const auto delay = impl_->config.shutdown_delay;
+    impl_->log(LogLevel::Info, "server", "shutdown: " + std::string{reason});
+    impl_->state = ServerState::Shutdown;
+    impl_->shutdown_reason = reason;
+    impl_->shutdown_time = {impl_->environment.wall_clock->now().ticks +
+                            delay.count() * (DateTime::ticks_per_second / 1000)};
+    impl_->shutdown_deadline = now + delay;
+    for (detail::Link* link : impl_->links) {
+        link->end_operations(nullptr, status::Bad_Shutdown);
+    }
+    impl_->sweep();
+}
+
+void Server::Impl::finish_shutdown()
+{
+    shutdown_deadline = no_deadline;
+    while (detail::Session* session = sessions.any()) {
+        close_session(*session, status::Bad_Shutdown);
+    }
+    for (detail::Link* link : links) {
+        link->close(status::Bad_Shutdown, "the server stops");
+    }
+}
+
+bool Server::is_stopped() const
+{
+    return impl_->is_shutting_down() && impl_->shutdown_deadline == no_deadline &&
+           std::all_of(impl_->links.begin(), impl_->links.end(), [](const detail::Link* link) {
+               return link->is_closed() && link->output().empty();
+           });
+}
+
+std::size_t Server::session_count() const
+{
+    return impl_->sessions.size();
+}
+
+std::size_t Server::connection_count() const
+{
+    return impl_->links.size();
+}
+
+} // namespace busbar::server
