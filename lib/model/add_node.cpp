@@ -87,10 +87,10 @@ StatusCode check_names(const AddressSpace& space, const Tables& tables, const Ne
         return tables.record(child).parent_reference == reference;
     }) != no_node;
     if (!is_taken && tables.is_constant(node.parent)) {
-        space.for_each_child(node.parent, reference, false, name, [&](NodeIndex) {
+        static_cast<void>(space.for_each_child(node.parent, reference, false, name, [&](NodeIndex) {
             is_taken = true;
             return false;
-        });
+        }));
     }
     return is_taken ? status::Bad_BrowseNameDuplicated : status::Good;
 }

@@ -95,14 +95,13 @@ constexpr unsigned classes_with[] = {
     variable_class,                                           // AccessLevelEx
 };
 
-/// An optional attribute: there or not.
-template <typename T>
-Result<Variant> if_present(bool is_present, T value)
+/// A text that a node may have or not have.
+Result<Variant> if_present(LocalizedText text)
 {
-    if (!is_present) {
+    if (text.text.is_null()) {
         return fail(status::Bad_AttributeIdInvalid);
     }
-    return Variant{std::move(value)};
+    return Variant{std::move(text)};
 }
 
 struct Common {
@@ -294,10 +293,8 @@ Result<Variant> AddressSpace::attribute(NodeIndex node, AttributeId id) const
         return Variant{browse_name(node)};
     case AttributeId::DisplayName:
         return Variant{display_name(node)};
-    case AttributeId::Description: {
-        LocalizedText text = description(*tables_, node);
-        return if_present(!text.text.is_null(), std::move(text));
-    }
+    case AttributeId::Description:
+        return if_present(description(*tables_, node));
     case AttributeId::WriteMask:
     case AttributeId::UserWriteMask:
         // No attribute but Value can be written.
@@ -306,10 +303,8 @@ Result<Variant> AddressSpace::attribute(NodeIndex node, AttributeId id) const
         return Variant{flags.has(static_flag::is_abstract)};
     case AttributeId::Symmetric:
         return Variant{flags.has(static_flag::symmetric)};
-    case AttributeId::InverseName: {
-        LocalizedText text = inverse_name(*tables_, node);
-        return if_present(!text.text.is_null(), std::move(text));
-    }
+    case AttributeId::InverseName:
+        return if_present(inverse_name(*tables_, node));
     case AttributeId::ContainsNoLoops:
         return Variant{flags.has(static_flag::contains_no_loops)};
     case AttributeId::EventNotifier:

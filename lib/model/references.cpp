@@ -88,9 +88,9 @@ NodeIndex AddressSpace::type_definition(NodeIndex node) const
     return no_node;
 }
 
-void AddressSpace::for_each_child(NodeIndex parent, NodeIndex type, bool include_subtypes,
-                                  const QualifiedName& name,
-                                  FunctionRef<bool(NodeIndex)> visit) const
+std::size_t AddressSpace::for_each_child(NodeIndex parent, NodeIndex type, bool include_subtypes,
+                                         const QualifiedName& name,
+                                         FunctionRef<bool(NodeIndex)> visit) const
 {
     const Tables& tables = *tables_;
     const auto fits = [&](NodeIndex reference) {
@@ -113,7 +113,7 @@ void AddressSpace::for_each_child(NodeIndex parent, NodeIndex type, bool include
     while (goes_on) {
         const auto reference = cursor.next();
         if (!reference) {
-            return;
+            break;
         }
         if (!reference->is_forward || !fits(reference->type)) {
             continue;
@@ -125,6 +125,7 @@ void AddressSpace::for_each_child(NodeIndex parent, NodeIndex type, bool include
             goes_on = visit(reference->target);
         }
     }
+    return cursor.position();
 }
 
 Result<void> AddressSpace::add_reference(NodeIndex source, const NodeId& type, NodeIndex target)

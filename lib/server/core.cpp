@@ -26,7 +26,8 @@ std::uint32_t random_channel_id(crypto::Random& random)
 
 Core::Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space)
     : config{std::move(c)}, environment{e}, address_space{std::move(space)},
-      types{binary::namespace0_types()}, sources{e.waker}, logins{config.limits},
+      types{binary::namespace0_types()}, sources{e.waker},
+      assembly{config.limits.max_assembly}, logins{config.limits},
       next_channel_id{random_channel_id(*e.random)}, start_time{e.wall_clock->now()}
 {
 }

@@ -23,6 +23,7 @@ struct Core {
     model::AddressSpace address_space;
     binary::TypeRegistry types;
     DataSources sources;
+    channel::AssemblyBudget assembly;
     SessionTable sessions;
     LoginGuard logins;
     /// All connections, oldest first.

@@ -71,7 +71,6 @@ public:
           groups_(sources.size())
     {
         block_->items.reserve(count);
-        source_of_.reserve(count);
     }
     ~BatchCall() { abandon(); }
 
@@ -80,9 +79,12 @@ public:
     /// Operation `index` is the business of a source, whose index find() knows.
     void ask(std::size_t index, std::uint32_t source, const Item& item)
     {
+        if (groups_[source].size != block_->items.size()) {
+            note_source(source);
+        }
         place_[index] = static_cast<std::uint32_t>(block_->items.size());
         block_->items.push_back(item);
-        source_of_.push_back(source);
+        last_source_ = source;
         ++groups_[source].size;
     }
     /// Operation `index` is answered here.
@@ -169,6 +171,15 @@ private:
         TimePoint deadline{no_deadline};
     };
 
+    /// Records where the next item goes, and the others went; not needed if all have one source.
+    void note_source(std::uint32_t source)
+    {
+        if (source_of_.empty()) {
+            source_of_.reserve(size());
+        }
+        source_of_.resize(block_->items.size(), last_source_);
+        source_of_.push_back(source);
+    }
     /// Puts the items of one source behind each other; they mostly are.
     void group()
     {
@@ -190,6 +201,7 @@ private:
     }
     void sort_items()
     {
+        source_of_.resize(block_->items.size(), last_source_);
         std::vector<std::uint32_t> next(groups_.size());
         for (std::size_t i = 0; i < groups_.size(); ++i) {
             next[i] = groups_[i].first;
@@ -303,7 +315,9 @@ private:
     std::shared_ptr<Block> block_;
     /// Where the answer of an operation lies: in the block's answers, or behind them in failures_.
     std::vector<std::uint32_t> place_;
+    /// Of the items but the last that have the same; empty if all have.
     std::vector<std::uint32_t> source_of_;
+    std::uint32_t last_source_{0};
     std::vector<Group> groups_;
     std::vector<Answer> failures_;
     std::size_t answered_{0};

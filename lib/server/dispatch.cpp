@@ -69,6 +69,7 @@ void run_function(ServiceContext& context, Incoming& incoming)
     response.response_header = context.link.response_header(incoming.reply, status);
     context.link.respond(incoming.reply, Response::binary_encoding_id,
                          [&](binary::Writer& writer) { encode(writer, response); });
+    context.link.recycle(std::move(incoming.message));
 }
 
 template <std::unique_ptr<Operation> (*Make)()>

@@ -29,11 +29,13 @@ channel::ServerChannelConfig channel_config(Core& core)
     return config;
 }
 
-channel::ChannelEnvironment channel_environment(const Core& core)
+channel::ChannelEnvironment channel_environment(Core& core)
 {
     const ServerEnvironment& from = core.environment;
-    return {from.random, from.wall_clock, from.log, from.validator,
-            core.config.identity ? &*core.config.identity : nullptr};
+    return {from.random,    from.wall_clock,
+            from.log,       from.validator,
+            core.config.identity ? &*core.config.identity : nullptr,
+            &core.assembly};
 }
 
 } // namespace

@@ -61,6 +61,8 @@ public:
                  FunctionRef<void(binary::Writer&)> encode_response);
     void fault(const Reply& reply, StatusCode status);
     [[nodiscard]] bool has_place_for_operation() const;
+    /// Gives back the memory of a message that is done with.
+    void recycle(std::vector<std::byte> message) { channel_.recycle(std::move(message)); }
     /// Takes the operation with its message, decodes the request and starts it.
     void start(std::unique_ptr<Operation> operation, std::vector<std::byte> message,
                const RequestHeader& header, const Reply& reply, ServiceContext& context);

@@ -4,7 +4,7 @@
 
 #include "service.hpp"
 
-/// The View service set (Part 4, 5.9); what it keeps in a session is Session::view.
+/// The View service set (Part 4, 5.9). All need an activated session.
 namespace busbar::server::detail {
 
 [[nodiscard]] StatusCode browse(ServiceContext& context, const BrowseRequest& request,

@@ -15,10 +15,7 @@ channel::SecuritySetting secured(MessageSecurityMode mode = MessageSecurityMode:
     return setting("Basic256Sha256", mode);
 }
 
-void write_number(binary::Writer& writer)
-{
-    writer.number(std::uint32_t{7});
-}
+constexpr auto write_number = [](binary::Writer& writer) { writer.number(std::uint32_t{7}); };
 
 /// The message that the client sends, kept from the server.
 Bytes message_of(ChannelPair& pair)
@@ -165,6 +162,6 @@ TEST_CASE("a lifetime is brought into the server's range", "[channel][renewal]")
             pair.now};
         pair.run();
         REQUIRE(pair.client.is_open());
-        CHECK(pair.client.next_deadline() == pair.now + seconds{granted} * 3 / 4);
+        CHECK(pair.client.next_deadline() == pair.now + Duration{seconds{granted}} * 3 / 4);
     }
 }

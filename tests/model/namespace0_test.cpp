@@ -145,8 +145,8 @@ TEST_CASE("InputArguments and DataTypeDefinitions are those of the specification
     const auto definition = [&](std::uint32_t type) {
         const auto encoded = space.attribute(space.find(type), AttributeId::DataTypeDefinition);
         REQUIRE(encoded);
-        return binary::from_bytes<Variant>(std::span{binary::to_bytes(*encoded).value()}, &types)
-            .value();
+        const auto bytes = binary::to_bytes(*encoded).value();
+        return binary::from_bytes<Variant>(bytes, &types).value();
     };
     const Variant range = definition(id::Range);
     const auto* const structure = range.get_if<ExtensionObject>()->get_if<StructureDefinition>();

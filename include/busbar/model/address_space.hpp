@@ -120,9 +120,9 @@ public:
     [[nodiscard]] bool is_subtype_of(NodeIndex type, std::uint32_t supertype) const;
     /// Calls `visit` for each forward target by a hierarchical reference of `type` (or of a
     /// subtype) whose BrowseName is `name`, until it returns false. Does not scan the children
-    /// that were added with `parent` as their parent.
-    void for_each_child(NodeIndex parent, NodeIndex type, bool include_subtypes,
-                        const QualifiedName& name, FunctionRef<bool(NodeIndex)> visit) const;
+    /// that were added with `parent` as their parent. Gives how many references it looked at.
+    std::size_t for_each_child(NodeIndex parent, NodeIndex type, bool include_subtypes,
+                               const QualifiedName& name, FunctionRef<bool(NodeIndex)> visit) const;
 
     /// The built-in type that encodes values of the DataType: Int32 for an enumeration,
     /// ExtensionObject for a structure, Variant for the abstract BaseDataType, Number, Integer and

@@ -37,6 +37,8 @@ struct ServerLimits {
     std::chrono::milliseconds send_timeout{30'000};
     /// Requests of one connection that wait for their answers; more answer Bad_ServerTooBusy.
     std::size_t max_pending_requests{100};
+    /// Bytes that the unfinished messages of all connections may take together.
+    std::size_t max_assembly{64U << 20U};
     /// Range of the lifetime of SecurityTokens.
     std::chrono::milliseconds min_token_lifetime{10'000};
     std::chrono::milliseconds max_token_lifetime{3'600'000};

@@ -1,0 +1,247 @@
+#include <algorithm>
+
+#include "view_context.hpp"
+#include "view_part.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+using model::NodeIndex;
+using model::Reference;
+using model::ReferenceCursor;
+
+constexpr bool has(std::uint32_t mask, BrowseResultMask bit)
+{
+    return (mask & static_cast<std::uint32_t>(bit)) != 0;
+}
+
+/// True for the references that the client asked for and may know of.
+bool matches(const ViewContext& context, const BrowseFilter& filter, const Reference& reference)
+{
+    if (filter.direction != BrowseDirection::Both &&
+        reference.is_forward != (filter.direction == BrowseDirection::Forward)) {
+        return false;
+    }
+    const model::AddressSpace& space = context.space;
+    if (filter.reference_type != model::no_node && reference.type != filter.reference_type &&
+        !(filter.include_subtypes && space.is_subtype_of(reference.type, filter.reference_type))) {
+        return false;
+    }
+    if (filter.node_class_mask != 0 &&
+        (filter.node_class_mask & static_cast<std::uint32_t>(space.node_class(reference.target))) ==
+            0) {
+        return false;
+    }
+    return context.may_see(reference.target);
+}
+
+/// Only what the ResultMask asks for; the rest stays null (Part 4, 5.9.2.2).
+void describe(const model::AddressSpace& space, const Reference& reference, std::uint32_t mask,
+              ReferenceDescription& to)
+{
+    to.node_id.node_id = space.node_id(reference.target);
+    if (has(mask, BrowseResultMask::ReferenceTypeId)) {
+        to.reference_type_id = space.node_id(reference.type);
+    }
+    if (has(mask, BrowseResultMask::IsForward)) {
+        to.is_forward = reference.is_forward;
+    }
+    const NodeClass node_class = space.node_class(reference.target);
+    if (has(mask, BrowseResultMask::NodeClass)) {
+        to.node_class = node_class;
+    }
+    if (has(mask, BrowseResultMask::BrowseName)) {
+        to.browse_name = space.browse_name(reference.target);
+    }
+    if (has(mask, BrowseResultMask::DisplayName)) {
+        to.display_name = space.display_name(reference.target);
+    }
+    if (has(mask, BrowseResultMask::TypeDefinition) &&
+        (node_class == NodeClass::Object || node_class == NodeClass::Variable)) {
+        const NodeIndex type = space.type_definition(reference.target);
+        to.type_definition.node_id = type == model::no_node ? NodeId{} : space.node_id(type);
+    }
+}
+
+/// The next reference that matches; `cursor` stands behind it.
+std::optional<Reference> next_match(ViewContext& context, const BrowseFilter& filter,
+                                    ReferenceCursor& cursor)
+{
+    while (const auto reference = cursor.next()) {
+        if (matches(context, filter, *reference)) {
+            return reference;
+        }
+        if (!context.visit(1)) {
+            return std::nullopt;
+        }
+    }
+    return std::nullopt;
+}
+
+/// How many references match, up to `most`, so that the answer is allocated once. If there are
+/// none, `cursor` stands behind what was looked at.
+std::size_t count_matches(ViewContext& context, const BrowseFilter& filter, ReferenceCursor& cursor,
+                          std::size_t most)
+{
+    ReferenceCursor ahead = cursor;
+    std::size_t count = 0;
+    while (count < most && context.visit(1) && next_match(context, filter, ahead)) {
+        ++count;
+    }
+    if (count == 0 && most != 0) {
+        cursor = ahead;
+    }
+    return count;
+}
+
+/// Fills `result` from where `state` stands and leaves a continuation point if more is to come.
+void continue_browse(ViewContext& context, BrowseState state, BrowseResult& result)
+{
+    const NodeIndex node = context.space.resolve(state.node);
+    const std::size_t most = std::min<std::size_t>(state.max_references, context.references_left);
+    ReferenceCursor cursor = context.space.references(node, state.position);
+    const std::size_t count = count_matches(context, state.filter, cursor, most);
+    result.references.reserve(count);
+    while (result.references.size() < count) {
+        const auto reference = next_match(context, state.filter, cursor);
+        if (!reference) {
+            break;
+        }
+        describe(context.space, *reference, state.filter.result_mask,
+                 result.references.emplace_back());
+    }
+    context.references_left -= result.references.size();
+    state.position = cursor.position();
+    const bool is_complete = context.visits_left != 0 &&
+                             !next_match(context, state.filter, cursor) && context.visits_left != 0;
+    if (is_complete) {
+        return;
+    }
+    ViewPart& part = ViewPart::of(context.session);
+    auto point = part.add(context.session, context.random, state,
+                          context.limits.max_browse_continuation_points);
+    if (!point) {
+        context.references_left += result.references.size();
+        result = BrowseResult{};
+        result.status_code = point.error();
+        return;
+    }
+    result.continuation_point = std::move(*point);
+}
+
+Result<BrowseFilter> make_filter(const ViewContext& context, const BrowseDescription& description)
+{
+    if (description.browse_direction < BrowseDirection::Forward ||
+        description.browse_direction > BrowseDirection::Both) {
+        return fail(status::Bad_BrowseDirectionInvalid);
+    }
+    BrowseFilter filter{model::no_node, description.include_subtypes, description.browse_direction,
+                        description.node_class_mask, description.result_mask};
+    if (!description.reference_type_id.is_null()) {
+        filter.reference_type = context.space.find(description.reference_type_id);
+        if (filter.reference_type == model::no_node ||
+            context.space.node_class(filter.reference_type) != NodeClass::ReferenceType) {
+            return fail(status::Bad_ReferenceTypeIdInvalid);
+        }
+    }
+    return filter;
+}
+
+void browse_node(ViewContext& context, const BrowseDescription& description,
+                 std::uint32_t max_references, BrowseResult& result)
+{
+    const auto node = context.find(description.node_id);
+    const auto filter = node ? make_filter(context, description) : fail(node.error());
+    if (!filter) {
+        result.status_code = filter.error();
+        return;
+    }
+    continue_browse(
+        context,
+        {context.space.handle(*node), *filter, max_references, 0, context.space.reference_epoch()},
+        result);
+}
+
+/// Views have no versions of their own and hold the whole address space (Part 4, 7.45).
+StatusCode check_view(const ViewContext& context, const ViewDescription& view)
+{
+    if (view.view_id.is_null()) {
+        return status::Good;
+    }
+    const auto node = context.find(view.view_id);
+    if (!node || context.space.node_class(*node) != NodeClass::View) {
+        return status::Bad_ViewIdUnknown;
+    }
+    const bool has_time = !view.timestamp.is_null();
+    if (has_time && view.view_version != 0) {
+        return status::Bad_ViewParameterMismatchInvalid;
+    }
+    if (has_time) {
+        return status::Bad_ViewTimestampInvalid;
+    }
+    return view.view_version != 0 ? status::Bad_ViewVersionInvalid : status::Good;
+}
+
+} // namespace
+
+StatusCode browse(ViewContext& context, const BrowseRequest& request, BrowseResponse& response)
+{
+    const std::size_t count = request.nodes_to_browse.size();
+    if (count == 0) {
+        return status::Bad_NothingToDo;
+    }
+    if (count > context.limits.operations.max_nodes_per_browse) {
+        return status::Bad_TooManyOperations;
+    }
+    if (const StatusCode bad = check_view(context, request.view); bad.is_bad()) {
+        return bad;
+    }
+    const std::uint32_t requested = request.requested_max_references_per_node;
+    const std::uint32_t most = requested == 0
+                                   ? context.limits.max_references_per_node
+                                   : std::min(requested, context.limits.max_references_per_node);
+    ViewPart::of(context.session).begin_request();
+    response.results.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        browse_node(context, request.nodes_to_browse[i], most, response.results[i]);
+    }
+    return status::Good;
+}
+
+StatusCode browse_next(ViewContext& context, const BrowseNextRequest& request,
+                       BrowseNextResponse& response)
+{
+    const std::size_t count = request.continuation_points.size();
+    if (count == 0) {
+        return status::Bad_NothingToDo;
+    }
+    if (count > context.limits.operations.max_nodes_per_browse) {
+        return status::Bad_TooManyOperations;
+    }
+    ViewPart& part = ViewPart::of(context.session);
+    part.begin_request();
+    if (request.release_continuation_points) {
+        for (const ByteString& id : request.continuation_points) {
+            static_cast<void>(part.take(context.session, id));
+        }
+        return status::Good;
+    }
+    response.results.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        BrowseResult& result = response.results[i];
+        const auto state = part.take(context.session, request.continuation_points[i]);
+        if (!state) {
+            result.status_code = state.error();
+        } else if (context.space.resolve(state->node) == model::no_node) {
+            result.status_code = status::Bad_NodeIdUnknown;
+        } else if (state->epoch != context.space.reference_epoch()) {
+            result.status_code = status::Bad_ContinuationPointInvalid;
+        } else {
+            continue_browse(context, *state, result);
+        }
+    }
+    return status::Good;
+}
+
+} // namespace busbar::server::detail

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <busbar/crypto/random.hpp>
+#include <busbar/model/address_space.hpp>
+#include <busbar/server/limits.hpp>
+#include <busbar/types/view.hpp>
+
+#include "data_rights.hpp"
+#include "session.hpp"
+
+namespace busbar::server::detail {
+
+/// What the View services need of the server and the session.
+struct ViewContext {
+    const model::AddressSpace& space;
+    UserRights rights;
+    const ServerLimits& limits;
+    crypto::Random& random;
+    Session& session;
+    /// Work and memory of one request.
+    std::size_t visits_left{10'000'000};
+    std::size_t references_left{200'000};
+
+    [[nodiscard]] bool may_see(model::NodeIndex node) const
+    {
+        return rights.control == nullptr || rights.may_see(space.node_id(node));
+    }
+    /// The node, if there is one that the user may see; else why there is none.
+    [[nodiscard]] Result<model::NodeIndex> find(const NodeId& id) const
+    {
+        const model::NodeIndex node = space.find(id);
+        if (node == model::no_node || !rights.may_see(id)) {
+            return fail(why_not_found(id));
+        }
+        return node;
+    }
+    /// False once the request has looked at too much.
+    [[nodiscard]] bool visit(std::size_t count)
+    {
+        visits_left -= count < visits_left ? count : visits_left;
+        return visits_left != 0;
+    }
+};
+
+[[nodiscard]] StatusCode browse(ViewContext& context, const BrowseRequest& request,
+                                BrowseResponse& response);
+[[nodiscard]] StatusCode browse_next(ViewContext& context, const BrowseNextRequest& request,
+                                     BrowseNextResponse& response);
+[[nodiscard]] StatusCode translate_browse_paths(ViewContext& context,
+                                                const TranslateBrowsePathsToNodeIdsRequest& request,
+                                                TranslateBrowsePathsToNodeIdsResponse& response);
+[[nodiscard]] StatusCode register_nodes(ViewContext& context, const RegisterNodesRequest& request,
+                                        RegisterNodesResponse& response);
+[[nodiscard]] StatusCode unregister_nodes(ViewContext& context,
+                                          const UnregisterNodesRequest& request);
+
+} // namespace busbar::server::detail

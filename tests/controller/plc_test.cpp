@@ -1,0 +1,407 @@
+#include <catch2/catch.hpp>
+
+#include <atomic>
+#include <thread>
+
+#include <busbar/controller/plc.hpp>
+#include <busbar/controller/plc_task.hpp>
+
+#include "support/source_caller.hpp"
+
+using namespace busbar;
+using namespace busbar::controller;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr Duration cycle = 20ms;
+
+PlcVariable variable(std::string name, BuiltInType type, Variant initial = {},
+                     std::vector<std::uint32_t> dimensions = {})
+{
+    PlcVariable result;
+    result.name = std::move(name);
+    result.type = type;
+    result.initial = std::move(initial);
+    result.dimensions = std::move(dimensions);
+    return result;
+}
+
+PlcProgram program(PlcProgramKind kind, std::string target, std::chrono::milliseconds period = 0ms)
+{
+    PlcProgram result;
+    result.kind = kind;
+    result.target = std::move(target);
+    result.period = period;
+    return result;
+}
+
+/// A PLC in virtual time, and a server's view of it.
+struct Machine {
+    explicit Machine(const PlcConfig& config) : plc{std::move(Plc::create(config).value())} {}
+
+    void run(int scans, Duration elapsed = cycle)
+    {
+        for (int i = 0; i < scans; ++i) {
+            now.ticks += elapsed.count() / 100;
+            plc->scan(now, elapsed);
+        }
+    }
+    Variant operator[](std::string_view name) const
+    {
+        return plc->image()->pin().value(plc->find(name).value());
+    }
+
+    DateTime now{DateTime::from_unix_seconds(1000)};
+    std::unique_ptr<Plc> plc;
+};
+
+PlcConfigError error_of(const PlcConfig& config)
+{
+    const auto plc = Plc::create(config);
+    REQUIRE_FALSE(plc);
+    return plc.error();
+}
+
+class StoppedClock final : public WallClock {
+public:
+    DateTime now() const override { return DateTime::from_unix_seconds(4711); }
+};
+
+} // namespace
+
+TEST_CASE("variables begin with zeros and empty texts, or with what the configuration says")
+{
+    PlcConfig config;
+    config.variables = {
+        variable("Count", BuiltInType::UInt16, std::int64_t{65535}),
+        variable("Level", BuiltInType::Float, 1.5),
+        variable("Whole", BuiltInType::Byte, 3.0),
+        variable("Empty", BuiltInType::Int64),
+        variable("Title", BuiltInType::String, "BB-1"),
+        variable("Note", BuiltInType::String),
+        variable("Bytes", BuiltInType::ByteString, "ab"),
+        variable("Key", BuiltInType::Guid, "72962B91-FA75-4AE6-8D28-B404DC7DAF63"),
+        variable("Born", BuiltInType::DateTime, DateTime{42}),
+        variable("Recipe", BuiltInType::Int16, Array<std::int64_t>{1, 2, 3}, {3}),
+        variable("Filled", BuiltInType::Boolean, true, {2}),
+        variable("Names", BuiltInType::String, Array<String>{"a", "b"}, {2}),
+        variable("Grid", BuiltInType::Double, Array<double>{1, 2, 3, 4}, {2, 2}),
+    };
+    Machine machine{config};
+    machine.run(1);
+    CHECK(machine["Count"] == Variant{std::uint16_t{65535}});
+    CHECK(machine["Level"] == Variant{1.5F});
+    CHECK(machine["Whole"] == Variant{std::uint8_t{3}});
+    CHECK(machine["Empty"] == Variant{std::int64_t{0}});
+    CHECK(machine["Title"] == Variant{"BB-1"});
+    CHECK(machine["Note"] == Variant{""});
+    CHECK(machine["Bytes"] == Variant{ByteString{std::as_bytes(std::span{"ab", 2})}});
+    CHECK(machine["Key"] == Variant{Guid::parse("72962B91-FA75-4AE6-8D28-B404DC7DAF63").value()});
+    CHECK(machine["Born"] == Variant{DateTime{42}});
+    CHECK(machine["Recipe"] == Variant{Array<std::int16_t>{1, 2, 3}});
+    CHECK(machine["Filled"] == Variant{Array<bool>{true, true}});
+    CHECK(machine["Names"] == Variant{Array<String>{"a", "b"}});
+    CHECK(machine["Grid"] ==
+          Variant::matrix(Array<double>{1, 2, 3, 4}, Array<std::uint32_t>{2, 2}));
+    CHECK_FALSE(machine.plc->find("Nothing"));
+}
+
+TEST_CASE("a count makes many variables of one kind")
+{
+    PlcConfig config;
+    config.variables = {variable("Bulk", BuiltInType::Int16, std::int64_t{5})};
+    config.variables[0].count = 12;
+    config.programs = {program(PlcProgramKind::Increment, "Bulk"),
+                       program(PlcProgramKind::Increment, "Bulk3")};
+    Machine machine{config};
+    machine.run(1);
+    CHECK(machine.plc->variables().size() == 12);
+    CHECK(machine["Bulk0"] == Variant{std::int16_t{6}});
+    CHECK(machine["Bulk3"] == Variant{std::int16_t{7}});
+    CHECK(machine["Bulk11"] == Variant{std::int16_t{6}});
+    CHECK_FALSE(machine.plc->find("Bulk"));
+}
+
+TEST_CASE("increment counts scans or periods, and integers start over")
+{
+    PlcConfig config;
+    config.variables = {variable("Fast", BuiltInType::Int32), variable("Slow", BuiltInType::Double),
+                        variable("Small", BuiltInType::SByte, std::int64_t{126}),
+                        variable("Down", BuiltInType::UInt64),
+                        variable("All", BuiltInType::UInt16, {}, {2})};
+    config.programs = {program(PlcProgramKind::Increment, "Fast"),
+                       program(PlcProgramKind::Increment, "Slow", 100ms),
+                       program(PlcProgramKind::Increment, "Small"),
+                       program(PlcProgramKind::Increment, "Down"),
+                       program(PlcProgramKind::Increment, "All")};
+    config.programs[1].amplitude = 0.5;
+    config.programs[3].amplitude = -1;
+    Machine machine{config};
+    machine.run(4);
+    CHECK(machine["Fast"] == Variant{std::int32_t{4}});
+    CHECK(machine["Slow"] == Variant{0.0});
+    CHECK(machine["Small"] == Variant{std::int8_t{-126}});
+    CHECK(machine["Down"] == Variant{std::uint64_t{0} - 4});
+    CHECK(machine["All"] == Variant{Array<std::uint16_t>{4, 4}});
+    machine.run(1);
+    CHECK(machine["Slow"] == Variant{0.5});
+    machine.run(1, 1s); // ten periods in one long scan
+    CHECK(machine["Slow"] == Variant{5.5});
+    machine.run(1, -1s); // no time can be taken back
+    CHECK(machine["Slow"] == Variant{5.5});
+}
+
+TEST_CASE("sine goes through its wave and keeps to the type's limits")
+{
+    PlcConfig config;
+    config.variables = {variable("Wave", BuiltInType::Double), variable("Cut", BuiltInType::Byte),
+                        variable("Wide", BuiltInType::Int64),
+                        variable("Phases", BuiltInType::Int16, {}, {4})};
+    for (const PlcVariable& v : config.variables) {
+        config.programs.push_back(program(PlcProgramKind::Sine, v.name, 400ms));
+    }
+    config.programs[0].amplitude = 2;
+    config.programs[0].offset = 10;
+    config.programs[1].amplitude = 1000;
+    config.programs[2].amplitude = 1e30;
+    config.programs[3].amplitude = 100;
+    Machine machine{config};
+    machine.run(5); // a quarter
+    CHECK(machine["Wave"].value_or(0.0) == Approx(12.0));
+    CHECK(machine["Cut"] == Variant{std::uint8_t{255}});
+    CHECK(machine["Wide"] == Variant{INT64_MAX});
+    CHECK(machine["Phases"] == Variant{Array<std::int16_t>{100, 0, -100, 0}});
+    machine.run(10); // three quarters
+    CHECK(machine["Wave"].value_or(0.0) == Approx(8.0));
+    CHECK(machine["Cut"] == Variant{std::uint8_t{0}});
+    CHECK(machine["Wide"] == Variant{INT64_MIN});
+}
+
+TEST_CASE("toggle inverts, copy follows")
+{
+    PlcConfig config;
+    config.variables = {variable("Lamp", BuiltInType::Boolean),
+                        variable("Mirror", BuiltInType::Boolean),
+                        variable("Lamps", BuiltInType::Boolean, Array<bool>{true, false}, {2}),
+                        variable("Text", BuiltInType::String, "hello"),
+                        variable("Echo", BuiltInType::String),
+                        variable("Texts", BuiltInType::String, Array<String>{"a", "b"}, {2}),
+                        variable("Echoes", BuiltInType::String, {}, {2}),
+                        variable("One", BuiltInType::Int16, std::int64_t{3}),
+                        variable("Many", BuiltInType::Int16)};
+    config.variables[8].count = 2;
+    config.programs = {
+        program(PlcProgramKind::Toggle, "Lamp", 40ms), program(PlcProgramKind::Copy, "Mirror"),
+        program(PlcProgramKind::Toggle, "Lamps"),      program(PlcProgramKind::Copy, "Echo"),
+        program(PlcProgramKind::Copy, "Echoes"),       program(PlcProgramKind::Copy, "Many")};
+    config.programs[1].source = "Lamp";
+    config.programs[3].source = "Text";
+    config.programs[4].source = "Texts";
+    config.programs[5].source = "One";
+    Machine machine{config};
+    machine.run(1);
+    CHECK(machine["Lamp"] == Variant{false});
+    CHECK(machine["Lamps"] == Variant{Array<bool>{false, true}});
+    CHECK(machine["Echo"] == Variant{"hello"});
+    CHECK(machine["Echoes"] == Variant{Array<String>{"a", "b"}});
+    CHECK(machine["Many1"] == Variant{std::int16_t{3}});
+    machine.run(1);
+    CHECK(machine["Lamp"] == Variant{true});
+    CHECK(machine["Mirror"] == Variant{true});
+    machine.run(1, 80ms); // two periods at once
+    CHECK(machine["Lamp"] == Variant{true});
+}
+
+TEST_CASE("what clients write is there for the programs of the same scan")
+{
+    PlcConfig config;
+    config.variables = {variable("In", BuiltInType::Int32), variable("Out", BuiltInType::Int32),
+                        variable("Fixed", BuiltInType::Int32)};
+    config.variables[2].is_writable = false;
+    config.programs = {program(PlcProgramKind::Copy, "Out")};
+    config.programs[0].source = "In";
+    Machine machine{config};
+    machine.run(1);
+    server::ImageSource source{machine.plc->image()};
+    test::SourceCaller caller{source};
+    std::vector<StatusCode> results;
+    const DataValue seven{Variant{std::int32_t{7}}};
+    std::atomic<bool> done{false};
+    std::thread client{[&] {
+        results = caller.write({{*machine.plc->find("In"), nullptr, &seven},
+                                {*machine.plc->find("Fixed"), nullptr, &seven}});
+        done = true;
+    }};
+    while (!done) {
+        machine.run(1);
+    }
+    client.join();
+    CHECK(results == std::vector<StatusCode>{status::Good, status::Bad_NotWritable});
+    CHECK(machine["Out"] == Variant{std::int32_t{7}});
+    CHECK(machine["Fixed"] == Variant{std::int32_t{0}});
+}
+
+TEST_CASE("a broken configuration is refused with the place and the reason")
+{
+    using Part = PlcConfigError::Part;
+    PlcConfig config;
+    config.variables = {variable("A", BuiltInType::Int16), variable("T", BuiltInType::String)};
+    config.programs = {program(PlcProgramKind::Increment, "A")};
+    Part part = Part::Variable;
+    std::size_t index = 1;
+    std::string field;
+
+    SECTION("no name")
+    {
+        config.variables[1].name = "";
+        field = "name";
+    }
+    SECTION("a name twice")
+    {
+        config.variables[1].name = "A";
+        field = "name";
+    }
+    SECTION("a name that a count makes again")
+    {
+        config.variables[1].count = 3;
+        config.variables.push_back(variable("T1", BuiltInType::Int16));
+        index = 2;
+        field = "name";
+    }
+    SECTION("a type that no PLC has")
+    {
+        config.variables[1].type = BuiltInType::NodeId;
+        field = "type";
+    }
+    SECTION("a dimension of nothing")
+    {
+        config.variables[1].dimensions = {2, 0};
+        field = "dimensions";
+    }
+    SECTION("too much memory")
+    {
+        config.variables[1].count = 4'000'000'000U;
+        field = "dimensions";
+    }
+    SECTION("an initial value of another type")
+    {
+        config.variables[1].initial = 5.0;
+        field = "initial";
+    }
+    SECTION("an initial number out of range")
+    {
+        config.variables[0].initial = std::int64_t{32768};
+        index = 0;
+        field = "initial";
+    }
+    SECTION("an initial number with a fraction")
+    {
+        config.variables[0].initial = 0.5;
+        index = 0;
+        field = "initial";
+    }
+    SECTION("an array for a scalar")
+    {
+        config.variables[0].initial = Array<std::int64_t>{1};
+        index = 0;
+        field = "initial";
+    }
+    SECTION("too few elements")
+    {
+        config.variables[0].dimensions = {2};
+        config.variables[0].initial = Array<std::int64_t>{1};
+        index = 0;
+        field = "initial";
+    }
+    SECTION("an initial text that is too long")
+    {
+        config.variables[1].initial = "hello";
+        config.variables[1].capacity = 4;
+        field = "initial";
+    }
+    SECTION("a program for nothing")
+    {
+        config.programs[0].target = "B";
+        part = Part::Program;
+        index = 0;
+        field = "target";
+    }
+    SECTION("a program for another type")
+    {
+        config.programs.push_back(program(PlcProgramKind::Toggle, "A"));
+        part = Part::Program;
+        field = "target";
+    }
+    SECTION("a sine without a period")
+    {
+        config.programs.push_back(program(PlcProgramKind::Sine, "A"));
+        part = Part::Program;
+        field = "period";
+    }
+    SECTION("a negative period")
+    {
+        config.programs.push_back(program(PlcProgramKind::Increment, "A", -1ms));
+        part = Part::Program;
+        field = "period";
+    }
+    SECTION("half an integer")
+    {
+        config.programs[0].amplitude = 0.5;
+        part = Part::Program;
+        index = 0;
+        field = "amplitude";
+    }
+    SECTION("no number")
+    {
+        config.programs[0].offset = std::numeric_limits<double>::quiet_NaN();
+        part = Part::Program;
+        index = 0;
+        field = "amplitude";
+    }
+    SECTION("a copy of nothing")
+    {
+        config.programs.push_back(program(PlcProgramKind::Copy, "A"));
+        part = Part::Program;
+        field = "source";
+    }
+    SECTION("a copy of another type")
+    {
+        config.programs.push_back(program(PlcProgramKind::Copy, "A"));
+        config.programs[1].source = "T";
+        part = Part::Program;
+        field = "source";
+    }
+    const PlcConfigError error = error_of(config);
+    CHECK(error.part == part);
+    CHECK(error.index == index);
+    CHECK(error.field == field);
+    CHECK_FALSE(error.text.empty());
+}
+
+TEST_CASE("a task scans until it is stopped, and can start again")
+{
+    PlcConfig config;
+    config.variables = {variable("Count", BuiltInType::UInt32)};
+    config.programs = {program(PlcProgramKind::Increment, "Count")};
+    const auto plc = std::move(Plc::create(config).value());
+    const StoppedClock clock;
+    PlcTask task{*plc, clock, 1ms};
+    CHECK_FALSE(plc->image()->is_running());
+    for (std::uint32_t seen = 0; seen < 10;) {
+        task.start();
+        const std::uint32_t before = seen;
+        while (seen < before + 5) {
+            const server::ImagePin pin = plc->image()->pin();
+            seen = pin ? pin.value(0).value_or(std::uint32_t{0}) : 0;
+            std::this_thread::yield();
+        }
+        task.stop();
+        CHECK_FALSE(plc->image()->is_running());
+    }
+    const PlcTask::Statistics statistics = task.statistics();
+    CHECK(statistics.scans >= 5);
+    CHECK(statistics.worst_scan > Duration::zero());
+    CHECK(plc->image()->pin().time() == clock.now());
+    CHECK(plc->image()->pin().value(0).value_or(std::uint32_t{0}) >= statistics.scans);
+}

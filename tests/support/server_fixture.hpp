@@ -1,0 +1,337 @@
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <busbar/channel/client_channel.hpp>
+#include <busbar/crypto/asymmetric.hpp>
+#include <busbar/server/server.hpp>
+#include <busbar/types/registry.hpp>
+#include <busbar/types/session.hpp>
+
+#include "support/byte_pipe.hpp"
+#include "support/channel_pair.hpp"
+
+namespace busbar::test {
+
+/// Users whose passwords are not hashed, which saves a test its time.
+class PlainUsers final : public server::UserStore {
+public:
+    [[nodiscard]] Result<server::UserIdentity> log_in(std::string_view name,
+                                                      std::string_view password) override
+    {
+        ++asked;
+        if (password != std::string{name} + "-secret") {
+            return fail(status::Bad_UserAccessDenied);
+        }
+        return server::UserIdentity{UserTokenType::UserName, std::string{name}};
+    }
+
+    int asked{0};
+};
+
+/// One client of a server under test: a channel joined with a Connection by memory, and the session
+/// services in their usual form. What a test wants otherwise, it changes before it calls.
+class TestClient {
+public:
+    TestClient(server::Connection accepted, channel::SecuritySetting security,
+               const channel::ChannelEnvironment& environment, TimePoint& now)
+        : connection{std::move(accepted)}, channel{config(security), environment, now},
+          identity_{environment.identity}, now_{&now}
+    {
+        run();
+    }
+
+    /// Lets both sides talk until nothing moves.
+    void run()
+    {
+        bool moved = true;
+        while (moved) {
+            moved = carry(channel, connection, *now_);
+            moved = carry(connection, channel, *now_) || moved;
+            while (auto event = channel.next_event()) {
+                keep(*std::move(event));
+            }
+        }
+    }
+    /// Sends a request; the id of what will be its response.
+    template <typename Request>
+    std::uint32_t send(Request request)
+    {
+        request.request_header.authentication_token = authentication_token;
+        request.request_header.request_handle = ++last_handle;
+        request.request_header.timeout_hint = timeout_hint;
+        return send_bytes([&](binary::Writer& writer) {
+            encode(writer, NodeId{0, Request::binary_encoding_id});
+            encode(writer, request);
+        });
+    }
+    std::uint32_t send_bytes(FunctionRef<void(binary::Writer&)> encode)
+    {
+        const auto id = channel.send(encode);
+        run();
+        return id ? *id : 0;
+    }
+    /// The response, or why there is none: the status of a ServiceFault, Bad_WouldBlock if there is
+    /// no answer yet.
+    template <typename Response>
+    Result<Response> take(std::uint32_t request_id)
+    {
+        run();
+        const auto found = std::find_if(messages.begin(), messages.end(), [&](const auto& message) {
+            return message.request_id == request_id;
+        });
+        if (found == messages.end()) {
+            return fail(is_closed() ? status::Bad_ConnectionClosed : status::Bad_WouldBlock);
+        }
+        const auto body = std::move(found->body);
+        messages.erase(found);
+        binary::Reader reader{body, binary::Strings::Own, &types_};
+        NodeId id;
+        decode(reader, id);
+        if (id.is(ServiceFault::binary_encoding_id)) {
+            ServiceFault fault;
+            decode(reader, fault);
+            handle_of_answer = fault.response_header.request_handle;
+            return fail(fault.response_header.service_result);
+        }
+        Response response;
+        if (!id.is(Response::binary_encoding_id)) {
+            return fail(status::Bad_UnknownResponse);
+        }
+        decode(reader, response);
+        handle_of_answer = response.response_header.request_handle;
+        if (!reader.ok() || reader.remaining() != 0) {
+            return fail(status::Bad_DecodingError);
+        }
+        return response;
+    }
+    template <typename Response, typename Request>
+    Result<Response> call(Request request)
+    {
+        return take<Response>(send(std::move(request)));
+    }
+    template <typename Response, typename Request>
+    StatusCode status_of(Request request)
+    {
+        const auto response = call<Response>(std::move(request));
+        return response ? response->response_header.service_result : response.error();
+    }
+
+    [[nodiscard]] bool is_secure() const { return !channel.security().policy->is_none(); }
+    [[nodiscard]] CreateSessionRequest create_request() const
+    {
+        CreateSessionRequest request;
+        request.client_description.application_uri = "urn:busbar:test:client";
+        request.client_description.application_type = ApplicationType::Client;
+        request.endpoint_url = "opc.tcp://localhost:4840";
+        request.session_name = "test";
+        request.client_nonce = ByteString{std::vector<std::byte>(32, std::byte{7})};
+        request.requested_session_timeout = 60'000;
+        if (is_secure()) {
+            request.client_certificate = ByteString{identity_->certificates.front().der()};
+        }
+        return request;
+    }
+    Result<CreateSessionResponse> create_session(CreateSessionRequest request)
+    {
+        auto response = call<CreateSessionResponse>(std::move(request));
+        if (response) {
+            authentication_token = response->authentication_token;
+            server_nonce = response->server_nonce;
+        }
+        return response;
+    }
+    Result<CreateSessionResponse> create_session() { return create_session(create_request()); }
+
+    [[nodiscard]] SignatureData signature() const
+    {
+        SignatureData data;
+        if (is_secure()) {
+            const auto der = server_identity().certificates.front().der();
+            std::vector<std::byte> text{der.begin(), der.end()};
+            text.insert(text.end(), server_nonce.span().begin(), server_nonce.span().end());
+            const auto& policy = *channel.security().policy;
+            data.algorithm = policy.signature_uri;
+            data.signature =
+                ByteString{crypto::asymmetric_sign(policy, identity_->key, text).value()};
+        }
+        return data;
+    }
+    [[nodiscard]] static ExtensionObject anonymous()
+    {
+        AnonymousIdentityToken token;
+        token.policy_id = "anonymous";
+        return ExtensionObject::from(token);
+    }
+    /// A user name token whose password is encrypted with the last nonce.
+    [[nodiscard]] ExtensionObject user(std::string_view name, std::string_view password) const
+    {
+        const auto& policy = *crypto::find_policy_by_name("Basic256Sha256");
+        UserNameIdentityToken token;
+        token.policy_id = "username_Basic256Sha256";
+        token.user_name = name;
+        token.encryption_algorithm = policy.encryption_uri;
+        const auto secret = std::as_bytes(std::span{password});
+        token.password = ByteString{
+            crypto::encrypt_secret(policy, server_identity().certificates.front(), secret,
+                                   server_nonce.span())
+                .value()};
+        return ExtensionObject::from(token);
+    }
+    std::uint32_t send_activate(ExtensionObject token)
+    {
+        ActivateSessionRequest request;
+        request.client_signature = signature();
+        request.user_identity_token = std::move(token);
+        return send(std::move(request));
+    }
+    StatusCode take_activate(std::uint32_t id)
+    {
+        const auto response = take<ActivateSessionResponse>(id);
+        if (!response) {
+            return response.error();
+        }
+        server_nonce = response->server_nonce;
+        return response->response_header.service_result;
+    }
+    StatusCode activate(ExtensionObject token)
+    {
+        return take_activate(send_activate(std::move(token)));
+    }
+    /// A session of an anonymous user or, on a secure channel, of "operator".
+    StatusCode open_session()
+    {
+        const auto created = create_session();
+        if (!created) {
+            return created.error();
+        }
+        return activate(is_secure() ? user("operator", "operator-secret") : anonymous());
+    }
+    StatusCode close_session() { return status_of<CloseSessionResponse>(CloseSessionRequest{}); }
+    /// Takes over another client's session, as after a reconnection.
+    void adopt(const TestClient& other)
+    {
+        authentication_token = other.authentication_token;
+        server_nonce = other.server_nonce;
+    }
+    [[nodiscard]] bool is_closed() const { return connection.is_closed(); }
+
+    server::Connection connection;
+    channel::ClientChannel channel;
+    NodeId authentication_token;
+    ByteString server_nonce;
+    std::uint32_t last_handle{0};
+    std::uint32_t timeout_hint{0};
+    std::uint32_t handle_of_answer{0};
+    std::deque<channel::Event> messages;
+
+private:
+    void keep(channel::Event event)
+    {
+        if (event.kind == channel::Event::Kind::Message) {
+            messages.push_back(std::move(event));
+        }
+    }
+    [[nodiscard]] static channel::ClientChannelConfig config(channel::SecuritySetting security)
+    {
+        channel::ClientChannelConfig config;
+        config.endpoint_url = "opc.tcp://localhost:4840";
+        config.security = security;
+        config.server_certificate = server_identity().certificates.front();
+        return config;
+    }
+
+    const channel::ApplicationIdentity* identity_;
+    TimePoint* now_;
+    binary::TypeRegistry types_{binary::namespace0_types()};
+};
+
+/// A server in virtual time and its clients.
+class ServerFixture {
+public:
+    explicit ServerFixture(server::ServerConfig config = insecure_config())
+        : server{server::Server::create(std::move(config),
+                                        {&random, &wall_clock, &log, &validator, &users, nullptr,
+                                         waker})
+                     .value()}
+    {
+    }
+    explicit ServerFixture(server::Waker& w, server::ServerConfig config = insecure_config())
+        : waker{&w}, server{server::Server::create(std::move(config),
+                                                   {&random, &wall_clock, &log, &validator, &users,
+                                                    nullptr, waker})
+                                .value()}
+    {
+    }
+
+    /// The default with users and certificate: Sign and SignAndEncrypt.
+    [[nodiscard]] static server::ServerConfig secure_config()
+    {
+        server::ServerConfig config;
+        config.application_uri = "urn:busbar:test:server";
+        config.identity = server_identity();
+        config.host_names = {"plc.example"};
+        return config;
+    }
+    /// The same and an endpoint without security, where anonymous users are allowed.
+    [[nodiscard]] static server::ServerConfig insecure_config()
+    {
+        server::ServerConfig config = secure_config();
+        config.endpoints.push_back({{}, true});
+        return config;
+    }
+
+    [[nodiscard]] TestClient
+    connect(channel::SecuritySetting security = {},
+            const channel::ApplicationIdentity& identity = client_identity(),
+            std::string_view address = "192.0.2.1")
+    {
+        return {server.connect(address, now).value(), security,
+                channel::ChannelEnvironment{&random, &wall_clock, &log, &validator, &identity},
+                now};
+    }
+    [[nodiscard]] TestClient
+    connect(std::string_view policy, MessageSecurityMode mode,
+            const channel::ApplicationIdentity& identity = client_identity())
+    {
+        return connect(setting(policy, mode), identity);
+    }
+    /// A client with an activated session.
+    [[nodiscard]] TestClient log_in(channel::SecuritySetting security = {})
+    {
+        TestClient client = connect(security);
+        if (client.open_session() != status::Good) {
+            log.text += "log_in failed\n";
+        }
+        return client;
+    }
+
+    void advance(Duration time)
+    {
+        now += time;
+        wall_clock.time.ticks += time.count() / 100;
+        server.handle_deadline(now);
+    }
+    /// Time passes for a client's connection too.
+    void advance(Duration time, TestClient& client)
+    {
+        advance(time);
+        client.connection.handle_deadline(now);
+        client.run();
+    }
+
+    SeededRandom random;
+    FixedWallClock wall_clock;
+    LogBook log;
+    crypto::InsecureAcceptAnyCertificate validator;
+    PlainUsers users;
+    server::Waker* waker{nullptr};
+    TimePoint now{};
+    server::Server server;
+};
+
+} // namespace busbar::test
