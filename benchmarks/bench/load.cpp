@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <busbar/core/attribute_id.hpp>
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/discovery.hpp>
 

@@ -88,7 +88,7 @@ void complete(ControllerConfig& config, std::uint16_t port, DateTime now)
     server.endpoint_url = "opc.tcp://localhost:" + std::to_string(port);
     server.build.manufacturer_name = "Busbar";
     server.build.software_version = BUSBAR_VERSION;
-    for (const std::string known : {std::string{"localhost"}, std::string{"127.0.0.1"}, host}) {
+    for (const std::string& known : {std::string{"localhost"}, std::string{"127.0.0.1"}, host}) {
         server.host_names.push_back(known);
     }
     if (needs_certificate(config)) {

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include <busbar/net/client_loop.hpp>
+#include <busbar/core/attribute_id.hpp>
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/ids.hpp>
 #include <busbar/types/view.hpp>

@@ -33,7 +33,7 @@ Result<std::optional<Event>> Assembly::add(char flag, const SymmetricContent& co
         return fail(status::Bad_TcpMessageTypeInvalid);
     }
     if (flag == 'A') {
-        return abort(content);
+        return give_up(content);
     }
     if (chunks_ == max_chunk_count_ || content.body.size() > max_message_size_ - message_.size()) {
         return fail(status::Bad_TcpMessageTooLarge);
@@ -52,7 +52,7 @@ Result<std::optional<Event>> Assembly::add(char flag, const SymmetricContent& co
     return event;
 }
 
-Event Assembly::abort(const SymmetricContent& content)
+Event Assembly::give_up(const SymmetricContent& content)
 {
     drop();
     Event event{Event::Kind::Aborted, content.request_id, {}, status::Bad_DecodingError, {}};

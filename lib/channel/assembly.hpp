@@ -37,7 +37,7 @@ public:
     [[nodiscard]] std::size_t capacity() const { return message_.capacity(); }
 
 private:
-    [[nodiscard]] Event abort(const SymmetricContent& content);
+    [[nodiscard]] Event give_up(const SymmetricContent& content);
     [[nodiscard]] bool charge(std::size_t size);
     void drop();
 

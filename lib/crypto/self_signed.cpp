@@ -85,18 +85,19 @@ bool add_name(X509_NAME* name, const char* field, const std::string& text)
                                       static_cast<int>(text.size()), -1, 0) == 1;
 }
 
+constexpr std::int64_t seconds_per_day = 86'400;
+
 /// Until the last moment that a certificate can name (RFC 5280, 4.1.2.5).
 bool has_validity(const CertificateSubject& subject)
 {
-    const std::int64_t ticks =
-        std::int64_t{subject.valid_days} * 86'400 * DateTime::ticks_per_second;
-    return subject.valid_days != 0 && !subject.valid_from.is_null() &&
-           ticks <= DateTime::latest - subject.valid_from.ticks;
+    constexpr std::int64_t latest = DateTime{DateTime::latest}.unix_seconds();
+    const std::int64_t seconds = std::int64_t{subject.valid_days} * seconds_per_day;
+    return seconds != 0 && !subject.valid_from.is_null() &&
+           subject.valid_from.unix_seconds() <= latest - seconds;
 }
 
 bool set_validity(X509* certificate, const CertificateSubject& subject)
 {
-    constexpr std::int64_t seconds_per_day = 86'400;
     const std::int64_t from = subject.valid_from.unix_seconds();
     const std::int64_t to = from + std::int64_t{subject.valid_days} * seconds_per_day;
     return ASN1_TIME_set(X509_getm_notBefore(certificate), from) != nullptr &&

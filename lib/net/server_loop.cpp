@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <asio/io_context.hpp>
+#include <asio/ip/v6_only.hpp>
 #include <asio/posix/stream_descriptor.hpp>
 #include <asio/post.hpp>
 #include <asio/signal_set.hpp>
@@ -239,9 +240,16 @@ Result<std::uint16_t> ServerLoop::listen(std::string_view address, std::uint16_t
     if (!error && ip.is_v6()) {
         acceptor->set_option(asio::ip::v6_only{!address.empty()}, error);
     }
-    if (error || acceptor->set_option(tcp::acceptor::reuse_address{true}, error) ||
-        acceptor->bind({ip, port}, error) ||
-        acceptor->listen(asio::socket_base::max_listen_connections, error)) {
+    if (!error) {
+        acceptor->set_option(tcp::acceptor::reuse_address{true}, error);
+    }
+    if (!error) {
+        acceptor->bind({ip, port}, error);
+    }
+    if (!error) {
+        acceptor->listen(asio::socket_base::max_listen_connections, error);
+    }
+    if (error) {
         return refuse();
     }
     const std::uint16_t bound = acceptor->local_endpoint(error).port();

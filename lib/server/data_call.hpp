@@ -171,7 +171,7 @@ private:
         TimePoint deadline{no_deadline};
     };
 
-    /// Records where the next item goes, and the others went; not needed if all have one source.
+    /// Records the source of the next item, and at first those of the others.
     void note_source(std::uint32_t source)
     {
         if (source_of_.empty()) {
@@ -201,7 +201,6 @@ private:
     }
     void sort_items()
     {
-        source_of_.resize(block_->items.size(), last_source_);
         std::vector<std::uint32_t> next(groups_.size());
         for (std::size_t i = 0; i < groups_.size(); ++i) {
             next[i] = groups_[i].first;
@@ -315,7 +314,7 @@ private:
     std::shared_ptr<Block> block_;
     /// Where the answer of an operation lies: in the block's answers, or behind them in failures_.
     std::vector<std::uint32_t> place_;
-    /// Of the items but the last that have the same; empty if all have.
+    /// Of each item; empty as long as all have the last one.
     std::vector<std::uint32_t> source_of_;
     std::uint32_t last_source_{0};
     std::vector<Group> groups_;

@@ -175,7 +175,7 @@ StatusCode check_view(const ViewContext& context, const ViewDescription& view)
     }
     const bool has_time = !view.timestamp.is_null();
     if (has_time && view.view_version != 0) {
-        return status::Bad_ViewParameterMismatchInvalid;
+        return status::Bad_ViewParameterMismatch;
     }
     if (has_time) {
         return status::Bad_ViewTimestampInvalid;

@@ -163,7 +163,7 @@ TEST_CASE("certificates that are none are refused", "[channel][open]")
     const auto leaf = client_identity().certificates.front().der();
     const Bytes good{leaf.begin(), leaf.end()};
     Bytes torn = good;
-    torn.resize(torn.size() - 1);
+    torn.pop_back();
     const Bytes wrapping{std::byte{0x30}, std::byte{0x84}, std::byte{0xFF},
                          std::byte{0xFF}, std::byte{0xFF}, std::byte{0xFA}};
     for (const auto& certificate : std::vector<std::optional<Bytes>>{

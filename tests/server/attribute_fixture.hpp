@@ -62,6 +62,16 @@ public:
         return node.id;
     }
 
+    /// A source that lives as long as it must; to be added when its options are set.
+    template <typename Source>
+    Source& make_source()
+    {
+        auto source = std::make_unique<Source>();
+        Source& made = *source;
+        owned_sources.push_back(std::move(source));
+        return made;
+    }
+
     [[nodiscard]] server::detail::ReadJob read_job(const ReadRequest& request)
     {
         const auto no_live_value = [this](const NodeId& node) -> Result<DataValue> {
@@ -157,6 +167,8 @@ public:
 
     FixedClock clock;
     server::MemorySource memory{clock};
+    /// Sources outlive the server.
+    std::vector<std::unique_ptr<server::DataSource>> owned_sources;
     server::detail::DataSources sources{nullptr};
     model::AddressSpace space;
     std::uint16_t namespace_index{0};

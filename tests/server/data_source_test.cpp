@@ -286,7 +286,7 @@ TEST_CASE_METHOD(Fixture, "a call that waits for one source owns what the others
     };
     LendingSource lender;
     sources->add(lender);
-    const auto call = ask({0, 2});
+    auto call = ask({0, 2});
     REQUIRE_FALSE(call->start(owner, start_time, no_preparation));
     CHECK(lender.kept.use_count() == 1);
     lender.lent = Variant{2};
@@ -294,6 +294,8 @@ TEST_CASE_METHOD(Fixture, "a call that waits for one source owns what the others
     sources->handle_completions();
     CHECK(call->result(1).shared == nullptr);
     CHECK(call->result(1).value == Variant{1});
+    call.reset();
+    sources.reset(); // before the lender
 }
 
 TEST_CASE("a source is not asked for more than it may hold")

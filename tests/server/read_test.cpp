@@ -1,11 +1,9 @@
 #include <catch2/catch.hpp>
 
-#include <cmath>
-#include <cstdlib>
 #include <limits>
-#include <new>
 
 #include "attribute_fixture.hpp"
+#include "support/allocation_count.hpp"
 
 using namespace busbar;
 using namespace std::chrono_literals;
@@ -13,8 +11,6 @@ using busbar::server::detail::check_read;
 using busbar::test::AttributeFixture;
 
 namespace {
-
-std::size_t allocations = 0;
 
 ReadRequest request_of_one()
 {
@@ -32,31 +28,6 @@ public:
 };
 
 } // namespace
-
-void* operator new(std::size_t size)
-{
-    ++allocations;
-    if (void* memory = std::malloc(size)) {
-        return memory;
-    }
-    std::abort();
-}
-void* operator new(std::size_t size, std::align_val_t)
-{
-    return operator new(size);
-}
-void operator delete(void* memory) noexcept
-{
-    std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept
-{
-    std::free(memory);
-}
-void operator delete(void* memory, std::align_val_t) noexcept
-{
-    std::free(memory);
-}
 
 TEST_CASE("a Read that is wrong as a whole is refused (Part 4, 5.11.2.3)")
 {
@@ -277,7 +248,7 @@ TEST_CASE_METHOD(AttributeFixture, "values may be kept by the address space or c
 TEST_CASE_METHOD(AttributeFixture,
                  "a source that cuts ranges gets them, with the age that is asked")
 {
-    KeepingSource source;
+    auto& source = make_source<KeepingSource>();
     source.options_.reads_ranges = true;
     model::NewVariable variable;
     variable.data_type = NodeId{0, id::Int32};
@@ -308,7 +279,7 @@ TEST_CASE_METHOD(AttributeFixture,
 
 TEST_CASE_METHOD(AttributeFixture, "a source that is late leaves the answers of others alone")
 {
-    KeepingSource source;
+    auto& source = make_source<KeepingSource>();
     source.options_.timeout = 100ms;
     model::NewVariable variable;
     variable.data_type = NodeId{0, id::Int32};
@@ -344,7 +315,7 @@ TEST_CASE_METHOD(AttributeFixture, "a Read allocates as often for 1,000 scalars 
         const std::vector<std::byte> message{
             buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(writer.written())};
 
-        const std::size_t before = allocations;
+        const std::size_t before = test::allocation_count();
         binary::Reader reader{message, binary::Strings::Borrow};
         ReadRequest decoded;
         decode(reader, decoded);
@@ -354,7 +325,7 @@ TEST_CASE_METHOD(AttributeFixture, "a Read allocates as often for 1,000 scalars 
         binary::SpanSink out{buffer};
         binary::Writer answer{out};
         job.encode_results(answer);
-        const std::size_t after = allocations;
+        const std::size_t after = test::allocation_count();
         REQUIRE(is_done);
         REQUIRE(answer.ok());
         REQUIRE(answer.written() == 4 + size * 6 + 4);

@@ -226,7 +226,7 @@ TEST_CASE_METHOD(ViewFixture, "Only Views without version can be browsed through
     request.view.view_version = 1;
     CHECK(result() == status::Bad_ViewVersionInvalid);
     request.view.timestamp = DateTime{1};
-    CHECK(result() == status::Bad_ViewParameterMismatchInvalid);
+    CHECK(result() == status::Bad_ViewParameterMismatch);
     request.view.view_version = 0;
     CHECK(result() == status::Bad_ViewTimestampInvalid);
 }
@@ -361,6 +361,7 @@ TEST_CASE_METHOD(ViewFixture, "One request cannot ask for all the server's memor
     view.visits_left = 60;
     request.nodes_to_browse = {description(node("folder"))};
     request.nodes_to_browse[0].node_class_mask = static_cast<std::uint32_t>(NodeClass::View);
+    response = {};
     REQUIRE(browse(view, request, response) == status::Good);
     CHECK(response.results[0].references.empty());
     REQUIRE_FALSE(response.results[0].continuation_point.is_null());

@@ -39,7 +39,7 @@ struct WriteFixture : AttributeFixture {
     }
     Variant value_of(const NodeId& node) { return read(node).value; }
 
-    KeepingSource far;
+    KeepingSource& far{make_source<KeepingSource>()};
     std::uint32_t far_index_{0};
 };
 

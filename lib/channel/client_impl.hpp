@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include <busbar/channel/client_channel.hpp>
+#include <busbar/types/secure_channel.hpp>
+
+#include "conversation.hpp"
+#include "event_queue.hpp"
+
+namespace busbar::channel {
+
+namespace detail {
+
+enum class ClientState : std::uint8_t { ReverseHello, Acknowledge, Opening, Open, Closed };
+
+} // namespace detail
+
+/// The inside of a ClientChannel: client_channel.cpp has the connection, client_open.cpp how a
+/// SecurityToken is asked for and taken.
+struct ClientChannel::Impl {
+    using State = detail::ClientState;
+
+    Impl(ClientChannelConfig c, const ChannelEnvironment& environment, TimePoint start)
+        : config{std::move(c)}, conversation{config.limits, environment, detail::Role::Client},
+          now{start}, handshake_deadline{start + config.limits.handshake_timeout}
+    {
+        conversation.security = config.security;
+    }
+
+    void say_hello();
+    [[nodiscard]] std::optional<Event> next_event();
+    [[nodiscard]] Result<void> handle(const detail::Frame& frame);
+    [[nodiscard]] Result<void> handle_reverse_hello(const detail::Frame& frame);
+    [[nodiscard]] Result<void> handle_error(const detail::Frame& frame);
+    [[nodiscard]] Result<void> handle_acknowledge(const detail::Frame& frame);
+    [[nodiscard]] Result<void> handle_open(const detail::Frame& frame);
+    [[nodiscard]] Result<void> handle_message(const detail::Frame& frame);
+    [[nodiscard]] Result<void> request_token(SecurityTokenRequestType type);
+    [[nodiscard]] Result<detail::AsymmetricContent> open_response(const detail::Frame& frame);
+    [[nodiscard]] Result<void> check_server(const detail::AsymmetricHeader& header);
+    [[nodiscard]] Result<void> take_token(const OpenSecureChannelResponse& response);
+    [[nodiscard]] std::uint32_t next_request_id();
+    void send_close();
+    void refuse(StatusCode status, std::string_view reason);
+    void end(StatusCode status, std::string reason);
+
+    ClientChannelConfig config;
+    detail::Conversation conversation;
+    State state{State::Acknowledge};
+    TimePoint now;
+    TimePoint handshake_deadline;
+    std::uint32_t last_request_id{0};
+    std::uint32_t open_request_id{0}; // 0 while no OPN is on its way
+    crypto::Secret nonce;
+    ByteString server_nonce; // of the last OpenSecureChannel
+    detail::EventQueue events;
+};
+
+} // namespace busbar::channel

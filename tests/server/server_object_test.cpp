@@ -1,0 +1,103 @@
+#include <catch2/catch.hpp>
+
+#include <busbar/types/attribute.hpp>
+#include <busbar/types/data_types.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "support/server_fixture.hpp"
+
+using namespace busbar;
+using namespace busbar::test;
+using namespace std::chrono_literals;
+
+namespace {
+
+DataValue read(TestClient& client, std::uint32_t node)
+{
+    ReadRequest request;
+    request.timestamps_to_return = TimestampsToReturn::Source;
+    request.nodes_to_read.resize(1);
+    request.nodes_to_read[0].node_id = NodeId{0, node};
+    request.nodes_to_read[0].attribute_id = 13;
+    const auto response = client.call<ReadResponse>(request);
+    return response ? response->results[0] : DataValue{response.error()};
+}
+
+} // namespace
+
+TEST_CASE("the Server object tells how the server is")
+{
+    auto config = ServerFixture::insecure_config();
+    config.build.manufacturer_name = "Maker";
+    config.limits.operations.max_nodes_per_read = 12;
+    ServerFixture fixture{std::move(config)};
+    auto client = fixture.log_in();
+    fixture.advance(5s);
+
+    const auto status = read(client, id::Server_ServerStatus);
+    const auto* object = status.value.get_if<ExtensionObject>();
+    REQUIRE(object != nullptr);
+    const auto* data = object->get_if<ServerStatusDataType>();
+    REQUIRE(data != nullptr);
+    CHECK(data->start_time == today);
+    CHECK(data->current_time == fixture.wall_clock.time);
+    CHECK(data->state == ServerState::Running);
+    CHECK(data->build_info.manufacturer_name == String{"Maker"});
+    CHECK(data->build_info.product_name == String{"Busbar"});
+    CHECK(status.source_timestamp == fixture.wall_clock.time);
+
+    CHECK(read(client, id::Server_ServerStatus_CurrentTime).value ==
+          Variant{fixture.wall_clock.time});
+    CHECK(read(client, id::Server_ServerArray).value ==
+          Variant{Array<String>{"urn:busbar:test:server"}});
+    CHECK(read(client, id::Server_NamespaceArray).value ==
+          Variant{Array<String>{"http://opcfoundation.org/UA/", "urn:busbar:test:server"}});
+    CHECK(read(client, id::Server_ServiceLevel).value == Variant{std::uint8_t{255}});
+    CHECK(read(client, id::Server_Auditing).value == Variant{false});
+    CHECK(read(client, id::Server_ServerRedundancy_RedundancySupport).value ==
+          Variant{std::int32_t{0}});
+    CHECK(read(client, id::Server_ServerCapabilities_LocaleIdArray).value ==
+          Variant{Array<String>{"en"}});
+    CHECK(read(client, id::Server_ServerCapabilities_MaxSessions).value ==
+          Variant{std::uint32_t{100}});
+    CHECK(read(client, id::Server_ServerCapabilities_OperationLimits_MaxNodesPerRead).value ==
+          Variant{std::uint32_t{12}});
+}
+
+TEST_CASE("every live value has the type and rank of its node")
+{
+    ServerFixture fixture;
+    auto client = fixture.log_in();
+    auto& space = fixture.server.address_space();
+    int checked = 0;
+    for (std::uint32_t node = 2'254; node < 32'000; ++node) {
+        const auto index = space.find(node);
+        if (index == model::no_node || space.node_class(index) != NodeClass::Variable ||
+            (node > 3'000 && node < 11'000)) {
+            continue;
+        }
+        const auto value = read(client, node);
+        if (value.value.is_null()) {
+            continue;
+        }
+        ++checked;
+        const auto variable = space.variable(index);
+        INFO(node);
+        CHECK(space.check_value(value.value, variable.data_type, variable.value_rank,
+                                variable.array_dimensions) == status::Good);
+    }
+    CHECK(checked > 35);
+}
+
+TEST_CASE("the operation limits that are told are enforced")
+{
+    auto config = ServerFixture::insecure_config();
+    config.limits.operations.max_nodes_per_read = 2;
+    ServerFixture fixture{std::move(config)};
+    auto client = fixture.log_in();
+    ReadRequest request;
+    request.nodes_to_read.resize(3);
+    CHECK(client.status_of<ReadResponse>(request) == status::Bad_TooManyOperations);
+    request.nodes_to_read.resize(2);
+    CHECK(client.status_of<ReadResponse>(request) == status::Good);
+}

@@ -1,0 +1,77 @@
+#include "allocation_count.hpp"
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+namespace {
+
+std::atomic<std::size_t> count{0};
+
+void* allocate(std::size_t size)
+{
+    ++count;
+    return std::malloc(size == 0 ? 1 : size);
+}
+
+void* allocate_or_end(std::size_t size)
+{
+    void* const memory = allocate(size);
+    if (memory == nullptr) {
+        std::abort();
+    }
+    return memory;
+}
+
+} // namespace
+
+std::size_t busbar::test::allocation_count()
+{
+    return count;
+}
+
+// The other forms call these. No type here asks for more than malloc aligns to.
+void* operator new(std::size_t size)
+{
+    return allocate_or_end(size);
+}
+void* operator new(std::size_t size, std::align_val_t)
+{
+    return allocate_or_end(size);
+}
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept
+{
+    return allocate(size);
+}
+void* operator new[](std::size_t size)
+{
+    return allocate_or_end(size);
+}
+void* operator new[](std::size_t size, const std::nothrow_t&) noexcept
+{
+    return allocate(size);
+}
+void operator delete(void* memory) noexcept
+{
+    std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept
+{
+    std::free(memory);
+}
+void operator delete(void* memory, std::align_val_t) noexcept
+{
+    std::free(memory);
+}
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept
+{
+    std::free(memory);
+}
+void operator delete[](void* memory) noexcept
+{
+    std::free(memory);
+}
+void operator delete[](void* memory, std::size_t) noexcept
+{
+    std::free(memory);
+}
