@@ -131,10 +131,9 @@ void Tables::link(NodeIndex parent, NodeIndex reference_type, NodeIndex child)
 void Tables::place_type(NodeIndex type, NodeIndex supertype)
 {
     Extra& extra = record(type).make_extra();
-    if (is_constant(supertype)) {
+    if (supertype != no_node && is_constant(supertype)) {
         extra.constant_base = supertype;
-        extra.chain.clear();
-    } else {
+    } else if (supertype != no_node) {
         const Extra& above = record(supertype).make_extra();
         extra.constant_base = above.constant_base;
         extra.chain = above.chain;

@@ -123,7 +123,8 @@ struct Tables {
                                    NodeClass node_class);
     /// Makes `child`, a record, a child of `parent`.
     void link(NodeIndex parent, NodeIndex reference_type, NodeIndex child);
-    /// Makes `type`, a record, known as a subtype of `supertype`.
+    /// Makes `type`, a new record, known as a subtype of `supertype`; of nothing if that is
+    /// no_node.
     void place_type(NodeIndex type, NodeIndex supertype);
     /// Takes the record out of its parent's list.
     void unlink(NodeIndex child);

@@ -43,10 +43,10 @@ StatusCode check_channel(const ServiceContext& context)
         return status::Bad_SecureChannelIdInvalid;
     }
     const crypto::CertificateChain& peer = channel.peer_certificates();
-    const bool is_same_client = peer.empty() ? session.client_certificate.empty()
-                                             : !session.client_certificate.empty() &&
-                                                   peer.front() ==
-                                                       session.client_certificate.front();
+    const bool is_same_client = peer.empty()
+                                    ? session.client_certificate.empty()
+                                    : !session.client_certificate.empty() &&
+                                          peer.front() == session.client_certificate.front();
     if (channel.security() != session.security || !is_same_client) {
         return status::Bad_SecurityChecksFailed;
     }
@@ -162,7 +162,7 @@ void ActivateSession::accept(ServiceContext& context, UserIdentity user)
                       : "user \"" + printable(session.user.name) + "\""));
     respond<ActivateSessionResponse>([&](binary::Writer& writer) {
         encode(writer, session.server_nonce);
-        encode(writer, Array<StatusCode>{});     // of software certificates
+        encode(writer, Array<StatusCode>{}); // of software certificates
         encode(writer, Array<DiagnosticInfo>{});
     });
 }

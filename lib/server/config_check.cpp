@@ -26,8 +26,9 @@ std::string check_endpoint(const EndpointConfig& endpoint, const ServerConfig& c
     const std::string which = describe(endpoint.security);
     const bool is_none = endpoint.security.policy->is_none();
     const auto mode = endpoint.security.mode;
-    if (is_none ? mode != MessageSecurityMode::None
-                : mode != MessageSecurityMode::Sign && mode != MessageSecurityMode::SignAndEncrypt) {
+    if (is_none
+            ? mode != MessageSecurityMode::None
+            : mode != MessageSecurityMode::Sign && mode != MessageSecurityMode::SignAndEncrypt) {
         return which + ": policy and mode do not go together";
     }
     if (!is_none && (!config.identity || environment.validator == nullptr)) {

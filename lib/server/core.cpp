@@ -26,10 +26,27 @@ std::uint32_t random_channel_id(crypto::Random& random)
 
 Core::Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space)
     : config{std::move(c)}, environment{e}, address_space{std::move(space)},
-      types{binary::namespace0_types()}, sources{e.waker},
-      assembly{config.limits.max_assembly}, logins{config.limits},
-      next_channel_id{random_channel_id(*e.random)}, start_time{e.wall_clock->now()}
+      types{binary::namespace0_types()}, sources{e.waker}, assembly{config.limits.max_assembly},
+      logins{config.limits}, next_channel_id{random_channel_id(*e.random)}, start_time{
+                                                                                e.wall_clock->now()}
 {
+}
+
+void Core::log(LogLevel level, std::string_view source, std::string_view text)
+{
+    const std::int64_t minute = environment.wall_clock->now().unix_seconds() / 60;
+    if (minute != log_minute_) {
+        if (log_lines_ > limits().max_log_lines_per_minute) {
+            environment.log->write(LogLevel::Warning, "server",
+                                   std::to_string(log_lines_ - limits().max_log_lines_per_minute) +
+                                       " lines were left out");
+        }
+        log_minute_ = minute;
+        log_lines_ = 0;
+    }
+    if (++log_lines_ <= limits().max_log_lines_per_minute) {
+        environment.log->write(level, source, text);
+    }
 }
 
 void Core::sweep()

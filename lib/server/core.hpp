@@ -46,14 +46,16 @@ struct Core {
 
     [[nodiscard]] const ServerLimits& limits() const { return config.limits; }
     [[nodiscard]] bool is_shutting_down() const { return state == ServerState::Shutdown; }
-    void log(LogLevel level, std::string_view source, std::string_view text) const
-    {
-        environment.log->write(level, source, text);
-    }
+    /// Only so many lines a minute: what peers cause must not fill a disk (Part 2, 5.1.2.3).
+    void log(LogLevel level, std::string_view source, std::string_view text);
     /// To be called at the end of whatever is called from outside.
     void sweep();
     /// Ends what the session has pending with `status`, then the session itself.
     void close_session(Session& session, StatusCode status);
+
+private:
+    std::int64_t log_minute_{0};
+    std::size_t log_lines_{0};
 };
 
 } // namespace busbar::server::detail

@@ -21,9 +21,8 @@ constexpr std::size_t max_name_size = 256;
 StatusCode check_endpoint(const Core& core, const channel::SecuritySetting& security)
 {
     const auto& endpoints = core.config.endpoints;
-    const bool is_there = std::any_of(endpoints.begin(), endpoints.end(), [&](const auto& e) {
-        return e.security == security;
-    });
+    const bool is_there = std::any_of(endpoints.begin(), endpoints.end(),
+                                      [&](const auto& e) { return e.security == security; });
     return is_there ? status::Good : status::Bad_SecurityPolicyRejected;
 }
 
@@ -137,8 +136,7 @@ Result<std::unique_ptr<Session>> make_session(ServiceContext& context,
     session->max_response_message_size = request.max_response_message_size;
     session->timeout = revise_timeout(core.limits(), request.requested_session_timeout);
     session->created = context.now;
-    session->deadline =
-        context.now + std::min(session->timeout, core.limits().activation_timeout);
+    session->deadline = context.now + std::min(session->timeout, core.limits().activation_timeout);
     return session;
 }
 
@@ -152,10 +150,10 @@ StatusCode create_session(ServiceContext& context, const CreateSessionRequest& r
         return status;
     }
     const auto& peer = context.link.channel().peer_certificates();
-    auto signature = sign_for_client(
-        core, context.link.channel().security(),
-        peer.empty() ? std::span<const std::byte>{} : peer.front().der(),
-        request.client_nonce.span());
+    auto signature =
+        sign_for_client(core, context.link.channel().security(),
+                        peer.empty() ? std::span<const std::byte>{} : peer.front().der(),
+                        request.client_nonce.span());
     if (!signature) {
         return signature.error();
     }

@@ -17,8 +17,8 @@ constexpr std::string_view transport_profile =
 bool is_own_host(const Core& core, const EndpointUrl& own, std::string_view host)
 {
     const auto is_it = [host](const std::string& name) { return is_same_host(name, host); };
-    if (is_it(own.host) || std::any_of(core.config.host_names.begin(),
-                                       core.config.host_names.end(), is_it)) {
+    if (is_it(own.host) ||
+        std::any_of(core.config.host_names.begin(), core.config.host_names.end(), is_it)) {
         return true;
     }
     if (!core.config.identity) {
@@ -92,8 +92,8 @@ Array<EndpointDescription> describe_endpoints(const Core& core, std::string_view
         endpoint.server_certificate = server_certificates(core);
         endpoint.security_mode = config.security.mode;
         endpoint.security_policy_uri = config.security.policy->uri;
-        endpoint.user_identity_tokens = Array<UserTokenPolicy>{
-            token_policies(config, core.environment.users != nullptr)};
+        endpoint.user_identity_tokens =
+            Array<UserTokenPolicy>{token_policies(config, core.environment.users != nullptr)};
         endpoint.transport_profile_uri = transport_profile;
         endpoint.security_level = security_level(config);
     }

@@ -125,8 +125,7 @@ constexpr auto services = [] {
             Need::Activated),
         unsupported<QueryFirstRequest>(),
         unsupported<QueryNextRequest>(),
-        operation<ReadRequest>(Need::Activated, run_operation<make_operation<ReadOperation>>,
-                               true),
+        operation<ReadRequest>(Need::Activated, run_operation<make_operation<ReadOperation>>, true),
         operation<WriteRequest>(Need::Activated, run_operation<make_operation<WriteOperation>>),
         unsupported<HistoryReadRequest>(),
         unsupported<HistoryUpdateRequest>(),
@@ -144,9 +143,8 @@ constexpr auto services = [] {
         unsupported<TransferSubscriptionsRequest>(),
         unsupported<DeleteSubscriptionsRequest>(),
     };
-    std::sort(table.begin(), table.end(), [](const Service& a, const Service& b) {
-        return a.encoding_id < b.encoding_id;
-    });
+    std::sort(table.begin(), table.end(),
+              [](const Service& a, const Service& b) { return a.encoding_id < b.encoding_id; });
     return table;
 }();
 

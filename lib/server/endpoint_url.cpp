@@ -56,8 +56,8 @@ std::optional<EndpointUrl> EndpointUrl::parse(std::string_view text)
     url.host = parts->first;
     url.path = text.substr(end);
     if (!parts->second.empty()) {
-        const auto port = parts->second.front() == ':' ? parse_port(parts->second.substr(1))
-                                                       : std::nullopt;
+        const auto port =
+            parts->second.front() == ':' ? parse_port(parts->second.substr(1)) : std::nullopt;
         if (!port) {
             return std::nullopt;
         }

@@ -32,8 +32,10 @@ channel::ServerChannelConfig channel_config(Core& core)
 channel::ChannelEnvironment channel_environment(Core& core)
 {
     const ServerEnvironment& from = core.environment;
-    return {from.random,    from.wall_clock,
-            from.log,       from.validator,
+    return {from.random,
+            from.wall_clock,
+            from.log,
+            from.validator,
             core.config.identity ? &*core.config.identity : nullptr,
             &core.assembly};
 }
@@ -106,6 +108,9 @@ void Link::consume(std::size_t size)
     const Running running{*this, now_};
     channel_.consume(size);
     has_progressed_ = true;
+    if (output().empty()) {
+        send_check_ = no_deadline;
+    }
     work(now_);
 }
 

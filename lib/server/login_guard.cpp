@@ -19,10 +19,9 @@ LoginGuard::Entry& LoginGuard::entry(std::string_view client)
     if (entries_.size() < std::max<std::size_t>(limits_->max_login_entries, 1)) {
         return entries_.emplace_back(Entry{std::string{client}, 0, {}});
     }
-    Entry& oldest = *std::min_element(entries_.begin(), entries_.end(),
-                                      [](const Entry& a, const Entry& b) {
-                                          return a.last < b.last;
-                                      });
+    Entry& oldest =
+        *std::min_element(entries_.begin(), entries_.end(),
+                          [](const Entry& a, const Entry& b) { return a.last < b.last; });
     oldest = {std::string{client}, 0, {}};
     return oldest;
 }

@@ -60,8 +60,7 @@ void Link::start(std::unique_ptr<Operation> operation, std::vector<std::byte> me
     operation->request_id_ = reply.request_id;
     operation->request_handle_ = reply.request_handle;
     if (header.timeout_hint != 0) {
-        operation->client_deadline_ =
-            context.now + std::chrono::milliseconds{header.timeout_hint};
+        operation->client_deadline_ = context.now + std::chrono::milliseconds{header.timeout_hint};
     }
     operations_.push_back(std::move(operation));
     Operation& started = *operations_.back();

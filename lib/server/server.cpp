@@ -70,9 +70,10 @@ std::uint32_t Server::add_source(DataSource& source)
 
 Result<Connection> Server::connect(std::string_view peer_address, TimePoint now)
 {
-    const auto from_there = std::count_if(
-        impl_->links.begin(), impl_->links.end(),
-        [&](const detail::Link* link) { return link->peer_address() == peer_address; });
+    const auto from_there =
+        std::count_if(impl_->links.begin(), impl_->links.end(), [&](const detail::Link* link) {
+            return link->peer_address() == peer_address;
+        });
     if (impl_->is_shutting_down() ||
         static_cast<std::size_t>(from_there) >= impl_->limits().max_connections_per_address ||
         !impl_->make_place()) {
@@ -174,7 +175,7 @@ void Server::Impl::finish_shutdown()
 
 bool Server::is_stopped() const
 {
-    return impl_->is_shutting_down() && impl_->shutdown_deadline == no_deadline &&
+    return impl_->is_shutting_down() &&
            std::all_of(impl_->links.begin(), impl_->links.end(), [](const detail::Link* link) {
                return link->is_closed() && link->output().empty();
            });

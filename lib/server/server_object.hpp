@@ -8,9 +8,9 @@ namespace busbar::server::detail {
 
 struct Core;
 
-/// The present value of a Variable below the Server object (Part 5, 6.3 and 8.3.2), i=2253, with its
-/// source timestamp; Bad_NodeIdUnknown for any other node, whose value the address space or a data
-/// source has. Takes constant time.
+/// The present value of a Variable below the Server object (Part 5, 6.3 and 8.3.2), i=2253, with
+/// its source timestamp; Bad_NodeIdUnknown for any other node, whose value the address space or a
+/// data source has. Takes constant time.
 [[nodiscard]] Result<DataValue> server_value(const Core& core, const NodeId& node);
 
 } // namespace busbar::server::detail

@@ -14,8 +14,8 @@
 ///
 /// A service that always answers at once is a function
 ///     StatusCode browse(ServiceContext&, const BrowseRequest&, BrowseResponse&);
-/// whose bad status becomes a ServiceFault; dispatch fills the response header. One that may have to
-/// wait is an Operation. Requests are decoded with Strings::Borrow: their strings point into the
+/// whose bad status becomes a ServiceFault; dispatch fills the response header. One that may have
+/// to wait is an Operation. Requests are decoded with Strings::Borrow: their strings point into the
 /// message, and copies of them own.
 namespace busbar::server::detail {
 
@@ -58,8 +58,8 @@ public:
     [[nodiscard]] Session* session() const { return session_; }
 
 protected:
-    /// Sends the response: `encode` writes what follows its ResponseHeader. If that does not fit the
-    /// client's limits a ServiceFault goes out instead.
+    /// Sends the response: `encode` writes what follows its ResponseHeader. If that does not fit
+    /// the client's limits a ServiceFault goes out instead.
     template <typename Response>
     void respond(FunctionRef<void(binary::Writer&)> encode)
     {

@@ -42,8 +42,7 @@ Session* SessionTable::oldest_unactivated()
 {
     Session* oldest = nullptr;
     for (const auto& [token, session] : sessions_) {
-        if (!session->is_activated &&
-            (oldest == nullptr || session->created < oldest->created)) {
+        if (!session->is_activated && (oldest == nullptr || session->created < oldest->created)) {
             oldest = session.get();
         }
     }

@@ -24,7 +24,10 @@ public:
     [[nodiscard]] Session* oldest_unactivated();
     /// The session that is overdue first, or null if there is none at all.
     [[nodiscard]] Session* next_to_expire() const;
-    [[nodiscard]] Session* any() const { return empty() ? nullptr : sessions_.begin()->second.get(); }
+    [[nodiscard]] Session* any() const
+    {
+        return empty() ? nullptr : sessions_.begin()->second.get();
+    }
     [[nodiscard]] bool empty() const { return sessions_.empty(); }
     /// A connection has gone; its sessions wait for another.
     void unbind(const Link& link);

@@ -41,8 +41,8 @@ Result<crypto::Secret> decrypt_password(const LoginContext& context,
     if (token.encryption_algorithm.view() != policy.encryption_uri || context.key == nullptr) {
         return fail(status::Bad_IdentityTokenInvalid);
     }
-    auto secret = crypto::decrypt_secret(policy, *context.key, token.password.span(),
-                                         context.server_nonce);
+    auto secret =
+        crypto::decrypt_secret(policy, *context.key, token.password.span(), context.server_nonce);
     if (!secret) {
         return fail(status::Bad_UserAccessDenied);
     }

@@ -221,7 +221,7 @@ test("endpoints and the application description are found without a session", as
 
 test("a NodeId of another namespace is unknown, not a crash", () =>
   withSession(controller, modes.None, anonymous, async (session) => {
-    const strange = [new NodeId(NodeId.NodeIdType.STRING, "x".repeat(4000), 9), "g=00000000-0000-0000-0000-000000000000", "b=AA=="];
+    const strange = [new NodeId(NodeId.NodeIdType.STRING, "x".repeat(4000), 9), "g=00000000-0000-0000-0000-000000000001", "b=AA=="];
     for (const nodeId of strange) {
       const value = await session.read({ nodeId, attributeId: AttributeIds.Value });
       assert.equal(value.statusCode, StatusCodes.BadNodeIdUnknown);

@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <deque>
 
 #include <busbar/server/data_source.hpp>
@@ -394,8 +395,7 @@ TEST_CASE("connections are limited, and the oldest without a session gives way")
     CHECK(fixture.server.next_changed() == idle.connection.id());
     CHECK_FALSE(next.is_closed());
     REQUIRE(next.open_session() == status::Good);
-    CHECK(fixture.server.connect("192.0.2.3", fixture.now).error() ==
-          status::Bad_TcpServerTooBusy);
+    CHECK(fixture.server.connect("192.0.2.3", fixture.now).error() == status::Bad_TcpServerTooBusy);
     CHECK(user.status_of<ReadResponse>(SlowFixture::fast()) == status::Good);
 }
 
@@ -409,8 +409,7 @@ TEST_CASE("shutdown")
     CHECK(answer(client, slow) == status::Bad_Shutdown);
     CHECK_FALSE(fixture.server.is_stopped());
     CHECK(idle.create_session().error() == status::Bad_Shutdown);
-    CHECK(fixture.server.connect("192.0.2.9", fixture.now).error() ==
-          status::Bad_TcpServerTooBusy);
+    CHECK(fixture.server.connect("192.0.2.9", fixture.now).error() == status::Bad_TcpServerTooBusy);
 
     const NodeId state{0, id::Server_ServerStatus_State};
     const auto read = client.call<ReadResponse>(SlowFixture::read(state));
@@ -433,4 +432,45 @@ TEST_CASE("a server connects to a client that listens")
     REQUIRE(connection.reverse_hello("opc.tcp://localhost:4840"));
     CHECK(connection.output().size() > 8);
     CHECK(connection.output()[0] == std::byte{'R'});
+}
+
+TEST_CASE("it does not matter how the bytes come")
+{
+    ServerFixture fixture;
+    auto client = fixture.log_in(setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt));
+    const std::size_t piece = GENERATE(1U, 7U, 100U);
+    const auto send = [&] {
+        ReadRequest request = SlowFixture::fast();
+        request.request_header.authentication_token = client.authentication_token;
+        return client.channel.send([&](binary::Writer& writer) {
+            encode(writer, NodeId{0, ReadRequest::binary_encoding_id});
+            encode(writer, request);
+        });
+    };
+    const auto first = send();
+    const auto second = send();
+    REQUIRE(second);
+    const auto idle = [] {};
+    CHECK(carry(client.channel, client.connection, fixture.now, piece, idle));
+    CHECK(answer(client, *first) == status::Good);
+    CHECK(answer(client, *second) == status::Good);
+}
+
+TEST_CASE("many failures leave a bounded log")
+{
+    auto config = ServerFixture::insecure_config();
+    config.limits.max_log_lines_per_minute = 10;
+    ServerFixture fixture{std::move(config)};
+    for (int i = 0; i < 50; ++i) {
+        auto client = fixture.connect();
+        REQUIRE(client.create_session());
+        REQUIRE(client.close_session() == status::Good);
+    }
+    const auto lines = [&] {
+        return std::count(fixture.log.text.begin(), fixture.log.text.end(), '\n');
+    };
+    CHECK(lines() == 10);
+    fixture.advance(60s);
+    auto client = fixture.log_in();
+    CHECK(fixture.log.text.find("90 lines were left out") != std::string::npos);
 }

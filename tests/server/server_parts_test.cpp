@@ -21,8 +21,9 @@ TEST_CASE("endpoint URLs")
     CHECK(url->path == "/a/b");
     CHECK(url->text() == "opc.tcp://[fe80::1]:4841/a/b");
     CHECK(EndpointUrl::parse("opc.tcp://host")->text() == "opc.tcp://host:4840");
-    for (const char* wrong : {"", "opc.tcp://", "opc.tcp://:4840", "opc.tcp://h:", "opc.tcp://h:x",
-                              "opc.tcp://h:70000", "opc.tcp://[::1", "opc.tcp://[::1]x", "h:4840"}) {
+    for (const char* wrong :
+         {"", "opc.tcp://", "opc.tcp://:4840", "opc.tcp://h:", "opc.tcp://h:x", "opc.tcp://h:70000",
+          "opc.tcp://[::1", "opc.tcp://[::1]x", "h:4840"}) {
         CHECK_FALSE(EndpointUrl::parse(wrong));
     }
     CHECK_FALSE(EndpointUrl::parse("opc.tcp://" + std::string(4'090, 'h')));

@@ -16,8 +16,8 @@ using namespace std::chrono_literals;
 namespace {
 
 const channel::SecuritySetting sign = setting("Basic256Sha256", MessageSecurityMode::Sign);
-const channel::SecuritySetting encrypt = setting("Basic256Sha256",
-                                                 MessageSecurityMode::SignAndEncrypt);
+const channel::SecuritySetting encrypt =
+    setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt);
 
 ReadRequest read_state()
 {
@@ -67,8 +67,7 @@ TEST_CASE("the server proves who it is to a client with security")
     const auto& certificate = server_identity().certificates.front();
     std::vector<std::byte> text{request.client_certificate.span().begin(),
                                 request.client_certificate.span().end()};
-    text.insert(text.end(), request.client_nonce.span().begin(),
-                request.client_nonce.span().end());
+    text.insert(text.end(), request.client_nonce.span().begin(), request.client_nonce.span().end());
     CHECK(crypto::asymmetric_verify(*encrypt.policy, certificate, text,
                                     created->server_signature.signature.span()));
     CHECK(created->server_certificate == ByteString{certificate.der()});

@@ -176,10 +176,10 @@ public:
         token.user_name = name;
         token.encryption_algorithm = policy.encryption_uri;
         const auto secret = std::as_bytes(std::span{password});
-        token.password = ByteString{
-            crypto::encrypt_secret(policy, server_identity().certificates.front(), secret,
-                                   server_nonce.span())
-                .value()};
+        token.password =
+            ByteString{crypto::encrypt_secret(policy, server_identity().certificates.front(),
+                                              secret, server_nonce.span())
+                           .value()};
         return ExtensionObject::from(token);
     }
     std::uint32_t send_activate(ExtensionObject token)
@@ -254,16 +254,15 @@ private:
 class ServerFixture {
 public:
     explicit ServerFixture(server::ServerConfig config = insecure_config())
-        : server{server::Server::create(std::move(config),
-                                        {&random, &wall_clock, &log, &validator, &users, nullptr,
-                                         waker})
+        : server{server::Server::create(std::move(config), {&random, &wall_clock, &log, &validator,
+                                                            &users, nullptr, waker})
                      .value()}
     {
     }
     explicit ServerFixture(server::Waker& w, server::ServerConfig config = insecure_config())
-        : waker{&w}, server{server::Server::create(std::move(config),
-                                                   {&random, &wall_clock, &log, &validator, &users,
-                                                    nullptr, waker})
+        : waker{&w}, server{server::Server::create(
+                                std::move(config),
+                                {&random, &wall_clock, &log, &validator, &users, nullptr, waker})
                                 .value()}
     {
     }

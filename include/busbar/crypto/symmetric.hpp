@@ -18,15 +18,18 @@ struct SymmetricKeys {
 };
 
 /// Derives keys with P_SHA256. For the client's keys the secret is the server's nonce and the seed
-/// the client's; for the server's the other way round (Part 6, 6.7.5, table 66).
+/// the client's; for the server's the other way round (Part 6, 6.7.5; 6.7.6 in later editions).
+/// Bad_SecurityChecksFailed with policy None or an empty secret.
 [[nodiscard]] Result<SymmetricKeys> derive_keys(const SecurityPolicy& policy,
                                                 std::span<const std::byte> secret,
                                                 std::span<const std::byte> seed);
 
 /// AES-CBC and HMAC-SHA256 with prepared keys: a chunk costs its bytes and no key schedule.
-/// Move-only, one thread at a time, does not allocate after create().
+/// Move-only, one thread at a time. Allocates nothing itself after create(); OpenSSL 3.0 makes two
+/// small digest contexts for each signature.
 class SymmetricCipher {
 public:
+    /// Bad_SecurityChecksFailed if the keys are not of the policy's sizes, as with policy None.
     [[nodiscard]] static Result<SymmetricCipher> create(const SecurityPolicy& policy,
                                                         const SymmetricKeys& keys);
     SymmetricCipher(SymmetricCipher&&) noexcept;

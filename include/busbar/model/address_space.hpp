@@ -157,7 +157,9 @@ public:
     Result<NodeIndex> add_variable_type(const NewNode& node, const NewVariableType& type);
     Result<NodeIndex> add_reference_type(const NewNode& node, const NewReferenceType& type);
     Result<NodeIndex> add_data_type(const NewNode& node, const NewDataType& type);
-    /// Copies generated nodes of another namespace, whose namespaces are added as needed.
+    /// Copies generated nodes of another namespace, whose namespaces are added as needed. What they
+    /// refer to must be there already. Bad_NodeIdExists if one of them is. Values are taken over as
+    /// they are: namespace indices within them are those of the generator's files.
     Result<void> add(const StaticNodes& nodes);
 
     /// Adds the reference in both directions. Bad_DuplicateReferenceNotAllowed if it is there,

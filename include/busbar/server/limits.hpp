@@ -75,6 +75,8 @@ struct ServerLimits {
     /// second.
     std::chrono::milliseconds first_login_delay{250};
     std::chrono::milliseconds max_login_delay{4'000};
+    /// Lines that sessions may put into the log.
+    std::size_t max_log_lines_per_minute{600};
     /// Clients that are remembered for their failures.
     std::size_t max_login_entries{512};
 };

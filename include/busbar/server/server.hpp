@@ -76,7 +76,8 @@ public:
     /// Sets State Shutdown, ends what is pending with Bad_Shutdown and refuses all requests but
     /// Read and CloseSession; ServerConfig::shutdown_delay later closes all connections.
     void begin_shutdown(TimePoint now, std::string_view reason);
-    /// True once shutdown is over and nothing more will be sent.
+    /// True once shutdown is over, which may be earlier if nobody is connected any more: nothing
+    /// more will be sent.
     [[nodiscard]] bool is_stopped() const;
 
     [[nodiscard]] std::size_t session_count() const;

@@ -13,7 +13,10 @@ namespace {
 
 std::string quoted(std::string_view text)
 {
-    return "'" + printable(text) + "'";
+    std::string result{"'"};
+    result += printable(text);
+    result += '\'';
+    return result;
 }
 
 const char* name_of(PlcProgramKind kind)
