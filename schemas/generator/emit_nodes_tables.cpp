@@ -16,7 +16,6 @@ using nodeset::NodeClass;
 
 constexpr std::uint32_t has_modelling_rule = 37;
 constexpr std::uint32_t has_type_definition = 40;
-constexpr std::uint32_t has_subtype = 45;
 
 bool is_type(const Node& node)
 {
