@@ -211,7 +211,7 @@ Result<NodeIndex> AddressSpace::add_variable(const NewNode& node, const NewVaria
     record.value_rank = variable.value_rank;
     record.access_level = variable.access_level;
     record.user_access_level = variable.access_level & variable.user_access_level;
-    record.minimum_sampling_interval = static_cast<float>(variable.minimum_sampling_interval);
+    record.minimum_sampling_interval = variable.minimum_sampling_interval;
     record.flags = flag(variable.historizing, static_flag::historizing);
     record.source = variable.source;
     record.handle = variable.handle;

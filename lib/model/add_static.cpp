@@ -169,7 +169,7 @@ void StaticCopy::set_details(const StaticNode& node, Record& record)
     if (node.details == no_details) {
         return;
     }
-    switch (record.node_class) {
+    switch (record.node_class()) {
     case NodeClass::Variable:
     case NodeClass::VariableType:
         set_variable(from_.variables[node.details], record);
@@ -197,7 +197,7 @@ void StaticCopy::set_variable(const StaticVariable& variable, Record& record)
         record.data_type = tables_.find_constant(detail::id_base_data_type);
     }
     record.value_rank = variable.value_rank;
-    record.minimum_sampling_interval = variable.minimum_sampling_interval;
+    record.minimum_sampling_interval = static_cast<double>(variable.minimum_sampling_interval);
     record.access_level = record.user_access_level = variable.access_level;
     if (variable.array_dimensions.size != 0) {
         record.make_extra().array_dimensions = Array<std::uint32_t>{from_.dimensions.subspan(

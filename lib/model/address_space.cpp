@@ -95,7 +95,7 @@ void AddressSpace::for_each(FunctionRef<void(NodeIndex)> visit) const
 NodeClass AddressSpace::node_class(NodeIndex node) const
 {
     return tables_->is_constant(node) ? NodeClass{tables_->constant(node).node_class}
-                                      : tables_->record(node).node_class;
+                                      : tables_->record(node).node_class();
 }
 
 NodeId AddressSpace::node_id(NodeIndex node) const

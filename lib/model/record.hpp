@@ -59,9 +59,13 @@ struct Extra {
 /// of a Guid) and the BrowseName, which shares bytes with the identifier where that ends with it.
 struct Record {
     std::uint32_t generation{0};
-    NodeClass node_class{NodeClass::Unspecified};
     std::uint16_t id_namespace{0};
     std::uint16_t browse_namespace{0};
+    /// A NodeClass; 0 for a record that is free.
+    std::uint8_t class_bits{0};
+    IdType id_type{IdType::Numeric};
+    std::uint8_t flags{0};
+    std::uint8_t event_notifier{0};
     /// The numeric identifier, or the size of the identifier's text.
     std::uint32_t id{0};
     std::unique_ptr<char[]> text;
@@ -74,17 +78,15 @@ struct Record {
     NodeIndex data_type{no_node};
     std::int32_t value_rank{-1};
     std::uint64_t handle{0};
-    float minimum_sampling_interval{0};
+    double minimum_sampling_interval{0};
     std::uint32_t source{no_source};
-    IdType id_type{IdType::Numeric};
-    std::uint8_t flags{0};
-    std::uint8_t event_notifier{0};
     std::uint8_t access_level{0};
     std::uint8_t user_access_level{0};
     std::unique_ptr<ReferenceList> references;
     std::unique_ptr<Extra> extra;
 
-    [[nodiscard]] bool is_free() const { return node_class == NodeClass::Unspecified; }
+    [[nodiscard]] bool is_free() const { return class_bits == 0; }
+    [[nodiscard]] NodeClass node_class() const { return NodeClass{class_bits}; }
     [[nodiscard]] std::string_view name() const { return {text.get() + name_offset, name_size}; }
     /// The identifier; borrowed.
     [[nodiscard]] NodeId node_id() const;
@@ -94,7 +96,7 @@ struct Record {
     [[nodiscard]] Extra& make_extra();
 };
 
-static_assert(sizeof(Record) <= 104);
+static_assert(sizeof(void*) != 8 || sizeof(Record) == 96);
 
 /// What was set of a constant node at run time.
 struct Overlay {

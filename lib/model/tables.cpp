@@ -112,7 +112,7 @@ NodeIndex Tables::create(const NodeId& id, const QualifiedName& name, NodeClass 
     }
     Record& node = at(number_of_record);
     node.generation = ++next_generation;
-    node.node_class = node_class;
+    node.class_bits = static_cast<std::uint8_t>(node_class);
     node.set_names(id, name);
     by_id.insert(hash_value(id), number_of_record, id_hasher());
     return index_of(number_of_record);

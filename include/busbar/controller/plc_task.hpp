@@ -12,11 +12,16 @@ namespace busbar::controller {
 
 /// Runs a PLC's scans in a thread of its own, at equal distances of time.
 ///
+/// With a `realtime_priority` of 1 to 99 the thread asks the system for it (SCHED_FIFO), which
+/// takes rights; Statistics::is_realtime says whether it was granted. Without, everything that runs
+/// on the machine can make a scan begin late.
+///
 /// `plc` and `clock` must outlive it; from start() to stop() nobody else may use the scan's side of
 /// `plc`. start() and stop() belong to one thread.
 class PlcTask {
 public:
-    PlcTask(Plc& plc, const WallClock& clock, Duration cycle = std::chrono::milliseconds{20});
+    PlcTask(Plc& plc, const WallClock& clock, Duration cycle = std::chrono::milliseconds{20},
+            int realtime_priority = 0);
     PlcTask(const PlcTask&) = delete;
     PlcTask& operator=(const PlcTask&) = delete;
     ~PlcTask() { stop(); }
@@ -33,6 +38,7 @@ public:
         /// How much later than planned a scan began, and how long one took, at worst.
         Duration worst_lateness{0};
         Duration worst_scan{0};
+        bool is_realtime{false};
     };
     /// Since start(); from any thread.
     [[nodiscard]] Statistics statistics() const;
@@ -45,6 +51,7 @@ private:
     Plc* plc_;
     const WallClock* clock_;
     Duration cycle_;
+    int realtime_priority_;
     std::thread thread_;
     /// Guards `stopping_`. The task holds it only while it waits for its next cycle.
     std::mutex mutex_;
@@ -55,6 +62,7 @@ private:
     std::atomic<std::uint64_t> missed_cycles_{0};
     std::atomic<Duration::rep> worst_lateness_{0};
     std::atomic<Duration::rep> worst_scan_{0};
+    std::atomic<bool> is_realtime_{false};
 };
 
 } // namespace busbar::controller

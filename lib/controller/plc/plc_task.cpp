@@ -1,5 +1,8 @@
 #include <busbar/controller/plc_task.hpp>
 
+#include <pthread.h>
+#include <sched.h>
+
 #include <algorithm>
 
 namespace busbar::controller {
@@ -9,6 +12,14 @@ namespace {
 TimePoint steady_now()
 {
     return std::chrono::steady_clock::now();
+}
+
+/// For the calling thread; false if the system does not allow it.
+bool set_realtime(int priority)
+{
+    sched_param parameters{};
+    parameters.sched_priority = priority;
+    return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0;
 }
 
 /// Only the task's thread writes these.
@@ -22,8 +33,9 @@ void raise(std::atomic<T>& worst, T value)
 
 } // namespace
 
-PlcTask::PlcTask(Plc& plc, const WallClock& clock, Duration cycle)
-    : plc_{&plc}, clock_{&clock}, cycle_{std::max(cycle, Duration{1})}
+PlcTask::PlcTask(Plc& plc, const WallClock& clock, Duration cycle, int realtime_priority)
+    : plc_{&plc}, clock_{&clock}, cycle_{std::max(cycle, Duration{1})}, realtime_priority_{
+                                                                            realtime_priority}
 {
 }
 
@@ -56,6 +68,7 @@ void PlcTask::stop()
 
 void PlcTask::run()
 {
+    is_realtime_ = realtime_priority_ > 0 && set_realtime(realtime_priority_);
     TimePoint planned = steady_now();
     TimePoint before = planned;
     for (;;) {
@@ -88,7 +101,8 @@ PlcTask::Statistics PlcTask::statistics() const
 {
     return {scans_.load(std::memory_order_relaxed), missed_cycles_.load(std::memory_order_relaxed),
             Duration{worst_lateness_.load(std::memory_order_relaxed)},
-            Duration{worst_scan_.load(std::memory_order_relaxed)}};
+            Duration{worst_scan_.load(std::memory_order_relaxed)},
+            is_realtime_.load(std::memory_order_relaxed)};
 }
 
 } // namespace busbar::controller

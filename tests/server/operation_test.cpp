@@ -1,0 +1,151 @@
+#include <catch2/catch.hpp>
+
+#include "support/slow_server.hpp"
+
+using namespace busbar;
+using namespace busbar::test;
+using namespace std::chrono_literals;
+
+TEST_CASE("a slow source blocks nobody, its own client included")
+{
+    SlowFixture fixture;
+    auto client = fixture.log_in();
+    auto other = fixture.log_in();
+    const auto slow = client.send(SlowFixture::slow());
+    CHECK(client.status_of<ReadResponse>(SlowFixture::fast()) == status::Good);
+    CHECK(other.status_of<ReadResponse>(SlowFixture::fast()) == status::Good);
+    CHECK(answer(client, slow) == status::Bad_WouldBlock);
+    CHECK_FALSE(fixture.server.next_changed());
+
+    fixture.source.answer();
+    CHECK(fixture.waker_of_test.count == 1);
+    fixture.server.handle_completions(fixture.now);
+    CHECK(fixture.server.next_changed() == client.connection.id());
+    CHECK_FALSE(fixture.server.next_changed());
+    const auto response = client.take<ReadResponse>(slow);
+    REQUIRE(response);
+    CHECK(response->results[0].value == Variant{42});
+}
+
+TEST_CASE("the client's timeout hint ends a request")
+{
+    SlowFixture fixture;
+    auto client = fixture.log_in();
+    client.timeout_hint = 1'000;
+    const auto slow = client.send(SlowFixture::slow());
+    CHECK(client.connection.next_deadline() == fixture.now + 1s);
+    fixture.advance(999ms, client);
+    CHECK(answer(client, slow) == status::Bad_WouldBlock);
+    fixture.advance(1ms, client);
+    CHECK(answer(client, slow) == status::Bad_Timeout);
+    // What comes late is dropped.
+    fixture.source.answer();
+    fixture.server.handle_completions(fixture.now);
+    client.run();
+    CHECK(client.messages.empty());
+}
+
+TEST_CASE("Cancel ends the requests with a handle")
+{
+    SlowFixture fixture;
+    auto client = fixture.log_in();
+    const auto first = client.send(SlowFixture::slow());
+    CancelRequest request;
+    request.request_handle = client.last_handle;
+    const auto second = client.send(SlowFixture::slow());
+    const auto cancelled = client.call<CancelResponse>(request);
+    REQUIRE(cancelled);
+    CHECK(cancelled->cancel_count == 1);
+    CHECK(answer(client, first) == status::Bad_RequestCancelledByClient);
+    CHECK(answer(client, second) == status::Bad_WouldBlock);
+    CHECK(client.call<CancelResponse>(request)->cancel_count == 0);
+    fixture.source.answer();
+    fixture.source.answer();
+    fixture.server.handle_completions(fixture.now);
+    CHECK(answer(client, second) == status::Good);
+}
+
+TEST_CASE("what waits ends with the session")
+{
+    SlowFixture fixture;
+    auto client = fixture.log_in();
+    const auto slow = client.send(SlowFixture::slow());
+    SECTION("closed")
+    {
+        REQUIRE(client.close_session() == status::Good);
+    }
+    SECTION("timed out")
+    {
+        auto idle = fixture.connect(); // so that the connection's own timers play no part
+        fixture.advance(60s);
+        CHECK(fixture.server.next_changed() == client.connection.id());
+    }
+    CHECK(answer(client, slow) == status::Bad_SessionClosed);
+    fixture.source.answer();
+    fixture.server.handle_completions(fixture.now);
+    client.run();
+    CHECK(client.messages.empty());
+}
+
+TEST_CASE("what waits is dropped with the connection, and with the server")
+{
+    auto fixture = std::make_unique<SlowFixture>();
+    {
+        auto client = fixture->log_in();
+        client.send(SlowFixture::slow());
+        SECTION("closed by the client first")
+        {
+            client.channel.close();
+            client.run();
+            CHECK(client.is_closed());
+        }
+    }
+    CHECK(fixture->server.connection_count() == 0);
+    auto batches = std::move(fixture->source.batches);
+    SECTION("completed before")
+    {
+        batches.front().complete();
+        fixture->server.handle_completions(fixture->now);
+    }
+    fixture.reset();
+    batches.clear();
+}
+
+TEST_CASE("a client can have only so many requests waiting")
+{
+    auto config = SlowFixture::insecure_config();
+    config.limits.max_pending_requests = 3;
+    SlowFixture fixture{std::move(config)};
+    auto client = fixture.log_in();
+    for (int i = 0; i < 3; ++i) {
+        CHECK(answer(client, client.send(SlowFixture::slow())) == status::Bad_WouldBlock);
+    }
+    CHECK(answer(client, client.send(SlowFixture::slow())) == status::Bad_ServerTooBusy);
+    fixture.source.answer();
+    fixture.server.handle_completions(fixture.now);
+    CHECK(answer(client, client.send(SlowFixture::slow())) == status::Bad_WouldBlock);
+}
+
+TEST_CASE("what waits is charged to the session")
+{
+    auto config = SlowFixture::insecure_config();
+    config.limits.max_session_memory = 4'000;
+    SlowFixture fixture{std::move(config)};
+    auto client = fixture.log_in();
+    int waiting = 0;
+    StatusCode last = status::Bad_WouldBlock;
+    while (last == status::Bad_WouldBlock && waiting < 100) {
+        last = answer(client, client.send(SlowFixture::slow()));
+        ++waiting;
+    }
+    CHECK(last == status::Bad_TooManyOperations);
+    CHECK(waiting > 2);
+    while (!fixture.source.batches.empty()) {
+        fixture.source.answer();
+    }
+    fixture.server.handle_completions(fixture.now);
+    // Everything was given back.
+    for (int i = 1; i < waiting; ++i) {
+        CHECK(answer(client, client.send(SlowFixture::slow())) == status::Bad_WouldBlock);
+    }
+}
