@@ -149,6 +149,9 @@ StatusCode create_session(ServiceContext& context, const CreateSessionRequest& r
     if (const StatusCode status = check(context, request); status.is_bad()) {
         return status;
     }
+    if (const StatusCode status = make_place(context); status.is_bad()) {
+        return status;
+    }
     const auto& peer = context.link.channel().peer_certificates();
     auto signature =
         sign_for_client(core, context.link.channel().security(),
@@ -156,9 +159,6 @@ StatusCode create_session(ServiceContext& context, const CreateSessionRequest& r
                         request.client_nonce.span());
     if (!signature) {
         return signature.error();
-    }
-    if (const StatusCode status = make_place(context); status.is_bad()) {
-        return status;
     }
     auto made = make_session(context, request);
     if (!made) {

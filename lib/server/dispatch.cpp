@@ -183,7 +183,7 @@ Result<Session*> find_session(Core& core, const Link& link, const RequestHeader&
     return session;
 }
 
-/// A response or another structure that no client sends: it does not speak the protocol.
+/// What sends one to a server does not speak the protocol.
 bool is_response(const Core& core, const NodeId& encoding_id)
 {
     const StructureType* type = core.types.find(encoding_id);
@@ -220,11 +220,11 @@ void dispatch(Core& core, Link& link, std::vector<std::byte> message, std::uint3
     NodeId encoding_id;
     decode(reader, encoding_id);
     incoming.offset = reader.offset();
-    if (reader.ok() && is_response(core, encoding_id)) {
+    const Service* service = find_service(encoding_id);
+    if (service == nullptr && is_response(core, encoding_id)) {
         return link.close(status::Bad_TcpMessageTypeInvalid, "not a request");
     }
     // Every request begins with its header (Part 4, 7.32); those that are not known may too.
-    const Service* service = find_service(encoding_id);
     decode(reader, incoming.header);
     if (reader.ok()) {
         incoming.reply.request_handle = incoming.header.request_handle;

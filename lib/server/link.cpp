@@ -71,7 +71,7 @@ Link::Link(Core& core, std::string_view peer_address, TimePoint now)
 
 Link::~Link()
 {
-    core_.sessions.unbind(*this);
+    handle_closed(status::Good, {});
     std::erase(core_.links, this);
 }
 

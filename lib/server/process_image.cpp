@@ -77,6 +77,7 @@ bool ImagePin::read(std::uint32_t handle, ReadSlot& slot) const
         slot.shared = &buffer_->array(place);
         return true;
     }
+    slot.shared = nullptr;
     slot.value = scalar(place, buffer_->plain(place));
     return place.is_text();
 }

@@ -62,6 +62,10 @@ Session* SessionTable::next_to_expire() const
 
 void SessionTable::unbind(const Link& link)
 {
+    // What was never activated can only be activated over the channel that has gone.
+    std::erase_if(sessions_, [&](const auto& entry) {
+        return entry.second->link == &link && !entry.second->is_activated;
+    });
     for (const auto& [token, session] : sessions_) {
         if (session->link == &link) {
             session->link = nullptr;

@@ -29,7 +29,7 @@ public:
         return empty() ? nullptr : sessions_.begin()->second.get();
     }
     [[nodiscard]] bool empty() const { return sessions_.empty(); }
-    /// A connection has gone; its sessions wait for another.
+    /// A connection has gone; its activated sessions wait for another.
     void unbind(const Link& link);
 
 private:

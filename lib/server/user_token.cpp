@@ -24,7 +24,7 @@ Result<UserIdentity> log_in_anonymous(const LoginContext& context, const String&
     if (!policy_id.empty() && policy_id.view() != anonymous_id) {
         return fail(status::Bad_IdentityTokenInvalid);
     }
-    return context.users != nullptr ? context.users->anonymous() : UserIdentity{};
+    return context.users != nullptr ? context.users->anonymous() : anonymous_reader();
 }
 
 /// The password as text, of whatever size it is.

@@ -325,7 +325,8 @@ void NodeTableBuilder::add_extras(const Node& node)
         tables_.extras.push_back({own, ExtraKind::DisplayName, tables_.text.add(display)});
     }
     if (!node.description.text.empty()) {
-        tables_.extras.push_back({own, ExtraKind::Description, tables_.text.add(node.description.text)});
+        tables_.extras.push_back(
+            {own, ExtraKind::Description, tables_.text.add(node.description.text)});
     }
 }
 

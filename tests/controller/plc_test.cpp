@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include <atomic>
+#include <cmath>
 #include <thread>
 
 #include <busbar/controller/plc.hpp>
@@ -55,13 +56,6 @@ struct Machine {
     DateTime now{DateTime::from_unix_seconds(1000)};
     std::unique_ptr<Plc> plc;
 };
-
-PlcConfigError error_of(const PlcConfig& config)
-{
-    const auto plc = Plc::create(config);
-    REQUIRE_FALSE(plc);
-    return plc.error();
-}
 
 class StoppedClock final : public WallClock {
 public:
@@ -242,141 +236,102 @@ TEST_CASE("what clients write is there for the programs of the same scan")
     CHECK(machine["Fixed"] == Variant{std::int32_t{0}});
 }
 
-TEST_CASE("a broken configuration is refused with the place and the reason")
+namespace {
+
+using Part = PlcConfigError::Part;
+
+/// What a mistake in a good configuration is answered with.
+struct Mistake {
+    const char* what;
+    void (*make)(PlcConfig&);
+    std::size_t index;
+    const char* field;
+};
+
+const Mistake variable_mistakes[] = {
+    {"no name", [](PlcConfig& c) { c.variables[1].name = ""; }, 1, "name"},
+    {"a name twice", [](PlcConfig& c) { c.variables[1].name = "A"; }, 1, "name"},
+    {"a name that a count makes again",
+     [](PlcConfig& c) {
+         c.variables[1].count = 3;
+         c.variables.push_back(variable("T1", BuiltInType::Int16));
+     },
+     2, "name"},
+    {"a type that no PLC has", [](PlcConfig& c) { c.variables[1].type = BuiltInType::NodeId; }, 1,
+     "type"},
+    {"a dimension of nothing",
+     [](PlcConfig& c) {
+         c.variables[1].dimensions = {2, 0};
+     },
+     1, "dimensions"},
+    {"too much memory", [](PlcConfig& c) { c.variables[1].count = 4'000'000'000U; }, 1,
+     "dimensions"},
+    {"an initial value of another type", [](PlcConfig& c) { c.variables[1].initial = 5.0; }, 1,
+     "initial"},
+    {"a number out of range", [](PlcConfig& c) { c.variables[0].initial = std::int64_t{32768}; }, 0,
+     "initial"},
+    {"a fraction", [](PlcConfig& c) { c.variables[0].initial = 0.5; }, 0, "initial"},
+    {"an array for a scalar", [](PlcConfig& c) { c.variables[0].initial = Array<std::int64_t>{1}; },
+     0, "initial"},
+    {"too few elements",
+     [](PlcConfig& c) {
+         c.variables[0].dimensions = {2};
+         c.variables[0].initial = Array<std::int64_t>{1};
+     },
+     0, "initial"},
+    {"a text that is too long",
+     [](PlcConfig& c) {
+         c.variables[1].initial = "hello";
+         c.variables[1].capacity = 4;
+     },
+     1, "initial"},
+};
+
+const Mistake program_mistakes[] = {
+    {"a program for nothing", [](PlcConfig& c) { c.programs[0].target = "B"; }, 0, "target"},
+    {"a program for another type",
+     [](PlcConfig& c) { c.programs[0].kind = PlcProgramKind::Toggle; }, 0, "target"},
+    {"a sine without a period",
+     [](PlcConfig& c) { c.programs.push_back(program(PlcProgramKind::Sine, "A")); }, 1, "period"},
+    {"a negative period", [](PlcConfig& c) { c.programs[0].period = -1ms; }, 0, "period"},
+    {"half an integer", [](PlcConfig& c) { c.programs[0].amplitude = 0.5; }, 0, "amplitude"},
+    {"no number", [](PlcConfig& c) { c.programs[0].offset = std::nan(""); }, 0, "amplitude"},
+    {"a copy of nothing", [](PlcConfig& c) { c.programs[0].kind = PlcProgramKind::Copy; }, 0,
+     "source"},
+    {"a copy of another type",
+     [](PlcConfig& c) {
+         c.programs[0].kind = PlcProgramKind::Copy;
+         c.programs[0].source = "T";
+     },
+     0, "source"},
+};
+
+void check_mistake(const Mistake& mistake, Part part)
 {
-    using Part = PlcConfigError::Part;
+    INFO(mistake.what);
     PlcConfig config;
     config.variables = {variable("A", BuiltInType::Int16), variable("T", BuiltInType::String)};
     config.programs = {program(PlcProgramKind::Increment, "A")};
-    Part part = Part::Variable;
-    std::size_t index = 1;
-    std::string field;
+    REQUIRE(Plc::create(config));
+    mistake.make(config);
+    const auto plc = Plc::create(config);
+    REQUIRE_FALSE(plc);
+    CHECK(plc.error().part == part);
+    CHECK(plc.error().index == mistake.index);
+    CHECK(plc.error().field == mistake.field);
+    CHECK_FALSE(plc.error().text.empty());
+}
 
-    SECTION("no name")
-    {
-        config.variables[1].name = "";
-        field = "name";
+} // namespace
+
+TEST_CASE("a broken configuration is refused with the place and the reason")
+{
+    for (const Mistake& mistake : variable_mistakes) {
+        check_mistake(mistake, Part::Variable);
     }
-    SECTION("a name twice")
-    {
-        config.variables[1].name = "A";
-        field = "name";
+    for (const Mistake& mistake : program_mistakes) {
+        check_mistake(mistake, Part::Program);
     }
-    SECTION("a name that a count makes again")
-    {
-        config.variables[1].count = 3;
-        config.variables.push_back(variable("T1", BuiltInType::Int16));
-        index = 2;
-        field = "name";
-    }
-    SECTION("a type that no PLC has")
-    {
-        config.variables[1].type = BuiltInType::NodeId;
-        field = "type";
-    }
-    SECTION("a dimension of nothing")
-    {
-        config.variables[1].dimensions = {2, 0};
-        field = "dimensions";
-    }
-    SECTION("too much memory")
-    {
-        config.variables[1].count = 4'000'000'000U;
-        field = "dimensions";
-    }
-    SECTION("an initial value of another type")
-    {
-        config.variables[1].initial = 5.0;
-        field = "initial";
-    }
-    SECTION("an initial number out of range")
-    {
-        config.variables[0].initial = std::int64_t{32768};
-        index = 0;
-        field = "initial";
-    }
-    SECTION("an initial number with a fraction")
-    {
-        config.variables[0].initial = 0.5;
-        index = 0;
-        field = "initial";
-    }
-    SECTION("an array for a scalar")
-    {
-        config.variables[0].initial = Array<std::int64_t>{1};
-        index = 0;
-        field = "initial";
-    }
-    SECTION("too few elements")
-    {
-        config.variables[0].dimensions = {2};
-        config.variables[0].initial = Array<std::int64_t>{1};
-        index = 0;
-        field = "initial";
-    }
-    SECTION("an initial text that is too long")
-    {
-        config.variables[1].initial = "hello";
-        config.variables[1].capacity = 4;
-        field = "initial";
-    }
-    SECTION("a program for nothing")
-    {
-        config.programs[0].target = "B";
-        part = Part::Program;
-        index = 0;
-        field = "target";
-    }
-    SECTION("a program for another type")
-    {
-        config.programs.push_back(program(PlcProgramKind::Toggle, "A"));
-        part = Part::Program;
-        field = "target";
-    }
-    SECTION("a sine without a period")
-    {
-        config.programs.push_back(program(PlcProgramKind::Sine, "A"));
-        part = Part::Program;
-        field = "period";
-    }
-    SECTION("a negative period")
-    {
-        config.programs.push_back(program(PlcProgramKind::Increment, "A", -1ms));
-        part = Part::Program;
-        field = "period";
-    }
-    SECTION("half an integer")
-    {
-        config.programs[0].amplitude = 0.5;
-        part = Part::Program;
-        index = 0;
-        field = "amplitude";
-    }
-    SECTION("no number")
-    {
-        config.programs[0].offset = std::numeric_limits<double>::quiet_NaN();
-        part = Part::Program;
-        index = 0;
-        field = "amplitude";
-    }
-    SECTION("a copy of nothing")
-    {
-        config.programs.push_back(program(PlcProgramKind::Copy, "A"));
-        part = Part::Program;
-        field = "source";
-    }
-    SECTION("a copy of another type")
-    {
-        config.programs.push_back(program(PlcProgramKind::Copy, "A"));
-        config.programs[1].source = "T";
-        part = Part::Program;
-        field = "source";
-    }
-    const PlcConfigError error = error_of(config);
-    CHECK(error.part == part);
-    CHECK(error.index == index);
-    CHECK(error.field == field);
-    CHECK_FALSE(error.text.empty());
 }
 
 TEST_CASE("a task scans until it is stopped, and can start again")

@@ -43,7 +43,6 @@ TEST_CASE_METHOD(ModelFixture, "New nodes are refused with the status codes of A
     const NodeIndex folder = add_folder("folder", objects);
     add_int32("a", folder);
     NewNode node = named("b", folder);
-    NewVariable variable;
     StatusCode expected;
     SECTION("taken NodeId")
     {
@@ -100,6 +99,18 @@ TEST_CASE_METHOD(ModelFixture, "New nodes are refused with the status codes of A
         node.reference_type = NodeId{0, id::HasSubtype};
         expected = status::Bad_ReferenceNotAllowed;
     }
+    const std::size_t before = space.node_count();
+    CHECK(status_of(space.add_variable(node, {})) == expected);
+    CHECK(space.node_count() == before);
+    CHECK(children(folder) == Names{"a"});
+}
+
+TEST_CASE_METHOD(ModelFixture,
+                 "New Variables are refused with attributes that contradict each other")
+{
+    const NodeIndex folder = add_folder("folder", objects);
+    NewVariable variable;
+    StatusCode expected;
     SECTION("type definition of another class")
     {
         variable.type_definition = NodeId{0, id::FolderType};
@@ -127,9 +138,9 @@ TEST_CASE_METHOD(ModelFixture, "New nodes are refused with the status codes of A
         expected = status::Bad_TypeMismatch;
     }
     const std::size_t before = space.node_count();
-    CHECK(status_of(space.add_variable(node, variable)) == expected);
+    CHECK(status_of(space.add_variable(named("b", folder), variable)) == expected);
     CHECK(space.node_count() == before);
-    CHECK(children(folder) == Names{"a"});
+    CHECK(children(folder).empty());
 }
 
 TEST_CASE_METHOD(ModelFixture, "A BrowseName that a constant node has below the parent is taken")

@@ -195,5 +195,5 @@ TEST_CASE("hashed passwords")
     CHECK(user->access_level_mask == 3);
     CHECK_FALSE(users.log_in("operator", "Secret"));
     CHECK_FALSE(users.log_in("nobody", "secret"));
-    CHECK(users.anonymous().access_level_mask == 1);
+    CHECK(users.anonymous() == server::anonymous_reader());
 }

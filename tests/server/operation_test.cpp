@@ -149,3 +149,22 @@ TEST_CASE("what waits is charged to the session")
         CHECK(answer(client, client.send(SlowFixture::slow())) == status::Bad_WouldBlock);
     }
 }
+
+TEST_CASE("a session that moves on gets back what its old connection held")
+{
+    auto config = SlowFixture::insecure_config();
+    config.limits.max_session_memory = 1'000;
+    SlowFixture fixture{std::move(config)};
+    auto client = fixture.connect();
+    for (int i = 0; i < 10; ++i) {
+        if (i == 0) {
+            REQUIRE(client.open_session() == status::Good);
+        } else {
+            auto next = fixture.connect();
+            next.adopt(client);
+            REQUIRE(next.activate(TestClient::anonymous()) == status::Good);
+            client = std::move(next); // the old connection ends with a request waiting
+        }
+        CHECK(answer(client, client.send(SlowFixture::slow())) == status::Bad_WouldBlock);
+    }
+}

@@ -199,6 +199,11 @@ TEST_CASE_METHOD(Fixture, "a pinned scan stays as it was")
         scan([&](ImageMemory& memory) { memory.set_text(name, "new"); });
     }
     CHECK(slot.value == Variant{"old"});
+    CHECK(pin.read(levels, slot)); // a slot may be used again
+    CHECK(*slot.shared == Variant{Array<double>(4)});
+    CHECK_FALSE(pin.read(speed, slot));
+    CHECK(slot.shared == nullptr);
+    CHECK(slot.value == Variant{std::int16_t{0}});
     CHECK(pin.scan() == 1);
     CHECK(pin.time() == at(1001));
     CHECK(image->pin().scan() == 101);

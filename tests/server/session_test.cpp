@@ -256,6 +256,15 @@ TEST_CASE("a session outlives its connection until it times out")
     }
 }
 
+TEST_CASE("a session that was never activated goes with its connection")
+{
+    ServerFixture fixture;
+    auto client = std::make_unique<TestClient>(fixture.connect());
+    REQUIRE(client->create_session());
+    client.reset();
+    CHECK(fixture.server.session_count() == 0);
+}
+
 TEST_CASE("an anonymous session in mode Sign stays on its channel")
 {
     auto config = ServerFixture::secure_config();

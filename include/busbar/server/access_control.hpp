@@ -23,6 +23,12 @@ struct UserIdentity {
     friend bool operator==(const UserIdentity&, const UserIdentity&) = default;
 };
 
+/// The anonymous user of a server without a store: CurrentRead and HistoryRead.
+[[nodiscard]] inline UserIdentity anonymous_reader()
+{
+    return {UserTokenType::Anonymous, {}, 5};
+}
+
 /// Knows the users. Called on the server's thread; must not keep the password.
 class UserStore {
 public:
@@ -35,8 +41,9 @@ public:
     /// for a user that is not there as for a wrong password.
     [[nodiscard]] virtual Result<UserIdentity> log_in(std::string_view name,
                                                       std::string_view password) = 0;
-    /// What an anonymous user may do, where the endpoint allows one at all.
-    [[nodiscard]] virtual UserIdentity anonymous() const { return {}; }
+    /// What an anonymous user may do, where the endpoint allows one at all: read, unless the store
+    /// says otherwise.
+    [[nodiscard]] virtual UserIdentity anonymous() const { return anonymous_reader(); }
 };
 
 /// Users in memory, with hashes of their passwords (crypto::hash_password).
@@ -57,8 +64,7 @@ private:
         std::uint8_t access_level_mask;
     };
     std::map<std::string, User, std::less<>> users_;
-    /// Reading only.
-    std::uint8_t anonymous_{1};
+    std::uint8_t anonymous_{anonymous_reader().access_level_mask};
 };
 
 /// Decides for each node; without one, AccessLevel and the user's mask decide. Called on the
