@@ -66,7 +66,7 @@ Result<ExtensionObject> user_name_token(const ClientConfig& config, const Sessio
                              : crypto::find_policy(token_policy.security_policy_uri.view());
     if (policy == nullptr || policy->is_none() || !config.channel.server_certificate) {
         // A password in the clear is for the server to allow and for the channel to hide.
-        if (policy_of(config).is_none()) {
+        if (config.channel.security.mode != MessageSecurityMode::SignAndEncrypt) {
             return fail(status::Bad_SecurityPolicyRejected);
         }
         token.password = ByteString{password};

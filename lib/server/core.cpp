@@ -1,7 +1,8 @@
 #include "core.hpp"
 
+#include <algorithm>
 #include <array>
-#include <cstring>
+#include <bit>
 
 #include <busbar/core/text.hpp>
 #include <busbar/types/registry.hpp>
@@ -15,11 +16,8 @@ namespace {
 std::uint32_t random_channel_id(crypto::Random& random)
 {
     std::array<std::byte, 4> bytes{};
-    std::uint32_t id = 0;
-    if (random.fill(bytes)) {
-        std::memcpy(&id, bytes.data(), sizeof(id));
-    }
-    return id == 0 ? 1 : id;
+    static_cast<void>(random.fill(bytes)); // without randomness it begins at 1
+    return std::max(std::bit_cast<std::uint32_t>(bytes), 1U);
 }
 
 } // namespace

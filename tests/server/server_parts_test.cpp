@@ -72,16 +72,41 @@ TEST_CASE("the default configuration has no open door")
     }
 }
 
-TEST_CASE("configurations that contradict themselves are refused with the reason")
-{
-    auto config = ServerFixture::insecure_config();
+namespace {
+
+/// A configuration that is right until a test changes it.
+struct Contradiction {
+    Contradiction()
+    {
+        environment.validator = &validator;
+        environment.users = &users;
+        environment.random = &random;
+        environment.wall_clock = &clock;
+        environment.log = &log;
+        REQUIRE(find_contradiction(config, environment).empty());
+    }
+    void check_refused()
+    {
+        CHECK(find_contradiction(config, environment).find(reason) != std::string::npos);
+        CHECK(server::Server::create(config, environment).error() ==
+              status::Bad_ConfigurationError);
+        CHECK(log.text.find(reason) != std::string::npos);
+    }
+
+    server::ServerConfig config = ServerFixture::insecure_config();
     crypto::InsecureAcceptAnyCertificate validator;
     PlainUsers users;
+    SeededRandom random;
+    FixedWallClock clock;
+    LogBook log;
     server::ServerEnvironment environment;
-    environment.validator = &validator;
-    environment.users = &users;
-    REQUIRE(find_contradiction(config, environment).empty());
     std::string reason;
+};
+
+} // namespace
+
+TEST_CASE_METHOD(Contradiction, "what a server needs for its endpoints must be there")
+{
     SECTION("URL")
     {
         config.endpoint_url = "localhost:4840";
@@ -107,6 +132,11 @@ TEST_CASE("configurations that contradict themselves are refused with the reason
         config.application_uri = "urn:other";
         reason = "urn:other";
     }
+    check_refused();
+}
+
+TEST_CASE_METHOD(Contradiction, "endpoints must not contradict themselves or each other")
+{
     SECTION("plain password")
     {
         config.endpoints[2].password_policy = &crypto::policy_none();
@@ -137,13 +167,5 @@ TEST_CASE("configurations that contradict themselves are refused with the reason
         config.endpoints.clear();
         reason = "endpoint";
     }
-    CHECK(find_contradiction(config, environment).find(reason) != std::string::npos);
-    SeededRandom random;
-    FixedWallClock clock;
-    LogBook log;
-    environment.random = &random;
-    environment.wall_clock = &clock;
-    environment.log = &log;
-    CHECK(server::Server::create(config, environment).error() == status::Bad_ConfigurationError);
-    CHECK(log.text.find(reason) != std::string::npos);
+    check_refused();
 }
