@@ -127,7 +127,7 @@ Result<void> Load::prepare()
     identity_ = *std::move(identity);
     GetEndpointsRequest request;
     request.endpoint_url = String{options_.url};
-    const auto event = loop.call<GetEndpointsResponse>(request);
+    const auto event = loop.call(request);
     const auto response = event ? event->response<GetEndpointsResponse>() : fail(event.error());
     if (!response) {
         return fail(response.error());
@@ -201,7 +201,7 @@ Result<Row> Load::read_load(net::ClientLoop& loop, std::size_t count)
     }
     std::size_t response_size = 0;
     auto times = repeat(options_.seconds, [&]() -> Result<void> {
-        const auto event = loop.call<ReadResponse>(request);
+        const auto event = loop.call(request);
         const auto response =
             event ? event->response<ReadResponse>(generous()) : fail(event.error());
         if (!response) {
@@ -236,7 +236,7 @@ Result<Row> Load::write_load(net::ClientLoop& loop, std::size_t count)
     }
     std::size_t response_size = 0;
     auto times = repeat(options_.seconds, [&]() -> Result<void> {
-        const auto event = loop.call<WriteResponse>(request);
+        const auto event = loop.call(request);
         const auto response =
             event ? event->response<WriteResponse>(generous()) : fail(event.error());
         if (!response) {

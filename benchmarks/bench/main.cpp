@@ -1,6 +1,7 @@
 #include <cstdio>
 
 #include <CLI/CLI.hpp>
+#include <malloc.h>
 
 #include "load.hpp"
 #include "report.hpp"
@@ -33,6 +34,9 @@ int main(int argc, char** argv)
     app.add_flag("--json", options.json, "print JSON");
     CLI11_PARSE(app, argc, argv);
 
+    // Messages of some 100 kB come and go all the time: keep their pages.
+    ::mallopt(M_MMAP_THRESHOLD, 64 << 20);
+    ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
     bench::Load load{options};
     const auto prepared = load.prepare();
     const auto rows = prepared ? load.run() : fail(prepared.error());

@@ -3,6 +3,7 @@
 #include <string>
 
 #include <CLI/CLI.hpp>
+#include <malloc.h>
 #include <unistd.h>
 
 #include <busbar/controller/plc.hpp>
@@ -207,6 +208,9 @@ int main(int argc, char** argv)
     if (wants_hash) {
         return hash_password();
     }
+    // Messages of some 100 kB come and go all the time: keep their pages.
+    ::mallopt(M_MMAP_THRESHOLD, 64 << 20);
+    ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
     try {
         return serve(file.empty() ? example::parse_config(example::default_config, "built-in")
                                   : example::read_config(file));

@@ -6,8 +6,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include <busbar/net/client_loop.hpp>
 #include <busbar/core/attribute_id.hpp>
+#include <busbar/net/client_loop.hpp>
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/ids.hpp>
 #include <busbar/types/view.hpp>
@@ -41,7 +41,7 @@ Result<Array<ReferenceDescription>> browse(net::ClientLoop& loop, const NodeId& 
     description.reference_type_id = NodeId{0, id::HierarchicalReferences};
     description.include_subtypes = true;
     description.result_mask = 63;
-    const auto event = loop.call<BrowseResponse>(request);
+    const auto event = loop.call(request);
     const auto response = event ? event->response<BrowseResponse>() : fail(event.error());
     if (!response || response->results.size() != 1) {
         return fail(response ? status::Bad_UnexpectedError : response.error());
@@ -82,7 +82,7 @@ Result<Array<DataValue>> read(net::ClientLoop& loop, const std::vector<Variable>
         item.node_id = variable.node_id;
         item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
     }
-    const auto event = loop.call<ReadResponse>(request);
+    const auto event = loop.call(request);
     const auto response = event ? event->response<ReadResponse>() : fail(event.error());
     if (!response) {
         return fail(response.error());

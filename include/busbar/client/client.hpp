@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <busbar/binary/codec.hpp>
@@ -83,7 +84,7 @@ public:
     /// Sends `request`, whose header is filled in here; the handle that its Response will carry.
     /// Any number may be under way.
     template <typename Request>
-    [[nodiscard]] Result<std::uint32_t> send(Request request);
+    [[nodiscard]] Result<std::uint32_t> send(Request&& request);
     /// Closes session and channel (Part 4, 5.6.4 and 5.5.3).
     void close();
 
@@ -122,12 +123,13 @@ Result<T> ClientEvent::response(const binary::DecodeLimits& limits) const
 }
 
 template <typename Request>
-Result<std::uint32_t> Client::send(Request request)
+Result<std::uint32_t> Client::send(Request&& request)
 {
+    using Type = std::remove_cvref_t<Request>;
     fill(request.request_header);
     const std::uint32_t handle = request.request_header.request_handle;
     const auto sent = send(handle, [&](binary::Writer& writer) {
-        encode(writer, NodeId{0, Request::binary_encoding_id});
+        encode(writer, NodeId{0, Type::binary_encoding_id});
         encode(writer, request);
     });
     if (!sent) {

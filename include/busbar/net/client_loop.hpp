@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <busbar/client/client.hpp>
 #include <busbar/net/endpoint.hpp>
@@ -29,10 +30,10 @@ public:
     [[nodiscard]] std::optional<client::ClientEvent> wait(Duration timeout = std::chrono::seconds{
                                                               30});
     /// Sends `request` and waits for its response; other events are dropped.
-    template <typename Response, typename Request>
-    [[nodiscard]] Result<client::ClientEvent> call(Request request)
+    template <typename Request>
+    [[nodiscard]] Result<client::ClientEvent> call(Request&& request)
     {
-        const auto handle = client().send(std::move(request));
+        const auto handle = client().send(std::forward<Request>(request));
         if (!handle) {
             return fail(handle.error());
         }
