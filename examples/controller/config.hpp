@@ -31,6 +31,8 @@ struct ControllerConfig {
     bool anonymous_may_write{false};
     std::vector<Account> accounts;
     std::chrono::milliseconds scan{20};
+    /// Of the PLC's task, 1 to 99; 0 is none.
+    int realtime_priority{0};
     controller::PlcConfig plc;
 };
 

@@ -140,6 +140,19 @@ void print_welcome(const ControllerConfig& config, const controller::Plc& plc)
     std::fflush(stdout);
 }
 
+void print_statistics(const controller::PlcTask::Statistics& statistics)
+{
+    const auto microseconds = [](Duration time) {
+        return static_cast<long long>(
+            std::chrono::duration_cast<std::chrono::microseconds>(time).count());
+    };
+    std::printf("PLC task: %llu scans, %llu missed, begun at most %lld us late, at most %lld us "
+                "long\n",
+                static_cast<unsigned long long>(statistics.scans),
+                static_cast<unsigned long long>(statistics.missed_cycles),
+                microseconds(statistics.worst_lateness), microseconds(statistics.worst_scan));
+}
+
 int serve(ControllerConfig config)
 {
     StderrLog log;
@@ -178,12 +191,13 @@ int serve(ControllerConfig config)
     nodes.cycle = config.scan;
     expect(controller::publish_variables(server.address_space(), **plc, nodes), "the variables");
 
-    controller::PlcTask task{**plc, wall_clock, config.scan};
+    controller::PlcTask task{**plc, wall_clock, config.scan, config.realtime_priority};
     task.start();
     loop.stop_on_signals();
     print_welcome(config, **plc);
     loop.run(server);
     task.stop();
+    print_statistics(task.statistics());
     std::printf("stopped\n");
     return 0;
 }

@@ -97,8 +97,9 @@ PlcProgram read_program(const TomlTable& table)
 
 void read_plc(const TomlTable& table, ControllerConfig& config)
 {
-    table.allow({"scan_ms", "variable", "program"});
+    table.allow({"scan_ms", "realtime_priority", "variable", "program"});
     config.scan = std::chrono::milliseconds{table.integer("scan_ms", 20, 1, 10'000)};
+    config.realtime_priority = static_cast<int>(table.integer("realtime_priority", 0, 0, 99));
     const auto variables = table.tables("variable");
     const auto programs = table.tables("program");
     for (const TomlTable& entry : variables) {

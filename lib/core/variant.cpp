@@ -129,28 +129,10 @@ Variant::Variant(const Variant& other)
     copy(other);
 }
 
-Variant::Variant(Variant&& other) noexcept
-{
-    take(other);
-}
-
 Variant& Variant::operator=(const Variant& other)
 {
     if (this != &other) {
         *this = Variant{other};
-    }
-    return *this;
-}
-
-Variant& Variant::operator=(Variant&& other) noexcept
-{
-    if (this != &other) {
-        // What is destroyed may hold `other`.
-        Variant taken{std::move(other)};
-        if (owns_memory()) {
-            destroy();
-        }
-        take(taken);
     }
     return *this;
 }
@@ -169,14 +151,6 @@ void Variant::copy(const Variant& other)
     }
     type_ = other.type_;
     kind_ = other.kind_;
-}
-
-void Variant::take(Variant& other) noexcept
-{
-    // Everything a Variant holds may be moved as bytes: numbers, blobs, array headers, pointers.
-    std::memcpy(storage_, other.storage_, sizeof storage_);
-    type_ = std::exchange(other.type_, BuiltInType::Null);
-    kind_ = std::exchange(other.kind_, Kind::Null);
 }
 
 std::span<const std::uint32_t> Variant::dimensions() const

@@ -3,6 +3,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <new>
 #include <span>
 #include <type_traits>
@@ -22,9 +23,20 @@ class Variant {
 public:
     Variant() = default;
     Variant(const Variant& other);
-    Variant(Variant&& other) noexcept;
+    Variant(Variant&& other) noexcept { take(other); }
     Variant& operator=(const Variant& other);
-    Variant& operator=(Variant&& other) noexcept;
+    Variant& operator=(Variant&& other) noexcept
+    {
+        if (this != &other) {
+            // What is destroyed may hold `other`.
+            Variant taken{std::move(other)};
+            if (owns_memory()) {
+                destroy();
+            }
+            take(taken);
+        }
+        return *this;
+    }
     ~Variant()
     {
         if (owns_memory()) {
@@ -151,7 +163,13 @@ private:
     }
     void destroy();
     void copy(const Variant& other);
-    void take(Variant& other) noexcept;
+    /// Everything a Variant holds may be moved as bytes: numbers, blobs, array headers, pointers.
+    void take(Variant& other) noexcept
+    {
+        std::memcpy(storage_, other.storage_, sizeof storage_);
+        type_ = std::exchange(other.type_, BuiltInType::Null);
+        kind_ = std::exchange(other.kind_, Kind::Null);
+    }
     void set_box(void* object) { ::new (static_cast<void*>(storage_)) void*(object); }
     [[nodiscard]] void* box() const { return *reinterpret_cast<void* const*>(storage_); }
 
