@@ -1,8 +1,6 @@
-#include <cstdlib>
-#include <new>
-
 #include <catch2/catch.hpp>
 
+#include "support/allocation_count.hpp"
 #include "support/scripted_client.hpp"
 
 using namespace busbar;
@@ -11,8 +9,6 @@ using Kind = channel::Event::Kind;
 using Bytes = std::vector<std::byte>;
 
 namespace {
-
-std::size_t allocations = 0;
 
 Bytes pattern(std::size_t size)
 {
@@ -35,27 +31,6 @@ struct OpenServer : ScriptedClient {
 };
 
 } // namespace
-
-void* operator new(std::size_t size)
-{
-    ++allocations;
-    if (void* memory = std::malloc(size)) {
-        return memory;
-    }
-    std::abort();
-}
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept
-{
-    return operator new(size);
-}
-void operator delete(void* memory) noexcept
-{
-    std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept
-{
-    std::free(memory);
-}
 
 TEST_CASE("a handshake and a message may be cut anywhere", "[channel][limits]")
 {
@@ -100,9 +75,9 @@ TEST_CASE("a message costs a constant number of allocations", "[channel][limits]
         const Bytes body = pattern(200'000);
         const auto send_and_consume = [&](std::size_t size) {
             const auto part = std::span{body}.first(size);
-            const std::size_t before = allocations;
+            const std::size_t before = allocation_count();
             REQUIRE(pair.server.send(1, [&](binary::Writer& writer) { writer.bytes(part); }));
-            const std::size_t count = allocations - before;
+            const std::size_t count = allocation_count() - before;
             pair.run_to_client();
             return count;
         };
@@ -114,11 +89,11 @@ TEST_CASE("a message costs a constant number of allocations", "[channel][limits]
             const auto part = std::span{body}.first(size);
             REQUIRE(pair.client.send([&](binary::Writer& writer) { writer.bytes(part); }));
             const auto message = take_output(pair.client);
-            const std::size_t before = allocations;
+            const std::size_t before = allocation_count();
             REQUIRE(pair.server.feed(message, pair.now));
             auto event = pair.server.next_event();
             REQUIRE(event);
-            const std::size_t count = allocations - before;
+            const std::size_t count = allocation_count() - before;
             CHECK(event->body.size() == size);
             pair.server.recycle(std::move(event->body));
             return count;
@@ -135,10 +110,10 @@ TEST_CASE("a single chunk is copied once into one allocation", "[channel][limits
     OpenServer client;
     client.feed(client.chunk("MSGF", 1, 500));
     const Bytes message = client.chunk("MSGF", 2, 500);
-    const std::size_t before = allocations;
+    const std::size_t before = allocation_count();
     REQUIRE(client.server.feed(message, client.now));
     const auto event = client.server.next_event();
-    CHECK(allocations - before == 1);
+    CHECK(allocation_count() - before == 1);
     REQUIRE(event);
     CHECK(event->body.capacity() == 500);
 }
