@@ -224,7 +224,7 @@ TEST_CASE_METHOD(AttributeFixture, "a DataEncoding other than the default is ref
           status::Bad_DataEncodingInvalid);
     CHECK(read_as(QualifiedName{0, "Default Binary"}, AttributeId::BrowseName) ==
           status::Bad_DataEncodingInvalid);
-    value_id.node_id = add("Range", id::Range, ExtensionObject{});
+    value_id.node_id = add("Argument", id::Argument, ExtensionObject{});
     CHECK(read_as(QualifiedName{0, "Default XML"}, AttributeId::Value) ==
           status::Bad_DataEncodingUnsupported);
     CHECK(read_as(QualifiedName{5, "Default Binary"}, AttributeId::Value) ==
