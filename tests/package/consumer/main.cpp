@@ -1,10 +1,11 @@
 #include <cstdio>
 
+#include <acme/types.hpp>
 #include <busbar/binary/codec.hpp>
 #include <busbar/server/server.hpp>
 #include <busbar/types/attribute.hpp>
 
-/// A value goes out and comes back, and the server's address space is there.
+/// Values go out and come back, a vendor's too, and the server's address space is there.
 int main()
 {
     busbar::ReadValueId item;
@@ -12,7 +13,11 @@ int main()
     const auto bytes = busbar::binary::to_bytes(item);
     const auto again = busbar::binary::from_bytes<busbar::ReadValueId>(*bytes);
     const busbar::model::AddressSpace space;
-    const bool is_right = again && *again == item && space.find(2253) != busbar::model::no_node;
+    const acme::OptStruct own{.mandatory_int32 = 42};
+    const auto own_bytes = busbar::binary::to_bytes(own);
+    const auto own_again = busbar::binary::from_bytes<acme::OptStruct>(*own_bytes);
+    const bool is_right = again && *again == item && own_again && *own_again == own &&
+                          space.find(2253) != busbar::model::no_node;
     std::puts(is_right ? "busbar works" : "busbar does not work");
     return is_right ? 0 : 1;
 }
