@@ -6,33 +6,12 @@
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/ids.hpp>
 
+#include "session_use.hpp"
 #include "support/server_fixture.hpp"
 
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
-
-namespace {
-
-const channel::SecuritySetting sign = setting("Basic256Sha256", MessageSecurityMode::Sign);
-const channel::SecuritySetting encrypt =
-    setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt);
-
-ReadRequest read_state()
-{
-    ReadRequest request;
-    request.nodes_to_read.resize(1);
-    request.nodes_to_read[0].node_id = NodeId{0, id::Server_ServerStatus_State};
-    request.nodes_to_read[0].attribute_id = 13;
-    return request;
-}
-
-StatusCode use(TestClient& client)
-{
-    return client.status_of<ReadResponse>(read_state());
-}
-
-} // namespace
 
 TEST_CASE("a session is created, activated, used and closed, with every security")
 {
