@@ -64,7 +64,10 @@ Result<ExtensionObject> user_name_token(const ClientConfig& config, const Sessio
     const auto* policy = token_policy.security_policy_uri.empty()
                              ? &policy_of(config)
                              : crypto::find_policy(token_policy.security_policy_uri.view());
-    if (policy == nullptr || policy->is_none() || !config.channel.server_certificate) {
+    if (policy == nullptr) {
+        return fail(status::Bad_SecurityPolicyRejected);
+    }
+    if (policy->is_none() || !config.channel.server_certificate) {
         // A password in the clear is for the server to allow and for the channel to hide.
         if (config.channel.security.mode != MessageSecurityMode::SignAndEncrypt) {
             return fail(status::Bad_SecurityPolicyRejected);

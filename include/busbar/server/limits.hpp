@@ -63,7 +63,6 @@ struct ServerLimits {
 
     std::uint16_t max_browse_continuation_points{10};
     std::uint32_t max_references_per_node{10'000};
-    std::size_t max_registered_nodes{10'000};
     std::uint32_t max_browse_path_elements{64};
     std::uint32_t max_browse_path_targets{1'000};
 
