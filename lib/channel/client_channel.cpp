@@ -5,6 +5,7 @@
 #include <busbar/core/text.hpp>
 
 #include "client_impl.hpp"
+#include "refusals.hpp"
 
 namespace busbar::channel {
 
@@ -29,21 +30,22 @@ std::optional<Event> ClientChannel::Impl::next_event()
     while (events.empty() && state != State::Closed) {
         const auto frame = conversation.next_frame();
         if (!frame) {
-            refuse(frame.error(), "malformed message header");
+            give_up(protocol_refusal(frame.error()));
         } else if (!*frame) {
             break;
         } else if (const auto handled = handle(**frame); !handled) {
-            refuse(handled.error(), "the server's message was refused");
+            give_up(handled.error());
         }
     }
     return events.pop();
 }
 
-Result<void> ClientChannel::Impl::handle(const Frame& frame)
+Checked<void> ClientChannel::Impl::handle(const Frame& frame)
 {
     const MessageType type = frame.header.type;
     if (type == MessageType::ERR) {
-        return handle_error(frame);
+        handle_error(frame);
+        return {};
     }
     if (state == State::ReverseHello && type == MessageType::RHE) {
         return handle_reverse_hello(frame);
@@ -57,43 +59,51 @@ Result<void> ClientChannel::Impl::handle(const Frame& frame)
     if (state == State::Open && type == MessageType::MSG) {
         return handle_message(frame);
     }
-    return fail(status::Bad_TcpMessageTypeInvalid);
+    return refuse(protocol_refusal(status::Bad_TcpMessageTypeInvalid));
 }
 
-Result<void> ClientChannel::Impl::handle_reverse_hello(const Frame& frame)
+Checked<void> ClientChannel::Impl::handle_reverse_hello(const Frame& frame)
 {
     const auto message = parse_reverse_hello(frame.body());
     if (!message) {
-        return fail(message.error());
+        return refuse(protocol_refusal(message.error()));
     }
     if (!config.expected_server_uri.empty() &&
         message->server_uri.view() != config.expected_server_uri) {
-        return fail(status::Bad_TcpEndpointUrlInvalid); // Part 6, 7.1.2.6
+        return refuse({status::Bad_TcpEndpointUrlInvalid, "ReverseHello",
+                       "it comes from " + printable(message->server_uri.view()) + ", not from " +
+                           config.expected_server_uri,
+                       "Part 6, 7.1.2.6", "Correct the ServerUri that is expected"});
     }
     config.endpoint_url = message->endpoint_url.str();
     say_hello();
     return {};
 }
 
-Result<void> ClientChannel::Impl::handle_error(const Frame& frame)
+void ClientChannel::Impl::handle_error(const Frame& frame)
 {
     const auto message = parse_error(frame.body());
     const StatusCode status = message ? message->error : status::Bad_DecodingError;
     end(status.is_bad() ? status : status::Bad_ConnectionClosed,
         message ? printable(message->reason.view()) : std::string{});
-    return {};
 }
 
-Result<void> ClientChannel::Impl::handle_acknowledge(const Frame& frame)
+Checked<void> ClientChannel::Impl::handle_acknowledge(const Frame& frame)
 {
     const auto acknowledge = parse_acknowledge(frame.body());
     if (!acknowledge || acknowledge->receive_buffer_size < min_buffer_size ||
         acknowledge->send_buffer_size < min_buffer_size) {
-        return fail(status::Bad_TcpInternalError);
+        return refuse({status::Bad_TcpInternalError, "Acknowledge",
+                       "one that cannot be read, or buffers of less than 8,192 bytes",
+                       "Part 6, 7.1.2.4", "The server's OPC UA stack is at fault"});
     }
     conversation.negotiate(*acknowledge);
     state = State::Opening;
-    return request_token(SecurityTokenRequestType::Issue);
+    if (const auto sent = request_token(SecurityTokenRequestType::Issue); !sent) {
+        return refuse({sent.error(), "OpenSecureChannel request", "it could not be secured",
+                       "Part 6, 6.7.4", "Check this application's certificate and key"});
+    }
+    return {};
 }
 
 std::uint32_t ClientChannel::Impl::next_request_id()
@@ -102,15 +112,15 @@ std::uint32_t ClientChannel::Impl::next_request_id()
     return last_request_id;
 }
 
-Result<void> ClientChannel::Impl::handle_message(const Frame& frame)
+Checked<void> ClientChannel::Impl::handle_message(const Frame& frame)
 {
     const auto content = conversation.open(frame, now);
     if (!content) {
-        return fail(content.error());
+        return refuse(protocol_refusal(content.error()));
     }
     auto event = conversation.assembly().add(frame.header.chunk, *content);
     if (!event) {
-        return fail(event.error());
+        return refuse(protocol_refusal(event.error()));
     }
     if (*event) {
         events.push(**std::move(event));
@@ -128,14 +138,16 @@ void ClientChannel::Impl::send_close()
 }
 
 /// Where an error of the server ends the connection (Part 6, 7.1.5).
-void ClientChannel::Impl::refuse(StatusCode status, std::string_view reason)
+void ClientChannel::Impl::give_up(const Refusal& refusal)
 {
+    const StatusCode status = refusal.status;
+    explain(*conversation.environment().log, "channel", refusal);
     if (state == State::Open) {
         send_close();
     } else if (state == State::ReverseHello) {
         write_error(conversation.output(), status, name(status)); // Part 6, 7.1.2.6
     }
-    end(status, std::string{reason});
+    end(status, text(refusal));
 }
 
 void ClientChannel::Impl::end(StatusCode status, std::string reason)
@@ -210,11 +222,19 @@ void ClientChannel::handle_deadline(TimePoint now)
     if (impl_->state == State::Open && impl_->open_request_id == 0) {
         const auto sent = impl_->request_token(SecurityTokenRequestType::Renew);
         if (!sent) {
-            impl_->refuse(sent.error(), "the SecurityToken could not be renewed");
+            impl_->give_up({sent.error(),
+                            "renewal",
+                            "the SecurityToken could not be renewed",
+                            "Part 4, 5.6.2.1",
+                            {}});
         }
         return;
     }
-    impl_->refuse(status::Bad_Timeout, "the server did not answer in time");
+    impl_->give_up({status::Bad_Timeout,
+                    "handshake",
+                    "the server did not answer in time",
+                    "Part 6, 7.1.3",
+                    {}});
 }
 
 Result<std::uint32_t> ClientChannel::send(FunctionRef<void(binary::Writer&)> encode)

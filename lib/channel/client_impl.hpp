@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include <busbar/channel/client_channel.hpp>
+#include <busbar/core/refusal.hpp>
 #include <busbar/types/secure_channel.hpp>
 
 #include "conversation.hpp"
@@ -32,19 +33,19 @@ struct ClientChannel::Impl {
 
     void say_hello();
     [[nodiscard]] std::optional<Event> next_event();
-    [[nodiscard]] Result<void> handle(const detail::Frame& frame);
-    [[nodiscard]] Result<void> handle_reverse_hello(const detail::Frame& frame);
-    [[nodiscard]] Result<void> handle_error(const detail::Frame& frame);
-    [[nodiscard]] Result<void> handle_acknowledge(const detail::Frame& frame);
-    [[nodiscard]] Result<void> handle_open(const detail::Frame& frame);
-    [[nodiscard]] Result<void> handle_message(const detail::Frame& frame);
+    [[nodiscard]] Checked<void> handle(const detail::Frame& frame);
+    [[nodiscard]] Checked<void> handle_reverse_hello(const detail::Frame& frame);
+    void handle_error(const detail::Frame& frame);
+    [[nodiscard]] Checked<void> handle_acknowledge(const detail::Frame& frame);
+    [[nodiscard]] Checked<void> handle_open(const detail::Frame& frame);
+    [[nodiscard]] Checked<void> handle_message(const detail::Frame& frame);
     [[nodiscard]] Result<void> request_token(SecurityTokenRequestType type);
-    [[nodiscard]] Result<detail::AsymmetricContent> open_response(const detail::Frame& frame);
-    [[nodiscard]] Result<void> check_server(const detail::AsymmetricHeader& header);
-    [[nodiscard]] Result<void> take_token(const OpenSecureChannelResponse& response);
+    [[nodiscard]] Checked<detail::AsymmetricContent> open_response(const detail::Frame& frame);
+    [[nodiscard]] Checked<void> check_server(const detail::AsymmetricHeader& header);
+    [[nodiscard]] Checked<void> take_token(const OpenSecureChannelResponse& response);
     [[nodiscard]] std::uint32_t next_request_id();
     void send_close();
-    void refuse(StatusCode status, std::string_view reason);
+    void give_up(const Refusal& refusal);
     void end(StatusCode status, std::string reason);
 
     ClientChannelConfig config;

@@ -1,7 +1,11 @@
 #include <algorithm>
 #include <utility>
 
+#include <busbar/channel/endpoint_url.hpp>
+#include <busbar/core/text.hpp>
+
 #include "client_impl.hpp"
+#include "refusals.hpp"
 
 namespace busbar::channel {
 
@@ -11,6 +15,16 @@ namespace {
 
 /// A server that grants less than this would be asked for tokens without end.
 constexpr std::chrono::milliseconds min_lifetime{1'000};
+
+/// An answer to OpenSecureChannel that says no, or says nothing that can be used.
+tl::unexpected<Refusal> refuse_answer(StatusCode status, std::string found, std::string remedy = {})
+{
+    return refuse({status, "OpenSecureChannel response", std::move(found), "Part 4, 5.6.2",
+                   std::move(remedy)});
+}
+
+constexpr std::string_view read_again =
+    "Read the server's endpoints again; if it is not meant to have changed, do not trust it";
 
 } // namespace
 
@@ -40,68 +54,80 @@ Result<void> ClientChannel::Impl::request_token(SecurityTokenRequestType type)
 }
 
 /// The server must be the one whose certificate the endpoint showed, and trusted (Part 4, 6.1.3).
-Result<void> ClientChannel::Impl::check_server(const AsymmetricHeader& header)
+Checked<void> ClientChannel::Impl::check_server(const AsymmetricHeader& header)
 {
     const ChannelEnvironment& environment = conversation.environment();
     const auto thumbprint = environment.identity->certificates.front().thumbprint();
     if (!std::ranges::equal(thumbprint, header.receiver_thumbprint)) {
-        return fail(status::Bad_CertificateInvalid);
+        return refuse_answer(status::Bad_CertificateInvalid,
+                             "it is for another certificate than this application's");
     }
     const auto chain = crypto::parse_chain(header.sender_certificate);
     if (!chain || !(chain->front() == *config.server_certificate)) {
-        return fail(status::Bad_CertificateInvalid);
+        return refuse({status::Bad_CertificateInvalid, "server certificate",
+                       "not the one that the server's endpoint showed", "Part 4, 5.4.1",
+                       std::string{read_again}, printable(config.server_certificate->subject()),
+                       config.server_certificate->thumbprint_text()});
     }
-    const auto valid =
-        environment.validator->validate(*chain, {header.policy, environment.wall_clock->now(), {}});
+    const auto url = EndpointUrl::parse(config.endpoint_url);
+    auto valid = environment.validator->validate(
+        *chain, {header.policy, environment.wall_clock->now(), config.expected_server_uri,
+                 url ? std::string_view{url->host} : std::string_view{}});
     if (valid) {
         conversation.peer_certificates = *chain;
     }
     return valid;
 }
 
-Result<AsymmetricContent> ClientChannel::Impl::open_response(const Frame& frame)
+Checked<AsymmetricContent> ClientChannel::Impl::open_response(const Frame& frame)
 {
     const auto header = parse_asymmetric_header(frame.bytes);
     if (!header || header->policy != config.security.policy) {
-        return fail(status::Bad_SecurityChecksFailed);
+        return refuse_answer(status::Bad_SecurityChecksFailed, "it has another security policy");
     }
-    if (header->policy->is_none()) {
-        return open_asymmetric(frame.bytes, *header, nullptr, nullptr);
+    const bool is_secure = !header->policy->is_none();
+    if (is_secure) {
+        if (auto checked = check_server(*header); !checked) {
+            return refuse(std::move(checked).error());
+        }
     }
-    const auto checked = check_server(*header);
-    if (!checked) {
-        return fail(checked.error());
+    auto content = open_asymmetric(frame.bytes, *header,
+                                   is_secure ? &conversation.environment().identity->key : nullptr,
+                                   is_secure ? &*config.server_certificate : nullptr);
+    if (!content) {
+        return refuse_answer(content.error(), "its encryption or signature is wrong",
+                             "Somebody between the two may have tampered with the connection");
     }
-    return open_asymmetric(frame.bytes, *header, &conversation.environment().identity->key,
-                           &*config.server_certificate);
+    return *std::move(content);
 }
 
-Result<void> ClientChannel::Impl::handle_open(const Frame& frame)
+Checked<void> ClientChannel::Impl::handle_open(const Frame& frame)
 {
-    const auto content = open_response(frame);
+    auto content = open_response(frame);
     if (!content) {
-        return fail(content.error());
+        return refuse(std::move(content).error());
     }
     if (!conversation.accept_sequence(content->sequence_number)) {
-        return fail(status::Bad_SequenceNumberInvalid);
+        return refuse(protocol_refusal(status::Bad_SequenceNumberInvalid));
     }
     if (open_request_id == 0 || content->request_id != open_request_id) {
-        return fail(status::Bad_SecurityChecksFailed);
+        return refuse_answer(status::Bad_SecurityChecksFailed, "nothing was asked");
     }
     if (const auto fault = decode_message<ServiceFault>(content->body)) {
         const StatusCode result = fault->response_header.service_result;
-        return fail(result.is_bad() ? result : status::Bad_UnknownResponse);
+        return refuse_answer(result.is_bad() ? result : status::Bad_UnknownResponse,
+                             "the server said no", "Its own log knows more");
     }
     const auto response = decode_message<OpenSecureChannelResponse>(content->body);
     if (!response) {
-        return fail(response.error());
+        return refuse(protocol_refusal(response.error()));
     }
     if (response->response_header.service_result.is_bad()) {
-        return fail(response->response_header.service_result);
+        return refuse_answer(response->response_header.service_result, "the server said no",
+                             "Its own log knows more");
     }
-    const auto taken = take_token(*response);
-    if (!taken) {
-        return taken;
+    if (auto taken = take_token(*response); !taken) {
+        return refuse(std::move(taken).error());
     }
     open_request_id = 0;
     const bool is_new = std::exchange(state, State::Open) == State::Opening;
@@ -109,25 +135,26 @@ Result<void> ClientChannel::Impl::handle_open(const Frame& frame)
     return {};
 }
 
-Result<void> ClientChannel::Impl::take_token(const OpenSecureChannelResponse& response)
+Checked<void> ClientChannel::Impl::take_token(const OpenSecureChannelResponse& response)
 {
     const auto& issued = response.security_token;
     if (issued.channel_id == 0 ||
         (state == State::Open && issued.channel_id != conversation.channel_id)) {
-        return fail(status::Bad_TcpSecureChannelUnknown);
+        return refuse(protocol_refusal(status::Bad_TcpSecureChannelUnknown));
     }
     // Part 6, 6.7.4: of the policy's length, and neither ours nor the one before come back.
     if (!config.security.policy->is_none() &&
         (response.server_nonce.size() != nonce.size() || response.server_nonce == server_nonce ||
          std::ranges::equal(response.server_nonce.span(), nonce.span()))) {
-        return fail(status::Bad_NonceInvalid);
+        return refuse_answer(status::Bad_NonceInvalid,
+                             "its nonce is short, or was used before (Part 6, 6.7.4)");
     }
     const auto lifetime =
         std::max(std::chrono::milliseconds{issued.revised_lifetime}, min_lifetime);
     auto token = make_token(issued.token_id, config.security,
                             {nonce.span(), response.server_nonce.span()}, lifetime, now);
     if (!token) {
-        return fail(token.error());
+        return refuse(protocol_refusal(token.error()));
     }
     conversation.channel_id = issued.channel_id;
     conversation.use(*std::move(token));

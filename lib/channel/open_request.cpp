@@ -1,126 +1,233 @@
 #include "open_request.hpp"
 
 #include <algorithm>
+#include <optional>
+
+#include <busbar/core/text.hpp>
+
+#include "refusals.hpp"
 
 namespace busbar::channel::detail {
 
 namespace {
 
+std::string mode_text(MessageSecurityMode mode)
+{
+    switch (mode) {
+    case MessageSecurityMode::None:
+        return "None";
+    case MessageSecurityMode::Sign:
+        return "Sign";
+    case MessageSecurityMode::SignAndEncrypt:
+        return "SignAndEncrypt";
+    default:
+        return "mode " + std::to_string(static_cast<std::int32_t>(mode));
+    }
+}
+
+tl::unexpected<Refusal> refuse_certificate(StatusCode status, std::string found,
+                                           std::string_view rule, std::string remedy,
+                                           const crypto::Certificate* certificate = nullptr)
+{
+    Refusal refusal{status, "sender certificate", std::move(found), rule, std::move(remedy)};
+    if (certificate != nullptr) {
+        refusal.subject = printable(certificate->subject());
+        refusal.thumbprint = certificate->thumbprint_text();
+    }
+    return refuse(std::move(refusal));
+}
+
+tl::unexpected<Refusal> refuse_policy(const AsymmetricHeader& header)
+{
+    return refuse(
+        {status::Bad_SecurityPolicyRejected, "security policy",
+         std::string{header.policy->name} + " is not offered here",
+         "Part 4, 5.6.2.2 and Part 6, 6.7.2.3",
+         "Choose another policy in the peer's settings, or add an endpoint with this one"});
+}
+
 /// Part 6, 6.7.7: channel and policy, and that a renewal keeps the policy.
-Result<void> check_header(const AsymmetricHeader& header, const Conversation& conversation,
-                          const OpenContext& context)
+Checked<void> check_header(const AsymmetricHeader& header, const Conversation& conversation,
+                           const OpenContext& context)
 {
     const auto& allowed = context.config.allowed;
     if (header.channel_id != (context.is_renewal ? context.config.channel_id : 0)) {
-        return fail(status::Bad_TcpSecureChannelUnknown);
+        return refuse(protocol_refusal(status::Bad_TcpSecureChannelUnknown));
     }
     if (std::none_of(allowed.begin(), allowed.end(),
                      [&](const SecuritySetting& s) { return s.policy == header.policy; })) {
-        return fail(status::Bad_SecurityPolicyRejected);
+        return refuse_policy(header);
     }
     if (context.is_renewal && header.policy != conversation.security.policy) {
-        return fail(status::Bad_SecurityChecksFailed);
+        return refuse({status::Bad_SecurityChecksFailed,
+                       "security policy",
+                       std::string{header.policy->name} + " for a channel that has " +
+                           std::string{conversation.security.policy->name},
+                       "Part 4, 5.6.2.1: renewal",
+                       {}});
     }
     return {};
 }
 
-/// The client's certificates, trusted; none with policy None.
-Result<crypto::CertificateChain> check_sender(const AsymmetricHeader& header,
-                                              const Conversation& conversation, bool is_renewal)
+/// Who sent the message.
+struct Sender {
+    crypto::CertificateChain certificates; // none with policy None
+    std::optional<Refusal> objection;      // of the validator
+};
+
+Checked<Sender> check_sender(const AsymmetricHeader& header, const Conversation& conversation,
+                             bool is_renewal)
 {
     const ChannelEnvironment& environment = conversation.environment();
     if (header.policy->is_none()) {
-        return crypto::CertificateChain{};
+        return Sender{};
     }
     if (environment.identity == nullptr || environment.validator == nullptr) {
-        return fail(status::Bad_SecurityPolicyRejected);
+        return refuse_policy(header);
     }
     const crypto::Certificate& own = environment.identity->certificates.front();
     if (!std::ranges::equal(own.thumbprint(), header.receiver_thumbprint)) {
-        return fail(status::Bad_CertificateInvalid);
+        return refuse({status::Bad_CertificateInvalid, "receiver certificate thumbprint",
+                       "the message is for another certificate than this server's",
+                       "Part 6, 6.7.2.3",
+                       "Let the peer read this server's endpoints again: it has an old certificate",
+                       printable(own.subject()), own.thumbprint_text()});
     }
     auto chain = crypto::parse_chain(header.sender_certificate);
     if (!chain) {
-        return fail(chain.error());
+        return refuse_certificate(chain.error(),
+                                  "no X.509 certificate, or more than one and its issuers",
+                                  "Part 4, 6.1.3, Table 100: Certificate Structure",
+                                  "The peer needs another certificate");
     }
+    const crypto::Certificate* const leaf = &chain->front();
     // A message of the server that comes back to it is no client.
-    if (chain->front() == own) {
-        return fail(status::Bad_CertificateUseNotAllowed);
+    if (*leaf == own) {
+        return refuse_certificate(status::Bad_CertificateUseNotAllowed,
+                                  "this server's own certificate", "Part 6, 6.7.7",
+                                  "Every application needs a certificate of its own", leaf);
     }
     if (is_renewal && !(*chain == conversation.peer_certificates)) {
-        return fail(status::Bad_CertificateInvalid);
+        return refuse_certificate(status::Bad_CertificateInvalid,
+                                  "another certificate than the channel was opened with",
+                                  "Part 4, 5.6.2.1: renewal", {}, leaf);
     }
-    const auto valid =
+    auto valid =
         environment.validator->validate(*chain, {header.policy, environment.wall_clock->now(), {}});
+    Sender sender{*std::move(chain), {}};
     if (!valid) {
-        return fail(valid.error());
+        sender.objection = std::move(valid).error();
     }
-    return chain;
+    return sender;
 }
 
 /// Part 4, 5.6.2.2: type, mode and nonce.
-Result<void> check_body(const OpenSecureChannelRequest& request, const AsymmetricHeader& header,
-                        const Conversation& conversation, const OpenContext& context)
+Checked<void> check_body(const OpenSecureChannelRequest& request, const AsymmetricHeader& header,
+                         const Conversation& conversation, const OpenContext& context)
 {
     const SecuritySetting wanted{header.policy, request.security_mode};
     const auto& allowed = context.config.allowed;
     const auto expected =
         context.is_renewal ? SecurityTokenRequestType::Renew : SecurityTokenRequestType::Issue;
     if (request.request_type != expected) {
-        return fail(status::Bad_RequestTypeInvalid);
+        return refuse({status::Bad_RequestTypeInvalid,
+                       "request type",
+                       context.is_renewal ? "Issue on an open channel" : "Renew without a channel",
+                       "Part 4, 5.6.2.2",
+                       {}});
     }
-    if (header.policy->is_none() != (request.security_mode == MessageSecurityMode::None) ||
-        std::find(allowed.begin(), allowed.end(), wanted) == allowed.end()) {
-        return fail(status::Bad_SecurityModeRejected);
-    }
-    if (context.is_renewal && !(wanted == conversation.security)) {
-        return fail(status::Bad_SecurityModeRejected);
+    const bool is_allowed =
+        header.policy->is_none() == (request.security_mode == MessageSecurityMode::None) &&
+        std::find(allowed.begin(), allowed.end(), wanted) != allowed.end() &&
+        (!context.is_renewal || wanted == conversation.security);
+    if (!is_allowed) {
+        return refuse(
+            {status::Bad_SecurityModeRejected, "security mode",
+             mode_text(request.security_mode) + " with " + std::string{header.policy->name} +
+                 (context.is_renewal ? " is not what the channel has" : " is not offered here"),
+             "Part 4, 5.6.2.2",
+             "Choose another mode in the peer's settings, or add an endpoint with it"});
     }
     // Part 6, 6.7.4: of the policy's length, and never the same twice.
     if (!header.policy->is_none() && (request.client_nonce.size() != header.policy->nonce_size ||
                                       request.client_nonce == context.last_nonce)) {
-        return fail(status::Bad_NonceInvalid);
+        return refuse({status::Bad_NonceInvalid,
+                       "client nonce",
+                       std::to_string(request.client_nonce.size()) + " bytes where " +
+                           std::to_string(header.policy->nonce_size) +
+                           " new ones are due, or the one before again",
+                       "Part 6, 6.7.4",
+                       {}});
     }
     return {};
 }
 
+/// Decryption and signature are refused alike, here too: no path of the two is longer.
+Checked<AsymmetricContent> open_content(const Frame& frame, const AsymmetricHeader& header,
+                                        const ApplicationIdentity* identity,
+                                        const crypto::CertificateChain& sender)
+{
+    auto content =
+        open_asymmetric(frame.bytes, header, identity != nullptr ? &identity->key : nullptr,
+                        sender.empty() ? nullptr : &sender.front());
+    if (content) {
+        return *std::move(content);
+    }
+    Refusal refusal{content.error(), "OpenSecureChannel encryption and signature",
+                    "not encrypted for this server's key, or not signed with the key of the "
+                    "sender's certificate",
+                    "Part 6, 6.7.7",
+                    "Does the private key of the peer belong to its certificate? Else somebody "
+                    "may have tampered with the connection"};
+    if (!sender.empty()) {
+        refusal.subject = printable(sender.front().subject());
+        refusal.thumbprint = sender.front().thumbprint_text();
+    }
+    return refuse(std::move(refusal));
+}
+
 } // namespace
 
-Result<OpenRequest> read_open_request(const Frame& frame, Conversation& conversation,
-                                      const OpenContext& context)
+Checked<OpenRequest> read_open_request(const Frame& frame, Conversation& conversation,
+                                       const OpenContext& context)
 {
     const auto header = parse_asymmetric_header(frame.bytes);
     if (!header) {
-        return fail(header.error());
+        return refuse(header.error() == status::Bad_SecurityPolicyRejected
+                          ? Refusal{header.error(), "security policy", "one that is not known here",
+                                    "Part 6, 6.7.2.3",
+                                    "Choose another policy in the peer's settings"}
+                          : protocol_refusal(header.error()));
     }
-    const auto admissible = check_header(*header, conversation, context);
-    if (!admissible) {
-        return fail(admissible.error());
+    if (auto admissible = check_header(*header, conversation, context); !admissible) {
+        return refuse(std::move(admissible).error());
     }
     auto sender = check_sender(*header, conversation, context.is_renewal);
     if (!sender) {
-        return fail(sender.error());
+        return refuse(std::move(sender).error());
     }
-    const ApplicationIdentity* const identity = conversation.environment().identity;
-    const auto content =
-        open_asymmetric(frame.bytes, *header, identity != nullptr ? &identity->key : nullptr,
-                        sender->empty() ? nullptr : &sender->front());
+    auto content =
+        open_content(frame, *header, conversation.environment().identity, sender->certificates);
+    // Part 6, 6.7.7 has the certificate checked first. What was found only counts now: a refusal for
+    // that takes as long as one for what the private key found (Part 2, 6.3).
+    if (sender->objection) {
+        return refuse(*std::move(sender->objection));
+    }
     if (!content) {
-        return fail(content.error());
+        return refuse(std::move(content).error());
     }
     if (!conversation.accept_sequence(content->sequence_number)) {
-        return fail(status::Bad_SequenceNumberInvalid);
+        return refuse(protocol_refusal(status::Bad_SequenceNumberInvalid));
     }
     auto body = decode_message<OpenSecureChannelRequest>(content->body);
     if (!body) {
-        return fail(body.error());
+        return refuse(protocol_refusal(body.error()));
     }
-    const auto checked = check_body(*body, *header, conversation, context);
-    if (!checked) {
-        return fail(checked.error());
+    if (auto checked = check_body(*body, *header, conversation, context); !checked) {
+        return refuse(std::move(checked).error());
     }
     return OpenRequest{{header->policy, body->security_mode},
-                       *std::move(sender),
+                       std::move(sender->certificates),
                        content->request_id,
                        *std::move(body)};
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include <busbar/channel/server_channel.hpp>
+#include <busbar/core/refusal.hpp>
 #include <busbar/types/secure_channel.hpp>
 
 #include "conversation.hpp"
@@ -24,9 +25,9 @@ struct OpenContext {
     const ByteString& last_nonce; // the client's, of the request before
 };
 
-/// Checks an OPN in the order of Part 6, 6.7.7, then what it asks for (Part 4, 5.6.2). The status
-/// is the exact one, for the log; what the peer may learn of it is decided elsewhere.
-[[nodiscard]] Result<OpenRequest> read_open_request(const Frame& frame, Conversation& conversation,
-                                                    const OpenContext& context);
+/// Checks an OPN in the order of Part 6, 6.7.7, then what it asks for (Part 4, 5.6.2). The refusal
+/// is exact, for the log; what the peer may learn of it is decided elsewhere.
+[[nodiscard]] Checked<OpenRequest> read_open_request(const Frame& frame, Conversation& conversation,
+                                                     const OpenContext& context);
 
 } // namespace busbar::channel::detail

@@ -9,6 +9,7 @@
 #include "conversation.hpp"
 #include "event_queue.hpp"
 #include "open_request.hpp"
+#include "refusals.hpp"
 
 namespace busbar::channel {
 
@@ -50,13 +51,13 @@ struct ServerChannel::Impl {
     }
 
     [[nodiscard]] std::optional<Event> next_event();
-    [[nodiscard]] Result<void> handle(const Frame& frame);
-    [[nodiscard]] Result<void> handle_hello(const Frame& frame);
-    [[nodiscard]] Result<void> handle_open(const Frame& frame);
-    [[nodiscard]] Result<void> handle_message(const Frame& frame);
+    [[nodiscard]] Checked<void> handle(const Frame& frame);
+    [[nodiscard]] Checked<void> handle_hello(const Frame& frame);
+    [[nodiscard]] Checked<void> handle_open(const Frame& frame);
+    [[nodiscard]] Checked<void> handle_message(const Frame& frame);
     [[nodiscard]] Result<void> issue(const OpenSecureChannelRequest& request,
                                      std::uint32_t request_id);
-    void refuse(StatusCode status);
+    void give_up(const Refusal& refusal);
     void fail_with(StatusCode told_status, StatusCode status, std::string_view reason);
     void end(StatusCode status, std::string reason);
 
@@ -77,18 +78,18 @@ std::optional<Event> ServerChannel::Impl::next_event()
     while (events.empty() && state != State::Closed) {
         const auto frame = conversation.next_frame();
         if (!frame) {
-            refuse(frame.error());
+            give_up(protocol_refusal(frame.error()));
         } else if (!*frame) {
             break;
         } else if (const auto handled = handle(**frame); !handled) {
-            refuse(handled.error());
+            give_up(handled.error());
         }
     }
     return events.pop();
 }
 
 /// Which message is allowed in which state; anything else is Bad_TcpMessageTypeInvalid.
-Result<void> ServerChannel::Impl::handle(const Frame& frame)
+Checked<void> ServerChannel::Impl::handle(const Frame& frame)
 {
     const MessageType type = frame.header.type;
     if (state == State::Hello && type == MessageType::HEL) {
@@ -105,18 +106,18 @@ Result<void> ServerChannel::Impl::handle(const Frame& frame)
         end(error ? error->error : status::Bad_DecodingError, "the client refused");
         return {};
     }
-    return fail(status::Bad_TcpMessageTypeInvalid);
+    return refuse(protocol_refusal(status::Bad_TcpMessageTypeInvalid));
 }
 
-Result<void> ServerChannel::Impl::handle_hello(const Frame& frame)
+Checked<void> ServerChannel::Impl::handle_hello(const Frame& frame)
 {
     const auto hello = parse_hello(frame.body());
     if (!hello) {
         const bool is_url = hello.error() == status::Bad_TcpEndpointUrlInvalid;
-        return fail(is_url ? hello.error() : status::Bad_TcpInternalError);
+        return refuse(protocol_refusal(is_url ? hello.error() : status::Bad_TcpInternalError));
     }
     if (hello->receive_buffer_size < min_buffer_size || hello->send_buffer_size < min_buffer_size) {
-        return fail(status::Bad_TcpNotEnoughResources); // Part 6, 7.1.2.3
+        return refuse(protocol_refusal(status::Bad_TcpNotEnoughResources)); // Part 6, 7.1.2.3
     }
     endpoint_url = hello->endpoint_url.str();
     conversation.negotiate(*hello);
@@ -130,17 +131,20 @@ Result<void> ServerChannel::Impl::handle_hello(const Frame& frame)
     return {};
 }
 
-Result<void> ServerChannel::Impl::handle_open(const Frame& frame)
+Checked<void> ServerChannel::Impl::handle_open(const Frame& frame)
 {
     auto request =
         read_open_request(frame, conversation, {config, state == State::Open, client_nonce});
     if (!request) {
-        return fail(request.error());
+        return refuse(std::move(request).error());
     }
     conversation.security = request->security;
     conversation.peer_certificates = std::move(request->sender);
     conversation.channel_id = config.channel_id;
-    return issue(request->body, request->request_id);
+    if (const auto issued = issue(request->body, request->request_id); !issued) {
+        return refuse(protocol_refusal(issued.error()));
+    }
+    return {};
 }
 
 Result<void> ServerChannel::Impl::issue(const OpenSecureChannelRequest& request,
@@ -184,22 +188,22 @@ Result<void> ServerChannel::Impl::issue(const OpenSecureChannelRequest& request,
     return {};
 }
 
-Result<void> ServerChannel::Impl::handle_message(const Frame& frame)
+Checked<void> ServerChannel::Impl::handle_message(const Frame& frame)
 {
     const auto content = conversation.open(frame, now);
     if (!content) {
-        return fail(content.error());
+        return refuse(protocol_refusal(content.error()));
     }
     if (frame.header.type == MessageType::CLO) {
         end({}, {});
         return {};
     }
     if (frame.header.chunk == 'A' && !conversation.assembly().has_begun()) {
-        return fail(status::Bad_TcpMessageTypeInvalid);
+        return refuse(protocol_refusal(status::Bad_TcpMessageTypeInvalid));
     }
     auto event = conversation.assembly().add(frame.header.chunk, *content);
     if (!event) {
-        return fail(event.error());
+        return refuse(protocol_refusal(event.error()));
     }
     // A client that gave up a request leaves nothing to do (Part 6, 6.7.3).
     if (*event && (*event)->kind == Event::Kind::Message) {
@@ -209,11 +213,10 @@ Result<void> ServerChannel::Impl::handle_message(const Frame& frame)
 }
 
 /// Where an error of the peer becomes an Error message (Part 6, 7.1.5).
-void ServerChannel::Impl::refuse(StatusCode status)
+void ServerChannel::Impl::give_up(const Refusal& refusal)
 {
-    conversation.environment().log->write(LogLevel::Warning, "channel",
-                                          "connection closed: " + std::string{name(status)});
-    fail_with(outward(status), status, name(status));
+    explain(*conversation.environment().log, "channel", refusal);
+    fail_with(outward(refusal.status), refusal.status, name(refusal.status));
 }
 
 void ServerChannel::Impl::fail_with(StatusCode told_status, StatusCode status,
@@ -296,9 +299,9 @@ void ServerChannel::handle_deadline(TimePoint now)
         return;
     }
     if (impl_->state != State::Open) {
-        impl_->refuse(status::Bad_Timeout); // Part 6, 7.1.3
+        impl_->give_up(protocol_refusal(status::Bad_Timeout)); // Part 6, 7.1.3
     } else if (impl_->conversation.expire(now)) {
-        impl_->refuse(status::Bad_SecureChannelTokenUnknown);
+        impl_->give_up(protocol_refusal(status::Bad_SecureChannelTokenUnknown));
     }
 }
 

@@ -157,10 +157,12 @@ Result<void> TrustFolder::create()
     return {};
 }
 
-Result<void> TrustFolder::validate(const CertificateChain& chain, const ValidationContext& context)
+Checked<void> TrustFolder::validate(const CertificateChain& chain, const ValidationContext& context)
 {
     if (chain.empty() || chain.size() > max_chain_length) {
-        return fail(status::Bad_CertificateInvalid);
+        return refuse({status::Bad_CertificateInvalid, "Certificate Structure",
+                       std::to_string(chain.size()) + " certificates", "Part 4, 6.1.3, Table 100",
+                       "The peer needs another certificate"});
     }
     const std::vector<Certificate> trusted = folders_->trusted.certificates();
     std::vector<Certificate> known = folders_->issuers.certificates();
@@ -178,11 +180,9 @@ Result<void> TrustFolder::validate(const CertificateChain& chain, const Validati
         folders_->rejected.save(chain.front(), context.now);
     }
     const Certificate& culprit = path.certificates[finding.depth];
-    log_->write(LogLevel::Warning, "certificate",
-                std::string{name(finding.code)} + ": " + printable(culprit.subject()) + ", " +
-                    culprit.thumbprint_text() + ": " + std::string{explanation_of(finding.code)} +
-                    " (Part 4, 6.1.3)");
-    return fail(finding.code);
+    return refuse({finding.code, "certificate validation",
+                   std::string{explanation_of(finding.code)}, "Part 4, 6.1.3, Table 100",
+                   {}, printable(culprit.subject()), culprit.thumbprint_text()});
 }
 
 } // namespace busbar::crypto

@@ -3,6 +3,8 @@
 #include <asio/connect.hpp>
 #include <asio/io_context.hpp>
 
+#include <busbar/channel/endpoint_url.hpp>
+
 #include "link.hpp"
 
 namespace busbar::net {
@@ -31,7 +33,7 @@ ClientLoop::~ClientLoop()
 Result<void> ClientLoop::connect(client::ClientConfig config,
                                  const channel::ChannelEnvironment& environment, Duration timeout)
 {
-    const auto endpoint = parse_endpoint_url(config.channel.endpoint_url);
+    const auto endpoint = channel::EndpointUrl::parse(config.channel.endpoint_url);
     if (!endpoint) {
         return fail(endpoint.error());
     }

@@ -66,6 +66,13 @@ private:
     char buffer_[64]{};
 };
 
+/// The server itself logs what became of a connection.
+void drain(server::Connection& connection)
+{
+    while (connection.next_event()) {
+    }
+}
+
 } // namespace
 
 struct ServerLoop::Impl {
@@ -79,7 +86,6 @@ struct ServerLoop::Impl {
 
     void accept(tcp::acceptor& acceptor);
     void adopt(tcp::socket socket);
-    void report(server::Connection& connection);
     void drop(std::uint64_t id);
     void after_activity();
     void await_deadline();
@@ -123,33 +129,20 @@ void ServerLoop::Impl::adopt(tcp::socket socket)
     }
     auto connection = server->connect(peer.address().to_string(), detail::now());
     if (!connection) {
-        log->write(LogLevel::Warning, "net",
-                   "no place for a connection from " + peer.address().to_string());
-        return;
+        return; // the server has said why
     }
     auto owned = std::make_unique<server::Connection>(*std::move(connection));
     const std::uint64_t id = owned->id();
     auto link = std::make_shared<ConnectionLink>(
         std::move(socket), *owned,
         [this](ConnectionLink& changed) {
-            report(changed.engine());
+            drain(changed.engine());
             after_activity();
         },
         [this, id](ConnectionLink&) { asio::post(context, [this, id] { drop(id); }); });
     clients.emplace(id, Client{std::move(owned), link});
     link->start();
     after_activity();
-}
-
-void ServerLoop::Impl::report(server::Connection& connection)
-{
-    while (const auto event = connection.next_event()) {
-        if (event->kind == server::ConnectionEvent::Kind::Closed && event->status.is_bad()) {
-            log->write(LogLevel::Info, "net",
-                       "connection closed: " + std::string{name(event->status)} + " " +
-                           event->reason);
-        }
-    }
 }
 
 void ServerLoop::Impl::drop(std::uint64_t id)

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 
-#include "endpoint_url.hpp"
+#include <busbar/channel/endpoint_url.hpp>
+
 #include "user_token.hpp"
 
 namespace busbar::server::detail {
@@ -74,7 +75,7 @@ std::string check_identity(const ServerConfig& config)
 
 std::string find_contradiction(const ServerConfig& config, const ServerEnvironment& environment)
 {
-    if (!EndpointUrl::parse(config.endpoint_url)) {
+    if (!channel::EndpointUrl::parse(config.endpoint_url)) {
         return "\"" + config.endpoint_url + "\" is no URL like opc.tcp://host:port";
     }
     if (config.application_uri.empty() || config.endpoints.empty()) {

@@ -18,70 +18,94 @@ constexpr std::size_t max_nonce_size = 128;
 constexpr std::size_t max_name_size = 256;
 
 /// The security of the channel has to be that of an endpoint: discovery may have less.
-StatusCode check_endpoint(const Core& core, const channel::SecuritySetting& security)
+Checked<void> check_endpoint(const Core& core, const channel::SecuritySetting& security)
 {
     const auto& endpoints = core.config.endpoints;
     const bool is_there = std::any_of(endpoints.begin(), endpoints.end(),
                                       [&](const auto& e) { return e.security == security; });
-    return is_there ? status::Good : status::Bad_SecurityPolicyRejected;
+    if (!is_there) {
+        return refuse({status::Bad_SecurityPolicyRejected, "security of the session",
+                       "the channel has " + std::string{security.policy->name} +
+                           ", which is for discovery only",
+                       "Part 4, 5.5.1 and 5.7.2", "Let the client choose one of the endpoints"});
+    }
+    return {};
 }
 
-StatusCode check_nonce(const ByteString& nonce, bool is_secure)
+Checked<void> check_nonce(const ByteString& nonce, bool is_secure)
 {
-    if (nonce.empty() && !is_secure) {
-        return status::Good;
+    const bool is_right =
+        nonce.empty() ? !is_secure : nonce.size() >= nonce_size && nonce.size() <= max_nonce_size;
+    if (!is_right) {
+        return refuse({status::Bad_NonceInvalid,
+                       "client nonce",
+                       std::to_string(nonce.size()) + " bytes where 32 to 128 are due",
+                       "Part 4, 5.7.2.2",
+                       {}});
     }
-    return nonce.size() >= nonce_size && nonce.size() <= max_nonce_size ? status::Good
-                                                                        : status::Bad_NonceInvalid;
+    return {};
 }
 
 /// The client's certificate must be the one that its channel was opened with, and name the
-/// application that it says it is (Part 4, 5.6.2.2).
-StatusCode check_certificate(const channel::ServerChannel& channel,
-                             const CreateSessionRequest& request)
+/// application that it says it is (Part 4, 5.7.2.2).
+Checked<void> check_certificate(const channel::ServerChannel& channel,
+                                const CreateSessionRequest& request)
 {
     const auto sent = crypto::parse_chain(request.client_certificate.span());
     if (!sent || channel.peer_certificates().empty() ||
         sent->front() != channel.peer_certificates().front()) {
-        return status::Bad_SecurityChecksFailed;
+        return refuse({status::Bad_SecurityChecksFailed, "client certificate",
+                       "not the one that the channel was opened with", "Part 4, 5.7.2.2",
+                       "The client mixes up its certificates"});
     }
-    if (sent->front().application_uri() != request.client_description.application_uri.view()) {
-        return status::Bad_CertificateUriInvalid;
+    const crypto::Certificate& leaf = sent->front();
+    if (leaf.application_uri() != request.client_description.application_uri.view()) {
+        return refuse({status::Bad_CertificateUriInvalid, "ApplicationUri",
+                       "the client says " +
+                           printable(request.client_description.application_uri.view()) +
+                           ", its certificate " + printable(leaf.application_uri()),
+                       "Part 4, 5.7.2.2 and 6.1.3",
+                       "Set the client's ApplicationUri to that of its certificate, or make it "
+                       "another certificate",
+                       printable(leaf.subject()), leaf.thumbprint_text()});
     }
-    return status::Good;
+    return {};
 }
 
-StatusCode check(const ServiceContext& context, const CreateSessionRequest& request)
+Checked<void> check(const ServiceContext& context, const CreateSessionRequest& request)
 {
     const channel::ServerChannel& channel = context.link.channel();
     const bool is_secure = !channel.security().policy->is_none();
-    for (const StatusCode status :
-         {check_endpoint(context.core, channel.security()),
-          check_nonce(request.client_nonce, is_secure),
-          is_secure ? check_certificate(channel, request) : status::Good}) {
-        if (status.is_bad()) {
-            return status;
-        }
-    }
-    return status::Good;
+    return check_endpoint(context.core, channel.security())
+        .and_then([&] { return check_nonce(request.client_nonce, is_secure); })
+        .and_then(
+            [&] { return is_secure ? check_certificate(channel, request) : Checked<void>{}; });
 }
 
-/// Part 4, 5.6.2.1: sessions that nobody activates do not keep others out.
-StatusCode make_place(ServiceContext& context)
+tl::unexpected<Refusal> refuse_place(std::size_t count, std::string_view which)
+{
+    return refuse({status::Bad_TooManySessions, "place for a session",
+                   std::to_string(count) + " " + std::string{which} + ", which is the limit",
+                   "Part 4, 5.7.2", "Close sessions that are not needed, or raise the limit"});
+}
+
+/// Part 4, 5.7.2.1: sessions that nobody activates do not keep others out.
+Checked<void> make_place(ServiceContext& context)
 {
     Core& core = context.core;
-    if (core.sessions.count_of(context.link) >= core.limits().max_sessions_per_channel) {
-        return status::Bad_TooManySessions;
+    const std::size_t over_channel = core.sessions.count_of(context.link);
+    if (over_channel >= core.limits().max_sessions_per_channel) {
+        return refuse_place(over_channel, "sessions over this channel");
     }
     if (core.sessions.size() < core.limits().max_sessions) {
-        return status::Good;
+        return {};
     }
     Session* oldest = core.sessions.oldest_unactivated();
     if (oldest == nullptr) {
-        return status::Bad_TooManySessions;
+        return refuse_place(core.sessions.size(), "sessions, all activated");
     }
     core.close_session(*oldest, status::Bad_SessionClosed);
-    return status::Good;
+    return {};
 }
 
 /// Any number, not a number included, comes into the limits.
@@ -146,11 +170,10 @@ StatusCode create_session(ServiceContext& context, const CreateSessionRequest& r
                           CreateSessionResponse& response)
 {
     Core& core = context.core;
-    if (const StatusCode status = check(context, request); status.is_bad()) {
-        return status;
-    }
-    if (const StatusCode status = make_place(context); status.is_bad()) {
-        return status;
+    const auto admitted = check(context, request).and_then([&] { return make_place(context); });
+    if (!admitted) {
+        explain(context.link.log(), "session", admitted.error());
+        return admitted.error().status;
     }
     const auto& peer = context.link.channel().peer_certificates();
     auto signature =

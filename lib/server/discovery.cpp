@@ -2,8 +2,9 @@
 
 #include <algorithm>
 
+#include <busbar/channel/endpoint_url.hpp>
+
 #include "core.hpp"
-#include "endpoint_url.hpp"
 #include "session_services.hpp"
 #include "user_token.hpp"
 
@@ -14,9 +15,11 @@ namespace {
 constexpr std::string_view transport_profile =
     "http://opcfoundation.org/UA-Profile/Transport/uatcp-uasc-uabinary";
 
-bool is_own_host(const Core& core, const EndpointUrl& own, std::string_view host)
+bool is_own_host(const Core& core, const channel::EndpointUrl& own, std::string_view host)
 {
-    const auto is_it = [host](const std::string& name) { return is_same_host(name, host); };
+    const auto is_it = [host](const std::string& name) {
+        return channel::is_same_host(name, host);
+    };
     if (is_it(own.host) ||
         std::any_of(core.config.host_names.begin(), core.config.host_names.end(), is_it)) {
         return true;
@@ -58,11 +61,12 @@ std::uint8_t security_level(const EndpointConfig& endpoint)
 
 std::string endpoint_url_for(const Core& core, std::string_view requested)
 {
-    auto own = EndpointUrl::parse(core.config.endpoint_url);
+    auto own = channel::EndpointUrl::parse(core.config.endpoint_url);
     if (!own) {
         return core.config.endpoint_url;
     }
-    if (const auto url = EndpointUrl::parse(requested); url && is_own_host(core, *own, url->host)) {
+    if (const auto url = channel::EndpointUrl::parse(requested);
+        url && is_own_host(core, *own, url->host)) {
         own->host = url->host;
     }
     return own->text();

@@ -159,24 +159,36 @@ const Service* find_service(const NodeId& encoding_id)
     return found != services.end() && found->encoding_id == encoding_id.numeric() ? found : nullptr;
 }
 
+tl::unexpected<Refusal> refuse_session(StatusCode status, std::string found, std::string remedy)
+{
+    return refuse({status, "authenticationToken", std::move(found), "Part 4, 5.7.2.1 and 5.7.3.1",
+                   std::move(remedy)});
+}
+
 /// The session that the request belongs to, if the service may be used with it.
-Result<Session*> find_session(Core& core, const Link& link, const RequestHeader& header, Need need,
-                              TimePoint now)
+Checked<Session*> find_session(Core& core, const Link& link, const RequestHeader& header, Need need,
+                               TimePoint now)
 {
     if (need == Need::Nothing) {
         return nullptr;
     }
     Session* session = core.sessions.find(header.authentication_token);
     if (session == nullptr) {
-        return fail(status::Bad_SessionIdInvalid);
+        return refuse_session(status::Bad_SessionIdInvalid, "no session has it",
+                              "The session may have expired; the client has to create another");
     }
     if (need == Need::Activated) {
         if (session->link != &link) {
-            return fail(status::Bad_SecureChannelIdInvalid);
+            return refuse_session(status::Bad_SecureChannelIdInvalid,
+                                  "\"" + printable(session->name) +
+                                      "\" is used over another channel than its own",
+                                  "After a reconnection the client has to activate its session");
         }
         if (!session->is_activated) {
-            core.close_session(*session, status::Bad_SessionClosed); // Part 4, 5.6.3.1
-            return fail(status::Bad_SessionNotActivated);
+            const std::string session_name = printable(session->name);
+            core.close_session(*session, status::Bad_SessionClosed); // Part 4, 5.7.3.1
+            return refuse_session(status::Bad_SessionNotActivated,
+                                  "\"" + session_name + "\" was never activated", {});
         }
         session->deadline = now + session->timeout;
     }
@@ -200,7 +212,8 @@ void run(const Service* service, Core& core, Link& link, Incoming& incoming, Tim
     }
     const auto session = find_session(core, link, incoming.header, service->need, now);
     if (!session) {
-        return link.fault(incoming.reply, session.error());
+        explain(link.log(), "session", session.error());
+        return link.fault(incoming.reply, session.error().status);
     }
     if (*session != nullptr) {
         incoming.reply.max_size = (*session)->max_response_message_size;
@@ -222,7 +235,9 @@ void dispatch(Core& core, Link& link, std::vector<std::byte> message, std::uint3
     incoming.offset = reader.offset();
     const Service* service = find_service(encoding_id);
     if (service == nullptr && is_response(core, encoding_id)) {
-        return link.close(status::Bad_TcpMessageTypeInvalid, "not a request");
+        return link.close({status::Bad_TcpMessageTypeInvalid, "message type",
+                           "a response, which no server gets", "Part 6, 7.1.2.2",
+                           "Find out what connects to this port"});
     }
     // Every request begins with its header (Part 4, 7.32); those that are not known may too.
     decode(reader, incoming.header);

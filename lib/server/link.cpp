@@ -29,18 +29,48 @@ channel::ServerChannelConfig channel_config(Core& core)
     return config;
 }
 
-channel::ChannelEnvironment channel_environment(Core& core)
+channel::ChannelEnvironment channel_environment(Core& core, LogSink& log)
 {
     const ServerEnvironment& from = core.environment;
     return {from.random,
             from.wall_clock,
-            from.log,
+            &log,
             from.validator,
             core.config.identity ? &*core.config.identity : nullptr,
             &core.assembly};
 }
 
+Refusal no_session(const ServerLimits& limits)
+{
+    const auto seconds =
+        std::chrono::duration_cast<std::chrono::seconds>(limits.sessionless_timeout).count();
+    return {status::Bad_Timeout, "session timeout",
+            "no activated session within " + std::to_string(seconds) + " s", "Part 4, 5.7.2.1",
+            "A client that only asks for endpoints has to close its connection"};
+}
+
+Refusal takes_nothing(const ServerLimits& limits)
+{
+    const auto seconds =
+        std::chrono::duration_cast<std::chrono::seconds>(limits.send_timeout).count();
+    return {status::Bad_ConnectionClosed, "send timeout",
+            "the peer took none of its answers for " + std::to_string(seconds) + " s",
+            "limit send_timeout", "Look after the network and the client"};
+}
+
+Refusal takes_too_little(const ServerLimits& limits)
+{
+    return {status::Bad_TcpNotEnoughResources, "send queue",
+            "more than " + std::to_string(limits.max_send_queue) + " bytes wait for the peer",
+            "limit max_send_queue", "Let the client ask for less at once"};
+}
+
 } // namespace
+
+void PeerLog::write(LogLevel level, std::string_view source, std::string_view text)
+{
+    core_.log(level, source, std::string{address_} + ": " + std::string{text});
+}
 
 class Link::Running {
 public:
@@ -63,8 +93,9 @@ private:
 
 Link::Link(Core& core, std::string_view peer_address, TimePoint now)
     : core_{core}, id_{core.next_link_id++}, peer_address_{printable(peer_address)},
-      channel_{channel_config(core), channel_environment(core), now}, created_{now}, now_{now},
-      session_check_{now + core.limits().sessionless_timeout}
+      log_{core, peer_address_}, channel_{channel_config(core), channel_environment(core, log_),
+                                          now},
+      created_{now}, now_{now}, session_check_{now + core.limits().sessionless_timeout}
 {
     core_.links.push_back(this);
 }
@@ -150,7 +181,7 @@ void Link::handle_deadline(TimePoint now)
     if (session_check_ <= now) {
         session_check_ = now + core_.limits().sessionless_timeout;
         if (!core_.sessions.has_activated(*this)) {
-            close(status::Bad_Timeout, "no session");
+            close(no_session(core_.limits()));
         }
     }
     work(now);
@@ -163,7 +194,7 @@ void Link::check_silence(TimePoint now)
         send_check_ = output().empty() ? no_deadline : now + core_.limits().send_timeout;
     } else if (send_check_ <= now) {
         has_given_up_ = true;
-        close(status::Bad_ConnectionClosed, "the peer takes nothing");
+        close(takes_nothing(core_.limits()));
     }
 }
 
@@ -296,6 +327,12 @@ void Link::close(StatusCode status, std::string_view reason)
     mark();
 }
 
+void Link::close(const Refusal& refusal)
+{
+    explain(log_, "connection", refusal);
+    close(refusal.status, refusal.check);
+}
+
 void Link::sweep()
 {
     std::erase_if(operations_, [](const auto& operation) { return operation->is_finished(); });
@@ -304,7 +341,7 @@ void Link::sweep()
 void Link::check_send_queue()
 {
     if (!is_closed() && channel_.output().size() > core_.limits().max_send_queue) {
-        close(status::Bad_TcpNotEnoughResources, "the peer takes too little");
+        close(takes_too_little(core_.limits()));
     }
 }
 

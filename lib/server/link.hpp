@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <busbar/channel/server_channel.hpp>
+#include <busbar/core/refusal.hpp>
 #include <busbar/server/connection.hpp>
 
 #include "core.hpp"
@@ -21,6 +22,18 @@ struct Reply {
     std::uint32_t request_handle{0};
     /// Bytes; 0 if only the channel's limit holds.
     std::uint32_t max_size{0};
+};
+
+/// The server's log with the peer's address before each line; as bounded as Core::log.
+class PeerLog final : public LogSink {
+public:
+    PeerLog(Core& core, std::string_view address) : core_{core}, address_{address} {}
+
+    void write(LogLevel level, std::string_view source, std::string_view text) override;
+
+private:
+    Core& core_;
+    std::string_view address_;
 };
 
 /// The inside of a Connection: its channel and the operations that wait on it.
@@ -49,6 +62,8 @@ public:
 
     [[nodiscard]] const channel::ServerChannel& channel() const { return channel_; }
     [[nodiscard]] std::string_view peer_address() const { return peer_address_; }
+    /// For what is to be said of this peer.
+    [[nodiscard]] LogSink& log() { return log_; }
     /// Whose failed logins are counted together: the certificate's, without one the address's.
     [[nodiscard]] std::string login_key() const;
 
@@ -74,6 +89,8 @@ public:
     /// Ends the session's operations with this handle; how many there were (Part 4, 5.6.5).
     std::uint32_t cancel(const Session& session, std::uint32_t request_handle);
     void close(StatusCode status, std::string_view reason);
+    /// The same because of something the peer did or left undone, which the log explains.
+    void close(const Refusal& refusal);
     /// Destroys the operations that have answered.
     void sweep();
     [[nodiscard]] TimePoint created() const { return created_; }
@@ -95,6 +112,7 @@ private:
     Core& core_;
     std::uint64_t id_;
     std::string peer_address_;
+    PeerLog log_;
     channel::ServerChannel channel_;
     std::vector<std::unique_ptr<Operation>> operations_;
     std::vector<ConnectionEvent> events_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <busbar/core/text.hpp>
+
 #include "config_check.hpp"
 #include "core.hpp"
 #include "link.hpp"
@@ -11,7 +13,9 @@ namespace busbar::server {
 struct Server::Impl : detail::Core {
     using Core::Core;
 
-    /// Makes place by closing the oldest connection that has no session (Part 4, 5.5.2.1).
+    /// Why a peer cannot be taken; nothing if it can.
+    [[nodiscard]] std::string find_obstacle(std::string_view peer_address);
+    /// Makes place by closing the oldest connection that has no session (Part 4, 5.6.2.1).
     [[nodiscard]] bool make_place();
     void expire_sessions(TimePoint now);
     void finish_shutdown();
@@ -70,16 +74,32 @@ std::uint32_t Server::add_source(DataSource& source)
 
 Result<Connection> Server::connect(std::string_view peer_address, TimePoint now)
 {
-    const auto from_there =
-        std::count_if(impl_->links.begin(), impl_->links.end(), [&](const detail::Link* link) {
-            return link->peer_address() == peer_address;
-        });
-    if (impl_->is_shutting_down() ||
-        static_cast<std::size_t>(from_there) >= impl_->limits().max_connections_per_address ||
-        !impl_->make_place()) {
+    if (auto found = impl_->find_obstacle(peer_address); !found.empty()) {
+        const Refusal refusal{status::Bad_TcpServerTooBusy, "place for a connection",
+                              std::move(found), "Part 6, 7.1.2.5",
+                              "Close connections that are not needed, or raise the limit"};
+        impl_->log(LogLevel::Warning, "connection", printable(peer_address) + ": " + text(refusal));
         return fail(status::Bad_TcpServerTooBusy);
     }
     return Connection{std::make_unique<detail::Link>(*impl_, peer_address, now)};
+}
+
+std::string Server::Impl::find_obstacle(std::string_view peer_address)
+{
+    if (is_shutting_down()) {
+        return "the server is stopping";
+    }
+    const auto from_there =
+        std::count_if(links.begin(), links.end(), [&](const detail::Link* link) {
+            return link->peer_address() == peer_address;
+        });
+    if (static_cast<std::size_t>(from_there) >= limits().max_connections_per_address) {
+        return std::to_string(from_there) + " connections from this address, which is the limit";
+    }
+    if (!make_place()) {
+        return std::to_string(links.size()) + " connections, all with sessions";
+    }
+    return {};
 }
 
 bool Server::Impl::make_place()
@@ -89,9 +109,13 @@ bool Server::Impl::make_place()
     if (open < limits().max_connections) {
         return links.size() < 2 * limits().max_connections;
     }
+    const Refusal displaced{status::Bad_TcpServerTooBusy, "activity",
+                            "all connections are taken and this one is the oldest without an "
+                            "activated session",
+                            "Part 4, 5.6.2.1", "Raise max_connections if all of them are needed"};
     for (detail::Link* link : links) { // the oldest first
         if (!link->is_closed() && !sessions.has_activated(*link)) {
-            link->close(status::Bad_TcpServerTooBusy, "another needs the place");
+            link->close(displaced);
             sweep();
             return links.size() < 2 * limits().max_connections;
         }

@@ -1,33 +1,14 @@
 #include <catch2/catch.hpp>
 
 #include "server/config_check.hpp"
-#include "server/endpoint_url.hpp"
 #include "server/login_guard.hpp"
 #include "support/server_fixture.hpp"
 
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
-using server::detail::EndpointUrl;
 using server::detail::find_contradiction;
 using server::detail::LoginGuard;
-
-TEST_CASE("endpoint URLs")
-{
-    const auto url = EndpointUrl::parse("opc.tcp://[fe80::1]:4841/a/b");
-    REQUIRE(url);
-    CHECK(url->host == "fe80::1");
-    CHECK(url->port == 4841);
-    CHECK(url->path == "/a/b");
-    CHECK(url->text() == "opc.tcp://[fe80::1]:4841/a/b");
-    CHECK(EndpointUrl::parse("opc.tcp://host")->text() == "opc.tcp://host:4840");
-    for (const char* wrong :
-         {"", "opc.tcp://", "opc.tcp://:4840", "opc.tcp://h:", "opc.tcp://h:x", "opc.tcp://h:70000",
-          "opc.tcp://[::1", "opc.tcp://[::1]x", "h:4840"}) {
-        CHECK_FALSE(EndpointUrl::parse(wrong));
-    }
-    CHECK_FALSE(EndpointUrl::parse("opc.tcp://" + std::string(4'090, 'h')));
-}
 
 TEST_CASE("the login guard remembers a bounded number of clients")
 {

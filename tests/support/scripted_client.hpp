@@ -12,11 +12,11 @@ namespace busbar::test {
 /// A certificate validator that says what it is told to.
 class FixedValidator final : public crypto::CertificateValidator {
 public:
-    [[nodiscard]] Result<void> validate(const crypto::CertificateChain&,
+    [[nodiscard]] Checked<void> validate(const crypto::CertificateChain&,
                                         const crypto::ValidationContext&) override
     {
         if (answer.is_bad()) {
-            return fail(answer);
+            return refuse({answer, "the validator's check", "what the test wants", "a test", {}});
         }
         return {};
     }

@@ -24,7 +24,8 @@ struct ClientChannelConfig {
     std::chrono::milliseconds requested_lifetime{3'600'000};
     /// Wait for the server's ReverseHello before sending Hello (Part 6, 7.1.2.6).
     bool is_reverse{false};
-    /// Not empty: the ApplicationUri that a ReverseHello must name. Empty accepts any.
+    /// Not empty: the ApplicationUri that the server's certificate and, with is_reverse, its
+    /// ReverseHello must name. Empty accepts any.
     std::string expected_server_uri;
 };
 

@@ -7,6 +7,7 @@
 
 #include <busbar/core/date_time.hpp>
 #include <busbar/core/log.hpp>
+#include <busbar/core/refusal.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/crypto/certificate.hpp>
 #include <busbar/crypto/security_policy.hpp>
@@ -32,10 +33,11 @@ public:
     CertificateValidator& operator=(const CertificateValidator&) = delete;
     virtual ~CertificateValidator() = default;
 
-    /// `chain` is not empty, its leaf first. The status is one of Part 4, 6.1.3, table 100; the
-    /// channel shows the peer Bad_SecurityChecksFailed for all but the few it may show.
-    [[nodiscard]] virtual Result<void> validate(const CertificateChain& chain,
-                                                const ValidationContext& context) = 0;
+    /// `chain` is not empty, its leaf first. The refusal's status is one of Part 4, 6.1.3, Table
+    /// 100; who asks writes it to the log, and shows the peer Bad_SecurityChecksFailed for all but
+    /// the few it may show.
+    [[nodiscard]] virtual Checked<void> validate(const CertificateChain& chain,
+                                                 const ValidationContext& context) = 0;
 };
 
 /// The checks of a leaf that need neither chain nor trust list, in the order of the table:
@@ -46,8 +48,8 @@ public:
 /// Accepts whoever has a key that the policy allows. For tests and the marked demo only.
 class InsecureAcceptAnyCertificate final : public CertificateValidator {
 public:
-    [[nodiscard]] Result<void> validate(const CertificateChain& chain,
-                                        const ValidationContext& context) override;
+    [[nodiscard]] Checked<void> validate(const CertificateChain& chain,
+                                         const ValidationContext& context) override;
 };
 
 /// Trust lists as folders: `trusted`, `issuers` and `rejected` in `folder`, one certificate a file
@@ -71,8 +73,8 @@ public:
 
     /// Makes the folders that are missing; Bad_ConfigurationError if that fails.
     [[nodiscard]] Result<void> create();
-    [[nodiscard]] Result<void> validate(const CertificateChain& chain,
-                                        const ValidationContext& context) override;
+    [[nodiscard]] Checked<void> validate(const CertificateChain& chain,
+                                         const ValidationContext& context) override;
 
 private:
     struct Folders;

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include <busbar/client/client.hpp>
-#include <busbar/net/endpoint.hpp>
 
 namespace busbar::net {
 

@@ -1,26 +1,28 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
 
-namespace busbar::server::detail {
+#include <busbar/core/result.hpp>
+
+namespace busbar::channel {
 
 /// The parts of "opc.tcp://host:port/path".
 struct EndpointUrl {
     /// Without the brackets of an IPv6 address.
     std::string host;
-    std::uint16_t port{4840};
+    std::uint16_t port{4840}; // Part 6, 7.2
     /// With its slash; may be empty.
     std::string path;
 
-    /// Nothing for what is no such URL or has 4,096 bytes or more (Part 6, 7.1.2.3).
-    [[nodiscard]] static std::optional<EndpointUrl> parse(std::string_view text);
+    /// Bad_TcpEndpointUrlInvalid for another scheme, an empty host, a port that is none, and 4,096
+    /// bytes or more (Part 6, 7.1.2.3).
+    [[nodiscard]] static Result<EndpointUrl> parse(std::string_view text);
     [[nodiscard]] std::string text() const;
 };
 
 /// True if both are one host name or address; case does not matter.
 [[nodiscard]] bool is_same_host(std::string_view a, std::string_view b);
 
-} // namespace busbar::server::detail
+} // namespace busbar::channel

@@ -1,9 +1,10 @@
-#include "endpoint_url.hpp"
+#include <busbar/channel/endpoint_url.hpp>
 
 #include <algorithm>
 #include <charconv>
+#include <optional>
 
-namespace busbar::server::detail {
+namespace busbar::channel {
 
 namespace {
 
@@ -33,7 +34,7 @@ std::optional<std::uint16_t> parse_port(std::string_view text)
 {
     std::uint16_t port = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-    if (error != std::errc{} || end != text.data() + text.size()) {
+    if (error != std::errc{} || end != text.data() + text.size() || port == 0) {
         return std::nullopt;
     }
     return port;
@@ -41,16 +42,16 @@ std::optional<std::uint16_t> parse_port(std::string_view text)
 
 } // namespace
 
-std::optional<EndpointUrl> EndpointUrl::parse(std::string_view text)
+Result<EndpointUrl> EndpointUrl::parse(std::string_view text)
 {
     if (text.size() > max_length || !is_same_host(text.substr(0, scheme.size()), scheme)) {
-        return std::nullopt;
+        return fail(status::Bad_TcpEndpointUrlInvalid);
     }
     text.remove_prefix(scheme.size());
     const std::size_t end = std::min(text.find('/'), text.size());
     const auto parts = split(text.substr(0, end));
     if (!parts || parts->first.empty()) {
-        return std::nullopt;
+        return fail(status::Bad_TcpEndpointUrlInvalid);
     }
     EndpointUrl url;
     url.host = parts->first;
@@ -59,7 +60,7 @@ std::optional<EndpointUrl> EndpointUrl::parse(std::string_view text)
         const auto port =
             parts->second.front() == ':' ? parse_port(parts->second.substr(1)) : std::nullopt;
         if (!port) {
-            return std::nullopt;
+            return fail(status::Bad_TcpEndpointUrlInvalid);
         }
         url.port = *port;
     }
@@ -79,4 +80,4 @@ bool is_same_host(std::string_view a, std::string_view b)
                       [](char x, char y) { return lower(x) == lower(y); });
 }
 
-} // namespace busbar::server::detail
+} // namespace busbar::channel

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <tl/expected.hpp>
+
+#include <busbar/core/log.hpp>
+#include <busbar/core/status_code.hpp>
+#include <busbar/core/status_codes.hpp>
+
+namespace busbar {
+
+/// Why a connection, message, certificate, token or user was refused, for the operator of this
+/// machine. The peer is told no more than Part 4, 6.1.3 and Part 6, 6.7.7 allow; the log says it
+/// all. Never holds a secret; what a peer sent has passed `printable`.
+struct Refusal {
+    StatusCode status;
+    /// Which check failed: "Trust List Check", "user name and password".
+    std::string_view check;
+    /// What was found and, where it helps, what was expected.
+    std::string found;
+    /// Which rule asks for the check: "Part 4, 6.1.3, Table 100".
+    std::string_view rule;
+    /// What the operator can do; empty if there is nothing to do, as with a forged message.
+    std::string remedy;
+    /// The certificate that it is about, empty if it is about none.
+    std::string subject{};
+    std::string thumbprint{};
+};
+
+/// What a check that can refuse gives: a value, or the refusal.
+template <typename T>
+using Checked = tl::expected<T, Refusal>;
+
+[[nodiscard]] inline tl::unexpected<Refusal> refuse(Refusal refusal)
+{
+    return tl::unexpected<Refusal>{std::move(refusal)};
+}
+
+/// The refusal as one line:
+/// "Trust List Check failed: neither ... nor ... (CN=Line 3, 01AB...): Bad_CertificateUntrusted,
+/// Part 4, 6.1.3, Table 100. Move it from rejected to trusted."
+[[nodiscard]] std::string text(const Refusal& refusal);
+
+/// Writes that line as a warning. Whoever answers the peer does it, once for each refusal.
+void explain(LogSink& log, std::string_view source, const Refusal& refusal);
+
+} // namespace busbar
