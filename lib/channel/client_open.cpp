@@ -65,7 +65,7 @@ Checked<void> ClientChannel::Impl::check_server(const AsymmetricHeader& header)
     const auto chain = crypto::parse_chain(header.sender_certificate);
     if (!chain || !(chain->front() == *config.server_certificate)) {
         return refuse({status::Bad_CertificateInvalid, "server certificate",
-                       "not the one that the server's endpoint showed", "Part 4, 5.4.1",
+                       "not the one that the server's endpoint showed", "Part 4, 5.5.1",
                        std::string{read_again}, printable(config.server_certificate->subject()),
                        config.server_certificate->thumbprint_text()});
     }

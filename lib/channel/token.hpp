@@ -14,7 +14,7 @@ struct Token {
     std::uint32_t id{0};
     std::optional<crypto::SymmetricCipher> send;    // none with mode None
     std::optional<crypto::SymmetricCipher> receive; // none with mode None
-    TimePoint renew_at{no_deadline};                // 75 % of the lifetime (Part 4, 5.5.2.1)
+    TimePoint renew_at{no_deadline};                // 75 % of the lifetime (Part 4, 5.6.2.1)
     TimePoint ends_at{no_deadline};    // 100 %: no longer sent with if there is another
     TimePoint expires_at{no_deadline}; // 125 %: no longer accepted
 };

@@ -6,7 +6,7 @@ namespace busbar::client::detail {
 
 namespace {
 
-constexpr std::size_t nonce_size = 32; // Part 4, 5.6.2: 32 bytes or more
+constexpr std::size_t nonce_size = 32; // Part 4, 5.7.2: 32 bytes or more
 
 ByteString chain_of(const channel::ApplicationIdentity& identity)
 {

@@ -17,11 +17,11 @@ struct SessionData {
 [[nodiscard]] Result<CreateSessionRequest> make_create_session(const ClientConfig& config,
                                                                const channel::ChannelEnvironment& e,
                                                                SessionData& session);
-/// Takes the response in, after its signature was checked (Part 4, 5.6.2).
+/// Takes the response in, after its signature was checked (Part 4, 5.7.2).
 [[nodiscard]] Result<void> accept_session(const ClientConfig& config,
                                           const CreateSessionResponse& response,
                                           SessionData& session);
-/// Signature and user token (Part 4, 5.6.3). Bad_IdentityTokenRejected if the server takes no token
+/// Signature and user token (Part 4, 5.7.3). Bad_IdentityTokenRejected if the server takes no token
 /// of the kind that is wanted.
 [[nodiscard]] Result<ActivateSessionRequest>
 make_activate_session(const ClientConfig& config, const channel::ChannelEnvironment& environment,

@@ -5,7 +5,7 @@ namespace busbar::server::detail {
 
 StatusCode close_session(ServiceContext& context, const CloseSessionRequest&, CloseSessionResponse&)
 {
-    // Part 4, 5.6.4.1: also before it was activated, but only over its own channel.
+    // Part 4, 5.7.4.1: also before it was activated, but only over its own channel.
     if (context.session->link != &context.link) {
         return status::Bad_SecureChannelIdInvalid;
     }

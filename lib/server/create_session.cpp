@@ -12,7 +12,7 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// Sizes of nonces and tokens in bytes (Part 4, 5.6.2.2 and 7.35).
+/// Sizes of nonces and tokens in bytes (Part 4, 5.7.2.2 and 7.35).
 constexpr std::size_t nonce_size = 32;
 constexpr std::size_t max_nonce_size = 128;
 constexpr std::size_t max_name_size = 256;

@@ -9,7 +9,7 @@ namespace busbar::server::detail {
 struct Core;
 
 /// The URL to show a client that says it used `requested`: with that host if it is one of the
-/// server's, else the default (Part 4, 5.4.4.2).
+/// server's, else the default (Part 4, 5.5.4.2).
 [[nodiscard]] std::string endpoint_url_for(const Core& core, std::string_view requested);
 /// Every endpoint, as it is to be described to a client that says it used `requested_url`.
 [[nodiscard]] Array<EndpointDescription> describe_endpoints(const Core& core,

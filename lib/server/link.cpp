@@ -269,7 +269,7 @@ void Link::respond(const Reply& reply, std::uint32_t encoding_id,
         encode(writer, NodeId{0, encoding_id});
         encode_response(writer);
         if (reply.max_size != 0 && writer.written() > reply.max_size) {
-            writer.fail(status::Bad_ResponseTooLarge); // Part 4, 5.6.2.2
+            writer.fail(status::Bad_ResponseTooLarge); // Part 4, 5.7.2.2
         }
     });
     if (!sent) {

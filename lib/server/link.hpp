@@ -86,7 +86,7 @@ public:
 
     /// Answers what the session has pending here with `status`; all sessions' if it is null.
     void end_operations(const Session* session, StatusCode status);
-    /// Ends the session's operations with this handle; how many there were (Part 4, 5.6.5).
+    /// Ends the session's operations with this handle; how many there were (Part 4, 5.7.5).
     std::uint32_t cancel(const Session& session, std::uint32_t request_handle);
     void close(StatusCode status, std::string_view reason);
     /// The same because of something the peer did or left undone, which the log explains.

@@ -24,7 +24,7 @@ public:
     virtual ~SessionPart() = default;
 };
 
-/// A Session (Part 4, 5.6). Fields are plain: the session services change them, others read.
+/// A Session (Part 4, 5.7). Fields are plain: the session services change them, others read.
 class Session {
 public:
     explicit Session(std::size_t max_memory) : memory_left_{max_memory} {}

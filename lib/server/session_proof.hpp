@@ -14,14 +14,14 @@ struct Core;
 /// A nonce or token of `size` random bytes; Bad_ResourceUnavailable without randomness.
 [[nodiscard]] Result<ByteString> random_bytes(const Core& core, std::size_t size);
 
-/// The server's signature over the client's certificate and nonce (Part 4, 5.6.2.2); null with
+/// The server's signature over the client's certificate and nonce (Part 4, 5.7.2.2); null with
 /// SecurityPolicy None.
 [[nodiscard]] Result<SignatureData> sign_for_client(const Core& core,
                                                     const channel::SecuritySetting& security,
                                                     std::span<const std::byte> client_certificate,
                                                     std::span<const std::byte> client_nonce);
 
-/// True if the client has signed the server's certificate and nonce (Part 4, 5.6.3.2), or need not
+/// True if the client has signed the server's certificate and nonce (Part 4, 5.7.3.2), or need not
 /// because there is no security.
 [[nodiscard]] bool is_signed_by_client(const Core& core, const channel::SecuritySetting& security,
                                        const crypto::CertificateChain& client,

@@ -7,14 +7,14 @@
 
 namespace busbar::server::detail {
 
-// Discovery service set (Part 4, 5.4).
+// Discovery service set (Part 4, 5.5).
 
 [[nodiscard]] StatusCode find_servers(ServiceContext& context, const FindServersRequest& request,
                                       FindServersResponse& response);
 [[nodiscard]] StatusCode get_endpoints(ServiceContext& context, const GetEndpointsRequest& request,
                                        GetEndpointsResponse& response);
 
-// Session service set (Part 4, 5.6).
+// Session service set (Part 4, 5.7).
 
 [[nodiscard]] StatusCode create_session(ServiceContext& context,
                                         const CreateSessionRequest& request,

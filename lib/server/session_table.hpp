@@ -20,7 +20,7 @@ public:
     [[nodiscard]] std::size_t size() const { return sessions_.size(); }
     [[nodiscard]] std::size_t count_of(const Link& link) const;
     [[nodiscard]] bool has_activated(const Link& link) const;
-    /// The oldest that was never activated, or null (Part 4, 5.6.2.1).
+    /// The oldest that was never activated, or null (Part 4, 5.7.2.1).
     [[nodiscard]] Session* oldest_unactivated();
     /// The session that is overdue first, or null if there is none at all.
     [[nodiscard]] Session* next_to_expire() const;

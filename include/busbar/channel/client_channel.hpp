@@ -30,7 +30,7 @@ struct ClientChannelConfig {
 };
 
 /// The client's end of one connection; the shape of ServerChannel. Opens the channel by itself,
-/// renews its SecurityToken when 75 % of the lifetime are over (Part 4, 5.5.2.1).
+/// renews its SecurityToken when 75 % of the lifetime are over (Part 4, 5.6.2.1).
 class ClientChannel {
 public:
     ClientChannel(ClientChannelConfig config, const ChannelEnvironment& environment, TimePoint now);

@@ -19,7 +19,7 @@ struct ServerChannelConfig {
     TransportLimits limits;
     /// What an OpenSecureChannel may ask for; anything else is refused.
     std::vector<SecuritySetting> allowed;
-    /// The lifetime of a SecurityToken is brought into this range (Part 4, 5.5.2).
+    /// The lifetime of a SecurityToken is brought into this range (Part 4, 5.6.2).
     std::chrono::milliseconds min_lifetime{10'000};
     std::chrono::milliseconds max_lifetime{3'600'000};
     /// Not zero, and of this channel only while it lives.

@@ -85,7 +85,7 @@ public:
     /// Any number may be under way.
     template <typename Request>
     [[nodiscard]] Result<std::uint32_t> send(Request&& request);
-    /// Closes session and channel (Part 4, 5.6.4 and 5.5.3).
+    /// Closes session and channel (Part 4, 5.7.4 and 5.6.3).
     void close();
 
     /// What the server offered in CreateSession.

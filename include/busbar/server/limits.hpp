@@ -29,7 +29,7 @@ struct ServerLimits {
     std::size_t max_connections{120};
     std::size_t max_connections_per_address{60};
     /// A connection without an activated session is closed after this time; the oldest one goes
-    /// earlier if a new one needs its place (Part 4, 5.5.2.1).
+    /// earlier if a new one needs its place (Part 4, 5.6.2.1).
     std::chrono::milliseconds sessionless_timeout{30'000};
     /// Bytes that may wait for a peer to take them, and how long it may take none. Past half of it
     /// no more requests are worked on.
@@ -66,7 +66,7 @@ struct ServerLimits {
     std::uint32_t max_browse_path_elements{64};
     std::uint32_t max_browse_path_targets{1'000};
 
-    // Logins (Part 4, 5.6.3.1): failures of one client until it is locked out, and for how long.
+    // Logins (Part 4, 5.7.3.1): failures of one client until it is locked out, and for how long.
 
     std::size_t max_login_failures{5};
     std::chrono::milliseconds login_lock{300'000};
