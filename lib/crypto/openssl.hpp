@@ -3,11 +3,15 @@
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <string>
+#include <vector>
 
 #include <openssl/bio.h>
 #include <openssl/evp.h>
 #include <openssl/x509.h>
 #include <openssl/x509v3.h>
+
+#include <busbar/core/date_time.hpp>
 
 /// Owners for OpenSSL's objects and casts to its bytes.
 namespace busbar::crypto::detail {
@@ -29,6 +33,7 @@ using CipherContext = std::unique_ptr<EVP_CIPHER_CTX, FreeWith<EVP_CIPHER_CTX_fr
 using Mac = std::unique_ptr<EVP_MAC, FreeWith<EVP_MAC_free>>;
 using MacContext = std::unique_ptr<EVP_MAC_CTX, FreeWith<EVP_MAC_CTX_free>>;
 using X509Pointer = std::unique_ptr<X509, FreeWith<X509_free>>;
+using CrlPointer = std::unique_ptr<X509_CRL, FreeWith<X509_CRL_free>>;
 using GeneralNames = std::unique_ptr<GENERAL_NAMES, FreeWith<GENERAL_NAMES_free>>;
 using Extension = std::unique_ptr<X509_EXTENSION, FreeWith<X509_EXTENSION_free>>;
 
@@ -42,7 +47,25 @@ inline unsigned char* bytes_of(std::span<std::byte> bytes)
     return reinterpret_cast<unsigned char*>(bytes.data());
 }
 
+template <std::size_t Size>
+unsigned char* bytes_of(std::span<std::byte, Size> bytes)
+{
+    return reinterpret_cast<unsigned char*>(bytes.data());
+}
+
 /// Bytes that a read-only BIO reads.
 Bio memory_bio(std::span<const std::byte> bytes);
+
+/// For PEM_read_*: OpenSSL would ask a terminal for the passphrase of an encrypted block.
+int give_no_passphrase(char*, int, int, void*);
+
+/// Null for a time that is missing or unreadable.
+DateTime date_time_of(const ASN1_TIME* time);
+/// "CN=Name, O=..." for people; other than printable ASCII is escaped.
+std::string text_of(const X509_NAME* name);
+/// A thumbprint (Part 6, 6.7.2.3).
+std::vector<std::byte> sha1_of(std::span<const std::byte> bytes);
+/// In upper case.
+std::string hexadecimal(std::span<const std::byte> bytes);
 
 } // namespace busbar::crypto::detail

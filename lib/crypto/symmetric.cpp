@@ -16,7 +16,7 @@ namespace {
 using Kdf = std::unique_ptr<EVP_KDF, detail::FreeWith<EVP_KDF_free>>;
 using KdfContext = std::unique_ptr<EVP_KDF_CTX, detail::FreeWith<EVP_KDF_CTX_free>>;
 
-constexpr std::size_t hmac_size = 32;
+constexpr std::size_t max_hmac_size = 32;
 constexpr std::size_t aes_block_size = 16;
 
 OSSL_PARAM octets(const char* name, std::span<const std::byte> bytes)
@@ -25,17 +25,22 @@ OSSL_PARAM octets(const char* name, std::span<const std::byte> bytes)
                                              bytes.size());
 }
 
-/// P_SHA256 of RFC 5246, 5, which OpenSSL has as the TLS 1.2 PRF.
-bool p_sha256(std::span<const std::byte> secret, std::span<const std::byte> seed,
-              std::span<std::byte> out)
+/// The name by which OpenSSL knows the policy's digest.
+OSSL_PARAM digest_name(const char* key, const SecurityPolicy& policy)
+{
+    const char* name = policy.digest == SymmetricDigest::Sha1 ? "SHA1" : "SHA256";
+    return OSSL_PARAM_construct_utf8_string(key, const_cast<char*>(name), 0);
+}
+
+/// P_hash of RFC 5246, 5, which OpenSSL has as the TLS 1.2 PRF.
+bool p_hash(const SecurityPolicy& policy, std::span<const std::byte> secret,
+            std::span<const std::byte> seed, std::span<std::byte> out)
 {
     const Kdf kdf{EVP_KDF_fetch(nullptr, "TLS1-PRF", nullptr)};
     const KdfContext context{kdf ? EVP_KDF_CTX_new(kdf.get()) : nullptr};
-    char digest[] = "SHA256";
-    const std::array parameters = {
-        OSSL_PARAM_construct_utf8_string(OSSL_KDF_PARAM_DIGEST, digest, 0),
-        octets(OSSL_KDF_PARAM_SECRET, secret), octets(OSSL_KDF_PARAM_SEED, seed),
-        OSSL_PARAM_construct_end()};
+    const std::array parameters = {digest_name(OSSL_KDF_PARAM_DIGEST, policy),
+                                   octets(OSSL_KDF_PARAM_SECRET, secret),
+                                   octets(OSSL_KDF_PARAM_SEED, seed), OSSL_PARAM_construct_end()};
     return context &&
            EVP_KDF_derive(context.get(), detail::bytes_of(out), out.size(), parameters.data()) == 1;
 }
@@ -62,7 +67,7 @@ Result<SymmetricKeys> derive_keys(const SecurityPolicy& policy, std::span<const 
         return fail(status::Bad_SecurityChecksFailed);
     }
     Secret all{policy.signing_key_size + policy.encrypting_key_size + policy.block_size};
-    if (!p_sha256(secret, seed, all.span())) {
+    if (!p_hash(policy, secret, seed, all.span())) {
         return fail(status::Bad_SecurityChecksFailed);
     }
     const auto bytes = all.span();
@@ -91,14 +96,12 @@ bool prepare_cipher(EVP_CIPHER_CTX* context, const SecurityPolicy& policy,
            EVP_CIPHER_CTX_set_padding(context, 0) == 1;
 }
 
-detail::MacContext prepare_mac(const SymmetricKeys& keys)
+detail::MacContext prepare_mac(const SecurityPolicy& policy, const SymmetricKeys& keys)
 {
     const detail::Mac mac{EVP_MAC_fetch(nullptr, "HMAC", nullptr)};
     detail::MacContext context{mac ? EVP_MAC_CTX_new(mac.get()) : nullptr};
-    char digest[] = "SHA256";
-    const std::array parameters = {
-        OSSL_PARAM_construct_utf8_string(OSSL_MAC_PARAM_DIGEST, digest, 0),
-        OSSL_PARAM_construct_end()};
+    const std::array parameters = {digest_name(OSSL_MAC_PARAM_DIGEST, policy),
+                                   OSSL_PARAM_construct_end()};
     const auto key = keys.signing_key.span();
     if (!context ||
         EVP_MAC_init(context.get(), detail::bytes_of(key), key.size(), parameters.data()) != 1) {
@@ -141,7 +144,7 @@ Result<SymmetricCipher> SymmetricCipher::create(const SecurityPolicy& policy,
     auto contexts = std::make_unique<Contexts>();
     contexts->encryption.reset(EVP_CIPHER_CTX_new());
     contexts->decryption.reset(EVP_CIPHER_CTX_new());
-    contexts->mac = prepare_mac(keys);
+    contexts->mac = prepare_mac(policy, keys);
     contexts->initialization_vector = Secret{keys.initialization_vector.span()};
     if (!prepare_cipher(contexts->encryption.get(), policy, keys, 1) ||
         !prepare_cipher(contexts->decryption.get(), policy, keys, 0) || !contexts->mac) {
@@ -162,7 +165,11 @@ bool SymmetricCipher::sign(std::span<const std::byte> data, std::span<std::byte>
 
 bool SymmetricCipher::verify(std::span<const std::byte> data, std::span<const std::byte> signature)
 {
-    std::array<std::byte, hmac_size> expected{};
+    std::array<std::byte, max_hmac_size> buffer{};
+    if (signature.size() > buffer.size()) {
+        return false;
+    }
+    const auto expected = std::span{buffer}.first(signature.size());
     return sign(data, expected) && equal_in_constant_time(expected, signature);
 }
 

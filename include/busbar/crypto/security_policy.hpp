@@ -7,8 +7,11 @@
 
 namespace busbar::crypto {
 
-enum class AsymmetricSignature : std::uint8_t { None, Pkcs1Sha256, PssSha256 };
-enum class AsymmetricEncryption : std::uint8_t { None, OaepSha1, OaepSha256 };
+enum class AsymmetricSignature : std::uint8_t { None, Pkcs1Sha1, Pkcs1Sha256, PssSha256 };
+enum class AsymmetricEncryption : std::uint8_t { None, Pkcs1, OaepSha1, OaepSha256 };
+/// The digest of SymmetricSignatureAlgorithm (HMAC) and KeyDerivationAlgorithm (P_hash), which is
+/// one and the same in every policy.
+enum class SymmetricDigest : std::uint8_t { Sha1, Sha256 };
 
 /// One security policy of Part 7, 6.6 as data; the channel knows no policy by name.
 struct SecurityPolicy {
@@ -20,16 +23,23 @@ struct SecurityPolicy {
     std::string_view encryption_uri{}; // UserNameIdentityToken.encryptionAlgorithm
     std::uint32_t min_key_bits{0};     // of RSA keys
     std::uint32_t max_key_bits{0};
-    std::size_t symmetric_signature_size{0}; // bytes, HMAC-SHA256
-    std::size_t signing_key_size{0};
+    SymmetricDigest digest{SymmetricDigest::Sha256};
+    std::size_t symmetric_signature_size{0}; // bytes
+    std::size_t signing_key_size{0};         // DerivedSignatureKeyLength
     std::size_t encrypting_key_size{0};
     std::size_t block_size{1};
-    std::size_t nonce_size{0};
+    std::size_t nonce_size{0}; // SecureChannelNonceLength
+    /// CertificateSignatureAlgorithm: certificates signed with SHA-1 will do.
+    bool allows_sha1_certificates{false};
+    /// No longer recommended by Part 7, because of SHA-1 and PKCS#1 v1.5: only for peers that know
+    /// nothing better, and never used unless a configuration names it.
+    bool is_deprecated{false};
 
     [[nodiscard]] bool is_none() const { return signature == AsymmetricSignature::None; }
 };
 
-/// All policies this build knows, None first.
+/// All policies this build knows: None, then from the weakest to the strongest. The deprecated
+/// ones, Basic128Rsa15 and Basic256, are among them only if BUSBAR_LEGACY_POLICIES was on.
 [[nodiscard]] std::span<const SecurityPolicy> security_policies();
 /// The policy with this URI or this name, null if there is none.
 [[nodiscard]] const SecurityPolicy* find_policy(std::string_view uri);

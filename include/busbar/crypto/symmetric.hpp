@@ -17,14 +17,14 @@ struct SymmetricKeys {
     Secret initialization_vector;
 };
 
-/// Derives keys with P_SHA256. For the client's keys the secret is the server's nonce and the seed
-/// the client's; for the server's the other way round (Part 6, 6.7.5; 6.7.6 in later editions).
-/// Bad_SecurityChecksFailed with policy None or an empty secret.
+/// Derives keys with the policy's P_hash. For the client's keys the secret is the server's nonce
+/// and the seed the client's; for the server's the other way round (Part 6, 6.7.5; 6.7.6 in later
+/// editions). Bad_SecurityChecksFailed with policy None or an empty secret.
 [[nodiscard]] Result<SymmetricKeys> derive_keys(const SecurityPolicy& policy,
                                                 std::span<const std::byte> secret,
                                                 std::span<const std::byte> seed);
 
-/// AES-CBC and HMAC-SHA256 with prepared keys: a chunk costs its bytes and no key schedule.
+/// AES-CBC and the policy's HMAC with prepared keys: a chunk costs its bytes and no key schedule.
 /// Move-only, one thread at a time. Allocates nothing itself after create(); OpenSSL 3.0 makes two
 /// small digest contexts for each signature.
 class SymmetricCipher {

@@ -1,0 +1,60 @@
+#include "openssl.hpp"
+
+#include <climits>
+#include <ctime>
+
+namespace busbar::crypto::detail {
+
+Bio memory_bio(std::span<const std::byte> bytes)
+{
+    if (bytes.size() > static_cast<std::size_t>(INT_MAX)) {
+        return nullptr;
+    }
+    return Bio{BIO_new_mem_buf(bytes.data(), static_cast<int>(bytes.size()))};
+}
+
+int give_no_passphrase(char*, int, int, void*)
+{
+    return -1;
+}
+
+DateTime date_time_of(const ASN1_TIME* time)
+{
+    std::tm parts{};
+    if (time == nullptr || ASN1_TIME_to_tm(time, &parts) != 1) {
+        return {};
+    }
+    return DateTime::from_unix_seconds(timegm(&parts));
+}
+
+std::string text_of(const X509_NAME* name)
+{
+    const Bio bio{BIO_new(BIO_s_mem())};
+    if (!bio || X509_NAME_print_ex(bio.get(), name, 0, XN_FLAG_ONELINE & ~XN_FLAG_SPC_EQ) < 0) {
+        return {};
+    }
+    char* text = nullptr;
+    const long size = BIO_get_mem_data(bio.get(), &text);
+    return size <= 0 ? std::string{} : std::string{text, static_cast<std::size_t>(size)};
+}
+
+std::vector<std::byte> sha1_of(std::span<const std::byte> bytes)
+{
+    std::vector<std::byte> digest(20);
+    EVP_Digest(bytes.data(), bytes.size(), bytes_of(std::span{digest}), nullptr, EVP_sha1(),
+               nullptr);
+    return digest;
+}
+
+std::string hexadecimal(std::span<const std::byte> bytes)
+{
+    constexpr std::string_view digits = "0123456789ABCDEF";
+    std::string text;
+    for (const std::byte byte : bytes) {
+        text += digits[std::to_integer<unsigned>(byte) >> 4U];
+        text += digits[std::to_integer<unsigned>(byte) & 15U];
+    }
+    return text;
+}
+
+} // namespace busbar::crypto::detail
