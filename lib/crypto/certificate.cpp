@@ -11,7 +11,8 @@ namespace busbar::crypto {
 namespace {
 
 constexpr std::size_t max_certificate_size = 16'384;
-constexpr int max_modulus_bits = 16'384;
+// Policies allow 4096 bits at most (Part 7); the time for a signature grows with the square.
+constexpr int max_modulus_bits = 8'192;
 constexpr int max_exponent_bits = 64;
 
 using Number = std::unique_ptr<BIGNUM, detail::FreeWith<BN_free>>;
@@ -35,12 +36,6 @@ bool is_usable(const EVP_PKEY* key)
     return modulus && exponent && BN_is_odd(modulus.get()) == 1 && BN_is_odd(exponent.get()) == 1 &&
            BN_is_one(exponent.get()) == 0 && BN_num_bits(exponent.get()) <= max_exponent_bits &&
            BN_num_bits(modulus.get()) <= max_modulus_bits;
-}
-
-/// OpenSSL would ask a terminal for the passphrase of an encrypted PEM block.
-int give_no_passphrase(char*, int, int, void*)
-{
-    return -1;
 }
 
 detail::GeneralNames alternative_names(X509* certificate)
@@ -75,13 +70,22 @@ std::string address_text(const ASN1_OCTET_STRING* address)
     return text;
 }
 
-DateTime date_time_of(const ASN1_TIME* time)
+/// How many bytes the DER element at the start of `der` has; 0 if that is not known or more than
+/// there are.
+std::size_t element_size(std::span<const std::byte> der)
 {
-    std::tm parts{};
-    if (ASN1_TIME_to_tm(time, &parts) != 1) {
-        return {};
+    const unsigned char* const begin = detail::bytes_of(der);
+    const unsigned char* at = begin;
+    long size = 0;
+    int tag = 0;
+    int type = 0;
+    const int flags = ASN1_get_object(&at, &size, &tag, &type, static_cast<long>(der.size()));
+    ERR_clear_error();
+    if ((flags & 0x81) != 0 || size < 0) { // 0x80: an error; 1: a length that comes at the end
+        return 0;
     }
-    return DateTime::from_unix_seconds(timegm(&parts));
+    const std::size_t total = static_cast<std::size_t>(at - begin) + static_cast<std::size_t>(size);
+    return total <= der.size() ? total : 0;
 }
 
 } // namespace
@@ -111,7 +115,7 @@ Result<Certificate> Certificate::parse_file(std::span<const std::byte> contents)
 {
     const detail::Bio bio = detail::memory_bio(contents);
     const detail::X509Pointer x509{
-        bio ? PEM_read_bio_X509(bio.get(), nullptr, give_no_passphrase, nullptr) : nullptr};
+        bio ? PEM_read_bio_X509(bio.get(), nullptr, detail::give_no_passphrase, nullptr) : nullptr};
     ERR_clear_error();
     if (!x509) {
         return parse(contents);
@@ -128,33 +132,17 @@ Result<Certificate> Certificate::parse_file(std::span<const std::byte> contents)
 
 std::vector<std::byte> Certificate::thumbprint() const
 {
-    std::vector<std::byte> digest(20);
-    EVP_Digest(der_->data(), der_->size(), detail::bytes_of(std::span{digest}), nullptr, EVP_sha1(),
-               nullptr);
-    return digest;
+    return detail::sha1_of(*der_);
 }
 
 std::string Certificate::thumbprint_text() const
 {
-    constexpr std::string_view digits = "0123456789ABCDEF";
-    std::string text;
-    for (const std::byte byte : thumbprint()) {
-        text += digits[std::to_integer<unsigned>(byte) >> 4U];
-        text += digits[std::to_integer<unsigned>(byte) & 15U];
-    }
-    return text;
+    return detail::hexadecimal(thumbprint());
 }
 
 std::string Certificate::subject() const
 {
-    const detail::Bio bio{BIO_new(BIO_s_mem())};
-    if (!bio || X509_NAME_print_ex(bio.get(), X509_get_subject_name(x509_.get()), 0,
-                                   XN_FLAG_ONELINE & ~XN_FLAG_SPC_EQ) < 0) {
-        return {};
-    }
-    char* text = nullptr;
-    const long size = BIO_get_mem_data(bio.get(), &text);
-    return size <= 0 ? std::string{} : std::string{text, static_cast<std::size_t>(size)};
+    return detail::text_of(X509_get_subject_name(x509_.get()));
 }
 
 std::string Certificate::application_uri() const
@@ -191,12 +179,12 @@ std::vector<std::string> Certificate::host_names() const
 
 DateTime Certificate::valid_from() const
 {
-    return date_time_of(X509_get0_notBefore(x509_.get()));
+    return detail::date_time_of(X509_get0_notBefore(x509_.get()));
 }
 
 DateTime Certificate::valid_to() const
 {
-    return date_time_of(X509_get0_notAfter(x509_.get()));
+    return detail::date_time_of(X509_get0_notAfter(x509_.get()));
 }
 
 std::uint32_t Certificate::key_bits() const
@@ -210,29 +198,21 @@ std::uint32_t Certificate::key_bits() const
 
 Result<CertificateChain> parse_chain(std::span<const std::byte> der)
 {
+    if (der.empty() || der.size() > max_chain_size) {
+        return fail(status::Bad_CertificateInvalid);
+    }
     CertificateChain chain;
     while (!der.empty()) {
-        // A certificate is a SEQUENCE, whose length tells where the next one begins.
-        const unsigned char* at = detail::bytes_of(der);
-        long size = 0;
-        int tag = 0;
-        int type = 0;
-        const unsigned char* begin = at;
-        const int flags = ASN1_get_object(&at, &size, &tag, &type, static_cast<long>(der.size()));
-        const auto total = static_cast<std::size_t>(at - begin) + static_cast<std::size_t>(size);
-        if ((flags & 0x80) != 0 || size < 0 || total > der.size() ||
-            chain.size() == max_chain_length) {
+        const std::size_t size = element_size(der);
+        if (size == 0 || chain.size() == max_chain_length) {
             return fail(status::Bad_CertificateInvalid);
         }
-        auto certificate = Certificate::parse(der.first(total));
+        auto certificate = Certificate::parse(der.first(size));
         if (!certificate) {
             return fail(certificate.error());
         }
         chain.push_back(*std::move(certificate));
-        der = der.subspan(total);
-    }
-    if (chain.empty()) {
-        return fail(status::Bad_CertificateInvalid);
+        der = der.subspan(size);
     }
     return chain;
 }

@@ -1,19 +1,57 @@
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include <busbar/crypto/certificate_validator.hpp>
 
-/// The steps of Part 4, 6.1.3, table 100, one by one. Each gives the table's status or Good.
+#include "signature_checks.hpp"
+
+/// The steps of Part 4, 6.1.3, Table 100, each for one certificate of a path.
 namespace busbar::crypto::detail {
 
-[[nodiscard]] StatusCode check_structure(const Certificate& leaf);
-/// Key size and signature algorithm of the leaf.
-[[nodiscard]] StatusCode check_policy(const Certificate& leaf, const SecurityPolicy* policy);
-/// Of an issuer: only that it is not weaker than the policy allows.
-[[nodiscard]] StatusCode check_issuer_policy(const Certificate& issuer,
-                                             const SecurityPolicy* policy);
+/// A validation under way: the path from the leaf to a root and what it is held against.
+struct Validation {
+    const CertificateChain& path;
+    const TrustList& list;
+    const ValidationContext& context;
+    SignatureChecks& signatures;
+
+    /// The end of a path of several certificates.
+    [[nodiscard]] bool is_at_root(std::size_t index) const
+    {
+        return index != 0 && index + 1 == path.size();
+    }
+};
+
+/// What a step has against a certificate.
+struct Finding {
+    std::string found;
+    std::string remedy;
+    bool is_mandatory{false}; // no setting suppresses it
+};
+
+/// `index` is that of the certificate in the path, 0 for the leaf.
+using Check = std::optional<Finding> (*)(const Validation& validation, std::size_t index);
+
+[[nodiscard]] std::optional<Finding> check_structure(const Validation&, std::size_t index);
+[[nodiscard]] std::optional<Finding> check_policy(const Validation&, std::size_t index);
+[[nodiscard]] std::optional<Finding> check_trust(const Validation&, std::size_t index);
+[[nodiscard]] std::optional<Finding> check_validity(const Validation&, std::size_t index);
+[[nodiscard]] std::optional<Finding> check_host_name(const Validation&, std::size_t index);
+[[nodiscard]] std::optional<Finding> check_uri(const Validation&, std::size_t index);
+[[nodiscard]] std::optional<Finding> check_usage(const Validation&, std::size_t index);
+[[nodiscard]] std::optional<Finding> check_issuer_usage(const Validation&, std::size_t index);
+[[nodiscard]] std::optional<Finding> find_revocation_list(const Validation&, std::size_t index);
+[[nodiscard]] std::optional<Finding> check_revocation(const Validation&, std::size_t index);
+
+[[nodiscard]] bool is_root(const Certificate& certificate);
+[[nodiscard]] bool is_trusted(const Certificate& certificate, const TrustList& list);
 [[nodiscard]] bool is_valid_at(const Certificate& certificate, DateTime time);
-[[nodiscard]] StatusCode check_host_name(const Certificate& leaf, std::string_view host_name);
-[[nodiscard]] StatusCode check_application_uri(const Certificate& leaf, std::string_view uri);
-[[nodiscard]] StatusCode check_usage(const Certificate& leaf);
+
+/// Subject and thumbprint, for people.
+[[nodiscard]] std::string label_of(const Certificate& certificate);
+[[nodiscard]] Refusal refusal_of(StatusCode status, std::string_view step, Finding finding,
+                                 const Certificate& culprit);
 
 } // namespace busbar::crypto::detail

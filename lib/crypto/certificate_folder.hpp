@@ -1,60 +1,115 @@
 #pragma once
 
+#include <array>
+#include <compare>
+#include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
+#include <variant>
 #include <vector>
 
+#include <busbar/core/date_time.hpp>
+#include <busbar/core/log.hpp>
 #include <busbar/crypto/certificate.hpp>
+#include <busbar/crypto/certificate_store.hpp>
+#include <busbar/crypto/revocation_list.hpp>
+#include <busbar/crypto/store_limits.hpp>
 
 namespace busbar::crypto::detail {
 
-/// The certificates among a folder's files, as they are now. A file is read again only when its
-/// size or time changed.
-class CertificateFolder {
-public:
-    explicit CertificateFolder(std::filesystem::path path) : path_{std::move(path)} {}
+/// PEM with more than one certificate. Which of them an administrator means is not known.
+[[nodiscard]] bool holds_several_certificates(std::span<const std::byte> contents);
 
-    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-    [[nodiscard]] std::vector<Certificate> certificates();
+/// A file's time, since 1970.
+struct FileTime {
+    std::int64_t seconds{0};
+    std::int64_t nanoseconds{0};
 
-private:
-    struct Entry {
-        std::filesystem::path path;
-        std::uintmax_t size{0};
-        std::filesystem::file_time_type time;
-        std::optional<Certificate> certificate; // none: the file holds something else
-    };
-
-    [[nodiscard]] Entry read(const std::filesystem::path& file, std::uintmax_t size,
-                             std::filesystem::file_time_type time) const;
-
-    std::filesystem::path path_;
-    std::vector<Entry> entries_;
+    friend auto operator<=>(const FileTime&, const FileTime&) = default;
 };
 
-/// Certificates that were refused, for the operator to look at. Strangers fill this folder: it
-/// holds at most max_files, the oldest goes first, and max_per_minute are written.
-class RejectedFolder {
-public:
-    RejectedFolder(std::filesystem::path path, std::size_t max_files, std::size_t max_per_minute)
-        : path_{std::move(path)}, max_files_{max_files}, max_per_minute_{max_per_minute}
-    {
-    }
+/// What shows that a file is another one than before, without reading it.
+struct FileState {
+    std::uint64_t device{0};
+    std::uint64_t inode{0};
+    std::int64_t size{0};
+    FileTime modified;
+    FileTime changed; // contents, name or rights
 
-    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-    void save(const Certificate& certificate, DateTime now);
+    friend bool operator==(const FileState&, const FileState&) = default;
+};
+
+/// One file of a folder.
+struct FolderFile {
+    std::string name;
+    FileState state;
+    std::array<std::byte, 32> digest{}; // of the contents
+    std::variant<std::monostate, Certificate, RevocationList> object;
+    std::string_view problem; // why there is no object
+
+    /// Null if the file holds something else.
+    [[nodiscard]] const Certificate* certificate() const { return std::get_if<1>(&object); }
+    [[nodiscard]] const RevocationList* revocation_list() const { return std::get_if<2>(&object); }
+    [[nodiscard]] bool is_usable() const { return object.index() != 0; }
+    [[nodiscard]] std::string thumbprint() const;
+};
+
+/// What the files of a folder hold. Of a chain, which is concatenated DER (Part 6, 6.2.6), the leaf
+/// counts.
+enum class FolderContents : std::uint8_t { Certificates, Chains, RevocationLists };
+
+/// The certificates or the revocation lists in one folder, as they are now. Follows no links,
+/// blocks on no pipes, and reads a file only when it changed.
+class CertificateFolder {
+public:
+    using Kind = StoreEntry::Kind;
+
+    /// The folder `name` in the store's folder. Whether it is missing is told unless
+    /// `may_be_missing`.
+    CertificateFolder(const std::string& store, std::string name, FolderContents contents,
+                      bool may_be_missing);
+
+    /// Looks at the folder again; true if something changed. Problems are logged once.
+    bool refresh(const StoreLimits& limits, DateTime now, LogSink& log);
+
+    [[nodiscard]] const std::vector<FolderFile>& files() const { return files_; }
+    [[nodiscard]] Kind kind() const
+    {
+        return contents_ == FolderContents::RevocationLists ? Kind::RevocationList
+                                                            : Kind::Certificate;
+    }
+    [[nodiscard]] const std::string& name() const { return name_; }
+    [[nodiscard]] std::string path_of(std::string_view file) const;
+    /// There are more names than were looked at.
+    [[nodiscard]] bool is_cut() const { return is_cut_; }
 
 private:
-    [[nodiscard]] bool may_write(DateTime now);
-    void make_room() const;
+    struct Names {
+        std::vector<std::string> names; // sorted
+        bool is_cut{false};
+    };
 
-    std::filesystem::path path_;
-    std::size_t max_files_;
-    std::size_t max_per_minute_;
-    DateTime minute_;
-    std::size_t written_{0}; // since minute_
+    [[nodiscard]] std::optional<Names> names(const StoreLimits& limits, int folder) const;
+    [[nodiscard]] std::optional<FolderFile> look_at(int folder, const std::string& name,
+                                                    const StoreLimits& limits, DateTime now,
+                                                    std::size_t& budget) const;
+    [[nodiscard]] FolderFile read(int folder, const std::string& name, std::size_t max_size) const;
+    [[nodiscard]] const FolderFile* known(std::string_view name) const;
+    void tell(LogSink& log, std::string_view problem, std::string_view file = {}) const;
+    void tell_changes(const std::vector<FolderFile>& files, LogSink& log) const;
+    /// What is said of the folder as a whole.
+    void set_problem(std::string_view problem, LogSink& log);
+
+    std::string path_;
+    std::string name_;
+    FolderContents contents_;
+    bool may_be_missing_;
+    bool is_cut_{false};
+    std::string_view problem_;
+    std::vector<FolderFile> files_;
 };
 
 } // namespace busbar::crypto::detail

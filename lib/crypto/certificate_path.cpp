@@ -1,167 +1,232 @@
 #include "certificate_path.hpp"
 
 #include <algorithm>
+#include <deque>
 
 #include <openssl/err.h>
-#include <openssl/x509_vfy.h>
 
+#include <busbar/core/text.hpp>
+
+#include "certificate_checks.hpp"
 #include "openssl.hpp"
 
 namespace busbar::crypto::detail {
 
 namespace {
 
-using Store = std::unique_ptr<X509_STORE, FreeWith<X509_STORE_free>>;
-using StoreContext = std::unique_ptr<X509_STORE_CTX, FreeWith<X509_STORE_CTX_free>>;
+using Candidates = std::vector<const Certificate*>;
 
-struct FreeStack {
-    void operator()(STACK_OF(X509) * stack) const { sk_X509_free(stack); }
-};
-using Stack = std::unique_ptr<STACK_OF(X509), FreeStack>;
-
-/// OpenSSL's finding in the words of the table.
-StatusCode status_of(int error)
+/// Whether `issuer` claims to be who signed `certificate`, by name and key identifier. Whether it
+/// may sign certificates is asked in a later step.
+bool claims_to_issue(const Certificate& issuer, const Certificate& certificate)
 {
-    switch (error) {
-    case X509_V_OK:
-    case X509_V_ERR_CERT_NOT_YET_VALID: // checked in a later step
-    case X509_V_ERR_CERT_HAS_EXPIRED:
-        return {};
-    case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT:
-    case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT_LOCALLY:
-    case X509_V_ERR_UNABLE_TO_VERIFY_LEAF_SIGNATURE:
-    case X509_V_ERR_CERT_CHAIN_TOO_LONG:
-        return status::Bad_CertificateChainIncomplete;
-    case X509_V_ERR_INVALID_CA:
-    case X509_V_ERR_KEYUSAGE_NO_CERTSIGN:
-    case X509_V_ERR_PATH_LENGTH_EXCEEDED:
-        return status::Bad_CertificateIssuerUseNotAllowed;
-    case X509_V_ERR_OUT_OF_MEM:
-        return status::Bad_OutOfMemory;
-    default:
-        return status::Bad_CertificateInvalid;
-    }
-}
-
-/// Notes what is wrong and lets OpenSSL go on: its order is not that of the table. An incomplete
-/// chain comes before a bad signature, and is always found first.
-int note_finding(int is_good, X509_STORE_CTX* context)
-{
-    if (is_good == 1) {
-        return 1;
-    }
-    auto& path = *static_cast<CertificatePath*>(X509_STORE_CTX_get_app_data(context));
-    const StatusCode finding = status_of(X509_STORE_CTX_get_error(context));
-    StatusCode& noted =
-        finding == status::Bad_CertificateIssuerUseNotAllowed ? path.usage : path.build;
-    if (noted.is_good()) {
-        noted = finding;
-    }
-    return 1;
-}
-
-bool is_root(const Certificate& certificate)
-{
-    return X509_self_signed(certificate.native(), 0) == 1;
-}
-
-/// Every root in `roots` ends a chain; whether one is trusted is asked afterwards.
-Store make_store(const std::vector<Certificate>& roots, DateTime now)
-{
-    Store store{X509_STORE_new()};
-    if (!store) {
-        return store;
-    }
-    X509_VERIFY_PARAM* parameters = X509_STORE_get0_param(store.get());
-    X509_VERIFY_PARAM_set_flags(parameters, X509_V_FLAG_CHECK_SS_SIGNATURE);
-    X509_VERIFY_PARAM_set_time(parameters, now.unix_seconds());
-    // OpenSSL counts the certificates between leaf and root.
-    X509_VERIFY_PARAM_set_depth(parameters, static_cast<int>(max_chain_length) - 2);
-    for (const Certificate& certificate : roots) {
-        if (is_root(certificate)) {
-            X509_STORE_add_cert(store.get(), certificate.native());
-        }
-    }
-    return store;
-}
-
-Stack make_stack(const std::vector<Certificate>& pool)
-{
-    Stack stack{sk_X509_new_null()};
-    for (const Certificate& certificate : pool) {
-        if (stack && !is_root(certificate)) {
-            sk_X509_push(stack.get(), certificate.native());
-        }
-    }
-    return stack;
-}
-
-/// OpenSSL takes a root of version 1 and a CA without BasicConstraints; Part 6, 6.2.4 does not.
-StatusCode check_issuers(const CertificateChain& path)
-{
-    const bool all_may_issue =
-        std::all_of(path.begin() + 1, path.end(),
-                    [](const Certificate& issuer) { return X509_check_ca(issuer.native()) == 1; });
-    return all_may_issue ? StatusCode{} : status::Bad_CertificateIssuerUseNotAllowed;
-}
-
-void keep_certificates(const STACK_OF(X509) * found, const std::vector<Certificate>& pool,
-                       CertificatePath& path)
-{
-    for (int i = 0; i < sk_X509_num(found); ++i) {
-        const X509* native = sk_X509_value(found, i);
-        const auto known = std::find_if(pool.begin(), pool.end(),
-                                        [&](const auto& c) { return c.native() == native; });
-        if (known != pool.end()) {
-            path.certificates.push_back(*known);
-        }
-    }
-}
-
-CertificatePath build_path(const Certificate& leaf, const std::vector<Certificate>& roots,
-                           const std::vector<Certificate>& pool, DateTime now)
-{
-    CertificatePath path;
-    const Store store = make_store(roots, now);
-    const Stack others = make_stack(pool);
-    const StoreContext context{X509_STORE_CTX_new()};
-    if (!store || !others || !context ||
-        X509_STORE_CTX_init(context.get(), store.get(), leaf.native(), others.get()) != 1) {
-        path.build = status::Bad_OutOfMemory;
-        return path;
-    }
-    X509_STORE_CTX_set_app_data(context.get(), &path);
-    X509_STORE_CTX_set_verify_cb(context.get(), note_finding);
-    // Findings do not end the search, so that only a failure of OpenSSL itself is not 1.
-    if (X509_verify_cert(context.get()) != 1 && path.build.is_good()) {
-        path.build = status::Bad_CertificateInvalid;
-    }
-    keep_certificates(X509_STORE_CTX_get0_chain(context.get()), pool, path);
-    if (path.certificates.empty() && path.build.is_good()) {
-        path.build = status::Bad_CertificateInvalid;
-    }
-    if (path.usage.is_good() && path.certificates.size() > 1) {
-        path.usage = check_issuers(path.certificates);
-    }
+    const int result = X509_check_issued(issuer.native(), certificate.native());
     ERR_clear_error();
-    return path;
+    return result == X509_V_OK || result == X509_V_ERR_KEYUSAGE_NO_CERTSIGN;
+}
+
+bool contains(const Candidates& certificates, const Certificate& one)
+{
+    return std::any_of(certificates.begin(), certificates.end(),
+                       [&](const Certificate* other) { return *other == one; });
+}
+
+class PathSearch {
+public:
+    PathSearch(const CertificateChain& sent, const TrustList& list, DateTime now,
+               SignatureChecks& signatures)
+        : sent_{sent}, list_{list}, now_{now}, signatures_{signatures}
+    {
+    }
+
+    [[nodiscard]] Checked<CertificateChain> run();
+
+private:
+    /// A certificate and how many of the path there are up to it.
+    struct Reached {
+        const Certificate* certificate;
+        std::size_t length;
+    };
+
+    void add_issuers(const Certificate& of, const std::vector<Certificate>& from,
+                     Candidates& found) const;
+    [[nodiscard]] Candidates issuers_of(const Certificate& certificate) const;
+    [[nodiscard]] bool is_signed_by(const Certificate& certificate, const Certificate& issuer);
+    [[nodiscard]] std::optional<Refusal> follow_names() const;
+    [[nodiscard]] bool extend();
+    [[nodiscard]] bool finish();
+    [[nodiscard]] Refusal refuse_incomplete(const Certificate* dead_end, bool is_too_long) const;
+    [[nodiscard]] Refusal refuse_signature() const;
+
+    const CertificateChain& sent_;
+    const TrustList& list_;
+    DateTime now_;
+    SignatureChecks& signatures_;
+    Candidates path_;                            // what extend() is working on
+    Candidates best_;                            // the first complete path, or a trusted one
+    const Certificate* badly_signed_{nullptr};   // the first that was found
+    const Certificate* claimed_issuer_{nullptr}; // of badly_signed_
+};
+
+void PathSearch::add_issuers(const Certificate& of, const std::vector<Certificate>& from,
+                             Candidates& found) const
+{
+    const auto first = static_cast<std::ptrdiff_t>(found.size());
+    for (const Certificate& one : from) {
+        if (claims_to_issue(one, of) && !contains(found, one)) {
+            found.push_back(&one);
+        }
+    }
+    std::stable_partition(found.begin() + first, found.end(),
+                          [&](const Certificate* one) { return is_valid_at(*one, now_); });
+}
+
+Candidates PathSearch::issuers_of(const Certificate& certificate) const
+{
+    Candidates found;
+    add_issuers(certificate, list_.trusted, found);
+    add_issuers(certificate, list_.issuers, found);
+    add_issuers(certificate, sent_, found);
+    return found;
+}
+
+bool PathSearch::is_signed_by(const Certificate& certificate, const Certificate& issuer)
+{
+    const bool is_good = signatures_.is_signed_by(certificate, issuer);
+    if (!is_good && badly_signed_ == nullptr) {
+        badly_signed_ = &certificate;
+        claimed_issuer_ = &issuer;
+    }
+    return is_good;
+}
+
+/// `dead_end` has no issuer; null: every certificate has one.
+Refusal PathSearch::refuse_incomplete(const Certificate* dead_end, bool is_too_long) const
+{
+    std::string found;
+    std::string remedy{"The peer needs another certificate"};
+    if (dead_end != nullptr) {
+        found = "its issuer, " + printable(text_of(X509_get_issuer_name(dead_end->native()))) +
+                ", is neither in the trust list nor among what the peer sent";
+        remedy = "Put the certificates of this CA and of all above it into issuers";
+    } else if (is_too_long) {
+        found = "there are more than " + std::to_string(max_chain_length - 1) + " CAs above it";
+    } else {
+        found = "the CAs above it sign each other and lead to no root";
+    }
+    return refusal_of(status::Bad_CertificateChainIncomplete, "Build Certificate Chain",
+                      {std::move(found), std::move(remedy)},
+                      dead_end != nullptr ? *dead_end : sent_.front());
+}
+
+/// Whether names lead to a root, in not too many steps; no signature is verified yet, so that an
+/// incomplete chain costs nothing. Visits each certificate once, however they point at each other.
+std::optional<Refusal> PathSearch::follow_names() const
+{
+    Candidates seen{&sent_.front()};
+    std::deque<Reached> open{{&sent_.front(), 1}};
+    const Certificate* dead_end = nullptr;
+    bool is_too_long = false;
+    for (; !open.empty(); open.pop_front()) {
+        const Reached reached = open.front();
+        if (is_root(*reached.certificate)) {
+            return std::nullopt;
+        }
+        const Candidates issuers = issuers_of(*reached.certificate);
+        if (issuers.empty() && dead_end == nullptr) {
+            dead_end = reached.certificate;
+        }
+        for (const Certificate* issuer : issuers) {
+            if (contains(seen, *issuer)) {
+                continue;
+            }
+            if (reached.length == max_chain_length) {
+                is_too_long = true;
+                continue;
+            }
+            seen.push_back(issuer);
+            open.push_back({issuer, reached.length + 1});
+        }
+    }
+    return refuse_incomplete(dead_end, is_too_long);
+}
+
+bool PathSearch::finish()
+{
+    if (!is_signed_by(*path_.back(), *path_.back())) {
+        return false;
+    }
+    const bool has_trusted = std::any_of(path_.begin(), path_.end(), [&](const Certificate* one) {
+        return is_trusted(*one, list_);
+    });
+    if (has_trusted || best_.empty()) {
+        best_ = path_;
+    }
+    return has_trusted;
+}
+
+/// Adds issuers to path_ until it is complete and trusted; else takes back what it added. No deeper
+/// than max_chain_length, and each step has cost a signature.
+bool PathSearch::extend()
+{
+    const Certificate& last = *path_.back();
+    if (is_root(last)) {
+        return finish();
+    }
+    if (path_.size() == max_chain_length) {
+        return false;
+    }
+    for (const Certificate* issuer : issuers_of(last)) {
+        if (contains(path_, *issuer) || !is_signed_by(last, *issuer)) {
+            continue;
+        }
+        path_.push_back(issuer);
+        if (extend()) {
+            return true;
+        }
+        path_.pop_back();
+    }
+    return false;
+}
+
+Refusal PathSearch::refuse_signature() const
+{
+    std::string found;
+    if (signatures_.is_used_up()) {
+        found = "more than " + std::to_string(max_signature_checks) +
+                " signatures would have to be verified";
+    } else if (badly_signed_ == claimed_issuer_) {
+        found = "it is not signed with its own key, though it names itself as its issuer";
+    } else {
+        found = "it is not signed with the key of its issuer, " + label_of(*claimed_issuer_);
+    }
+    return refusal_of(status::Bad_CertificateInvalid, "Signature",
+                      {std::move(found), "The peer needs another certificate"}, *badly_signed_);
+}
+
+Checked<CertificateChain> PathSearch::run()
+{
+    if (auto incomplete = follow_names()) {
+        return refuse(*std::move(incomplete));
+    }
+    path_ = {&sent_.front()};
+    static_cast<void>(extend()); // false as well for a path that is complete but not trusted
+    if (best_.empty()) {
+        return refuse(refuse_signature());
+    }
+    CertificateChain result;
+    for (const Certificate* certificate : best_) {
+        result.push_back(*certificate);
+    }
+    return result;
 }
 
 } // namespace
 
-CertificatePath find_path(const CertificateChain& sent, const std::vector<Certificate>& known,
-                          DateTime now)
+Checked<CertificateChain> find_path(const CertificateChain& sent, const TrustList& list,
+                                    DateTime now, SignatureChecks& signatures)
 {
-    const Certificate& leaf = sent.front();
-    if (is_root(leaf)) { // a path by itself, whoever else has its name and key
-        return build_path(leaf, {leaf}, {leaf}, now);
-    }
-    std::vector<Certificate> pool{known};
-    pool.insert(pool.end(), sent.begin(), sent.end());
-    CertificatePath path = build_path(leaf, known, pool, now);
-    // With the roots that the peer sent there may be a chain, which is trusted only if a
-    // certificate below them is.
-    return path.build.is_good() ? path : build_path(leaf, pool, pool, now);
+    return PathSearch{sent, list, now, signatures}.run();
 }
 
 } // namespace busbar::crypto::detail

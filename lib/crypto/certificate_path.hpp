@@ -1,23 +1,21 @@
 #pragma once
 
-#include <vector>
+#include <busbar/core/refusal.hpp>
+#include <busbar/crypto/trust_list.hpp>
 
-#include <busbar/crypto/certificate.hpp>
+#include "signature_checks.hpp"
 
 namespace busbar::crypto::detail {
 
-/// The chain from a leaf to a root, and the first thing wrong with it in the order of Part
-/// 4, 6.1.3, table 100; times, trust and the leaf itself are checked by others.
-struct CertificatePath {
-    CertificateChain certificates; // leaf first; as far as it was found
-    StatusCode build;              // Bad_CertificateChainIncomplete, Bad_CertificateInvalid
-    StatusCode usage;              // Bad_CertificateIssuerUseNotAllowed
-};
-
-/// Builds the path of sent.front() from the others in `sent` and from `known`, which stand in any
-/// order, roots and others. At most max_chain_length certificates; loops end. Among issuers that
-/// would do, those that are known and valid at `now` come first.
-[[nodiscard]] CertificatePath find_path(const CertificateChain& sent,
-                                        const std::vector<Certificate>& known, DateTime now);
+/// The path from sent.front() to a root, both included, every signature good; or what the steps
+/// "Build Certificate Chain" and "Signature" of Part 4, 6.1.3, Table 100 have to say. A self-signed
+/// leaf is a path by itself.
+///
+/// Issuers are looked for among the trusted certificates first, then among the issuers, then in
+/// what was sent; of each, those that are valid at `now` first. A path with a trusted certificate
+/// is preferred to one without.
+[[nodiscard]] Checked<CertificateChain> find_path(const CertificateChain& sent,
+                                                  const TrustList& list, DateTime now,
+                                                  SignatureChecks& signatures);
 
 } // namespace busbar::crypto::detail

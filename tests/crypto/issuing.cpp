@@ -65,8 +65,9 @@ X509Pointer unsigned_certificate(const CertificateOptions& options, EVP_PKEY* ke
 {
     static long serial = 1'000;
     X509Pointer x509{X509_new()};
-    X509_set_version(x509.get(), X509_VERSION_3);
-    ASN1_INTEGER_set(X509_get_serialNumber(x509.get()), ++serial);
+    X509_set_version(x509.get(), options.version);
+    ASN1_INTEGER_set(X509_get_serialNumber(x509.get()),
+                     options.serial != 0 ? options.serial : ++serial);
     ASN1_TIME_set(X509_getm_notBefore(x509.get()), options.valid_from.unix_seconds());
     ASN1_TIME_set(X509_getm_notAfter(x509.get()), options.valid_to.unix_seconds());
     X509_NAME_add_entry_by_txt(X509_get_subject_name(x509.get()), "CN", MBSTRING_UTF8,
@@ -125,12 +126,13 @@ Issued issue(const CertificateOptions& options, const crypto::PrivateKey& key, c
     const X509Pointer x509 = unsigned_certificate(options, key.native());
     X509* const by = issuer == nullptr ? x509.get() : issuer->certificate.native();
     X509_set_issuer_name(x509.get(), X509_get_subject_name(by));
-    add(x509.get(), by, NID_subject_key_identifier, "hash");
-    add(x509.get(), by, NID_authority_key_identifier, "keyid");
+    add(x509.get(), by, NID_subject_key_identifier, options.key_identifiers ? "hash" : "");
+    add(x509.get(), by, NID_authority_key_identifier, options.key_identifiers ? "keyid" : "");
     add(x509.get(), by, NID_basic_constraints, options.basic_constraints);
     add(x509.get(), by, NID_key_usage, options.key_usage);
     add(x509.get(), by, NID_ext_key_usage, options.extended_key_usage);
     add(x509.get(), by, NID_subject_alt_name, options.names);
+    add(x509.get(), by, NID_name_constraints, options.name_constraints);
     add_unknown(x509.get(), options.extra);
     X509_sign(x509.get(), issuer == nullptr ? key.native() : issuer->key.native(),
               EVP_get_digestbyname(options.digest));

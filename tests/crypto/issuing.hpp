@@ -23,7 +23,11 @@ struct CertificateOptions {
     std::string key_usage{
         "critical,digitalSignature,nonRepudiation,keyEncipherment,dataEncipherment"};
     std::string extended_key_usage{"serverAuth,clientAuth"};
-    std::string extra{}; // one more extension, as DER of OID 1.2.3.4, critical
+    std::string name_constraints{};
+    std::string extra{};        // one more extension, as DER of OID 1.2.3.4, critical
+    bool key_identifiers{true}; // subjectKeyIdentifier and authorityKeyIdentifier
+    long version{2};            // 2: X.509 version 3
+    long serial{0};             // 0: a new one
     DateTime valid_from{in_days(-100)};
     DateTime valid_to{in_days(100)};
     const char* digest{"SHA256"};

@@ -19,8 +19,8 @@ namespace busbar::crypto {
 /// One X.509 v3 ApplicationInstanceCertificate (Part 6, 6.2.2). Immutable; copies share.
 class Certificate {
 public:
-    /// Exactly one DER certificate of at most 16 KiB with a key that makes sense;
-    /// Bad_CertificateInvalid for anything else.
+    /// Exactly one DER certificate of at most 16 KiB with a key that makes sense and has at most
+    /// 8192 bits; Bad_CertificateInvalid for anything else.
     [[nodiscard]] static Result<Certificate> parse(std::span<const std::byte> der);
     /// PEM or DER, as files have it.
     [[nodiscard]] static Result<Certificate> parse_file(std::span<const std::byte> contents);
@@ -61,9 +61,10 @@ private:
 using CertificateChain = std::vector<Certificate>;
 
 inline constexpr std::size_t max_chain_length = 10;
+inline constexpr std::size_t max_chain_size = 65'536; // bytes of DER
 
 /// Splits concatenated DER certificates; Bad_CertificateInvalid if there is none, something else is
-/// among them or they are more than max_chain_length.
+/// among them, or they are more than max_chain_length or larger than max_chain_size.
 [[nodiscard]] Result<CertificateChain> parse_chain(std::span<const std::byte> der);
 
 } // namespace busbar::crypto

@@ -1,21 +1,32 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <busbar/core/date_time.hpp>
-#include <busbar/core/log.hpp>
 #include <busbar/core/refusal.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/crypto/certificate.hpp>
 #include <busbar/crypto/security_policy.hpp>
+#include <busbar/crypto/trust_list.hpp>
 
 namespace busbar::crypto {
 
+/// What a certificate is for.
+enum class CertificatePurpose : std::uint8_t {
+    Application, // of a server or a client
+    ServerApplication,
+    ClientApplication,
+    User, // X509IdentityToken: no host name, no ApplicationUri (Part 6, 6.2.3)
+};
+
 /// What a peer's certificate is checked for.
 struct ValidationContext {
+    /// Null or None: key lengths and signature algorithms are not checked.
     const SecurityPolicy* policy{nullptr};
     DateTime now;
     /// Not empty: the certificate must name this ApplicationUri, and no other.
@@ -23,7 +34,40 @@ struct ValidationContext {
     /// Not empty: the certificate must name this host or address, which a client knows from the
     /// server's URL.
     std::string_view host_name{};
+    CertificatePurpose purpose{CertificatePurpose::Application};
 };
+
+/// The steps of Part 4, 6.1.3, Table 100 that an administrator may suppress; the others always
+/// count. What is suppressed is still checked, and reported (see check_chain).
+struct ValidationSettings {
+    bool suppress_security_policy_check{false};  // Bad_CertificatePolicyCheckFailed
+    bool suppress_validity_period{false};        // Bad_CertificateTimeInvalid
+    bool suppress_issuer_validity_period{false}; // Bad_CertificateIssuerTimeInvalid
+    bool suppress_host_name{false};              // Bad_CertificateHostNameInvalid
+    /// Bad_CertificateUseNotAllowed, unless the certificate marks its usage as critical. What a CA
+    /// may be used for is never suppressed: any application could issue certificates then.
+    bool suppress_certificate_usage{false};
+    bool suppress_find_revocation_list{false};        // Bad_CertificateRevocationUnknown
+    bool suppress_find_issuer_revocation_list{false}; // Bad_CertificateIssuerRevocationUnknown
+};
+
+/// Bounds of one validation, whatever the peer sends and the trust list holds: a path is at most
+/// max_chain_length certificates long, and at most so many signatures of certificates and
+/// revocation lists are verified; none before the names lead from the leaf to a root.
+inline constexpr std::size_t max_signature_checks = 32;
+
+/// Part 4, 6.1.3, Table 100, step by step and in its order, over the path from the leaf to a root.
+/// The path is built from `chain` (the leaf first, the others in any order), `list.trusted` and
+/// `list.issuers`. A certificate is trusted if it or a CA above it lies in `list.trusted`. The
+/// newest revocation list of every CA on the path must be there, complete and current; a
+/// self-signed leaf needs none.
+///
+/// Nothing if the certificate is accepted, else the first step that failed. `suppressed`, if not
+/// null, gets what failed and was let pass by a setting; Part 4 asks for an audit event for each.
+/// Pure: logs and saves nothing. Any thread.
+[[nodiscard]] std::optional<Refusal>
+check_chain(const CertificateChain& chain, const TrustList& list, const ValidationContext& context,
+            const ValidationSettings& settings = {}, std::vector<Refusal>* suppressed = nullptr);
 
 /// Decides whether a peer's certificate is accepted (Part 4, 6.1.3).
 class CertificateValidator {
@@ -40,46 +84,17 @@ public:
                                                  const ValidationContext& context) = 0;
 };
 
-/// The checks of a leaf that need neither chain nor trust list, in the order of the table:
-/// structure, policy, time, host name, ApplicationUri, usage.
-[[nodiscard]] Result<void> check_certificate(const Certificate& leaf,
-                                             const ValidationContext& context);
+/// The steps of the table that need neither issuers nor trust list: structure, policy, validity,
+/// host name, ApplicationUri, usage. As if the leaf were a trusted root; its signature is not
+/// verified.
+[[nodiscard]] Checked<void> check_certificate(const Certificate& leaf,
+                                              const ValidationContext& context);
 
 /// Accepts whoever has a key that the policy allows. For tests and the marked demo only.
 class InsecureAcceptAnyCertificate final : public CertificateValidator {
 public:
     [[nodiscard]] Checked<void> validate(const CertificateChain& chain,
                                          const ValidationContext& context) override;
-};
-
-/// Trust lists as folders: `trusted`, `issuers` and `rejected` in `folder`, one certificate a file
-/// (PEM or DER). Looked at for every validation, so that a moved file counts at once; only files
-/// that changed are read.
-///
-/// All steps of Part 4, 6.1.3, table 100, but revocation lists, which are not read. The chain is
-/// built up to a root from what the peer sent and both lists; then one certificate of it, or more,
-/// must lie in `trusted`. A leaf that is refused for want of trust is saved in `rejected`: at most
-/// max_rejected files, the oldest goes; at most max_rejected_per_minute are written.
-///
-/// The log says which check failed on which certificate. One thread at a time.
-class TrustFolder final : public CertificateValidator {
-public:
-    static constexpr std::size_t max_rejected = 50;
-    static constexpr std::size_t max_rejected_per_minute = 10;
-
-    /// `log` must outlive this.
-    TrustFolder(std::string folder, LogSink& log);
-    ~TrustFolder() override;
-
-    /// Makes the folders that are missing; Bad_ConfigurationError if that fails.
-    [[nodiscard]] Result<void> create();
-    [[nodiscard]] Checked<void> validate(const CertificateChain& chain,
-                                         const ValidationContext& context) override;
-
-private:
-    struct Folders;
-    std::unique_ptr<Folders> folders_;
-    LogSink* log_;
 };
 
 } // namespace busbar::crypto

@@ -1,0 +1,245 @@
+#include <busbar/crypto/certificate_store.hpp>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+
+#include <busbar/core/text.hpp>
+#include <busbar/crypto/file.hpp>
+
+#include "store_lists.hpp"
+#include "store_names.hpp"
+
+namespace busbar::crypto {
+
+namespace {
+
+using detail::CertificateFolder;
+using detail::FileInList;
+using detail::FolderFile;
+using Kind = StoreEntry::Kind;
+
+// What the refusals call the operations.
+constexpr std::string_view adding = "Adding to the certificate store";
+constexpr std::string_view removing = "Removing from the certificate store";
+constexpr std::string_view moving = "Moving in the certificate store";
+
+std::string name_of(StoreList list)
+{
+    return std::string{name(list)};
+}
+
+/// The ending that a moved file keeps, since some tools go by it.
+std::string ending_of(const FileInList& found)
+{
+    constexpr std::array endings = {".der", ".pem", ".crt", ".cer", ".crl"};
+    const std::string& file = found.file->name;
+    const std::string ending = file.substr(std::min(file.rfind('.'), file.size()));
+    const bool is_known = std::find(endings.begin(), endings.end(), ending) != endings.end();
+    return is_known ? ending : found.folder->kind() == Kind::Certificate ? ".der" : ".crl";
+}
+
+std::string base_name_of(const FolderFile& file)
+{
+    const Certificate* certificate = file.certificate();
+    return certificate != nullptr ? detail::store_file_name(*certificate)
+                                  : detail::store_file_name(*file.revocation_list());
+}
+
+/// One certificate or revocation list, with the name that its file gets.
+std::optional<FolderFile> parse(std::span<const std::byte> contents)
+{
+    FolderFile file;
+    if (auto certificate = Certificate::parse_file(contents)) {
+        file.object = *std::move(certificate);
+        file.name = base_name_of(file) + ".der";
+    } else if (auto list = RevocationList::parse_file(contents)) {
+        file.object = *std::move(list);
+        file.name = base_name_of(file) + ".crl";
+    } else {
+        return std::nullopt;
+    }
+    return file;
+}
+
+std::span<const std::byte> der_of(const FolderFile& file)
+{
+    return file.certificate() != nullptr ? file.certificate()->der()
+                                         : file.revocation_list()->der();
+}
+
+tl::unexpected<Refusal> refuse_own(std::string_view check)
+{
+    return refuse({status::Bad_NotSupported, check,
+                   "a certificate of the own list comes with its private key, not alone", "",
+                   "Install both together"});
+}
+
+tl::unexpected<Refusal> refuse_missing(std::string_view check, StoreList list,
+                                       std::string_view thumbprint)
+{
+    return refuse({status::Bad_NotFound, check,
+                   name_of(list) + " holds nothing with the thumbprint " + printable(thumbprint),
+                   "", ""});
+}
+
+/// `code` is that of a file operation.
+tl::unexpected<Refusal> refuse_disk(StatusCode code, std::string_view check, StoreList list)
+{
+    return refuse({code, check, "the disk did not take the change of " + name_of(list), "",
+                   "Look after free space and rights of the store's folder"});
+}
+
+std::optional<Refusal> check_room(const detail::StoreLists& lists, std::string_view check,
+                                  StoreList list, Kind kind)
+{
+    const std::size_t limit = lists.limit(list, kind);
+    if (lists.count(list, kind) < limit && !lists.is_cut(list)) {
+        return std::nullopt;
+    }
+    return Refusal{status::Bad_ResourceUnavailable, check,
+                   name_of(list) + " is full: its limit is " + std::to_string(limit) +
+                       (kind == Kind::Certificate ? " certificates" : " revocation lists"),
+                   "", "Remove one that is no longer needed"};
+}
+
+/// False if another certificate is in the way; what cannot be used is replaced.
+bool can_write(const CertificateFolder& folder, const std::string& name)
+{
+    const auto& files = folder.files();
+    return std::none_of(files.begin(), files.end(), [&](const detail::FolderFile& file) {
+        return file.name == name && file.is_usable();
+    });
+}
+
+Checked<void> check_addition(const detail::StoreLists& lists, StoreList list, Kind kind,
+                             const FolderFile& file)
+{
+    if (!lists.find(list, file.thumbprint()).empty() ||
+        !can_write(lists.home(list, kind), file.name)) {
+        return refuse({status::Bad_EntryExists, adding,
+                       name_of(list) + " holds " + file.thumbprint() + " already", "", ""});
+    }
+    auto full = check_room(lists, adding, list, kind);
+    return full ? Checked<void>{refuse(*std::move(full))} : Checked<void>{};
+}
+
+Checked<void> move_one(const detail::StoreLists& lists, const FileInList& found, StoreList to)
+{
+    const Kind kind = found.folder->kind();
+    if (auto full = check_room(lists, moving, to, kind)) {
+        return refuse(*std::move(full));
+    }
+    const CertificateFolder& home = lists.home(to, kind);
+    const std::string name = base_name_of(*found.file) + ending_of(found);
+    if (!can_write(home, name)) {
+        return refuse({status::Bad_EntryExists, moving,
+                       home.name() + " holds another file called " + printable(name), "",
+                       "Remove that one or give it another name"});
+    }
+    const std::string target = home.path_of(name);
+    auto moved = move_file(found.path(), target);
+    if (!moved && moved.error() == status::Bad_EntryExists && remove_file(target)) {
+        moved = move_file(found.path(), target); // what lay there was of no use
+    }
+    return moved ? Checked<void>{} : Checked<void>{refuse_disk(moved.error(), moving, to)};
+}
+
+Checked<void> remove_all(const std::vector<FileInList>& files, std::string_view check,
+                         StoreList list)
+{
+    for (const FileInList& one : files) {
+        if (const auto removed = remove_file(one.path()); !removed) {
+            return refuse_disk(removed.error(), check, list);
+        }
+    }
+    return {};
+}
+
+void tell(LogSink& log, const std::string& what, const StoreEntry& entry)
+{
+    log.write(LogLevel::Info, "certificate store",
+              entry.subject + ", " + entry.thumbprint + ", was " + what);
+}
+
+} // namespace
+
+Checked<StoreEntry> CertificateStore::add(StoreList list, std::span<const std::byte> contents)
+{
+    if (list == StoreList::Own) {
+        return refuse_own(adding);
+    }
+    if (detail::holds_several_certificates(contents)) {
+        return refuse({status::Bad_CertificateInvalid, adding, "more than one certificate", "",
+                       "Add each of them alone"});
+    }
+    const auto file = contents.size() > lists_->limits().max_revocation_list_file_size
+                          ? std::nullopt
+                          : parse(contents);
+    if (!file) {
+        return refuse({status::Bad_CertificateInvalid, adding,
+                       "neither a certificate nor a revocation list, in DER or PEM", "", ""});
+    }
+    lists_->refresh(list, detail::read_anew);
+    const Kind kind = file->certificate() != nullptr ? Kind::Certificate : Kind::RevocationList;
+    if (auto checked = check_addition(*lists_, list, kind, *file); !checked) {
+        return refuse(std::move(checked.error()));
+    }
+    const CertificateFolder& home = lists_->home(list, kind);
+    const auto saved = save_file(home.path_of(file->name), der_of(*file), FileAccess::Everyone);
+    if (!saved) {
+        return refuse_disk(saved.error(), adding, list);
+    }
+    StoreEntry entry = detail::entry_of({&home, &*file});
+    tell(*log_, "added to " + name_of(list), entry);
+    return entry;
+}
+
+Checked<void> CertificateStore::remove(StoreList list, std::string_view thumbprint)
+{
+    if (list == StoreList::Own) {
+        return refuse_own(removing);
+    }
+    lists_->refresh(list, detail::read_anew);
+    const auto found = lists_->find(list, thumbprint);
+    if (found.empty()) {
+        return refuse_missing(removing, list, thumbprint);
+    }
+    const StoreEntry entry = detail::entry_of(found.front());
+    if (auto removed = remove_all(found, removing, list); !removed) {
+        return removed;
+    }
+    tell(*log_, "removed from " + name_of(list), entry);
+    return {};
+}
+
+Checked<void> CertificateStore::move(std::string_view thumbprint, StoreList from, StoreList to)
+{
+    if (from == StoreList::Own || to == StoreList::Own) {
+        return refuse_own(moving);
+    }
+    lists_->refresh(from, detail::read_anew);
+    lists_->refresh(to, detail::read_anew);
+    auto found = lists_->find(from, thumbprint);
+    if (found.empty()) {
+        return refuse_missing(moving, from, thumbprint);
+    }
+    if (from == to) {
+        return {};
+    }
+    const StoreEntry entry = detail::entry_of(found.front());
+    if (lists_->find(to, thumbprint).empty()) {
+        if (auto moved = move_one(*lists_, found.front(), to); !moved) {
+            return moved;
+        }
+        found.erase(found.begin());
+    }
+    if (auto removed = remove_all(found, moving, from); !removed) {
+        return removed;
+    }
+    tell(*log_, "moved from " + name_of(from) + " to " + name_of(to), entry);
+    return {};
+}
+
+} // namespace busbar::crypto
