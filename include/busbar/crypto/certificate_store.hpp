@@ -1,0 +1,120 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/core/date_time.hpp>
+#include <busbar/core/log.hpp>
+#include <busbar/core/refusal.hpp>
+#include <busbar/core/result.hpp>
+#include <busbar/crypto/certificate.hpp>
+#include <busbar/crypto/store_limits.hpp>
+#include <busbar/crypto/trust_list.hpp>
+
+namespace busbar::crypto {
+
+namespace detail {
+class RejectedList;
+class StoreLists;
+} // namespace detail
+
+/// The lists of a store (Part 12, F.1).
+enum class StoreList : std::uint8_t { Own, Trusted, Issuers, Rejected };
+
+/// "trusted", as the folder is called.
+[[nodiscard]] std::string_view name(StoreList list);
+
+/// One file of a list. All texts are `printable`.
+struct StoreEntry {
+    enum class Kind : std::uint8_t { Certificate, RevocationList };
+
+    Kind kind{Kind::Certificate};
+    /// Below the store's folder: "trusted/certs/Press 4 [0123...].der".
+    std::string file;
+    std::string subject; // of a revocation list its issuer
+    std::string issuer;
+    std::string thumbprint; // SHA-1 in upper-case hexadecimal; of a revocation list too
+    DateTime valid_from;    // of a revocation list thisUpdate
+    DateTime valid_to;      // and nextUpdate, null if it has none
+};
+
+/// Certificates and revocation lists on the disk, in the folders that OPC UA tools know (Part 12,
+/// F.1): `own`, `trusted`, `issuers` and `rejected`, each with `certs` and `crl`; `own/private` for
+/// the private keys.
+///
+/// Files may come and go at any time, by the hands of people or tools, under any name, as DER or
+/// PEM, one certificate or revocation list in each; what is written here is called
+/// "Name [THUMBPRINT].der" or ".crl". Links are not followed. A file that cannot be used is left
+/// alone, does not count, and the log says so once for each change of it.
+///
+/// Two more places are read, and written never: `issuer`, which is what Part 12 calls `issuers`,
+/// and certificates that lie directly in a list's folder, where Busbar 0.1 had them. Nothing is
+/// moved away from there, so that the older version still runs; remove and move reach them.
+///
+/// After a power cut at any moment a file is there as it was before or as it is after the
+/// operation, and a certificate that is moved in at least one of both lists. The temporary files of
+/// a writer that died are never read; create() removes them. Other processes may read and write the
+/// same store.
+///
+/// Operations block on the disk. One thread at a time.
+class CertificateStore {
+public:
+    /// `log` must outlive this.
+    CertificateStore(std::string folder, const StoreLimits& limits, LogSink& log);
+    ~CertificateStore();
+    CertificateStore(const CertificateStore&) = delete;
+    CertificateStore& operator=(const CertificateStore&) = delete;
+
+    /// Makes the folders that are missing and removes temporary files that were left behind;
+    /// Bad_ConfigurationError if a folder cannot be made. Keys that others may read are closed to
+    /// them, with a warning and not a refusal: a plant must start again after a backup was restored
+    /// with wrong rights, and what was read already is not unread by standing still.
+    [[nodiscard]] Result<void> create();
+
+    /// What validation goes by: up to the limits, read again as far as files changed. `now` tells
+    /// fresh files, which may still change without showing it in their times. Valid until the next
+    /// call of anything here.
+    [[nodiscard]] const TrustList& trust_list(DateTime now);
+
+    /// Saves a stranger's certificate in `rejected`, unless it lies there already, within the
+    /// limits; the log says what became of it. `now` counts the minutes.
+    void reject(const Certificate& certificate, DateTime now);
+
+    // For the administrator. Refusals say in words what was wrong; the log gets what was done.
+
+    /// In the order of the file names; no limits but those of reading.
+    [[nodiscard]] std::vector<StoreEntry> list(StoreList list);
+    /// One certificate or revocation list, from whatever list it lies in, as lines of text for
+    /// people (see certificate_text). Bad_NotFound.
+    [[nodiscard]] Checked<std::string> show(std::string_view thumbprint);
+    /// `contents`: one certificate or revocation list, DER or PEM. Bad_CertificateInvalid if it is
+    /// neither, Bad_EntryExists, Bad_ResourceUnavailable if the list is full or the disk fails,
+    /// Bad_NotSupported for the own list: a certificate of ours comes with its key.
+    [[nodiscard]] Checked<StoreEntry> add(StoreList list, std::span<const std::byte> contents);
+    /// Every file of the list that holds it. Bad_NotFound, Bad_ResourceUnavailable,
+    /// Bad_NotSupported as for add.
+    [[nodiscard]] Checked<void> remove(StoreList list, std::string_view thumbprint);
+    /// In no moment it is in neither list; if it was in `to` already, it just leaves `from`. Errors
+    /// as for add and remove.
+    [[nodiscard]] Checked<void> move(std::string_view thumbprint, StoreList from, StoreList to);
+
+    [[nodiscard]] const std::string& folder() const { return folder_; }
+
+private:
+    std::string folder_;
+    LogSink* log_;
+    std::unique_ptr<detail::StoreLists> lists_;
+    std::unique_ptr<detail::RejectedList> rejected_;
+};
+
+/// What a certificate says, for people: one line for each of subject, issuer, serial number,
+/// validity, names, key, signature, usage and thumbprint. Printable whatever is in it.
+[[nodiscard]] std::string certificate_text(const Certificate& certificate);
+[[nodiscard]] std::string revocation_list_text(const RevocationList& list);
+
+} // namespace busbar::crypto

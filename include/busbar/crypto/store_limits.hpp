@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace busbar::crypto {
+
+/// What happens to a stranger's certificate when the rejected list is full.
+enum class RejectedFull : std::uint8_t {
+    OldestOut, // it takes the place of the one that lies there longest
+    Discard,   // it is not saved
+};
+
+/// How much a CertificateStore holds and reads. What lies on the disk beyond a limit does not
+/// count, and the log says so once.
+struct StoreLimits {
+    /// Certificates in each of the trusted and the issuers list.
+    std::size_t max_certificates{256};
+    /// Revocation lists in each of them.
+    std::size_t max_revocation_lists{256};
+    std::size_t max_rejected{100};
+    RejectedFull when_rejected_is_full{RejectedFull::OldestOut};
+    /// Strangers' certificates that are saved, discarded and told about within one minute: they
+    /// must not wear out a flash disk.
+    std::size_t max_rejected_per_minute{10};
+
+    // One folder: names that are looked at, bytes of a file and of all files together.
+
+    std::size_t max_files{1'000};
+    std::size_t max_certificate_file_size{65'536};
+    std::size_t max_revocation_list_file_size{2U << 20U};
+    std::size_t max_folder_size{16U << 20U};
+};
+
+/// NJ501 and NX102 (their OPC UA manual, 1-2-2): 32 trusted, 32 CA and 32 rejected certificates.
+/// When the last are full, a further one is discarded until somebody deletes one.
+[[nodiscard]] constexpr StoreLimits nj501_store_limits()
+{
+    StoreLimits limits;
+    limits.max_certificates = 32;
+    limits.max_revocation_lists = 32;
+    limits.max_rejected = 32;
+    limits.when_rejected_is_full = RejectedFull::Discard;
+    return limits;
+}
+
+[[nodiscard]] constexpr StoreLimits nx102_store_limits()
+{
+    return nj501_store_limits();
+}
+
+/// RD81OPC96: 32 of each. Its manual does not say what happens to one more.
+[[nodiscard]] constexpr StoreLimits rd81opc96_store_limits()
+{
+    StoreLimits limits = nj501_store_limits();
+    limits.when_rejected_is_full = RejectedFull::OldestOut;
+    return limits;
+}
+
+} // namespace busbar::crypto

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <busbar/core/log.hpp>
+#include <busbar/crypto/certificate_store.hpp>
+#include <busbar/crypto/certificate_validator.hpp>
+
+namespace busbar::crypto {
+
+/// Decides by the lists of a store, as they are on the disk at that moment (see check_chain for the
+/// rules). The certificate of a peer that is not trusted, whose issuers are not known or that was
+/// revoked is saved in `rejected`, for the administrator to look at and perhaps to move.
+///
+/// The refusal is the caller's to log. What a setting let pass is logged here. One thread at a
+/// time, as the store.
+class StoreValidator final : public CertificateValidator {
+public:
+    /// `store` and `log` must outlive this.
+    StoreValidator(CertificateStore& store, LogSink& log, const ValidationSettings& settings = {});
+
+    [[nodiscard]] Checked<void> validate(const CertificateChain& chain,
+                                         const ValidationContext& context) override;
+
+private:
+    CertificateStore* store_;
+    LogSink* log_;
+    ValidationSettings settings_;
+};
+
+} // namespace busbar::crypto

@@ -1,0 +1,107 @@
+#include "rejected_list.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include <busbar/core/text.hpp>
+#include <busbar/crypto/file.hpp>
+
+#include "store_names.hpp"
+
+namespace busbar::crypto::detail {
+
+namespace {
+
+using Kind = StoreEntry::Kind;
+
+constexpr std::int64_t one_minute = 60 * DateTime::ticks_per_second;
+
+bool is_older(const FileInList& a, const FileInList& b)
+{
+    return std::tie(a.file->state.modified, a.file->name) <
+           std::tie(b.file->state.modified, b.file->name);
+}
+
+} // namespace
+
+bool RejectedList::may_act(DateTime now)
+{
+    if (now < minute_ || now.ticks - minute_.ticks >= one_minute) {
+        minute_ = now;
+        acted_ = 0;
+    }
+    const std::size_t limit = lists_->limits().max_rejected_per_minute;
+    if (acted_ < limit) {
+        ++acted_;
+        return true;
+    }
+    if (acted_ == limit) {
+        ++acted_;
+        log_->write(LogLevel::Warning, "certificate store",
+                    "more strangers than the limit within a minute: the certificates of further "
+                    "ones are not saved");
+    }
+    return false;
+}
+
+bool RejectedList::contains(const Certificate& certificate) const
+{
+    const auto files = lists_->files(StoreList::Rejected);
+    return std::any_of(files.begin(), files.end(), [&](const FileInList& found) {
+        const Certificate* one = found.file->certificate();
+        return one != nullptr && *one == certificate;
+    });
+}
+
+void RejectedList::tell(LogLevel level, const Certificate& certificate, std::string_view what) const
+{
+    log_->write(level, "certificate store",
+                printable(certificate.subject()) + ", " + certificate.thumbprint_text() + ", " +
+                    std::string{what});
+}
+
+void RejectedList::make_room()
+{
+    std::vector<FileInList> files = lists_->files(StoreList::Rejected);
+    files.erase(std::remove_if(
+                    files.begin(), files.end(),
+                    [](const FileInList& found) { return found.file->certificate() == nullptr; }),
+                files.end());
+    std::sort(files.begin(), files.end(), is_older);
+    const std::size_t limit = lists_->limits().max_rejected;
+    for (std::size_t i = 0; files.size() - i >= limit && i < files.size(); ++i) {
+        if (remove_file(files[i].path())) {
+            tell(LogLevel::Warning, *files[i].file->certificate(),
+                 "the oldest in rejected, was discarded: the list is full");
+        }
+    }
+}
+
+void RejectedList::save(const Certificate& certificate, DateTime now)
+{
+    lists_->refresh(StoreList::Rejected, now);
+    if (contains(certificate) || !may_act(now)) {
+        return;
+    }
+    const StoreLimits& limits = lists_->limits();
+    const bool is_full =
+        lists_->count(StoreList::Rejected, Kind::Certificate) >= limits.max_rejected;
+    const bool may_replace =
+        limits.when_rejected_is_full == RejectedFull::OldestOut && limits.max_rejected != 0;
+    // What was not looked at cannot be counted.
+    if (lists_->is_cut(StoreList::Rejected) || (is_full && !may_replace)) {
+        tell(LogLevel::Warning, certificate,
+             "was discarded: rejected is full until somebody deletes a certificate there");
+        return;
+    }
+    const CertificateFolder& home = lists_->home(StoreList::Rejected, Kind::Certificate);
+    const std::string file = store_file_name(certificate) + ".der";
+    if (!save_file(home.path_of(file), certificate.der(), FileAccess::Everyone)) {
+        tell(LogLevel::Warning, certificate, "cannot be saved in rejected");
+        return;
+    }
+    tell(LogLevel::Info, certificate, "was saved in rejected; to trust it, move it to trusted");
+    make_room();
+}
+
+} // namespace busbar::crypto::detail

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+#include "store_lists.hpp"
+
+namespace busbar::crypto::detail {
+
+/// Keeps strangers' certificates within the limits of number and rate.
+class RejectedList {
+public:
+    RejectedList(StoreLists& lists, LogSink& log) : lists_{&lists}, log_{&log} {}
+
+    void save(const Certificate& certificate, DateTime now);
+
+private:
+    [[nodiscard]] bool may_act(DateTime now);
+    [[nodiscard]] bool contains(const Certificate& certificate) const;
+    /// The oldest files go until, with a new one, there are no more than the limit.
+    void make_room();
+    void tell(LogLevel level, const Certificate& certificate, std::string_view what) const;
+
+    StoreLists* lists_;
+    LogSink* log_;
+    DateTime minute_;
+    std::size_t acted_{0}; // since minute_
+};
+
+} // namespace busbar::crypto::detail

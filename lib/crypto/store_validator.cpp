@@ -1,0 +1,46 @@
+#include <busbar/crypto/store_validator.hpp>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace busbar::crypto {
+
+namespace {
+
+/// What an administrator can mend by moving the certificate, or wants to look at.
+bool is_worth_keeping(StatusCode code)
+{
+    constexpr std::array codes = {
+        status::Bad_CertificateUntrusted, status::Bad_CertificateChainIncomplete,
+        status::Bad_CertificateRevoked, status::Bad_CertificateIssuerRevoked};
+    return std::find(codes.begin(), codes.end(), code) != codes.end();
+}
+
+} // namespace
+
+StoreValidator::StoreValidator(CertificateStore& store, LogSink& log,
+                               const ValidationSettings& settings)
+    : store_{&store}, log_{&log}, settings_{settings}
+{
+}
+
+Checked<void> StoreValidator::validate(const CertificateChain& chain,
+                                       const ValidationContext& context)
+{
+    std::vector<Refusal> suppressed;
+    auto refusal =
+        check_chain(chain, store_->trust_list(context.now), context, settings_, &suppressed);
+    if (refusal) {
+        if (!chain.empty() && is_worth_keeping(refusal->status)) {
+            store_->reject(chain.front(), context.now);
+        }
+        return refuse(*std::move(refusal));
+    }
+    for (const Refusal& passed : suppressed) {
+        log_->write(LogLevel::Info, "certificate", "accepted by a setting: " + text(passed));
+    }
+    return {};
+}
+
+} // namespace busbar::crypto

@@ -1,0 +1,239 @@
+#include "support/failing_disk.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdarg>
+#include <cstdio>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace busbar::test::failing_disk {
+
+namespace {
+
+enum class AtTheEnd { Dark, Kill, FailOnce };
+
+struct Disk {
+    AtTheEnd at_the_end{AtTheEnd::Dark};
+    std::size_t steps{0};
+    std::size_t end{std::numeric_limits<std::size_t>::max()};
+    bool is_dark{false};
+    bool are_two{false};
+    std::size_t reads{0};
+    std::vector<std::size_t> calls;
+    std::map<int, std::string> open_files;
+    std::map<std::string, off_t> unsynchronised; // bytes that were written
+};
+
+Disk disk;
+
+/// False if the call must fail.
+bool takes_step()
+{
+    if (disk.is_dark) {
+        errno = EIO;
+        return false;
+    }
+    disk.calls.push_back(disk.steps);
+    if (disk.steps++ != disk.end) {
+        return true;
+    }
+    switch (disk.at_the_end) {
+    case AtTheEnd::Kill:
+        ::kill(::getpid(), SIGKILL);
+        break;
+    case AtTheEnd::Dark:
+        disk.is_dark = true;
+        errno = EIO;
+        break;
+    case AtTheEnd::FailOnce:
+        errno = ENOSPC;
+        break;
+    }
+    return false;
+}
+
+void start(AtTheEnd what, std::size_t end)
+{
+    disk.at_the_end = what;
+    disk.steps = 0;
+    disk.end = end;
+    disk.is_dark = false;
+    disk.calls.clear();
+    disk.open_files.clear();
+    disk.unsynchronised.clear();
+}
+
+void stop()
+{
+    start(AtTheEnd::Dark, std::numeric_limits<std::size_t>::max());
+}
+
+void lose_unsynchronised()
+{
+    for (const auto& [path, size] : disk.unsynchronised) {
+        static_cast<void>(::truncate(path.c_str(), size / 2));
+    }
+}
+
+} // namespace
+
+Steps steps_of(const Operation& operation)
+{
+    stop();
+    operation();
+    return {disk.steps, std::exchange(disk.calls, {})};
+}
+
+void run_until_dark(std::size_t steps, const Operation& operation)
+{
+    start(AtTheEnd::Dark, steps);
+    operation();
+    lose_unsynchronised();
+    stop();
+}
+
+bool run_until_killed(std::size_t steps, const Operation& operation)
+{
+    const pid_t child = ::fork();
+    if (child == 0) {
+        start(AtTheEnd::Kill, steps);
+        operation();
+        ::_exit(0);
+    }
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    return WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL;
+}
+
+void run_with_failure(std::size_t step, const Operation& operation)
+{
+    start(AtTheEnd::FailOnce, step);
+    operation();
+    stop();
+}
+
+void set_two_disks(bool are_two)
+{
+    disk.are_two = are_two;
+}
+
+std::size_t count_of_reads()
+{
+    return disk.reads;
+}
+
+} // namespace busbar::test::failing_disk
+
+using busbar::test::failing_disk::AtTheEnd;
+using busbar::test::failing_disk::disk;
+using busbar::test::failing_disk::takes_step;
+
+extern "C" {
+
+int __real_open(const char* path, int flags, ...);
+int __real_openat(int folder, const char* path, int flags, ...);
+ssize_t __real_write(int file, const void* bytes, size_t size);
+int __real_rename(const char* from, const char* to);
+int __real_unlink(const char* path);
+int __real_fchmod(int file, mode_t mode);
+
+int __wrap_open(const char* path, int flags, ...)
+{
+    if ((flags & O_CREAT) == 0) {
+        return __real_open(path, flags);
+    }
+    va_list rest;
+    va_start(rest, flags);
+    const auto mode = static_cast<mode_t>(va_arg(rest, unsigned));
+    va_end(rest);
+    if (!takes_step()) {
+        return -1;
+    }
+    const int file = __real_open(path, flags, mode);
+    if (file >= 0) {
+        disk.open_files[file] = path;
+        disk.unsynchronised[path] = 0;
+    }
+    return file;
+}
+
+int __wrap_openat(int folder, const char* path, int flags, ...)
+{
+    ++disk.reads;
+    return __real_openat(folder, path, flags);
+}
+
+ssize_t __wrap_write(int file, const void* bytes, size_t size)
+{
+    const std::size_t left = disk.is_dark ? 0 : disk.end - std::min(disk.end, disk.steps);
+    const std::size_t allowed = std::min(size, left);
+    if (allowed == 0) {
+        takes_step();
+        return -1;
+    }
+    const ssize_t written = __real_write(file, bytes, allowed);
+    for (const std::size_t byte : {std::size_t{0}, std::size_t{1}, allowed - 1}) {
+        disk.calls.push_back(disk.steps + byte);
+    }
+    disk.steps += allowed;
+    if (const auto known = disk.open_files.find(file); known != disk.open_files.end()) {
+        disk.unsynchronised[known->second] += written;
+    }
+    if (allowed < size && disk.at_the_end == AtTheEnd::Kill) {
+        takes_step();
+    }
+    return written; // short where the end is: the next call fails
+}
+
+int __wrap_fsync(int file)
+{
+    if (!takes_step()) {
+        return -1;
+    }
+    if (const auto known = disk.open_files.find(file); known != disk.open_files.end()) {
+        disk.unsynchronised.erase(known->second);
+        disk.open_files.erase(known);
+    }
+    return 0;
+}
+
+int __wrap_rename(const char* from, const char* to)
+{
+    if (disk.are_two) {
+        // What save_file does stays on one disk.
+        const std::string source{from};
+        if (source.substr(0, source.rfind('/')) !=
+            std::string{to}.substr(0, std::string{to}.rfind('/'))) {
+            errno = EXDEV;
+            return -1;
+        }
+    }
+    if (!takes_step()) {
+        return -1;
+    }
+    if (const auto found = disk.unsynchronised.find(from); found != disk.unsynchronised.end()) {
+        disk.unsynchronised[to] = found->second;
+        disk.unsynchronised.erase(from);
+    }
+    return __real_rename(from, to);
+}
+
+int __wrap_unlink(const char* path)
+{
+    return takes_step() ? __real_unlink(path) : -1;
+}
+
+int __wrap_fchmod(int file, mode_t mode)
+{
+    return takes_step() ? __real_fchmod(file, mode) : -1;
+}
+
+} // extern "C"
