@@ -8,11 +8,16 @@
 
 #include <busbar/crypto/file.hpp>
 
+#include "key_derivation.hpp"
 #include "openssl.hpp"
 
 namespace busbar::crypto {
 
 namespace {
+
+constexpr std::size_t max_file_size = 65'536;
+/// Of an encrypted key: seconds.
+constexpr std::uint64_t max_iterations = 3'000'000;
 
 /// Gives the passphrase, or none: OpenSSL must never ask a terminal for it.
 int give_passphrase(char* buffer, int size, int, void* user)
@@ -49,6 +54,9 @@ detail::Pkey read_key(std::span<const std::byte> contents, std::string_view pass
 Result<PrivateKey> PrivateKey::parse(std::span<const std::byte> contents,
                                      std::string_view passphrase)
 {
+    if (contents.size() > max_file_size || !detail::is_affordable_key(contents, max_iterations)) {
+        return fail(status::Bad_ConfigurationError);
+    }
     detail::Pkey key = read_key(contents, passphrase);
     if (!key || EVP_PKEY_get_base_id(key.get()) != EVP_PKEY_RSA) {
         return fail(status::Bad_ConfigurationError);

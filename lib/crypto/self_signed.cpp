@@ -1,65 +1,33 @@
-#include <busbar/crypto/private_key.hpp>
+#include <busbar/crypto/self_signed.hpp>
 
+#include <openssl/err.h>
 #include <openssl/rand.h>
 
-#include <algorithm>
 #include <array>
 
-#include "openssl.hpp"
+#include "certificate_content.hpp"
 
 namespace busbar::crypto {
 
 namespace {
 
-/// Commas, colons and line ends mean something in OpenSSL's extension texts.
-bool is_plain(std::string_view text, std::string_view also = "")
-{
-    return std::all_of(text.begin(), text.end(), [&](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-               c == '.' || c == '-' || c == '_' || also.find(c) != std::string_view::npos;
-    });
-}
-
-/// Part 6, 6.2.2: the ApplicationUri and every host name.
-Result<std::string> alternative_names(const CertificateSubject& subject)
-{
-    constexpr std::string_view uri_characters = ":/#?=&%+~@!$'()*;";
-    if (subject.application_uri.empty() || !is_plain(subject.application_uri, uri_characters)) {
-        return fail(status::Bad_InvalidArgument);
-    }
-    std::string text = "URI:" + subject.application_uri;
-    for (const std::string& name : subject.dns_names) {
-        if (!is_plain(name)) {
-            return fail(status::Bad_InvalidArgument);
-        }
-        text += ",DNS:" + name;
-    }
-    for (const std::string& address : subject.ip_addresses) {
-        if (!is_plain(address, ":")) {
-            return fail(status::Bad_InvalidArgument);
-        }
-        text += ",IP:" + address;
-    }
-    return text;
-}
-
 bool add_extension(X509* certificate, int id, const std::string& value)
 {
     X509V3_CTX context;
     X509V3_set_ctx(&context, certificate, certificate, nullptr, nullptr, 0);
-    const detail::Extension extension{X509V3_EXT_conf_nid(nullptr, &context, id, value.c_str())};
+    const detail::Extension extension = detail::make_extension(context, id, value);
     return extension && X509_add_ext(certificate, extension.get(), -1) == 1;
 }
 
+/// Part 6, 6.2.2: no CA, but keyCertSign, since the key signs the certificate itself.
 bool add_extensions(X509* certificate, const std::string& names)
 {
-    return add_extension(certificate, NID_basic_constraints, "critical,CA:FALSE") &&
+    return add_extension(certificate, NID_basic_constraints, detail::basic_constraints) &&
            add_extension(certificate, NID_subject_key_identifier, "hash") &&
            add_extension(certificate, NID_authority_key_identifier, "keyid:always") &&
            add_extension(certificate, NID_key_usage,
-                         "critical,digitalSignature,nonRepudiation,keyEncipherment,"
-                         "dataEncipherment,keyCertSign") &&
-           add_extension(certificate, NID_ext_key_usage, "serverAuth,clientAuth") &&
+                         std::string{detail::key_usage} + ",keyCertSign") &&
+           add_extension(certificate, NID_ext_key_usage, detail::extended_key_usage) &&
            add_extension(certificate, NID_subject_alt_name, names);
 }
 
@@ -75,14 +43,6 @@ bool set_serial(X509* certificate)
                         BN_to_ASN1_INTEGER(number, X509_get_serialNumber(certificate)) != nullptr;
     BN_free(number);
     return is_set;
-}
-
-bool add_name(X509_NAME* name, const char* field, const std::string& text)
-{
-    return text.empty() ||
-           X509_NAME_add_entry_by_txt(name, field, MBSTRING_UTF8,
-                                      reinterpret_cast<const unsigned char*>(text.data()),
-                                      static_cast<int>(text.size()), -1, 0) == 1;
 }
 
 constexpr std::int64_t seconds_per_day = 86'400;
@@ -109,8 +69,7 @@ bool fill(X509* certificate, const PrivateKey& key, const CertificateSubject& su
 {
     X509_NAME* name = X509_get_subject_name(certificate);
     return X509_set_version(certificate, X509_VERSION_3) == 1 && set_serial(certificate) &&
-           set_validity(certificate, subject) && add_name(name, "CN", subject.common_name) &&
-           add_name(name, "O", subject.organization) &&
+           set_validity(certificate, subject) && detail::add_fields(name, subject) &&
            X509_set_issuer_name(certificate, name) == 1 &&
            X509_set_pubkey(certificate, key.native()) == 1 && add_extensions(certificate, names) &&
            X509_sign(certificate, key.native(), EVP_sha256()) > 0;
@@ -120,14 +79,15 @@ bool fill(X509* certificate, const PrivateKey& key, const CertificateSubject& su
 
 Result<Certificate> create_self_signed(const PrivateKey& key, const CertificateSubject& subject)
 {
-    const auto names = alternative_names(subject);
-    if (!names || subject.common_name.empty() || !has_validity(subject)) {
+    const auto names = detail::alternative_names(subject);
+    if (!names || !has_validity(subject)) {
         return fail(status::Bad_InvalidArgument);
     }
     const detail::X509Pointer x509{X509_new()};
     unsigned char* der = nullptr;
     const int size =
         x509 && fill(x509.get(), key, subject, *names) ? i2d_X509(x509.get(), &der) : -1;
+    ERR_clear_error();
     if (size <= 0) {
         return fail(status::Bad_InvalidArgument);
     }

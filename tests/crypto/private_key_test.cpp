@@ -11,6 +11,7 @@
 #include <busbar/crypto/certificate_validator.hpp>
 #include <busbar/crypto/file.hpp>
 #include <busbar/crypto/private_key.hpp>
+#include <busbar/crypto/self_signed.hpp>
 
 #include "hex.hpp"
 #include "issuing.hpp"
@@ -160,11 +161,11 @@ TEST_CASE("files are replaced whole or not at all", "[crypto][file]")
     // A link that somebody laid where the new file is written is not followed.
     const fs::path victim = folder.path / "victim";
     std::ofstream{victim} << "untouched";
-    fs::create_symlink(victim, file.string() + ".new");
+    fs::create_symlink(victim, file.string() + "." + std::to_string(::getpid()) + "-0.busbar-new");
     REQUIRE(save_file(file.string(), from_text("second"), crypto::FileAccess::Everyone));
     CHECK(read(file) == "second");
     CHECK(read(victim) == "untouched");
-    CHECK(count_files(folder.path) == 2);
+    CHECK(count_files(folder.path) == 3);
     REQUIRE(save_file(file.string(), {}, crypto::FileAccess::Everyone));
     CHECK(read(file).empty());
     CHECK(save_file((folder.path / "no" / "a").string(), {}, crypto::FileAccess::Owner).error() ==
@@ -172,7 +173,7 @@ TEST_CASE("files are replaced whole or not at all", "[crypto][file]")
     // Where a folder stands, no file goes, and nothing is left behind.
     fs::create_directory(folder.path / "taken");
     CHECK_FALSE(save_file((folder.path / "taken").string(), {}, crypto::FileAccess::Owner));
-    CHECK(count_files(folder.path) == 3);
+    CHECK(count_files(folder.path) == 4);
 }
 
 TEST_CASE("a key knows its certificate", "[crypto][key]")

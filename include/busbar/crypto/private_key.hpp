@@ -6,9 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include <busbar/core/date_time.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/crypto/certificate.hpp>
 #include <busbar/crypto/secret.hpp>
@@ -20,8 +18,9 @@ namespace busbar::crypto {
 /// An RSA key pair. Immutable; copies share.
 class PrivateKey {
 public:
-    /// PEM or DER, PKCS#1 or PKCS#8, the latter also encrypted. Bad_ConfigurationError if it is
-    /// none of them, no RSA key or the passphrase is wrong. Never asks anyone.
+    /// PEM or DER of at most 64 KiB, PKCS#1 or PKCS#8, the latter also encrypted.
+    /// Bad_ConfigurationError if it is none of them, no RSA key, the passphrase is wrong, or
+    /// decrypting would take more than three million iterations. Never asks anyone.
     [[nodiscard]] static Result<PrivateKey> parse(std::span<const std::byte> contents,
                                                   std::string_view passphrase = {});
     /// A new key of 2048 to 4096 bits; else Bad_InvalidArgument.
@@ -42,21 +41,5 @@ private:
 
     std::shared_ptr<evp_pkey_st> key_;
 };
-
-/// What a self-signed ApplicationInstanceCertificate says (Part 6, 6.2.2).
-struct CertificateSubject {
-    std::string common_name;
-    std::string organization;
-    std::string application_uri;
-    std::vector<std::string> dns_names;
-    std::vector<std::string> ip_addresses;
-    DateTime valid_from;
-    std::uint32_t valid_days{365 * 5};
-};
-
-/// Bad_InvalidArgument if a name, address or time cannot stand in a certificate. Signed with
-/// SHA-256; usable as server and as client.
-[[nodiscard]] Result<Certificate> create_self_signed(const PrivateKey& key,
-                                                     const CertificateSubject& subject);
 
 } // namespace busbar::crypto

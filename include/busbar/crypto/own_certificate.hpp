@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/core/refusal.hpp>
+#include <busbar/crypto/certificate.hpp>
+#include <busbar/crypto/private_key.hpp>
+#include <busbar/crypto/self_signed.hpp>
+
+namespace busbar::crypto {
+
+/// The certificate of this application, behind it those that signed it, and its private key.
+struct OwnCertificate {
+    CertificateChain certificates;
+    PrivateKey key;
+};
+
+/// What a certificate that the application makes for itself says, or asks a CA for.
+struct OwnCertificateSettings {
+    /// `valid_from` is not looked at: it is the time of making, less a day, since clocks differ.
+    /// `valid_days` count from the time of making.
+    CertificateSubject subject;
+    /// 2048 to 4096.
+    std::uint32_t key_bits{2048};
+};
+
+/// Where an application keeps its certificate and key (layout of Part 12, F.1), below `folder`:
+///
+///     own/certs/own.der         the certificate, behind it those that signed it, as on the wire
+///     own/private/own.pem       its key, readable by its owner only
+///     own/private/pending.pem   a key that waits for its certificate
+///     own/replaced/             what was replaced, by thumbprint; nothing here is ever deleted
+///
+/// No certificate or key is overwritten before it lies in own/replaced too, but a pending key.
+/// After a power cut at any moment the old certificate with the old key is in force, or the new one
+/// with the new key: own.der is replaced in one step, which decides; the key is own.pem or
+/// pending.pem, whichever belongs to it. The next call finishes what was begun.
+///
+/// What cannot be read or does not fit together is refused and left as it is. Refusals name the
+/// file, what was found and what was expected; they never hold a part of a key.
+///
+/// Files that others put there may be PEM or DER; keys with a passphrase are to be installed. One
+/// process, one thread at a time. All functions block on the disk; making a key takes seconds.
+class OwnCertificateStore {
+public:
+    /// A key pair of its own for the request, or that of the certificate in force.
+    enum class RequestKey : std::uint8_t { New, Present };
+
+    explicit OwnCertificateStore(std::string folder);
+
+    /// What is in force; none if neither a certificate nor a key is there. Refused if it does not
+    /// name `application_uri` (Part 6, 6.2.2), unless that is empty.
+    [[nodiscard]] Checked<std::optional<OwnCertificate>>
+    load(std::string_view application_uri = {}) const;
+    /// The same; a self-signed certificate is made if there is none, with the pending key if there
+    /// is one.
+    [[nodiscard]] Checked<OwnCertificate> load_or_create(const OwnCertificateSettings& settings,
+                                                         DateTime now) const;
+    /// A new key and a new self-signed certificate instead of what is there, in whatever state that
+    /// is. A pending key is discarded (Part 12, 7.10.10). Peers have to trust the new certificate.
+    [[nodiscard]] Checked<OwnCertificate> regenerate(const OwnCertificateSettings& settings,
+                                                     DateTime now) const;
+
+    /// A certificate request in DER. A new key becomes the pending one, instead of an earlier one
+    /// (Part 12, 7.10.10), and waits across restarts.
+    [[nodiscard]] Checked<std::vector<std::byte>>
+    create_signing_request(const OwnCertificateSettings& settings, RequestKey key) const;
+    /// Puts what a CA issued in force: PEM or DER, with the certificates that signed it in any
+    /// order. Refused if no certificate belongs to the pending or the present key or if the one
+    /// that does names another ApplicationUri. Trust and time are not checked.
+    [[nodiscard]] Checked<OwnCertificate> take_in(std::span<const std::byte> certificates,
+                                                  std::string_view application_uri) const;
+    /// Puts a certificate and a key from elsewhere in force: read_pkcs12, or read_certificates and
+    /// PrivateKey::parse. Refused under the same conditions. A pending key is discarded.
+    [[nodiscard]] Checked<OwnCertificate> install(const OwnCertificate& own,
+                                                  std::string_view application_uri) const;
+
+private:
+    std::string folder_;
+};
+
+/// The certificates of a PEM file, or concatenated DER, in their order: max_chain_length at most,
+/// of max_chain_size together.
+[[nodiscard]] Checked<std::vector<Certificate>>
+read_certificates(std::span<const std::byte> contents);
+
+/// Writes the certificate alone, for the peers that shall trust it; replaces the file `path`.
+[[nodiscard]] Result<void> export_der(const Certificate& certificate, const std::string& path);
+
+} // namespace busbar::crypto

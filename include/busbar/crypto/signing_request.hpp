@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <busbar/core/result.hpp>
+#include <busbar/crypto/private_key.hpp>
+#include <busbar/crypto/self_signed.hpp>
+
+namespace busbar::crypto {
+
+/// A certificate request for a CA (Part 12, 7.9.3 and 7.10.10): PKCS#10 in DER, signed with SHA-256
+/// by `key`, which it asks a certificate for. It has the subject's names and, as requested
+/// extensions, the alternative names and usages of Part 6, 6.2.2; the CA decides the validity.
+/// Bad_InvalidArgument if a name or address cannot stand in a certificate.
+[[nodiscard]] Result<std::vector<std::byte>>
+create_signing_request(const PrivateKey& key, const CertificateSubject& subject);
+
+} // namespace busbar::crypto

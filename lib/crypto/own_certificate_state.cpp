@@ -1,0 +1,96 @@
+#include "own_certificate_state.hpp"
+
+#include <utility>
+
+#include "openssl.hpp"
+#include "own_certificate_checks.hpp"
+
+namespace busbar::crypto::detail {
+
+namespace {
+
+std::optional<PrivateKey> parse_key(const FileContents& file)
+{
+    if (!file.bytes) {
+        return std::nullopt;
+    }
+    auto key = PrivateKey::parse(file.bytes->span());
+    return key ? std::optional{*std::move(key)} : std::nullopt;
+}
+
+bool is_same_key(const PrivateKey& a, const PrivateKey& b)
+{
+    return EVP_PKEY_eq(a.native(), b.native()) == 1;
+}
+
+Result<void> replace(const OwnCertificateFiles& files, const OwnCertificate& own, bool has_its_key)
+{
+    std::vector<std::byte> der;
+    for (const Certificate& certificate : own.certificates) {
+        der.insert(der.end(), certificate.der().begin(), certificate.der().end());
+    }
+    if (const auto kept = files.keep_aside(); !kept) {
+        return kept;
+    }
+    if (!has_its_key) {
+        if (const auto saved = files.save_pending_key(own.key); !saved) {
+            return saved;
+        }
+    }
+    return files.save_certificate(der);
+}
+
+} // namespace
+
+OwnCertificateState read_state(const OwnCertificateFiles& files)
+{
+    const FileContents certificate = read_file(files.certificate());
+    const FileContents key = read_file(files.key());
+    const FileContents pending_key = read_file(files.pending_key());
+    OwnCertificateState state{certificate.exists, key.exists,
+                              pending_key.exists, {},
+                              parse_key(key),     parse_key(pending_key)};
+    if (certificate.bytes) {
+        if (auto certificates = read_certificates(certificate.bytes->span())) {
+            state.certificates = *std::move(certificates);
+        }
+    }
+    return state;
+}
+
+Result<void> finish_switch(const OwnCertificateFiles& files, OwnCertificateState& state)
+{
+    state.key = std::exchange(state.pending_key, std::nullopt);
+    state.has_key = true;
+    // The key that lies there now is the old one, or one that an operator put there meanwhile.
+    const auto kept = files.keep_key_aside();
+    return kept ? files.promote_pending_key(*state.key) : kept;
+}
+
+Checked<OwnCertificateState> prepare(const OwnCertificateFiles& files)
+{
+    if (!files.create_folders()) {
+        return refuse(unwritable(files.certificate()));
+    }
+    OwnCertificateState state = read_state(files);
+    if (state.is_half_switched() && !finish_switch(files, state)) {
+        return refuse(unwritable(files.key()));
+    }
+    return state;
+}
+
+Checked<OwnCertificate> put_in_force(const OwnCertificateFiles& files,
+                                     const OwnCertificateState& state, OwnCertificate own)
+{
+    const bool has_its_key = state.key && is_same_key(*state.key, own.key);
+    if (!replace(files, own, has_its_key)) {
+        return refuse(unwritable(files.certificate()));
+    }
+    if (!has_its_key) {
+        // If that fails, whoever reads or changes the store next does it.
+        static_cast<void>(files.promote_pending_key(own.key));
+    }
+    return own;
+}
+
+} // namespace busbar::crypto::detail
