@@ -64,7 +64,8 @@ Result<ExtensionObject> user_name_token(const ClientConfig& config, const Sessio
     const auto* policy = token_policy.security_policy_uri.empty()
                              ? &policy_of(config)
                              : crypto::find_policy(token_policy.security_policy_uri.view());
-    if (policy == nullptr) {
+    // A server cannot make us use a deprecated policy that we were not told to use.
+    if (policy == nullptr || (policy->is_deprecated && policy != &policy_of(config))) {
         return fail(status::Bad_SecurityPolicyRejected);
     }
     if (policy->is_none() || !config.channel.server_certificate) {

@@ -1,10 +1,12 @@
 #include <algorithm>
+#include <optional>
 
 #include <busbar/core/text.hpp>
 
 #include "link.hpp"
 #include "session_proof.hpp"
 #include "session_services.hpp"
+#include "user_expiry.hpp"
 #include "user_token.hpp"
 
 namespace busbar::server::detail {
@@ -14,152 +16,309 @@ namespace {
 constexpr std::size_t server_nonce_size = 32;
 constexpr std::size_t max_locale_size = 32;
 
-/// ActivateSession (Part 4, 5.6.3).
-class ActivateSession final : public OperationOf<ActivateSessionRequest> {
+Refusal refusal_of(StatusCode status, std::string_view check, std::string found,
+                   std::string remedy = {})
+{
+    return {status, check, std::move(found), "Part 4, 5.7.3.1", std::move(remedy)};
+}
+
+/// ActivateSession (Part 4, 5.7.3).
+///
+/// Guessing has to be slow: an attempt may have to wait before it is looked at, and a refusal
+/// before it is answered. What has waited is checked from the beginning, as if it had come just
+/// then. Passwords may be checked by a worker meanwhile.
+class ActivateSession final : public OperationOf<ActivateSessionRequest>,
+                              private PasswordCheckOwner {
 public:
-    void start(ServiceContext& context) override;
-    [[nodiscard]] TimePoint next_deadline() const override { return answer_at_; }
-    void handle_deadline(TimePoint) override { fault(status::Bad_UserAccessDenied); }
+    ~ActivateSession() override
+    {
+        if (check_) {
+            check_->owner = nullptr;
+        }
+    }
+    void start(ServiceContext& context) override
+    {
+        core_ = &context.core;
+        link_ = &context.link;
+        attempt(context.now);
+    }
+    [[nodiscard]] TimePoint next_deadline() const override { return wait_until_; }
+    void handle_deadline(TimePoint now) override
+    {
+        wait_until_ = no_deadline;
+        if (answer_ != StatusCode{}) {
+            return fault(answer_);
+        }
+        attempt(now);
+    }
 
 private:
-    [[nodiscard]] Result<UserIdentity> log_in_user(const ServiceContext& context) const;
-    void refuse(ServiceContext& context);
-    void accept(ServiceContext& context, UserIdentity user);
+    void attempt(TimePoint now);
+    [[nodiscard]] std::optional<Refusal> check_channel() const;
+    [[nodiscard]] std::optional<Refusal> check_signature() const;
+    [[nodiscard]] std::optional<Refusal> check_user(const UserIdentity& user) const;
+    [[nodiscard]] bool may_log_in(TimePoint now);
+    [[nodiscard]] LoginStep begin_user() const;
+    void start_check(std::shared_ptr<PasswordCheck> check, TimePoint now);
+    void password_checked(TimePoint now) override;
+    void end_user(Login user, TimePoint now);
+    [[nodiscard]] bool is_anonymous() const;
+    [[nodiscard]] LoginAttempt login_attempt() const;
+    void refuse(StatusCode answer, Refusal refusal, Duration delay, TimePoint now);
+    void refuse(Refusal refusal, TimePoint now);
+    void accept(UserIdentity user, TimePoint now);
 
-    TimePoint answer_at_{no_deadline};
+    Core* core_{nullptr};
+    Link* link_{nullptr};
+    std::string thumbprint_;
+    TimePoint wait_until_{no_deadline};
+    bool has_waited_{false};
+    /// What a worker is at, and the nonce that it was begun with.
+    std::shared_ptr<PasswordCheck> check_;
+    ByteString checked_nonce_;
+    /// The answer's, if the password is wrong; counted when the check began.
+    std::optional<Duration> counted_delay_;
+    /// What is to be answered at the end of the wait; good if that is not decided.
+    StatusCode answer_;
 };
+
+const EndpointConfig* find_endpoint(const Core& core, const Session& session)
+{
+    const auto& endpoints = core.config.endpoints;
+    const auto found = std::find_if(endpoints.begin(), endpoints.end(), [&](const auto& endpoint) {
+        return endpoint.security == session.security;
+    });
+    return found == endpoints.end() ? nullptr : &*found;
+}
 
 /// Whether the session may be used over this channel, the client being who it says. The first time
 /// it has to be the channel it was created over, later one with the same security and certificate.
-StatusCode check_channel(const ServiceContext& context)
+std::optional<Refusal> ActivateSession::check_channel() const
 {
-    const Core& core = context.core;
-    const Session& session = *context.session;
-    const channel::ServerChannel& channel = context.link.channel();
-    if (session.link == &context.link) {
-        return status::Good;
+    constexpr std::string_view check = "channel of the session";
+    const Session& session = *this->session();
+    if (session.link == link_) {
+        return std::nullopt;
     }
     if (!session.is_activated) {
-        return status::Bad_SecureChannelIdInvalid;
+        return refusal_of(status::Bad_SecureChannelIdInvalid, check,
+                          "the first activation came over another channel than CreateSession");
     }
+    const channel::ServerChannel& channel = link_->channel();
     const crypto::CertificateChain& peer = channel.peer_certificates();
     const bool is_same_client = peer.empty()
                                     ? session.client_certificate.empty()
                                     : !session.client_certificate.empty() &&
                                           peer.front() == session.client_certificate.front();
-    if (channel.security() != session.security || !is_same_client) {
-        return status::Bad_SecurityChecksFailed;
+    if (!is_same_client) {
+        return refusal_of(status::Bad_SecurityChecksFailed, check,
+                          "the new channel has another client certificate");
     }
-    return core.sessions.count_of(context.link) < core.limits().max_sessions_per_channel
-               ? status::Good
-               : status::Bad_TooManySessions;
+    if (channel.security() != session.security) {
+        return refusal_of(status::Bad_SecurityChecksFailed, check,
+                          "the new channel has another security policy or mode");
+    }
+    if (core_->sessions.count_of(*link_) >= core_->limits().max_sessions_per_channel) {
+        return refusal_of(status::Bad_TooManySessions, check,
+                          "the new channel is full of sessions");
+    }
+    return std::nullopt;
 }
 
-/// Over another channel a session keeps its user (Part 4, 5.6.3.1); one without a user has nothing
-/// but its token to prove it, which mode Sign lets others read.
-StatusCode check_user(const ServiceContext& context, const UserIdentity& user)
+std::optional<Refusal> ActivateSession::check_signature() const
 {
-    const Session& session = *context.session;
-    if (session.link == &context.link) {
-        return status::Good;
+    const Session& session = *this->session();
+    if (is_signed_by_client(*core_, session.security, session.client_certificate,
+                            session.server_nonce.span(), request().client_signature)) {
+        return std::nullopt;
     }
-    if (user.token_type != session.user.token_type || user.name != session.user.name) {
-        return status::Bad_IdentityChangeNotSupported;
-    }
-    return user.token_type == UserTokenType::Anonymous &&
-                   session.security.mode == MessageSecurityMode::Sign
-               ? status::Bad_SecurityModeInsufficient
-               : status::Good;
+    return refusal_of(status::Bad_ApplicationSignatureInvalid, "client signature",
+                      "it was not made with the key of the client's certificate over the server's "
+                      "certificate and last nonce");
 }
 
-void ActivateSession::start(ServiceContext& context)
+/// Over another channel a session keeps its user; one without a user has nothing but its token to
+/// prove it, which mode Sign lets others read.
+std::optional<Refusal> ActivateSession::check_user(const UserIdentity& user) const
 {
-    const Session& session = *context.session;
-    if (const StatusCode status = check_channel(context); status.is_bad()) {
-        return fault(status);
+    constexpr std::string_view check = "user of the session";
+    const Session& session = *this->session();
+    if (session.link == link_) {
+        return std::nullopt;
     }
-    if (!is_signed_by_client(context.core, session.security, session.client_certificate,
-                             session.server_nonce.span(), request().client_signature)) {
-        return fault(status::Bad_ApplicationSignatureInvalid);
+    if (!is_same_user(user, session.user)) {
+        return refusal_of(status::Bad_IdentityChangeNotSupported, check,
+                          "over the new channel another user logs in");
     }
-    auto user = log_in_user(context);
-    if (!user && user.error() == status::Bad_UserAccessDenied) {
-        return refuse(context);
+    if (user.token_type == UserTokenType::Anonymous &&
+        session.security.mode == MessageSecurityMode::Sign) {
+        return refusal_of(status::Bad_SecurityModeInsufficient, check,
+                          "an anonymous session cannot change to a new channel in mode Sign");
     }
-    if (!user) {
-        return fault(user.error());
-    }
-    if (const StatusCode status = check_user(context, *user); status.is_bad()) {
-        return fault(status);
-    }
-    accept(context, *std::move(user));
+    return std::nullopt;
 }
 
-Result<UserIdentity> ActivateSession::log_in_user(const ServiceContext& context) const
+bool ActivateSession::is_anonymous() const
 {
-    const Core& core = context.core;
-    const Session& session = *context.session;
-    const auto& endpoints = core.config.endpoints;
-    const auto endpoint = std::find_if(endpoints.begin(), endpoints.end(), [&](const auto& e) {
-        return e.security == session.security;
-    });
-    if (endpoint == endpoints.end()) {
-        return fail(status::Bad_SecurityPolicyRejected);
-    }
     const ExtensionObject& token = request().user_identity_token;
-    if (token.get_if<UserNameIdentityToken>() != nullptr &&
-        core.logins.is_locked(context.link.login_key(), context.now)) {
-        return fail(status::Bad_UserAccessDenied);
-    }
-    return log_in({*endpoint, core.environment.users,
-                   core.config.identity ? &core.config.identity->key : nullptr,
-                   session.server_nonce.span()},
-                  token);
+    return token.is_null() || token.get_if<AnonymousIdentityToken>() != nullptr;
 }
 
-/// Part 4, 5.6.3.1 wants guessing to be slow: the answer waits.
-void ActivateSession::refuse(ServiceContext& context)
+LoginAttempt ActivateSession::login_attempt() const
 {
-    Core& core = context.core;
-    const Duration delay = core.logins.failed(context.link.login_key(), context.now);
-    core.log(LogLevel::Warning, "session",
-             "login refused from " + std::string{context.link.peer_address()});
+    const auto* user = request().user_identity_token.get_if<UserNameIdentityToken>();
+    return {user != nullptr ? user->user_name.view() : std::string_view{}, thumbprint_,
+            link_->peer_address()};
+}
+
+/// False if the attempt has to wait, or was refused, before it is looked at.
+bool ActivateSession::may_log_in(TimePoint now)
+{
+    if (is_anonymous()) {
+        return true;
+    }
+    if (const auto& peer = link_->channel().peer_certificates(); !peer.empty()) {
+        thumbprint_ = peer.front().thumbprint_text();
+    }
+    const LoginAttempt attempt = login_attempt();
+    const LoginGuard::Admission admission = core_->logins.admit(attempt, now);
+    if (admission.is_locked) {
+        refuse(status::Bad_UserAccessDenied,
+               refusal_of(status::Bad_UserAccessDenied, "login lock-out",
+                          "user \"" + printable(attempt.user) + "\" after too many failures",
+                          "Wait, or restart the server"),
+               admission.delay, now);
+        return false;
+    }
+    if (admission.delay != Duration::zero() && !std::exchange(has_waited_, true)) {
+        wait_until_ = now + admission.delay;
+        return false;
+    }
+    return true;
+}
+
+LoginStep ActivateSession::begin_user() const
+{
+    const Session& session = *this->session();
+    const EndpointConfig* endpoint = find_endpoint(*core_, session);
+    if (endpoint == nullptr) {
+        return Login{tl::unexpected{
+            LoginFailure{status::Bad_SecurityPolicyRejected,
+                         refusal_of(status::Bad_SecurityPolicyRejected, "endpoint of the session",
+                                    "there is no endpoint with the security of the channel")}}};
+    }
+    return begin_log_in({core_->config, *endpoint, core_->environment.users,
+                         session.server_nonce.span(), core_->environment.wall_clock->now()},
+                        request().user_identity_token, request().user_token_signature);
+}
+
+void ActivateSession::attempt(TimePoint now)
+{
+    if (auto refusal = check_channel()) {
+        return refuse(*std::move(refusal), now);
+    }
+    if (auto refusal = check_signature()) {
+        return refuse(*std::move(refusal), now);
+    }
+    if (!may_log_in(now)) {
+        return;
+    }
+    LoginStep step = begin_user();
+    if (auto* login = std::get_if<Login>(&step)) {
+        return end_user(std::move(*login), now);
+    }
+    start_check(std::get<std::shared_ptr<PasswordCheck>>(std::move(step)), now);
+}
+
+void ActivateSession::start_check(std::shared_ptr<PasswordCheck> check, TimePoint now)
+{
+    UserStore& users = *core_->environment.users;
+    if (!core_->password_checks.has_worker_for(users)) {
+        check->run(users);
+        return end_user(end_log_in(*check), now);
+    }
+    check_ = std::move(check);
+    check_->owner = this;
+    checked_nonce_ = session()->server_nonce;
+    if (!core_->password_checks.start(check_, users)) {
+        return fault(status::Bad_ServerTooBusy);
+    }
+    counted_delay_ = core_->logins.failed(login_attempt(), now);
+}
+
+/// Much may have happened meanwhile.
+void ActivateSession::password_checked(TimePoint now)
+{
+    const std::shared_ptr<PasswordCheck> check = std::exchange(check_, nullptr);
+    if (is_finished()) {
+        return;
+    }
+    if (auto refusal = check_channel()) {
+        return refuse(*std::move(refusal), now);
+    }
+    if (session()->server_nonce != checked_nonce_) {
+        return refuse(refusal_of(status::Bad_ApplicationSignatureInvalid, "client signature",
+                                 "its nonce was used while the password was checked"),
+                      now);
+    }
+    end_user(end_log_in(*check), now);
+}
+
+void ActivateSession::end_user(Login user, TimePoint now)
+{
+    if (!user) {
+        const bool is_counted = !user.error().is_guess || counted_delay_.has_value();
+        const Duration delay = is_counted ? counted_delay_.value_or(Duration::zero())
+                                          : core_->logins.failed(login_attempt(), now);
+        return refuse(user.error().answer, std::move(user.error().refusal), delay, now);
+    }
+    if (auto refusal = check_user(*user)) {
+        return refuse(*std::move(refusal), now);
+    }
+    accept(*std::move(user), now);
+}
+
+void ActivateSession::refuse(Refusal refusal, TimePoint now)
+{
+    const StatusCode answer = refusal.status;
+    refuse(answer, std::move(refusal), Duration::zero(), now);
+}
+
+void ActivateSession::refuse(StatusCode answer, Refusal refusal, Duration delay, TimePoint now)
+{
+    refusal.found += ", in session \"" + printable(session()->name) + "\" from " +
+                     std::string{link_->peer_address()};
+    core_->log(LogLevel::Warning, "session", text(refusal));
     if (delay == Duration::zero()) {
-        return fault(status::Bad_UserAccessDenied);
+        return fault(answer);
     }
-    answer_at_ = context.now + delay;
+    answer_ = answer;
+    wait_until_ = now + delay;
 }
 
-void ActivateSession::accept(ServiceContext& context, UserIdentity user)
+void ActivateSession::accept(UserIdentity user, TimePoint now)
 {
-    Core& core = context.core;
-    Session& session = *context.session;
-    auto nonce = random_bytes(core, server_nonce_size);
+    Session& session = *this->session();
+    auto nonce = random_bytes(*core_, server_nonce_size);
     if (!nonce) {
         return fault(nonce.error());
     }
-    if (user.token_type == UserTokenType::UserName) {
-        core.logins.succeeded(context.link.login_key());
+    if (!is_anonymous()) {
+        core_->logins.succeeded(login_attempt(), counted_delay_.has_value());
     }
     if (!request().locale_ids.empty()) { // else the old ones stay
         session.locale_ids.clear();
         for (const String& locale : request().locale_ids) {
-            if (session.locale_ids.size() < core.limits().max_locale_ids &&
+            if (session.locale_ids.size() < core_->limits().max_locale_ids &&
                 locale.size() <= max_locale_size) {
                 session.locale_ids.push_back(locale.str());
             }
         }
     }
-    session.user = std::move(user);
     session.server_nonce = *std::move(nonce);
     session.is_activated = true;
-    session.link = &context.link;
-    session.deadline = context.now + session.timeout;
-    core.log(LogLevel::Info, "session",
-             "\"" + printable(session.name) + "\" activated by " +
-                 (session.user.token_type == UserTokenType::Anonymous
-                      ? "an anonymous user"
-                      : "user \"" + printable(session.user.name) + "\""));
+    session.link = link_;
+    set_user(*core_, *find_endpoint(*core_, session), session, std::move(user), now);
     respond<ActivateSessionResponse>([&](binary::Writer& writer) {
         encode(writer, session.server_nonce);
         encode(writer, Array<StatusCode>{}); // of software certificates

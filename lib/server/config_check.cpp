@@ -4,7 +4,7 @@
 
 #include <busbar/channel/endpoint_url.hpp>
 
-#include "user_token.hpp"
+#include "user_policies.hpp"
 
 namespace busbar::server::detail {
 
@@ -16,6 +16,38 @@ std::string describe(const channel::SecuritySetting& security)
     const auto mode = static_cast<std::size_t>(security.mode);
     return "endpoint " + std::string{security.policy->name} + " " +
            std::string{mode < std::size(modes) ? modes[mode] : modes[0]};
+}
+
+/// Part 7, 6.6: a policy names the keys that it may be used with.
+bool has_fitting_key(const crypto::SecurityPolicy& policy,
+                     const channel::ApplicationIdentity& identity)
+{
+    const std::size_t bits = identity.certificates.front().key_bits();
+    return bits >= policy.min_key_bits && bits <= policy.max_key_bits;
+}
+
+std::string check_users(const EndpointConfig& endpoint, const std::string& which,
+                        const ServerConfig& config, const ServerEnvironment& environment)
+{
+    UserStore* users = environment.users;
+    if (token_policies(config, endpoint, users).empty()) {
+        return which + ": nobody can log in, no kind of user is allowed";
+    }
+    const bool has_secrets = accepts(endpoint, users, UserTokenType::UserName) ||
+                             accepts(endpoint, users, UserTokenType::IssuedToken);
+    const bool is_plain = password_policy(endpoint).is_none();
+    if (has_secrets && is_plain && !endpoint.allows_plain_passwords) {
+        return which + ": passwords would be sent as they are, which is not allowed";
+    }
+    if (has_secrets && !is_plain && !config.identity) {
+        return which + ": encrypted passwords need a certificate and its key";
+    }
+    if (accepts(endpoint, users, UserTokenType::Certificate) &&
+        (!config.identity || certificate_policy(endpoint).is_none())) {
+        return which +
+               ": user certificates need the server's certificate and a policy to sign with";
+    }
+    return {};
 }
 
 std::string check_endpoint(const EndpointConfig& endpoint, const ServerConfig& config,
@@ -35,20 +67,12 @@ std::string check_endpoint(const EndpointConfig& endpoint, const ServerConfig& c
     if (!is_none && (!config.identity || environment.validator == nullptr)) {
         return which + ": needs a certificate, its key and a certificate validator";
     }
-    if (token_policies(endpoint, environment.users != nullptr).empty()) {
-        return which + ": nobody can log in, no kind of user is allowed";
+    if (!is_none && !has_fitting_key(*endpoint.security.policy, *config.identity)) {
+        return which + ": needs a key of " +
+               std::to_string(endpoint.security.policy->min_key_bits) + " to " +
+               std::to_string(endpoint.security.policy->max_key_bits) + " bits";
     }
-    if (!endpoint.allows_user_name || environment.users == nullptr) {
-        return {};
-    }
-    const bool is_plain = password_policy(endpoint).is_none();
-    if (is_plain && !endpoint.allows_plain_passwords) {
-        return which + ": passwords would be sent as they are, which is not allowed";
-    }
-    if (!is_plain && !config.identity) {
-        return which + ": encrypted passwords need a certificate and its key";
-    }
-    return {};
+    return check_users(endpoint, which, config, environment);
 }
 
 std::string check_identity(const ServerConfig& config)
@@ -95,6 +119,22 @@ std::string find_contradiction(const ServerConfig& config, const ServerEnvironme
         }
     }
     return {};
+}
+
+void warn_of_deprecated_policies(const ServerConfig& config, LogSink& log)
+{
+    for (const EndpointConfig& endpoint : config.endpoints) {
+        for (const auto* policy : {endpoint.security.policy, endpoint.password_policy}) {
+            if (policy != nullptr && policy->is_deprecated) {
+                log.write(
+                    LogLevel::Warning, "server",
+                    "INSECURE: " + describe(endpoint.security) + " uses " +
+                        std::string{policy->name} +
+                        ", which relies on SHA-1 and is deprecated (Part 7, 6.6). Take it out "
+                        "of the configuration as soon as no client needs it any more");
+            }
+        }
+    }
 }
 
 } // namespace busbar::server::detail

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 
+#include <busbar/channel/endpoint_url.hpp>
 #include <busbar/core/text.hpp>
 #include <busbar/types/registry.hpp>
 
@@ -23,10 +24,10 @@ std::uint32_t random_channel_id(crypto::Random& random)
 } // namespace
 
 Core::Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space)
-    : config{std::move(c)}, environment{e}, address_space{std::move(space)},
-      types{binary::namespace0_types()}, sources{e.waker}, assembly{config.limits.max_assembly},
-      logins{config.limits}, next_channel_id{random_channel_id(*e.random)}, start_time{
-                                                                                e.wall_clock->now()}
+    : config{std::move(c)}, environment{e},
+      address_space{std::move(space)}, types{binary::namespace0_types()}, sources{e.waker},
+      assembly{config.limits.max_assembly}, logins{config.limits}, certificate_watch{*e.log},
+      next_channel_id{random_channel_id(*e.random)}, start_time{e.wall_clock->now()}
 {
 }
 
@@ -45,6 +46,22 @@ void Core::log(LogLevel level, std::string_view source, std::string_view text)
     if (++log_lines_ <= limits().max_log_lines_per_minute) {
         environment.log->write(level, source, text);
     }
+}
+
+void Core::watch_certificate(TimePoint now)
+{
+    if (!config.identity) {
+        return;
+    }
+    std::vector<std::string> hosts = config.host_names;
+    if (const auto url = channel::EndpointUrl::parse(config.endpoint_url)) {
+        hosts.push_back(url->host);
+    }
+    const DateTime today = environment.wall_clock->now();
+    const DateTime next =
+        certificate_watch.check(config.identity->certificates.front(), today, hosts);
+    using Ticks = std::chrono::duration<std::int64_t, std::ratio<1, DateTime::ticks_per_second>>;
+    certificate_check = now + Ticks{next.ticks - today.ticks};
 }
 
 void Core::sweep()

@@ -5,11 +5,13 @@
 #include <string>
 #include <vector>
 
+#include <busbar/crypto/certificate_notices.hpp>
 #include <busbar/server/server.hpp>
 #include <busbar/types/enumerations.hpp>
 
 #include "data_sources.hpp"
 #include "login_guard.hpp"
+#include "password_checks.hpp"
 #include "session_table.hpp"
 
 namespace busbar::server::detail {
@@ -26,6 +28,10 @@ struct Core {
     channel::AssemblyBudget assembly;
     SessionTable sessions;
     LoginGuard logins;
+    PasswordChecks password_checks{environment.waker};
+    crypto::CertificateWatch certificate_watch;
+    /// When the server's certificate is looked at again.
+    TimePoint certificate_check{no_deadline};
     /// All connections, oldest first.
     std::vector<Link*> links;
     /// Ids of connections with news for whoever drives them.
@@ -50,6 +56,9 @@ struct Core {
     void log(LogLevel level, std::string_view source, std::string_view text);
     /// To be called at the end of whatever is called from outside.
     void sweep();
+    /// Says what the operator should know of the server's own certificate (see
+    /// certificate_notices).
+    void watch_certificate(TimePoint now);
     /// Ends what the session has pending with `status`, then the session itself.
     void close_session(Session& session, StatusCode status);
 

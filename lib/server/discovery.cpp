@@ -6,7 +6,7 @@
 
 #include "core.hpp"
 #include "session_services.hpp"
-#include "user_token.hpp"
+#include "user_policies.hpp"
 
 namespace busbar::server::detail {
 
@@ -53,7 +53,11 @@ std::uint8_t security_level(const EndpointConfig& endpoint)
     }
     const auto policies = crypto::security_policies();
     const auto rank = endpoint.security.policy - policies.data();
-    const int mode = endpoint.security.mode == MessageSecurityMode::SignAndEncrypt ? 100 : 50;
+    const bool is_encrypted = endpoint.security.mode == MessageSecurityMode::SignAndEncrypt;
+    if (endpoint.security.policy->is_deprecated) {
+        return static_cast<std::uint8_t>((is_encrypted ? 10 : 0) + rank); // below all others
+    }
+    const int mode = is_encrypted ? 100 : 50;
     return static_cast<std::uint8_t>(mode + rank);
 }
 
@@ -97,7 +101,7 @@ Array<EndpointDescription> describe_endpoints(const Core& core, std::string_view
         endpoint.security_mode = config.security.mode;
         endpoint.security_policy_uri = config.security.policy->uri;
         endpoint.user_identity_tokens =
-            Array<UserTokenPolicy>{token_policies(config, core.environment.users != nullptr)};
+            Array<UserTokenPolicy>{token_policies(core.config, config, core.environment.users)};
         endpoint.transport_profile_uri = transport_profile;
         endpoint.security_level = security_level(config);
     }

@@ -15,6 +15,7 @@
 #include "link.hpp"
 #include "read.hpp"
 #include "session_services.hpp"
+#include "user_expiry.hpp"
 #include "view_services.hpp"
 #include "write.hpp"
 
@@ -190,7 +191,8 @@ Checked<Session*> find_session(Core& core, const Link& link, const RequestHeader
             return refuse_session(status::Bad_SessionNotActivated,
                                   "\"" + session_name + "\" was never activated", {});
         }
-        session->deadline = now + session->timeout;
+        expire_user(core, *session, now);
+        session->touch(now);
     }
     return session;
 }

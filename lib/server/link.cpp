@@ -32,12 +32,16 @@ channel::ServerChannelConfig channel_config(Core& core)
 channel::ChannelEnvironment channel_environment(Core& core, LogSink& log)
 {
     const ServerEnvironment& from = core.environment;
-    return {from.random,
-            from.wall_clock,
-            &log,
-            from.validator,
-            core.config.identity ? &*core.config.identity : nullptr,
-            &core.assembly};
+    channel::ChannelEnvironment environment{from.random,
+                                            from.wall_clock,
+                                            &log,
+                                            from.validator,
+                                            core.config.identity ? &*core.config.identity : nullptr,
+                                            &core.assembly};
+#ifdef BUSBAR_KEY_LOG
+    environment.key_log = from.key_log;
+#endif
+    return environment;
 }
 
 Refusal no_session(const ServerLimits& limits)

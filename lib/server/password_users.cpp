@@ -1,8 +1,77 @@
-#include <busbar/server/access_control.hpp>
+#include <busbar/server/password_users.hpp>
 
+#include <busbar/core/text.hpp>
 #include <busbar/crypto/password_hash.hpp>
 
 namespace busbar::server {
+
+namespace {
+
+tl::unexpected<Refusal> refuse_change(StatusCode status, std::string_view name, std::string found)
+{
+    return refuse(
+        {status, "user list", "user \"" + printable(name) + "\" " + std::move(found), {}, {}});
+}
+
+} // namespace
+
+Checked<void> PasswordUsers::add(std::string_view name, std::string_view password,
+                                 crypto::Random& random, UserRights rights)
+{
+    if (auto checked = check_user_name(rules_, name); !checked) {
+        return checked;
+    }
+    if (auto checked = check_password(rules_, name, password); !checked) {
+        return checked;
+    }
+    auto hash = crypto::hash_password(password, random);
+    if (!hash) {
+        return refuse_change(hash.error(), name, "has no hash of the password");
+    }
+    const std::lock_guard lock{mutex_};
+    if (users_.find(name) != users_.end()) {
+        return refuse_change(status::Bad_EntryExists, name, "is there already");
+    }
+    if (users_.size() >= rules_.max_users) {
+        return refuse_change(status::Bad_TooManyOperations, name, "is one more than there may be");
+    }
+    users_.emplace(std::string{name}, User{*std::move(hash), std::move(rights)});
+    return {};
+}
+
+Checked<void> PasswordUsers::change_password(std::string_view name, std::string_view old_password,
+                                             std::string_view new_password, crypto::Random& random)
+{
+    if (!log_in(name, old_password)) {
+        return refuse_change(status::Bad_UserAccessDenied, name,
+                             "is not there or has another password");
+    }
+    if (auto checked = check_password(rules_, name, new_password); !checked) {
+        return checked;
+    }
+    auto hash = crypto::hash_password(new_password, random);
+    if (!hash) {
+        return refuse_change(hash.error(), name, "has no hash of the new password");
+    }
+    const std::lock_guard lock{mutex_};
+    const auto found = users_.find(name);
+    if (found == users_.end()) {
+        return refuse_change(status::Bad_UserAccessDenied, name, "was removed meanwhile");
+    }
+    found->second.password_hash = *std::move(hash);
+    return {};
+}
+
+bool PasswordUsers::remove(std::string_view name)
+{
+    const std::lock_guard lock{mutex_};
+    const auto found = users_.find(name);
+    if (found == users_.end()) {
+        return false;
+    }
+    users_.erase(found);
+    return true;
+}
 
 Result<void> PasswordUsers::set(std::string name, std::string password_hash,
                                 std::uint8_t access_level_mask)
@@ -10,23 +79,38 @@ Result<void> PasswordUsers::set(std::string name, std::string password_hash,
     if (name.empty() || !crypto::is_password_hash(password_hash)) {
         return fail(status::Bad_InvalidArgument);
     }
-    users_.insert_or_assign(std::move(name), User{std::move(password_hash), access_level_mask});
+    const std::lock_guard lock{mutex_};
+    users_.insert_or_assign(std::move(name), User{std::move(password_hash), {access_level_mask}});
     return {};
+}
+
+std::string PasswordUsers::password_hash(std::string_view name) const
+{
+    const std::lock_guard lock{mutex_};
+    const auto found = users_.find(name);
+    return found != users_.end() ? found->second.password_hash : std::string{};
 }
 
 Result<UserIdentity> PasswordUsers::log_in(std::string_view name, std::string_view password)
 {
-    if (users_.empty()) {
-        return fail(status::Bad_UserAccessDenied);
+    User user;
+    bool is_there = false;
+    {
+        const std::lock_guard lock{mutex_};
+        if (users_.empty()) {
+            return fail(status::Bad_UserAccessDenied);
+        }
+        const auto found = users_.find(name);
+        is_there = found != users_.end();
+        // A name that is not there costs as much time as one that is.
+        user = is_there ? found->second : users_.begin()->second;
     }
-    const auto found = users_.find(name);
-    // A name that is not there costs as much time as one that is.
-    const User& user = found != users_.end() ? found->second : users_.begin()->second;
     const bool is_right = crypto::verify_password(password, user.password_hash);
-    if (found == users_.end() || !is_right) {
+    if (!is_there || !is_right) {
         return fail(status::Bad_UserAccessDenied);
     }
-    return UserIdentity{UserTokenType::UserName, found->first, user.access_level_mask};
+    return UserIdentity{UserTokenType::UserName, std::string{name}, user.rights.access_level_mask,
+                        std::move(user.rights.roles)};
 }
 
 UserIdentity PasswordUsers::anonymous() const

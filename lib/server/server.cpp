@@ -37,6 +37,7 @@ Result<Server> Server::create(ServerConfig config, const ServerEnvironment& envi
         environment.log->write(LogLevel::Error, "server", reason);
         return fail(status::Bad_ConfigurationError);
     }
+    detail::warn_of_deprecated_policies(config, *environment.log);
     // Part 5, 6.3.2: index 1 is the server's own namespace.
     const auto own = address_space.add_namespace(config.application_uri);
     if (!own) {
@@ -126,11 +127,20 @@ bool Server::Impl::make_place()
 TimePoint Server::next_deadline() const
 {
     const detail::Session* first = impl_->sessions.next_to_expire();
-    return std::min(first != nullptr ? first->deadline : no_deadline, impl_->shutdown_deadline);
+    return std::min({first != nullptr ? first->deadline : no_deadline, impl_->shutdown_deadline,
+                     impl_->certificate_check});
+}
+
+void Server::start(TimePoint now)
+{
+    impl_->watch_certificate(now);
 }
 
 void Server::handle_deadline(TimePoint now)
 {
+    if (impl_->certificate_check <= now) {
+        impl_->watch_certificate(now);
+    }
     impl_->expire_sessions(now);
     if (impl_->shutdown_deadline <= now) {
         impl_->finish_shutdown();
@@ -147,9 +157,10 @@ void Server::Impl::expire_sessions(TimePoint now)
     }
 }
 
-void Server::handle_completions(TimePoint)
+void Server::handle_completions(TimePoint now)
 {
     impl_->sources.handle_completions();
+    impl_->password_checks.drain(now);
     impl_->sweep();
 }
 

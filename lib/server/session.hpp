@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -40,6 +41,8 @@ public:
         return true;
     }
     void release(std::size_t bytes) { memory_left_ += bytes; }
+    /// A request has come.
+    void touch(TimePoint now) { deadline = std::min(now + timeout, ends_at); }
 
     NodeId id;
     NodeId authentication_token;
@@ -47,6 +50,8 @@ public:
     std::vector<std::string> locale_ids;
     bool is_activated{false};
     UserIdentity user;
+    /// When the user becomes an anonymous one (see user_expiry.hpp).
+    TimePoint user_deadline{no_deadline};
 
     /// The connection whose channel it is bound to; null while there is none.
     Link* link{nullptr};
@@ -63,6 +68,8 @@ public:
     TimePoint created;
     /// When it ends if no request comes.
     TimePoint deadline{no_deadline};
+    /// When it ends whatever comes.
+    TimePoint ends_at{no_deadline};
 
     /// Continuation points and registered nodes, of the View services.
     std::unique_ptr<SessionPart> view;

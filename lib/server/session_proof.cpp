@@ -3,7 +3,6 @@
 #include <busbar/crypto/asymmetric.hpp>
 
 #include "core.hpp"
-#include "discovery.hpp"
 
 namespace busbar::server::detail {
 
@@ -13,6 +12,15 @@ std::vector<std::byte> join(std::span<const std::byte> a, std::span<const std::b
 {
     std::vector<std::byte> all{a.begin(), a.end()};
     all.insert(all.end(), b.begin(), b.end());
+    return all;
+}
+
+std::vector<std::byte> chain_of(const channel::ApplicationIdentity& identity)
+{
+    std::vector<std::byte> all;
+    for (const crypto::Certificate& certificate : identity.certificates) {
+        all.insert(all.end(), certificate.der().begin(), certificate.der().end());
+    }
     return all;
 }
 
@@ -45,25 +53,30 @@ Result<SignatureData> sign_for_client(const Core& core, const channel::SecurityS
     return signature;
 }
 
+bool is_signed(const channel::ApplicationIdentity& server, const crypto::SecurityPolicy& policy,
+               const crypto::Certificate& signer, std::span<const std::byte> server_nonce,
+               const SignatureData& signature)
+{
+    if (policy.is_none() || signature.algorithm.view() != policy.signature_uri) {
+        return false;
+    }
+    const auto fits = [&](std::span<const std::byte> certificate) {
+        return crypto::asymmetric_verify(policy, signer, join(certificate, server_nonce),
+                                         signature.signature.span())
+            .has_value();
+    };
+    const auto& own = server.certificates;
+    // The leaf; older clients sign the whole chain.
+    return fits(own.front().der()) || (own.size() > 1 && fits(chain_of(server)));
+}
+
 bool is_signed_by_client(const Core& core, const channel::SecuritySetting& security,
                          const crypto::CertificateChain& client,
                          std::span<const std::byte> server_nonce, const SignatureData& signature)
 {
-    if (security.policy->is_none()) {
-        return true;
-    }
-    if (client.empty() || signature.algorithm.view() != security.policy->signature_uri) {
-        return false;
-    }
-    const auto fits = [&](std::span<const std::byte> certificate) {
-        return crypto::asymmetric_verify(*security.policy, client.front(),
-                                         join(certificate, server_nonce),
-                                         signature.signature.span())
-            .has_value();
-    };
-    const auto& own = core.config.identity->certificates;
-    // The leaf; older clients sign the whole chain.
-    return fits(own.front().der()) || (own.size() > 1 && fits(server_certificates(core).span()));
+    return security.policy->is_none() ||
+           (!client.empty() && is_signed(*core.config.identity, *security.policy, client.front(),
+                                         server_nonce, signature));
 }
 
 } // namespace busbar::server::detail

@@ -21,8 +21,15 @@ struct Core;
                                                     std::span<const std::byte> client_certificate,
                                                     std::span<const std::byte> client_nonce);
 
-/// True if the client has signed the server's certificate and nonce (Part 4, 5.7.3.2), or need not
-/// because there is no security.
+/// True if the key of `signer` has signed the server's certificate and nonce by the policy (Part 4,
+/// 5.7.3.2). Never with SecurityPolicy None.
+[[nodiscard]] bool is_signed(const channel::ApplicationIdentity& server,
+                             const crypto::SecurityPolicy& policy,
+                             const crypto::Certificate& signer,
+                             std::span<const std::byte> server_nonce,
+                             const SignatureData& signature);
+
+/// The same for the application's own certificate; true without security, which asks for none.
 [[nodiscard]] bool is_signed_by_client(const Core& core, const channel::SecuritySetting& security,
                                        const crypto::CertificateChain& client,
                                        std::span<const std::byte> server_nonce,

@@ -1,46 +1,12 @@
 #include <catch2/catch.hpp>
 
 #include "server/config_check.hpp"
-#include "server/login_guard.hpp"
 #include "support/server_fixture.hpp"
 
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
 using server::detail::find_contradiction;
-using server::detail::LoginGuard;
-
-TEST_CASE("the login guard remembers a bounded number of clients")
-{
-    server::ServerLimits limits;
-    limits.max_login_entries = 2;
-    LoginGuard guard{limits};
-    TimePoint now{1h};
-    for (int i = 0; i < 5; ++i) {
-        static_cast<void>(guard.failed("a", now));
-    }
-    CHECK(guard.is_locked("a", now));
-    now += 1s;
-    CHECK(guard.failed("b", now) == 0ms);
-    CHECK(guard.failed("b", now) == 250ms);
-    CHECK(guard.failed("c", now) == 0ms); // the oldest is forgotten
-    CHECK_FALSE(guard.is_locked("a", now));
-    guard.succeeded("b");
-    CHECK(guard.failed("b", now) == 0ms);
-}
-
-TEST_CASE("a lock does not grow by trying")
-{
-    const server::ServerLimits limits;
-    LoginGuard guard{limits};
-    TimePoint now{1h};
-    for (int i = 0; i < 5; ++i) {
-        static_cast<void>(guard.failed("a", now));
-    }
-    CHECK(guard.failed("a", now + 299s) == 4s);
-    CHECK_FALSE(guard.is_locked("a", now + 300s));
-    CHECK(guard.failed("a", now + 300s) == 0ms);
-}
 
 TEST_CASE("the default configuration has no open door")
 {
@@ -81,6 +47,7 @@ struct Contradiction {
     FixedWallClock clock;
     LogBook log;
     server::ServerEnvironment environment;
+    crypto::SecurityPolicy policy = *crypto::find_policy_by_name("Basic256Sha256");
     std::string reason;
 };
 
@@ -102,6 +69,12 @@ TEST_CASE_METHOD(Contradiction, "what a server needs for its endpoints must be t
     {
         environment.validator = nullptr;
         reason = "needs a certificate";
+    }
+    SECTION("a key that the policy does not allow")
+    {
+        policy.min_key_bits = 3072;
+        config.endpoints[0].security.policy = &policy;
+        reason = "needs a key of 3072 to 4096 bits";
     }
     SECTION("another's key")
     {
@@ -149,4 +122,57 @@ TEST_CASE_METHOD(Contradiction, "endpoints must not contradict themselves or eac
         reason = "endpoint";
     }
     check_refused();
+}
+
+TEST_CASE_METHOD(Contradiction, "a deprecated policy is used under protest")
+{
+    REQUIRE(server::Server::create(config, environment));
+    CHECK(log.text.find("INSECURE") == std::string::npos);
+    policy.is_deprecated = true;
+    SECTION("for the channel")
+    {
+        config.endpoints[0].security.policy = &policy;
+    }
+    SECTION("for passwords")
+    {
+        config.endpoints[0].password_policy = &policy;
+    }
+    REQUIRE(server::Server::create(config, environment));
+    CHECK(log.text.find("INSECURE") != std::string::npos);
+}
+
+TEST_CASE("a server says in time that its certificate expires")
+{
+    auto config = ServerFixture::secure_config();
+    config.endpoint_url = "opc.tcp://localhost:4840";
+    config.host_names = {"localhost"};
+    ServerFixture fixture{std::move(config)};
+    const DateTime end = server_identity().certificates.front().valid_to();
+    const auto go_to = [&](DateTime time) {
+        fixture.log.text.clear();
+        fixture.advance(
+            std::chrono::nanoseconds{(time.ticks - fixture.wall_clock.time.ticks) * 100});
+        return fixture.log.text;
+    };
+    const auto days_before_end = [&](std::int64_t days) {
+        return DateTime{end.ticks - days * 86'400 * DateTime::ticks_per_second};
+    };
+    fixture.server.start(fixture.now);
+    CHECK(fixture.log.text.find("expires") == std::string::npos);
+    CHECK(fixture.server.next_deadline() == fixture.now + 24h);
+    CHECK(go_to(days_before_end(31)).empty());
+    CHECK(go_to(days_before_end(29)).find("expires at") != std::string::npos);
+    CHECK(go_to(DateTime{days_before_end(29).ticks + 1}).empty()); // once a day
+    CHECK(go_to(days_before_end(28)).find("expires at") != std::string::npos);
+    CHECK(go_to(DateTime{end.ticks + 2 * DateTime::ticks_per_second}).find("expired at") !=
+          std::string::npos);
+}
+
+TEST_CASE("a server says that its certificate does not name its host")
+{
+    auto config = ServerFixture::secure_config();
+    config.host_names = {"moved.example"};
+    ServerFixture fixture{std::move(config)};
+    fixture.server.start(fixture.now);
+    CHECK(fixture.log.text.find("moved.example") != std::string::npos);
 }

@@ -3,6 +3,7 @@
 #include <string>
 
 #include <busbar/channel/channel_types.hpp>
+#include <busbar/crypto/self_signed.hpp>
 
 namespace busbar::test {
 

@@ -17,7 +17,7 @@
 
 namespace busbar::test {
 
-/// Users whose passwords are not hashed, which saves a test its time.
+/// Users whose passwords are not hashed, which saves a test its time. Other tokens as a test says.
 class PlainUsers final : public server::UserStore {
 public:
     [[nodiscard]] Result<server::UserIdentity> log_in(std::string_view name,
@@ -29,8 +29,29 @@ public:
         }
         return server::UserIdentity{UserTokenType::UserName, std::string{name}};
     }
+    [[nodiscard]] server::Worker* worker() override { return used_worker; }
+    [[nodiscard]] crypto::CertificateValidator* certificate_validator() override
+    {
+        return validator;
+    }
+    [[nodiscard]] Result<server::UserRights> certificate_user(const crypto::Certificate&) override
+    {
+        return rights;
+    }
+    [[nodiscard]] const crypto::JwtRules* token_rules() const override
+    {
+        return rules ? &*rules : nullptr;
+    }
+    [[nodiscard]] Result<server::UserRights> token_user(const crypto::JwtClaims&) override
+    {
+        return rights;
+    }
 
     int asked{0};
+    server::Worker* used_worker{nullptr};
+    crypto::CertificateValidator* validator{nullptr};
+    std::optional<crypto::JwtRules> rules;
+    Result<server::UserRights> rights{server::UserRights{}};
 };
 
 /// One client of a server under test: a channel joined with a Connection by memory, and the session

@@ -1,13 +1,17 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include <busbar/core/date_time.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/node_id.hpp>
 #include <busbar/core/result.hpp>
+#include <busbar/crypto/certificate_validator.hpp>
+#include <busbar/crypto/jwt.hpp>
+#include <busbar/server/worker.hpp>
 #include <busbar/types/enumerations.hpp>
 
 namespace busbar::server {
@@ -15,13 +19,28 @@ namespace busbar::server {
 /// Who a session belongs to.
 struct UserIdentity {
     UserTokenType token_type{UserTokenType::Anonymous};
-    /// Empty for an anonymous user. From the peer: goes through `printable` before it is shown.
+    /// The user's name, the subject of a user certificate or the `sub` of an issued token (Part 5,
+    /// 6.4.3, ClientUserId); empty for an anonymous user. From the peer: goes through `printable`
+    /// before it is shown.
     std::string name;
     /// Bits of AccessLevelType that the user has at most, at any node.
     std::uint8_t access_level_mask{0xFF};
+    /// Names of the roles that the store or the issuer of the token gave the user.
+    std::vector<std::string> roles{};
+    /// Who issued the token, `iss`; empty for other kinds of user.
+    std::string issuer{};
+    /// When certificate or token expire; null for never. The session is anonymous from then on, or
+    /// closed where that is not allowed (Part 4, 7.40.5).
+    DateTime valid_until{};
 
     friend bool operator==(const UserIdentity&, const UserIdentity&) = default;
 };
+
+/// True if both are one user, whatever he may do or how long (Part 5, 6.4.3).
+[[nodiscard]] inline bool is_same_user(const UserIdentity& a, const UserIdentity& b)
+{
+    return a.token_type == b.token_type && a.name == b.name && a.issuer == b.issuer;
+}
 
 /// The anonymous user of a server without a store: CurrentRead and HistoryRead.
 [[nodiscard]] inline UserIdentity anonymous_reader()
@@ -29,7 +48,15 @@ struct UserIdentity {
     return {UserTokenType::Anonymous, {}, 5};
 }
 
-/// Knows the users. Called on the server's thread; must not keep the password.
+/// What a user may do.
+struct UserRights {
+    std::uint8_t access_level_mask{0xFF};
+    std::vector<std::string> roles{};
+};
+
+/// Knows the users. The server checks what clients send; the store says whom it trusts and what
+/// users may do. Called on the server's thread, but for log_in
+/// (see worker()); must not keep a password or a token.
 class UserStore {
 public:
     UserStore() = default;
@@ -38,33 +65,36 @@ public:
     virtual ~UserStore() = default;
 
     /// The user with that name and password. Any failure is Bad_UserAccessDenied and takes as long
-    /// for a user that is not there as for a wrong password.
+    /// for a user that is not there as for a wrong password. Called with a stand-in when a token
+    /// did not decrypt, so that this takes as long too; the result is not looked at then.
     [[nodiscard]] virtual Result<UserIdentity> log_in(std::string_view name,
                                                       std::string_view password) = 0;
+    /// Where log_in runs; it must be ready to be called from there, also several times at once.
+    /// Null, or a server without a Waker: on the server's thread, which waits meanwhile. The worker
+    /// must be done before the store goes.
+    [[nodiscard]] virtual Worker* worker() { return nullptr; }
     /// What an anonymous user may do, where the endpoint allows one at all: read, unless the store
     /// says otherwise.
     [[nodiscard]] virtual UserIdentity anonymous() const { return anonymous_reader(); }
-};
 
-/// Users in memory, with hashes of their passwords (crypto::hash_password).
-class PasswordUsers final : public UserStore {
-public:
-    /// Adds or replaces a user. Bad_InvalidArgument for an empty name or what is no hash.
-    [[nodiscard]] Result<void> set(std::string name, std::string password_hash,
-                                   std::uint8_t access_level_mask = 0xFF);
-    void set_anonymous_access(std::uint8_t access_level_mask) { anonymous_ = access_level_mask; }
+    /// Decides which user certificates are trusted, by a trust list of their own. Null: none is,
+    /// and no endpoint offers them.
+    [[nodiscard]] virtual crypto::CertificateValidator* certificate_validator() { return nullptr; }
+    /// What the user of a certificate may do that the validator has accepted and whose key has
+    /// signed. Bad_IdentityTokenRejected for one that is not let in all the same.
+    [[nodiscard]] virtual Result<UserRights> certificate_user(const crypto::Certificate&)
+    {
+        return fail(status::Bad_IdentityTokenRejected);
+    }
 
-    [[nodiscard]] Result<UserIdentity> log_in(std::string_view name,
-                                              std::string_view password) override;
-    [[nodiscard]] UserIdentity anonymous() const override;
-
-private:
-    struct User {
-        std::string password_hash;
-        std::uint8_t access_level_mask;
-    };
-    std::map<std::string, User, std::less<>> users_;
-    std::uint8_t anonymous_{anonymous_reader().access_level_mask};
+    /// Which issued tokens are accepted. Null: none, and no endpoint offers them.
+    [[nodiscard]] virtual const crypto::JwtRules* token_rules() const { return nullptr; }
+    /// What the user of a token may do that has been verified. Bad_IdentityTokenRejected for one
+    /// that is not let in all the same.
+    [[nodiscard]] virtual Result<UserRights> token_user(const crypto::JwtClaims&)
+    {
+        return fail(status::Bad_IdentityTokenRejected);
+    }
 };
 
 /// Decides for each node; without one, AccessLevel and the user's mask decide. Called on the

@@ -66,9 +66,11 @@ struct ServerLimits {
     std::uint32_t max_browse_path_elements{64};
     std::uint32_t max_browse_path_targets{1'000};
 
-    // Logins (Part 4, 5.7.3.1): failures of one client until it is locked out, and for how long.
+    // Logins (Part 4, 5.7.3.1): failures until a user is locked out at one client, until a client
+    // is locked out for all users, and for how long. See LoginGuard.
 
     std::size_t max_login_failures{5};
+    std::size_t max_login_failures_per_source{20};
     std::chrono::milliseconds login_lock{300'000};
     /// A repeated failure is answered this much later, each further one doubly late, up to the
     /// second.
@@ -76,7 +78,7 @@ struct ServerLimits {
     std::chrono::milliseconds max_login_delay{4'000};
     /// Lines that sessions may put into the log.
     std::size_t max_log_lines_per_minute{600};
-    /// Clients that are remembered for their failures.
+    /// Clients and users that are remembered for failures, and pairs of both for successes.
     std::size_t max_login_entries{512};
 };
 

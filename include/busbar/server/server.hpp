@@ -32,6 +32,10 @@ struct ServerEnvironment {
     const AccessControl* access{nullptr};
     /// Null if every data source completes inline.
     Waker* waker{nullptr};
+#ifdef BUSBAR_KEY_LOG
+    /// May be null, and is in every product.
+    channel::KeyLog* key_log{nullptr};
+#endif
 };
 
 /// One OPC UA server: address space, data sources and sessions, to which Connections bring the
@@ -65,6 +69,9 @@ public:
     /// by. Bad_TcpServerTooBusy if there is no place; closing the socket is all that is left then.
     [[nodiscard]] Result<Connection> connect(std::string_view peer_address, TimePoint now);
 
+    /// Begins what needs the time but no client: notices before the server's certificate expires,
+    /// on the day, and of host names that it does not have. Once, before anything else.
+    void start(TimePoint now);
     [[nodiscard]] TimePoint next_deadline() const;
     void handle_deadline(TimePoint now);
     /// Answers the requests whose data has come meanwhile.

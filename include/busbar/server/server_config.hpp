@@ -16,11 +16,30 @@ struct EndpointConfig {
     channel::SecuritySetting security;
     bool allows_anonymous{false};
     bool allows_user_name{true};
-    /// What passwords are encrypted with. Null: the endpoint's own policy or, if that is None,
-    /// Basic256Sha256. Policy None sends them as they are and is refused by Server::create unless
-    /// allows_plain_passwords is set.
+    /// What passwords and issued tokens are encrypted with. Null: the endpoint's own policy or, if
+    /// that is None, Basic256Sha256. Policy None sends them as they are and is refused by
+    /// Server::create unless allows_plain_passwords is set.
     const crypto::SecurityPolicy* password_policy{nullptr};
     bool allows_plain_passwords{false};
+    /// Users with X.509 certificates, if the UserStore has a validator for them.
+    bool allows_certificate{false};
+    /// What users with certificates sign with. Null: as for passwords; never None.
+    const crypto::SecurityPolicy* certificate_policy{nullptr};
+    /// Users with JSON Web Tokens, if the UserStore has rules for them; see ServerConfig::issuer.
+    bool allows_issued{false};
+};
+
+/// Where clients get their issued tokens, as endpoints tell them (Part 6, 6.5.2.2, Table 55).
+struct TokenIssuer {
+    /// The base URL of the authorization service; what tokens name as their issuer.
+    std::string authority_url;
+    std::string authority_profile_uri{"http://opcfoundation.org/UA/Authorization#OAuth2"};
+    /// Relative to the authority's URL; left out if empty.
+    std::string token_endpoint;
+    std::string authorization_endpoint;
+    /// "authorization_code", "client_credentials", ...
+    std::vector<std::string> request_types;
+    std::vector<std::string> scopes;
 };
 
 /// Basic256Sha256 with Sign and with SignAndEncrypt, user names only.
@@ -54,6 +73,8 @@ struct ServerConfig {
     bool has_open_discovery{true};
     /// Sent as they are and needed by every policy but None.
     std::optional<channel::ApplicationIdentity> identity;
+    /// For endpoints with allows_issued.
+    TokenIssuer issuer;
 
     /// Locales of the server's texts.
     std::vector<std::string> locale_ids{"en"};

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/core/date_time.hpp>
+#include <busbar/core/refusal.hpp>
+#include <busbar/core/result.hpp>
+#include <busbar/crypto/certificate.hpp>
+#include <busbar/crypto/secret.hpp>
+
+struct evp_pkey_st;
+
+/// JSON Web Tokens (RFC 7519) as issued user tokens (Part 6, 6.5.2). Any thread.
+namespace busbar::crypto {
+
+/// JWS algorithms (RFC 7518, 3.1). There is no "none", and there are no others.
+enum class JwtAlgorithm : std::uint8_t { RS256, PS256, ES256, HS256 };
+
+[[nodiscard]] std::string_view name(JwtAlgorithm algorithm);
+
+/// A key that tokens may be signed with, and the one algorithm it is used for: a token that names
+/// another one is refused, whatever key it names (RFC 8725, 3.1). Immutable; copies share.
+class JwtKey {
+public:
+    /// The public key of an RSA (2048 bits or more) or P-256 certificate or PEM public key.
+    /// Bad_ConfigurationError if it is none, or not one for the algorithm. `id` is the `kid` that
+    /// tokens name it by; empty if they do not.
+    [[nodiscard]] static Result<JwtKey>
+    from_public_key(JwtAlgorithm algorithm, std::span<const std::byte> pem, std::string id = {});
+    [[nodiscard]] static Result<JwtKey>
+    from_certificate(JwtAlgorithm algorithm, const Certificate& certificate, std::string id = {});
+    /// HS256, with a secret of 32 bytes or more. Whoever can verify such tokens can make them,
+    /// which Part 6, 6.5.2.3 does not foresee: for closed plants only.
+    [[nodiscard]] static Result<JwtKey> from_shared_secret(std::span<const std::byte> secret,
+                                                           std::string id = {});
+
+    [[nodiscard]] JwtAlgorithm algorithm() const { return algorithm_; }
+    [[nodiscard]] const std::string& id() const { return id_; }
+    [[nodiscard]] bool verify(std::string_view signed_text,
+                              std::span<const std::byte> signature) const;
+
+private:
+    JwtKey(JwtAlgorithm algorithm, std::string id) : algorithm_{algorithm}, id_{std::move(id)} {}
+
+    JwtAlgorithm algorithm_;
+    std::string id_;
+    std::shared_ptr<evp_pkey_st> key_;
+    std::shared_ptr<const Secret> secret_;
+};
+
+/// Which tokens are accepted.
+struct JwtRules {
+    /// At most max_jwt_keys are tried for one token.
+    std::vector<JwtKey> keys;
+    /// What `iss` has to be. Empty: the tokens of these keys have none.
+    std::string issuer;
+    /// What `aud` has to be or to contain, the resourceId. Empty: the server's ApplicationUri.
+    std::string audience;
+    /// How far the issuer's clock may be off.
+    std::chrono::seconds clock_skew{60};
+    /// A token that is valid for longer than this from now on is refused.
+    std::chrono::seconds max_lifetime{std::chrono::hours{24}};
+};
+
+inline constexpr std::size_t max_jwt_size = 8'192; // bytes
+inline constexpr std::size_t max_jwt_keys = 8;
+inline constexpr std::size_t max_jwt_roles = 64;
+
+/// What a verified token says (Part 6, Table 56).
+struct JwtClaims {
+    std::string subject; // `sub`
+    std::string issuer;  // `iss`
+    std::string name;    // of a person, for people
+    /// Names, as they stand there: roles of Part 18 or the issuer's own.
+    std::vector<std::string> roles;
+    DateTime issued_at; // null if it is not there
+    DateTime expires;
+};
+
+/// The claims of a token in JWS Compact Serialization whose signature one of the keys verifies and
+/// which is meant for `rules.audience`, or if that is empty `application_uri`, at `now`. `sub`,
+/// `aud` and `exp` must be there (Part 6, 6.5.2.3); `nbf` and `iat` count if they are.
+///
+/// Bad_IdentityTokenInvalid for what is no such token, Bad_IdentityTokenRejected for one that does
+/// not count here or now. The refusal says why and holds nothing of the token but printable claims.
+/// Claims are not looked at before the signature is verified. Bounded work for any text.
+[[nodiscard]] Checked<JwtClaims> verify_jwt(std::string_view token, const JwtRules& rules,
+                                            std::string_view application_uri, DateTime now);
+
+} // namespace busbar::crypto

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include <busbar/core/refusal.hpp>
+
+namespace busbar::server {
+
+inline constexpr std::string_view letters_and_digits =
+    "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
+inline constexpr std::string_view letters_digits_and_underscore =
+    "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ_abcdefghijklmnopqrstuvwxyz";
+
+/// How names and passwords of users have to look. Checked when a user is added or a password
+/// changed, never at a login: who logs in must not learn what the rules are, and passwords from
+/// before a change of rules stay good.
+///
+/// The default asks for length and not for kinds of characters, and is bounded by what every client
+/// can send: 64 bytes in the legacy format (Part 4, 7.40.2.1).
+struct PasswordRules {
+    // The least lengths are counted in characters, the greatest in bytes of UTF-8; inclusive.
+
+    std::size_t min_name_length{1};
+    std::size_t max_name_length{64};
+    std::size_t min_password_length{12};
+    std::size_t max_password_length{64};
+    /// The only characters that there may be; empty: all but control characters.
+    std::string_view name_characters{};
+    std::string_view password_characters{};
+    /// A password needs an upper-case letter, a lower-case letter and a digit.
+    bool needs_letters_and_digit{false};
+    /// Names that nobody can have, in any case.
+    std::vector<std::string_view> reserved_names{};
+    std::size_t max_users{1'000};
+};
+
+/// Names of 4 to 32 and passwords of 8 to 32 letters and digits, six reserved names, 20 users. The
+/// same for nj501 and nx102.
+[[nodiscard]] PasswordRules nj501_password_rules();
+/// Passwords of 6 to 32 letters, digits and underscores with an upper-case letter, a lower-case
+/// letter and a digit; names of the same characters. No length of names is documented for it: 32.
+/// The password that the product is delivered with would be refused.
+[[nodiscard]] PasswordRules rd81opc96_password_rules();
+
+/// Bad_InvalidArgument with the reason; `found` never holds the password or a part of it.
+[[nodiscard]] Checked<void> check_user_name(const PasswordRules& rules, std::string_view name);
+/// The same; a password that is the name is refused too.
+[[nodiscard]] Checked<void> check_password(const PasswordRules& rules, std::string_view name,
+                                           std::string_view password);
+
+} // namespace busbar::server

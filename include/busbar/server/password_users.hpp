@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include <busbar/core/refusal.hpp>
+#include <busbar/crypto/random.hpp>
+#include <busbar/server/access_control.hpp>
+#include <busbar/server/password_rules.hpp>
+
+namespace busbar::server {
+
+/// Users in memory, with scrypt hashes of their passwords (crypto::hash_password). A login costs
+/// one hash, some tens of milliseconds, whether the name is there or not; see set_worker. Any
+/// thread.
+class PasswordUsers final : public UserStore {
+public:
+    explicit PasswordUsers(PasswordRules rules = {}) : rules_{std::move(rules)} {}
+
+    /// Adds a user with a password. Bad_InvalidArgument if name or password break the rules,
+    /// Bad_EntryExists if the name is there, Bad_TooManyOperations at PasswordRules::max_users.
+    [[nodiscard]] Checked<void> add(std::string_view name, std::string_view password,
+                                    crypto::Random& random, UserRights rights = {});
+    /// Bad_UserAccessDenied if `old_password` is wrong or the user is not there,
+    /// Bad_InvalidArgument if the new one breaks the rules.
+    [[nodiscard]] Checked<void> change_password(std::string_view name,
+                                                std::string_view old_password,
+                                                std::string_view new_password,
+                                                crypto::Random& random);
+    /// False if the user is not there.
+    bool remove(std::string_view name);
+
+    /// Adds or replaces a user as a file has it, past the rules. Bad_InvalidArgument for an empty
+    /// name or what is no hash.
+    [[nodiscard]] Result<void> set(std::string name, std::string password_hash,
+                                   std::uint8_t access_level_mask = 0xFF);
+    /// What is to be stored of the user; empty if he is not there.
+    [[nodiscard]] std::string password_hash(std::string_view name) const;
+    void set_anonymous_access(std::uint8_t access_level_mask) { anonymous_ = access_level_mask; }
+    /// Where passwords are checked; null for the server's thread. It must be done before this goes.
+    void set_worker(Worker* worker) { worker_ = worker; }
+
+    [[nodiscard]] Result<UserIdentity> log_in(std::string_view name,
+                                              std::string_view password) override;
+    [[nodiscard]] Worker* worker() override { return worker_; }
+    [[nodiscard]] UserIdentity anonymous() const override;
+
+private:
+    struct User {
+        std::string password_hash;
+        UserRights rights;
+    };
+    PasswordRules rules_;
+    mutable std::mutex mutex_; // of users_
+    std::map<std::string, User, std::less<>> users_;
+    std::uint8_t anonymous_{anonymous_reader().access_level_mask};
+    Worker* worker_{nullptr};
+};
+
+} // namespace busbar::server

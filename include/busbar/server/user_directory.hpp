@@ -1,0 +1,61 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <busbar/crypto/certificate_validator.hpp>
+#include <busbar/crypto/jwt.hpp>
+#include <busbar/server/password_users.hpp>
+
+namespace busbar::server {
+
+/// Users of all kinds: with passwords, with certificates and with issued tokens. On the server's
+/// thread, but for passwords().
+class UserDirectory final : public UserStore {
+public:
+    explicit UserDirectory(PasswordRules rules = {}) : passwords_{std::move(rules)} {}
+
+    /// Users with names and passwords, and what anonymous users may do.
+    [[nodiscard]] PasswordUsers& passwords() { return passwords_; }
+
+    /// User certificates are accepted if `validator` trusts them. It must outlive this, and is to
+    /// have a trust list of its own: a trusted application is not a user.
+    void accept_certificates(crypto::CertificateValidator& validator) { validator_ = &validator; }
+    /// The rights of the user with the certificate of this thumbprint (upper-case hexadecimal).
+    void set_certificate_rights(std::string thumbprint, UserRights rights);
+    /// The rights of any other user with a trusted certificate; nothing lets none of them in.
+    void set_other_certificate_rights(std::optional<UserRights> rights);
+
+    /// Issued tokens are accepted if these rules verify them. The user has the token's roles, and
+    /// the access of all of them together; read access with none that is known.
+    void accept_tokens(crypto::JwtRules rules) { token_rules_ = std::move(rules); }
+    /// The access of a role, by the name that tokens have for it.
+    void set_role_access(std::string role, std::uint8_t access_level_mask);
+
+    [[nodiscard]] Result<UserIdentity> log_in(std::string_view name,
+                                              std::string_view password) override;
+    [[nodiscard]] Worker* worker() override { return passwords_.worker(); }
+    [[nodiscard]] UserIdentity anonymous() const override { return passwords_.anonymous(); }
+    [[nodiscard]] crypto::CertificateValidator* certificate_validator() override
+    {
+        return validator_;
+    }
+    [[nodiscard]] Result<UserRights> certificate_user(const crypto::Certificate& user) override;
+    [[nodiscard]] const crypto::JwtRules* token_rules() const override
+    {
+        return token_rules_ ? &*token_rules_ : nullptr;
+    }
+    [[nodiscard]] Result<UserRights> token_user(const crypto::JwtClaims& claims) override;
+
+private:
+    PasswordUsers passwords_;
+    crypto::CertificateValidator* validator_{nullptr};
+    std::map<std::string, UserRights, std::less<>> certificate_rights_;
+    std::optional<UserRights> other_certificate_rights_{UserRights{}};
+    std::optional<crypto::JwtRules> token_rules_;
+    std::map<std::string, std::uint8_t, std::less<>> role_access_;
+};
+
+} // namespace busbar::server

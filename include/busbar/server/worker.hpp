@@ -1,0 +1,20 @@
+#pragma once
+
+#include <functional>
+
+namespace busbar::server {
+
+/// Somewhere to do slow work away from the server's thread.
+class Worker {
+public:
+    Worker() = default;
+    Worker(const Worker&) = delete;
+    Worker& operator=(const Worker&) = delete;
+    virtual ~Worker() = default;
+
+    /// Runs `job` once, later and on another thread; false if there is no place for it. Called on
+    /// the server's thread; must neither block nor run the job itself.
+    [[nodiscard]] virtual bool run(std::function<void()> job) = 0;
+};
+
+} // namespace busbar::server

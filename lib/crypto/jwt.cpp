@@ -1,0 +1,229 @@
+#include <busbar/crypto/jwt.hpp>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include <busbar/core/text.hpp>
+
+#include "core/base64.hpp"
+#include "json_object.hpp"
+
+namespace busbar::crypto {
+
+namespace {
+
+using detail::JsonObject;
+
+constexpr std::string_view rule_of_form = "RFC 7515, 5.2; Part 6, 6.5.2";
+constexpr std::string_view rule_of_key = "RFC 8725, 3.1; Part 6, 6.5.2.3";
+constexpr std::string_view rule_of_claims = "RFC 7519, 4.1; Part 6, 6.5.2.3";
+
+tl::unexpected<Refusal> malformed(std::string found)
+{
+    return refuse({status::Bad_IdentityTokenInvalid, "JWT structure", std::move(found),
+                   rule_of_form,
+                   "The client sent something else than its authorization service issues"});
+}
+
+tl::unexpected<Refusal> unsigned_token(std::string found)
+{
+    return refuse({status::Bad_IdentityTokenRejected, "JWT signature", std::move(found),
+                   rule_of_key, "If the authorization service has a new key, configure it"});
+}
+
+tl::unexpected<Refusal> rejected(std::string found, std::string remedy = {})
+{
+    return refuse({status::Bad_IdentityTokenRejected, "JWT claims", std::move(found),
+                   rule_of_claims, std::move(remedy)});
+}
+
+/// Base64url without padding (RFC 7515, 2).
+std::optional<std::vector<std::byte>> decode_part(std::string_view part)
+{
+    if (part.find_first_of("+/=") != std::string_view::npos || part.size() % 4 == 1) {
+        return std::nullopt;
+    }
+    std::string text{part};
+    std::replace(text.begin(), text.end(), '-', '+');
+    std::replace(text.begin(), text.end(), '_', '/');
+    text.append((4 - text.size() % 4) % 4, '=');
+    return busbar::detail::from_base64(text);
+}
+
+std::optional<JsonObject> decode_object(std::string_view part)
+{
+    const auto bytes = decode_part(part);
+    return bytes ? JsonObject::parse({reinterpret_cast<const char*>(bytes->data()), bytes->size()})
+                 : std::nullopt;
+}
+
+/// The three parts of JWS Compact Serialization.
+struct Parts {
+    std::string_view header;
+    std::string_view claims;
+    std::string_view signature;
+    /// Header and claims with the point between them.
+    std::string_view signed_text;
+};
+
+std::optional<Parts> split(std::string_view token)
+{
+    const std::size_t first = token.find('.');
+    const std::size_t last = token.rfind('.');
+    if (first == std::string_view::npos || first == last ||
+        token.find('.', first + 1) != last) { // JWE has five parts
+        return std::nullopt;
+    }
+    return Parts{token.substr(0, first), token.substr(first + 1, last - first - 1),
+                 token.substr(last + 1), token.substr(0, last)};
+}
+
+std::string text_of(const JsonObject& object, std::string_view name)
+{
+    const auto* text = object.find<std::string>(name);
+    return text != nullptr ? *text : std::string{};
+}
+
+/// Only what says of itself that it is an access token, or nothing (RFC 8725, 3.11).
+bool is_known_type(std::string type)
+{
+    std::transform(type.begin(), type.end(), type.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    return type.empty() || type == "jwt" || type == "at+jwt" || type == "application/at+jwt";
+}
+
+/// Whether one of the keys signed the token by the algorithm that the key is for.
+Checked<void> check_signature(const Parts& parts, const JwtRules& rules)
+{
+    const auto header = decode_object(parts.header);
+    const auto signature = decode_part(parts.signature);
+    if (!header || !signature) {
+        return malformed("header or signature cannot be read");
+    }
+    if (header->has("crit") || !is_known_type(text_of(*header, "typ"))) {
+        return malformed("the header asks for what is not known here");
+    }
+    const std::string algorithm = text_of(*header, "alg");
+    const std::string id = text_of(*header, "kid");
+    std::size_t tried = 0;
+    for (const JwtKey& key : rules.keys) {
+        const bool is_named = id.empty() || key.id().empty() || key.id() == id;
+        if (!is_named || name(key.algorithm()) != algorithm || ++tried > max_jwt_keys) {
+            continue;
+        }
+        if (key.verify(parts.signed_text, *signature)) {
+            return {};
+        }
+    }
+    return unsigned_token(tried == 0
+                              ? "no key is configured for algorithm \"" + printable(algorithm, 32) +
+                                    "\" and key id \"" + printable(id, 64) + "\""
+                              : "it was signed by another key");
+}
+
+/// A NumericDate (RFC 7519, 2); null for what is none or no time of this calendar.
+DateTime time_of(const JsonObject& claims, std::string_view name)
+{
+    constexpr double latest = 253'402'300'799.0; // the end of 9999
+    const auto* seconds = claims.find<double>(name);
+    return seconds != nullptr && *seconds > 0 && *seconds <= latest
+               ? DateTime::from_unix_seconds(static_cast<std::int64_t>(*seconds))
+               : DateTime{};
+}
+
+Checked<void> check_times(const JsonObject& claims, const JwtRules& rules, DateTime now)
+{
+    const auto ticks = [](std::chrono::seconds time) {
+        return time.count() * DateTime::ticks_per_second;
+    };
+    const DateTime expires = time_of(claims, "exp");
+    if (expires.is_null()) {
+        return rejected("it has no time of expiry");
+    }
+    if (now.ticks >= expires.ticks + ticks(rules.clock_skew)) {
+        return rejected("it expired at " + to_string(expires),
+                        "If that is wrong, set the clock of this machine");
+    }
+    if (expires.ticks > now.ticks + ticks(rules.max_lifetime)) {
+        return rejected("it is valid until " + to_string(expires) + ", longer than is allowed");
+    }
+    for (const std::string_view name : {"nbf", "iat"}) {
+        const DateTime begin = time_of(claims, name);
+        if (claims.has(name) &&
+            (begin.is_null() || begin.ticks > now.ticks + ticks(rules.clock_skew))) {
+            return rejected("it counts only from " + to_string(begin) + " on",
+                            "If that is wrong, set the clock of this machine");
+        }
+    }
+    return {};
+}
+
+bool is_meant_for(const JsonObject& claims, std::string_view audience)
+{
+    if (const auto* list = claims.find<JsonObject::Strings>("aud")) {
+        return std::find(list->begin(), list->end(), audience) != list->end();
+    }
+    const auto* one = claims.find<std::string>("aud");
+    return one != nullptr && *one == audience;
+}
+
+Checked<void> check_claims(const JsonObject& claims, const JwtRules& rules,
+                           std::string_view audience, DateTime now)
+{
+    if (auto times = check_times(claims, rules, now); !times) {
+        return times;
+    }
+    if (text_of(claims, "sub").empty()) {
+        return rejected("it names no subject");
+    }
+    if (const std::string issuer = text_of(claims, "iss");
+        issuer != rules.issuer || claims.has("iss") != !rules.issuer.empty()) {
+        return rejected("its issuer is \"" + printable(issuer) + "\" and not \"" + rules.issuer +
+                        "\"");
+    }
+    if (audience.empty() || !is_meant_for(claims, audience)) {
+        return rejected("it is for another audience than \"" + std::string{audience} + "\"",
+                        "Register this server with the authorization service");
+    }
+    const auto* roles = claims.find<JsonObject::Strings>("roles");
+    if (roles != nullptr && roles->size() > max_jwt_roles) {
+        return rejected("it has more than " + std::to_string(max_jwt_roles) + " roles");
+    }
+    return {};
+}
+
+} // namespace
+
+Checked<JwtClaims> verify_jwt(std::string_view token, const JwtRules& rules,
+                              std::string_view application_uri, DateTime now)
+{
+    const auto parts = token.size() <= max_jwt_size ? split(token) : std::nullopt;
+    if (!parts) {
+        return malformed("it has not three parts, or more than " + std::to_string(max_jwt_size) +
+                         " bytes");
+    }
+    if (const auto is_signed = check_signature(*parts, rules); !is_signed) {
+        return refuse(is_signed.error());
+    }
+    const auto claims = decode_object(parts->claims);
+    if (!claims) {
+        return malformed("its claims are no JSON object");
+    }
+    const std::string_view audience = rules.audience.empty() ? application_uri : rules.audience;
+    if (const auto checked = check_claims(*claims, rules, audience, now); !checked) {
+        return refuse(checked.error());
+    }
+    JwtClaims result;
+    result.subject = text_of(*claims, "sub");
+    result.issuer = text_of(*claims, "iss");
+    result.name = text_of(*claims, "name");
+    if (const auto* roles = claims->find<JsonObject::Strings>("roles")) {
+        result.roles = *roles;
+    }
+    result.issued_at = time_of(*claims, "iat");
+    result.expires = time_of(*claims, "exp");
+    return result;
+}
+
+} // namespace busbar::crypto

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <busbar/core/clock.hpp>
+#include <busbar/server/access_control.hpp>
+#include <busbar/server/server_config.hpp>
+
+namespace busbar::server::detail {
+
+struct Core;
+class Session;
+
+/// The session belongs to `user` from now on, as long as his certificate or token is valid: then it
+/// is an anonymous one or, where the endpoint allows none, ends (Part 4, 7.40.5).
+void set_user(Core& core, const EndpointConfig& endpoint, Session& session, UserIdentity user,
+              TimePoint now);
+
+/// Before the session is used: takes a user away whose time is over.
+void expire_user(Core& core, Session& session, TimePoint now);
+
+} // namespace busbar::server::detail

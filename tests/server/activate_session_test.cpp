@@ -1,0 +1,336 @@
+#include <catch2/catch.hpp>
+
+#include "user_fixture.hpp"
+
+using namespace busbar;
+using namespace busbar::test;
+using namespace std::chrono_literals;
+
+namespace {
+
+/// Of a second application.
+const channel::ApplicationIdentity& other_client()
+{
+    static const auto identity = make_identity("client2");
+    return identity;
+}
+
+enum class Kind : std::uint8_t { Anonymous, UserName, Certificate, Issued };
+
+/// A right token of that kind for the client's last nonce; of another person if `is_other`.
+StatusCode activate_as(UserFixture& fixture, TestClient& client, Kind kind, bool is_other)
+{
+    switch (kind) {
+    case Kind::Anonymous:
+        return is_other ? fixture.activate(client, client.user("operator", "operator-secret"))
+                        : fixture.activate(client, TestClient::anonymous());
+    case Kind::UserName:
+        return is_other ? fixture.activate(client, client.user("engineer", "engineer-secret"))
+                        : fixture.activate(client, client.user("operator", "operator-secret"));
+    case Kind::Certificate:
+        return is_other ? fixture.activate(client, client.user("CN=maria", "CN=maria-secret"))
+                        : fixture.activate(client, certificate_token(), user_signature(client));
+    case Kind::Issued:
+        return is_other ? fixture.activate(client, client.user("maria", "maria-secret"))
+                        : fixture.activate(client, issued_token(client, jwt()));
+    }
+    return status::Bad_InternalError;
+}
+
+server::ServerConfig every_user_everywhere()
+{
+    auto config = UserFixture::all_kinds();
+    for (auto& endpoint : config.endpoints) {
+        endpoint.allows_anonymous = true;
+    }
+    return config;
+}
+
+} // namespace
+
+TEST_CASE("a session moves to a new channel with its client, user, security and nonce only")
+{
+    UserFixture fixture{every_user_everywhere()};
+    const auto kind = GENERATE(Kind::Anonymous, Kind::UserName, Kind::Certificate, Kind::Issued);
+    const bool is_other_client = GENERATE(false, true);
+    const bool is_other_user = GENERATE(false, true);
+    const bool is_weaker = GENERATE(false, true);
+    const bool is_old_nonce = GENERATE(false, true);
+    CAPTURE(static_cast<int>(kind), is_other_client, is_other_user, is_weaker, is_old_nonce);
+
+    auto old = fixture.connect(encrypt);
+    REQUIRE(old.create_session());
+    const ByteString old_nonce = old.server_nonce;
+    REQUIRE(activate_as(fixture, old, kind, false) == status::Good);
+    auto client = fixture.connect(is_weaker ? sign : encrypt,
+                                  is_other_client ? other_client() : client_identity());
+    client.adopt(old);
+    if (is_old_nonce) {
+        client.server_nonce = old_nonce;
+    }
+    const StatusCode expected = is_other_client || is_weaker ? status::Bad_SecurityChecksFailed
+                                : is_old_nonce  ? status::Bad_ApplicationSignatureInvalid
+                                : is_other_user ? status::Bad_IdentityChangeNotSupported
+                                                : status::Good;
+    CHECK(activate_as(fixture, client, kind, is_other_user) == expected);
+    CHECK(fixture.refusals() == (expected.is_good() ? 0 : 1));
+    CHECK(use(old) == (expected.is_good() ? status::Bad_SecureChannelIdInvalid : status::Good));
+    if (expected.is_good()) {
+        CHECK(use(client) == status::Good);
+    }
+}
+
+TEST_CASE("the first activation comes over the session's own channel, with every token")
+{
+    UserFixture fixture{every_user_everywhere()};
+    const auto kind = GENERATE(Kind::Anonymous, Kind::UserName, Kind::Certificate, Kind::Issued);
+    auto owner = fixture.connect(encrypt);
+    REQUIRE(owner.create_session());
+    auto thief = fixture.connect(encrypt);
+    thief.adopt(owner);
+    CHECK(activate_as(fixture, thief, kind, false) == status::Bad_SecureChannelIdInvalid);
+    CHECK(fixture.users.asked == 0);
+    CHECK(activate_as(fixture, owner, kind, false) == status::Good);
+}
+
+TEST_CASE("a nonce is good for one activation")
+{
+    UserFixture fixture;
+    auto client = fixture.connect(encrypt);
+    REQUIRE(client.create_session());
+    ActivateSessionRequest request;
+    request.client_signature = client.signature();
+    request.user_identity_token = client.user("operator", "operator-secret");
+    CHECK(client.status_of<ActivateSessionResponse>(request) == status::Good);
+    CHECK(client.status_of<ActivateSessionResponse>(request) ==
+          status::Bad_ApplicationSignatureInvalid);
+}
+
+TEST_CASE("the tokens that cannot be guessed are counted all the same")
+{
+    UserFixture fixture;
+    auto client = fixture.connect(encrypt);
+    REQUIRE(client.create_session());
+    fixture.validator.list.trusted.clear();
+    ActivateSessionRequest request;
+    request.client_signature = client.signature();
+    request.user_identity_token = certificate_token();
+    request.user_token_signature = user_signature(client);
+    for (const auto delay : {0ms, 250ms, 500ms, 1000ms, 2000ms}) {
+        const auto sent = client.send(request);
+        fixture.advance(delay, client);
+        REQUIRE(client.take_activate(sent) == status::Bad_IdentityTokenRejected);
+    }
+    fixture.validator.list.trusted = {user_certificate().certificate};
+    const auto locked = client.send(request);
+    CHECK(client.take_activate(locked) == status::Bad_WouldBlock);
+    fixture.advance(4s, client);
+    CHECK(client.take_activate(locked) == status::Bad_UserAccessDenied);
+    CHECK(fixture.log.text.find("login lock-out") != std::string::npos);
+    // Its users with passwords are not concerned.
+    CHECK(fixture.activate(client, client.user("operator", "operator-secret")) == status::Good);
+}
+
+TEST_CASE("wrong kinds of token are no guesses")
+{
+    UserFixture fixture;
+    auto client = fixture.connect(encrypt);
+    REQUIRE(client.create_session());
+    for (int i = 0; i < 30; ++i) {
+        CHECK(fixture.activate(client, TestClient::anonymous()) ==
+              status::Bad_IdentityTokenRejected);
+    }
+    CHECK(fixture.activate(client, client.user("operator", "operator-secret")) == status::Good);
+}
+
+namespace {
+
+/// A user name at which hundreds guess, without certificates.
+void attack(UserFixture& fixture, const std::string& name, int sources)
+{
+    for (int i = 0; i < sources; ++i) {
+        auto client = fixture.connect({}, client_identity(), "198.51.100." + std::to_string(i));
+        REQUIRE(client.create_session());
+        const auto guess = client.send_activate(client.user(name, "guess"));
+        fixture.advance(4s, client);
+        REQUIRE(client.take_activate(guess) == status::Bad_UserAccessDenied);
+    }
+}
+
+} // namespace
+
+TEST_CASE("guessing elsewhere delays the right user at a new place, and never at a known one")
+{
+    UserFixture fixture;
+    auto known = fixture.log_in(encrypt);
+    attack(fixture, "operator", 12);
+    fixture.users.asked = 0;
+
+    CHECK(fixture.activate(known, known.user("operator", "operator-secret")) == status::Good);
+
+    auto request_from = [](const TestClient& client) {
+        ActivateSessionRequest request;
+        request.client_signature = client.signature();
+        request.user_identity_token = client.user("operator", "operator-secret");
+        return request;
+    };
+    auto fresh = fixture.connect(encrypt, other_client(), "192.0.2.99");
+    auto create = fresh.create_request();
+    create.client_description.application_uri = "urn:busbar:test:client2";
+    REQUIRE(fresh.create_session(create));
+    const auto waiting = fresh.send(request_from(fresh));
+    CHECK(fresh.take_activate(waiting) == status::Bad_WouldBlock);
+    CHECK(fixture.users.asked == 1); // it is not even looked at
+    SECTION("then it is let in")
+    {
+        fixture.advance(4s, fresh);
+        CHECK(fresh.take_activate(waiting) == status::Good);
+        CHECK(fixture.users.asked == 2);
+    }
+    SECTION("what was sent twice is let in once")
+    {
+        const auto again = fresh.send(request_from(fresh));
+        fixture.advance(4s, fresh);
+        const StatusCode first = fresh.take_activate(waiting);
+        const StatusCode second = fresh.take_activate(again);
+        CHECK(first == status::Good);
+        CHECK(second == status::Bad_ApplicationSignatureInvalid);
+    }
+    SECTION("the session ends meanwhile")
+    {
+        REQUIRE(fresh.close_session() == status::Good);
+        fixture.advance(4s, fresh);
+        CHECK(fresh.take_activate(waiting) == status::Bad_SessionClosed);
+    }
+}
+
+namespace {
+
+/// Does its jobs when the test says so.
+class ManualWorker final : public server::Worker {
+public:
+    [[nodiscard]] bool run(std::function<void()> job) override
+    {
+        if (is_full) {
+            return false;
+        }
+        jobs.push_back(std::move(job));
+        return true;
+    }
+    void work()
+    {
+        for (const auto& job : std::exchange(jobs, {})) {
+            job();
+        }
+    }
+
+    std::vector<std::function<void()>> jobs;
+    bool is_full{false};
+};
+
+class CountingWaker final : public server::Waker {
+public:
+    void wake() override { ++count; }
+
+    int count{0};
+};
+
+/// A server whose passwords a worker checks.
+struct Working {
+    Working() { fixture.users.used_worker = &worker; }
+
+    /// Sends what is a right login but for the password.
+    std::uint32_t send(TestClient& client, std::string_view password)
+    {
+        return client.send_activate(client.user("operator", password));
+    }
+    void finish(TestClient& client)
+    {
+        worker.work();
+        fixture.server.handle_completions(fixture.now);
+        client.run();
+    }
+
+    CountingWaker waker;
+    ManualWorker worker;
+    ServerFixture fixture{waker};
+};
+
+} // namespace
+
+TEST_CASE_METHOD(Working, "passwords are checked by a worker while others are served")
+{
+    auto client = fixture.connect(encrypt);
+    REQUIRE(client.create_session());
+    const auto sent = send(client, "operator-secret");
+    CHECK(client.take_activate(sent) == status::Bad_WouldBlock);
+    auto other = fixture.connect();
+    REQUIRE(other.open_session() == status::Good); // anonymous: needs no check
+    CHECK(use(other) == status::Good);
+
+    SECTION("right")
+    {
+        finish(client);
+        CHECK(waker.count == 1);
+        CHECK(client.take_activate(sent) == status::Good);
+        CHECK(use(client) == status::Good);
+    }
+    SECTION("the client goes away")
+    {
+        client.channel.close();
+        client.run();
+        finish(client);
+        CHECK(use(other) == status::Good);
+    }
+    SECTION("the session ends")
+    {
+        REQUIRE(client.close_session() == status::Good);
+        finish(client);
+        CHECK(client.take_activate(sent) == status::Bad_SessionClosed);
+    }
+    SECTION("the same request again: its nonce is good for one")
+    {
+        const auto again = send(client, "operator-secret");
+        finish(client);
+        CHECK(client.take_activate(sent) == status::Good);
+        CHECK(client.take_activate(again) == status::Bad_ApplicationSignatureInvalid);
+    }
+    SECTION("the worker is full")
+    {
+        worker.is_full = true;
+        CHECK(client.take_activate(send(client, "operator-secret")) == status::Bad_ServerTooBusy);
+    }
+}
+
+TEST_CASE_METHOD(Working, "many guesses at the same time are as many as one after the other")
+{
+    auto client = fixture.connect(encrypt);
+    REQUIRE(client.create_session());
+    std::vector<std::uint32_t> sent;
+    for (int i = 0; i < 20; ++i) {
+        sent.push_back(send(client, "guess"));
+    }
+    CHECK(worker.jobs.size() == 5);
+    finish(client);
+    fixture.advance(4s, client);
+    for (const auto request : sent) {
+        CHECK(client.take_activate(request) == status::Bad_UserAccessDenied);
+    }
+    CHECK(fixture.users.asked == 5);
+}
+
+TEST_CASE_METHOD(Working, "logins that were right do not count as failures")
+{
+    auto client = fixture.connect(encrypt);
+    REQUIRE(client.create_session());
+    for (int i = 0; i < 30; ++i) {
+        const auto sent = send(client, "operator-secret");
+        finish(client);
+        REQUIRE(client.take_activate(sent) == status::Good);
+    }
+    auto fresh = fixture.connect({}, client_identity(), "203.0.113.1");
+    REQUIRE(fresh.create_session());
+    const auto sent = send(fresh, "operator-secret");
+    finish(fresh);
+    CHECK(fresh.take_activate(sent) == status::Good); // the name is not slowed down
+}
