@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <busbar/core/attribute_id.hpp>
+#include <busbar/crypto/self_signed.hpp>
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/discovery.hpp>
 

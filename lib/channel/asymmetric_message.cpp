@@ -4,6 +4,7 @@
 
 #include <busbar/binary/codec.hpp>
 #include <busbar/crypto/asymmetric.hpp>
+#include <busbar/crypto/secret.hpp>
 
 #include "frame.hpp"
 
@@ -13,6 +14,9 @@ namespace {
 
 constexpr std::size_t thumbprint_size = 20;
 constexpr std::uint32_t max_header_field = 65'535;
+/// What one message, even of a stranger, may make the receiver's private key do. A request needs
+/// two or three, with the longest signature and the shortest key five.
+constexpr std::size_t max_open_blocks = 8;
 
 /// With keys of more than 2048 bits the padding's size takes two bytes (Part 6, 6.7.2.5).
 std::size_t padding_field_size(std::size_t key_size)
@@ -49,33 +53,36 @@ bool remove_padding(std::vector<std::byte>& plain, std::size_t key_size)
     return is_right;
 }
 
+/// The text behind the headers, without its signature and padding.
 Result<std::vector<std::byte>> decrypt_and_verify(std::span<const std::byte> message,
                                                   const AsymmetricHeader& header,
                                                   const crypto::PrivateKey& receiver,
                                                   const crypto::Certificate& sender)
 {
-    auto plain = crypto::asymmetric_decrypt(*header.policy, receiver, message.subspan(header.size));
+    const auto cipher = message.subspan(header.size);
     const std::size_t signature_size = sender.key_size();
+    if (cipher.size() > max_open_blocks * receiver.key_size()) {
+        return failed();
+    }
+    auto plain = crypto::asymmetric_decrypt(*header.policy, receiver, cipher);
     if (!plain || plain->size() < signature_size + sequence_header_size) {
-        // As much work as for a wrong signature, so that the time tells nothing either.
-        const std::vector<std::byte> none(signature_size);
-        static_cast<void>(crypto::asymmetric_verify(*header.policy, sender, message, none));
-        return failed();
+        return failed(); // both tell of nothing but the sizes of message and keys
     }
+    // Text or chance, from here on it is the same work, and refused for its signature.
     const std::size_t signed_size = plain->size() - signature_size;
-    const auto signature = std::span<const std::byte>{*plain}.subspan(signed_size);
-    std::vector<std::byte> signed_bytes{message.begin(),
-                                        message.begin() + static_cast<std::ptrdiff_t>(header.size)};
-    signed_bytes.insert(signed_bytes.end(), plain->begin(),
-                        plain->begin() + static_cast<std::ptrdiff_t>(signed_size));
-    if (!crypto::asymmetric_verify(*header.policy, sender, signed_bytes, signature)) {
-        return failed();
-    }
+    crypto::Secret signed_bytes{header.size + signed_size};
+    std::copy_n(message.begin(), header.size, signed_bytes.span().begin());
+    std::copy_n(plain->begin(), signed_size, signed_bytes.span().subspan(header.size).begin());
+    const bool is_signed =
+        crypto::asymmetric_verify(*header.policy, sender, signed_bytes.span(),
+                                  std::span<const std::byte>{*plain}.subspan(signed_size))
+            .has_value();
     plain->resize(signed_size);
-    if (!remove_padding(*plain, receiver.key_size())) {
+    if (!is_signed || !remove_padding(*plain, receiver.key_size())) {
+        crypto::cleanse(*plain);
         return failed();
     }
-    return plain;
+    return *std::move(plain);
 }
 
 /// The headers with a size of 0 in the message header.
@@ -206,6 +213,7 @@ Result<AsymmetricContent> open_asymmetric(std::span<const std::byte> message,
         return failed();
     }
     content.body.assign(plain.begin() + sequence_header_size, plain.end());
+    crypto::cleanse(plain); // there is a nonce in it
     return content;
 }
 

@@ -163,6 +163,11 @@ ClientChannel::ClientChannel(ClientChannelConfig config, const ChannelEnvironmen
     const SecuritySetting& security = impl_->config.security;
     const bool is_complete = environment.identity != nullptr && environment.validator != nullptr &&
                              impl_->config.server_certificate;
+    if (security.policy->is_deprecated) {
+        environment.log->write(LogLevel::Warning, "channel",
+                               "INSECURE: connecting with " + std::string{security.policy->name} +
+                                   ", which relies on SHA-1 and is deprecated (Part 7, 6.6)");
+    }
     if (!security.policy->is_none() && !is_complete) {
         impl_->end(status::Bad_ConfigurationError,
                    "the policy needs both certificates and a validator");

@@ -5,6 +5,7 @@
 #include <busbar/core/text.hpp>
 
 #include "client_impl.hpp"
+#include "key_log.hpp"
 #include "refusals.hpp"
 
 namespace busbar::channel {
@@ -72,7 +73,8 @@ Checked<void> ClientChannel::Impl::check_server(const AsymmetricHeader& header)
     const auto url = EndpointUrl::parse(config.endpoint_url);
     auto valid = environment.validator->validate(
         *chain, {header.policy, environment.wall_clock->now(), config.expected_server_uri,
-                 url ? std::string_view{url->host} : std::string_view{}});
+                 url ? std::string_view{url->host} : std::string_view{},
+                 crypto::CertificatePurpose::ServerApplication});
     if (valid) {
         conversation.peer_certificates = *chain;
     }
@@ -156,6 +158,13 @@ Checked<void> ClientChannel::Impl::take_token(const OpenSecureChannelResponse& r
     if (!token) {
         return refuse(protocol_refusal(token.error()));
     }
+#ifdef BUSBAR_KEY_LOG
+    log_keys(conversation.environment().key_log, Role::Client,
+             {issued.channel_id,
+              issued.token_id,
+              config.security,
+              {nonce.span(), response.server_nonce.span()}});
+#endif
     conversation.channel_id = issued.channel_id;
     conversation.use(*std::move(token));
     server_nonce = response.server_nonce;

@@ -112,8 +112,11 @@ Checked<Sender> check_sender(const AsymmetricHeader& header, const Conversation&
                                   "another certificate than the channel was opened with",
                                   "Part 4, 5.6.2.1: renewal", {}, leaf);
     }
-    auto valid =
-        environment.validator->validate(*chain, {header.policy, environment.wall_clock->now(), {}});
+    auto valid = environment.validator->validate(
+        *chain, {.policy = header.policy,
+                 .now = environment.wall_clock->now(),
+                 .application_uri = {},
+                 .purpose = crypto::CertificatePurpose::ClientApplication});
     Sender sender{*std::move(chain), {}};
     if (!valid) {
         sender.objection = std::move(valid).error();
@@ -208,8 +211,8 @@ Checked<OpenRequest> read_open_request(const Frame& frame, Conversation& convers
     }
     auto content =
         open_content(frame, *header, conversation.environment().identity, sender->certificates);
-    // Part 6, 6.7.7 has the certificate checked first. What was found only counts now: a refusal for
-    // that takes as long as one for what the private key found (Part 2, 6.3).
+    // Part 6, 6.7.7 has the certificate checked first. What was found only counts now: a refusal
+    // for that takes as long as one for what the private key found (Part 2, 6.3).
     if (sender->objection) {
         return refuse(*std::move(sender->objection));
     }

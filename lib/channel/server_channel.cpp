@@ -8,6 +8,7 @@
 
 #include "conversation.hpp"
 #include "event_queue.hpp"
+#include "key_log.hpp"
 #include "open_request.hpp"
 #include "refusals.hpp"
 
@@ -162,6 +163,13 @@ Result<void> ServerChannel::Impl::issue(const OpenSecureChannelRequest& request,
     if (!token) {
         return fail(token.error());
     }
+#ifdef BUSBAR_KEY_LOG
+    log_keys(environment.key_log, Role::Server,
+             {config.channel_id,
+              last_token_id,
+              conversation.security,
+              {nonce.span(), request.client_nonce.span()}});
+#endif
     OpenSecureChannelResponse response;
     response.response_header.timestamp = environment.wall_clock->now();
     response.response_header.request_handle = request.request_header.request_handle;

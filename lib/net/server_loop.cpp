@@ -264,6 +264,7 @@ void ServerLoop::stop_on_signals()
 void ServerLoop::run(server::Server& server)
 {
     impl_->server = &server;
+    server.start(detail::now());
     for (const auto& acceptor : impl_->acceptors) {
         impl_->accept(*acceptor);
     }

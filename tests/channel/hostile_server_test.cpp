@@ -267,3 +267,14 @@ TEST_CASE("a client trusts nobody without a validator", "[channel][client]")
     CHECK(blind.is_closed());
     CHECK(blind.output().empty());
 }
+
+TEST_CASE("a client connects with a deprecated policy under protest", "[channel][client]")
+{
+    auto policy = *crypto::find_policy_by_name("Basic256Sha256");
+    const Client good{{&policy, MessageSecurityMode::Sign}};
+    CHECK(good.log.text.empty());
+    policy.is_deprecated = true;
+    const Client deprecated{{&policy, MessageSecurityMode::Sign}};
+    CHECK(deprecated.log.text.find("INSECURE: connecting with Basic256Sha256") !=
+          std::string::npos);
+}

@@ -7,6 +7,7 @@
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/net/client_loop.hpp>
 #include <busbar/net/server_loop.hpp>
+#include <busbar/server/password_users.hpp>
 #include <busbar/types/attribute.hpp>
 
 #include "support/identity.hpp"

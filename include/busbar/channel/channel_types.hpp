@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <busbar/channel/key_log.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/result.hpp>
@@ -73,6 +74,10 @@ struct ChannelEnvironment {
     crypto::CertificateValidator* validator{nullptr};
     const ApplicationIdentity* identity{nullptr};
     AssemblyBudget* budget{nullptr};
+#ifdef BUSBAR_KEY_LOG
+    /// May be null, and is in every product.
+    KeyLog* key_log{nullptr};
+#endif
 };
 
 /// What happened on a channel.

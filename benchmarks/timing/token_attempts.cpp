@@ -1,0 +1,139 @@
+#include "token_attempts.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+
+#include <busbar/types/session.hpp>
+
+#include "identities.hpp"
+#include "rsa_text.hpp"
+#include "server/user_policies.hpp"
+#include "server/user_token.hpp"
+
+namespace busbar::timing {
+
+namespace {
+
+constexpr std::size_t key_size = 256;
+constexpr std::string_view right_password = "the right password";
+
+/// Knows one user, whose password it compares as it is.
+class OneUser final : public server::UserStore {
+public:
+    [[nodiscard]] Result<server::UserIdentity> log_in(std::string_view name,
+                                                      std::string_view password) override
+    {
+        if (name != "operator" || password != right_password) {
+            return fail(status::Bad_UserAccessDenied);
+        }
+        return server::UserIdentity{UserTokenType::UserName, std::string{name}};
+    }
+};
+
+server::ServerConfig make_config()
+{
+    server::ServerConfig config;
+    config.identity = make_identity("server");
+    return config;
+}
+
+const server::ServerConfig& config()
+{
+    static const server::ServerConfig instance = make_config();
+    return instance;
+}
+
+enum class Fault {
+    None,
+    RsaPadding,
+    OtherPadding,
+    Length,
+    TooLong,
+    Nonce,
+    Password,
+    Empty,
+};
+
+/// Length, password and nonce (Part 4, 7.40.2.2).
+Bytes secret_text(Fault fault, const Bytes& nonce)
+{
+    std::string password{right_password};
+    if (fault == Fault::Password) {
+        password.back() = 'D';
+    } else if (fault == Fault::Empty) {
+        password.clear();
+    }
+    std::size_t length = password.size() + nonce.size();
+    length += fault == Fault::Length ? 1 : fault == Fault::TooLong ? 100'000 : 0;
+    Bytes text;
+    for (unsigned shift = 0; shift < 32; shift += 8) {
+        text.push_back(static_cast<std::byte>(length >> shift));
+    }
+    const auto bytes = std::as_bytes(std::span{password});
+    text.insert(text.end(), bytes.begin(), bytes.end());
+    const Bytes other = random_bytes(nonce.size());
+    const Bytes& used = fault == Fault::Nonce ? other : nonce;
+    text.insert(text.end(), used.begin(), used.end());
+    return text;
+}
+
+ExtensionObject token_of(const crypto::SecurityPolicy& policy,
+                         const server::EndpointConfig& endpoint, Fault fault, const Bytes& nonce)
+{
+    const auto& sent = fault == Fault::OtherPadding ? with_other_padding(policy) : policy;
+    Bytes cipher = crypto::asymmetric_encrypt(sent, config().identity->certificates.front(),
+                                              secret_text(fault, nonce))
+                       .value();
+    if (fault == Fault::RsaPadding) {
+        spoil_block(cipher, 0, key_size);
+    }
+    UserNameIdentityToken token;
+    token.policy_id = server::detail::policy_id(endpoint, UserTokenType::UserName);
+    token.user_name = "operator";
+    token.encryption_algorithm = String{policy.encryption_uri};
+    token.password = ByteString{cipher};
+    return ExtensionObject::from(std::move(token));
+}
+
+Attempt prepare(const crypto::SecurityPolicy& policy, Fault fault)
+{
+    struct Case {
+        server::EndpointConfig endpoint;
+        OneUser users;
+        Bytes nonce;
+        ExtensionObject token;
+    };
+    auto one = std::make_shared<Case>();
+    one->endpoint.security = {&policy, MessageSecurityMode::SignAndEncrypt};
+    one->nonce = random_bytes(32);
+    one->token = token_of(policy, one->endpoint, fault, one->nonce);
+    return [one, fault] {
+        const auto login = server::detail::log_in(
+            {config(), one->endpoint, &one->users, one->nonce, now}, one->token, {});
+        const bool is_as_expected =
+            login ? fault == Fault::None : login.error().answer == status::Bad_UserAccessDenied;
+        if (!is_as_expected) {
+            std::fprintf(stderr, "busbar-timing: a token did not end as it should\n");
+            std::abort();
+        }
+    };
+}
+
+} // namespace
+
+std::vector<InputClass> token_attempts(const crypto::SecurityPolicy& policy)
+{
+    const auto input = [&policy](const char* name, Fault fault) {
+        return InputClass{name, [&policy, fault] { return prepare(policy, fault); }};
+    };
+    return {input("wrong RSA padding", Fault::RsaPadding),
+            input("padding of another OAEP hash", Fault::OtherPadding),
+            input("wrong length", Fault::Length),
+            input("length beyond the text", Fault::TooLong),
+            input("wrong nonce", Fault::Nonce),
+            input("wrong password", Fault::Password),
+            input("empty password", Fault::Empty)};
+}
+
+} // namespace busbar::timing
