@@ -1,21 +1,55 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <busbar/controller/plc_config.hpp>
+#include <busbar/crypto/certificate_validator.hpp>
+#include <busbar/crypto/jwt.hpp>
+#include <busbar/crypto/store_limits.hpp>
 #include <busbar/server/server_config.hpp>
 
 #include "toml_reader.hpp"
 
 namespace busbar::example {
 
+/// What users may do with variables.
+enum class Access : std::uint8_t { Read, Write };
+
 struct Account {
     std::string name;
     std::string password_hash;
-    bool may_write{true};
+    Access access{Access::Write};
+};
+
+/// Users who show a token that somebody else has issued.
+struct TokenConfig {
+    crypto::JwtRules rules;
+    std::vector<std::pair<std::string, Access>> roles;
+};
+
+/// Who may log in; what is not there may not.
+struct UserConfig {
+    std::optional<Access> anonymous;
+    std::optional<Access> certified; // with a certificate that lies in users/trusted
+    std::vector<Account> accounts;
+    std::optional<TokenConfig> tokens;
+};
+
+struct CertificateConfig {
+    /// The folder of the own certificate and key, and of the trust lists.
+    std::string folder{"busbar-certificates"};
+    /// Whatever certificate a client shows is accepted. For the demo and tests only.
+    bool trusts_all_clients{false};
+    // Of the own certificate, when it is made.
+    std::uint32_t key_bits{2'048};
+    std::uint32_t valid_days{7'305}; // 20 years
+    crypto::StoreLimits limits;
+    crypto::ValidationSettings validation;
 };
 
 /// Everything a configuration file says.
@@ -24,12 +58,11 @@ struct ControllerConfig {
     /// "" is every address of the machine.
     std::string address;
     std::uint16_t port{4840};
-    /// The folder of the own certificate and key, and of the trust lists.
-    std::string certificates{"busbar-certificates"};
-    /// Whatever certificate a client shows is accepted. For the demo and tests only.
-    bool trusts_all_clients{false};
-    bool anonymous_may_write{false};
-    std::vector<Account> accounts;
+    /// Where the keys of all channels are written, in builds with BUSBAR_KEY_LOG; empty for
+    /// nowhere.
+    std::string key_log;
+    CertificateConfig certificates;
+    UserConfig users;
     std::chrono::milliseconds scan{20};
     /// Of the PLC's task, 1 to 99; 0 is none.
     int realtime_priority{0};

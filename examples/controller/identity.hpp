@@ -5,11 +5,13 @@
 
 #include <busbar/channel/channel_types.hpp>
 
+#include "config.hpp"
+
 namespace busbar::example {
 
-/// The controller's certificate and key from `folder`/own, made there if they are missing: the key
-/// readable by its owner only. Throws ConfigError.
-[[nodiscard]] channel::ApplicationIdentity load_identity(const std::string& folder,
+/// The controller's certificate and key from the configured folder's own list (see
+/// crypto::OwnCertificateStore), made there if they are missing. Throws ConfigError.
+[[nodiscard]] channel::ApplicationIdentity load_identity(const CertificateConfig& config,
                                                          const std::string& name,
                                                          const std::string& application_uri,
                                                          const std::vector<std::string>& host_names,

@@ -12,8 +12,14 @@
 #include <busbar/crypto/password_hash.hpp>
 #include <busbar/net/client_loop.hpp>
 #include <busbar/net/server_loop.hpp>
+#ifdef BUSBAR_KEY_LOG
+#include <busbar/net/key_log_file.hpp>
+#endif
+#include <busbar/server/password_rules.hpp>
+#include <busbar/server/password_users.hpp>
 #include <busbar/server/process_image.hpp>
 
+#include "admission.hpp"
 #include "config.hpp"
 #include "default_config.hpp"
 #include "identity.hpp"
@@ -48,6 +54,11 @@ int hash_password()
         std::fprintf(stderr, "expected a password on standard input\n");
         return 1;
     }
+    const auto allowed = server::check_password({}, {}, password);
+    if (!allowed) {
+        std::fprintf(stderr, "%s\n", text(allowed.error()).c_str());
+        return 1;
+    }
     crypto::SystemRandom random;
     const auto hash = crypto::hash_password(password, random);
     if (!hash) {
@@ -71,7 +82,8 @@ T expect(Result<T> result, const std::string& what)
 bool needs_certificate(const ControllerConfig& config)
 {
     for (const server::EndpointConfig& endpoint : config.server.endpoints) {
-        if (!endpoint.security.policy->is_none() || endpoint.allows_user_name) {
+        if (!endpoint.security.policy->is_none() || endpoint.allows_user_name ||
+            endpoint.allows_certificate || endpoint.allows_issued) {
             return true;
         }
     }
@@ -98,39 +110,35 @@ void complete(ControllerConfig& config, std::uint16_t port, DateTime now)
     }
 }
 
-void add_accounts(const ControllerConfig& config, server::PasswordUsers& users)
-{
-    constexpr std::uint8_t read_only = 0x01; // Part 3, 8.57: CurrentRead
-    constexpr std::uint8_t everything = 0xFF;
-    for (const example::Account& account : config.accounts) {
-        expect(users.set(account.name, account.password_hash,
-                         account.may_write ? everything : read_only),
-               "account \"" + account.name + "\"");
-    }
-    users.set_anonymous_access(config.anonymous_may_write ? everything : read_only);
-}
-
 void print_welcome(const ControllerConfig& config, const controller::Plc& plc)
 {
     const server::ServerConfig& server = config.server;
     std::printf("%s with %zu variables at %s\n", server.application_name.c_str(),
                 plc.variables().size(), server.endpoint_url.c_str());
-    bool has_login = !config.accounts.empty();
+    bool has_login = false;
     for (const server::EndpointConfig& endpoint : server.endpoints) {
         static constexpr const char* modes[] = {"", "None", "Sign", "SignAndEncrypt"};
-        has_login = has_login || endpoint.allows_anonymous;
-        std::printf("  endpoint: %s %s%s%s\n", std::string{endpoint.security.policy->name}.c_str(),
+        has_login = has_login || endpoint.allows_anonymous || endpoint.allows_user_name ||
+                    endpoint.allows_certificate || endpoint.allows_issued;
+        std::printf("  endpoint: %s %s%s%s%s%s\n",
+                    std::string{endpoint.security.policy->name}.c_str(),
                     modes[static_cast<int>(endpoint.security.mode)],
                     endpoint.allows_anonymous ? ", anonymous" : "",
-                    endpoint.allows_user_name ? ", user name" : "");
+                    endpoint.allows_user_name ? ", user name" : "",
+                    endpoint.allows_certificate ? ", user certificate" : "",
+                    endpoint.allows_issued ? ", issued token" : "");
     }
     if (server.identity) {
         std::printf("  certificate: %s\n",
                     server.identity->certificates.front().thumbprint_text().c_str());
-        std::printf(config.trusts_all_clients
-                        ? "  every client is trusted: not for use in production\n"
-                        : "  clients: move a certificate from %s/rejected to %s/trusted\n",
-                    config.certificates.c_str(), config.certificates.c_str());
+        const std::string& folder = config.certificates.folder;
+        if (config.certificates.trusts_all_clients) {
+            std::printf("  every client is trusted: not for use in production\n");
+        } else {
+            std::printf("  clients: move a certificate from %s/rejected/certs to "
+                        "%s/trusted/certs\n",
+                        folder.c_str(), folder.c_str());
+        }
     }
     if (!has_login) {
         std::printf("  nobody can log in yet: add an account to the configuration, see "
@@ -158,17 +166,11 @@ int serve(ControllerConfig config)
     StderrLog log;
     net::SystemWallClock wall_clock;
     crypto::SystemRandom random;
-    crypto::InsecureAcceptAnyCertificate accept_all;
-    crypto::TrustFolder trust{config.certificates, log};
-    server::PasswordUsers users;
     net::ServerLoop loop{log};
 
     const std::uint16_t port = expect(loop.listen(config.address, config.port), "listening");
     complete(config, port, wall_clock.now());
-    if (config.server.identity) {
-        expect(trust.create(), config.certificates);
-    }
-    add_accounts(config, users);
+    example::Admission admission{config, log};
     auto plc = controller::Plc::create(config.plc);
     if (!plc) {
         throw ConfigError{plc.error().text};
@@ -179,12 +181,16 @@ int serve(ControllerConfig config)
     environment.random = &random;
     environment.wall_clock = &wall_clock;
     environment.log = &log;
-    environment.validator = &trust;
-    if (config.trusts_all_clients) {
-        environment.validator = &accept_all;
-    }
-    environment.users = &users;
+    environment.validator = &admission.clients();
+    environment.users = &admission.users();
     environment.waker = &loop.waker();
+#ifdef BUSBAR_KEY_LOG
+    std::unique_ptr<net::KeyLogFile> key_log;
+    if (!config.key_log.empty()) {
+        key_log = expect(net::KeyLogFile::open(config.key_log, log), config.key_log);
+        environment.key_log = key_log.get();
+    }
+#endif
     auto server = expect(server::Server::create(config.server, environment), "the server");
     controller::PlcNodesOptions nodes;
     nodes.source = server.add_source(source);

@@ -43,26 +43,27 @@ export async function makeRevocationList(authority, revoked = []) {
   return Buffer.from(list.rawData);
 }
 
+const applicationExtensions = (applicationUri, isSelfSigned) => [
+  new x509.KeyUsagesExtension(
+    Usage.digitalSignature | Usage.nonRepudiation | Usage.keyEncipherment | Usage.dataEncipherment |
+      (isSelfSigned ? Usage.keyCertSign : 0), true),
+  new x509.ExtendedKeyUsageExtension([x509.ExtendedKeyUsage.clientAuth, x509.ExtendedKeyUsage.serverAuth]),
+  new x509.SubjectAlternativeNameExtension([
+    { type: "url", value: applicationUri }, { type: "dns", value: "localhost" },
+  ]),
+];
+const userExtensions = () => [new x509.KeyUsagesExtension(Usage.digitalSignature, true)];
+
 /** A certificate with its key; an application's if it has an ApplicationUri, else a user's. */
 export async function makeCertificate(name, { issuer, applicationUri } = {}) {
   const keys = await makeKeys();
-  const application = [
-    new x509.KeyUsagesExtension(
-      Usage.digitalSignature | Usage.nonRepudiation | Usage.keyEncipherment | Usage.dataEncipherment |
-        (issuer ? 0 : Usage.keyCertSign), true),
-    new x509.ExtendedKeyUsageExtension([x509.ExtendedKeyUsage.clientAuth, x509.ExtendedKeyUsage.serverAuth]),
-    new x509.SubjectAlternativeNameExtension([
-      { type: "url", value: applicationUri }, { type: "dns", value: "localhost" },
-    ]),
-  ];
-  const user = [new x509.KeyUsagesExtension(Usage.digitalSignature, true)];
   const certificate = await x509.X509CertificateGenerator.create({
     serialNumber: (++serial).toString(16), ...validity(), signingAlgorithm: algorithm, publicKey: keys.publicKey,
     subject: `CN=${name}`, issuer: issuer?.certificate.subject ?? `CN=${name}`,
     signingKey: issuer?.keys.privateKey ?? keys.privateKey,
     extensions: [
       new x509.BasicConstraintsExtension(false, undefined, true),
-      ...(applicationUri ? application : user),
+      ...(applicationUri ? applicationExtensions(applicationUri, !issuer) : userExtensions()),
       await x509.SubjectKeyIdentifierExtension.create(keys.publicKey),
       await x509.AuthorityKeyIdentifierExtension.create(issuer?.keys.publicKey ?? keys.publicKey),
     ],

@@ -1,6 +1,6 @@
 // Starts and stops the busbar-controller program for a test.
 import { spawn, spawnSync } from "node:child_process";
-import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -18,32 +18,7 @@ export function freePort() {
   });
 }
 
-function configuration(program, port, folder) {
-  const hash = spawnSync(program, ["--hash-password"], { input: `${user.password}\n`, encoding: "utf8" });
-  if (hash.status !== 0) throw new Error(`--hash-password failed: ${hash.stderr}`);
-  return `
-[server]
-port = ${port}
-certificates = "${folder}/pki"
-trust_all_clients = true      # the clients' certificates are made by the test itself
-min_channel_lifetime_ms = 1000
-
-[[endpoint]]
-policy = "None"
-mode = "None"
-[[endpoint]]
-policy = "Basic256Sha256"
-mode = "Sign"
-[[endpoint]]
-policy = "Basic256Sha256"
-mode = "SignAndEncrypt"
-
-[users]
-anonymous = "write"
-[[users.account]]
-name = "${user.userName}"
-password = "${hash.stdout.trim()}"
-
+const plc = `
 [plc]
 scan_ms = 20
 [[plc.variable]]
@@ -70,15 +45,54 @@ count = 25000
 kind = "increment"
 target = "Counter"
 `;
+
+function account(program) {
+  const hash = spawnSync(program, ["--hash-password"], { input: `${user.password}\n`, encoding: "utf8" });
+  if (hash.status !== 0) throw new Error(`--hash-password failed: ${hash.stderr}`);
+  return `
+[[users.account]]
+name = "${user.userName}"
+password = "${hash.stdout.trim()}"
+`;
 }
 
-/** A running controller: its port, its endpoint and stop(), which resolves to the exit code. */
-export async function startController() {
+const endpoint = ([policy, mode]) => `
+[[endpoint]]
+policy = "${policy}"
+mode = "${mode}"
+`;
+
+/** Without security, and both modes of one policy; every client's certificate is accepted. */
+const openHouse = {
+  endpoints: [["None", "None"], ["Basic256Sha256", "Sign"], ["Basic256Sha256", "SignAndEncrypt"]],
+  trustsAll: true, // the clients make their certificates themselves
+  users: 'anonymous = "write"',
+};
+
+/**
+ * A running controller: its port, its endpoint and stop(), which resolves to the exit code. `prepare` may
+ * fill the folder of the certificates before it starts.
+ */
+export async function startController({ endpoints, trustsAll = false, users, prepare } = openHouse) {
   const program = process.env.BUSBAR_CONTROLLER;
   const folder = mkdtempSync(join(tmpdir(), "busbar-interop-"));
+  const certificates = join(folder, "pki");
+  mkdirSync(certificates);
+  await prepare?.(certificates);
   const port = await freePort();
   const config = join(folder, "controller.toml");
-  writeFileSync(config, configuration(program, port, folder));
+  writeFileSync(config, `
+[server]
+port = ${port}
+min_channel_lifetime_ms = 1000
+[certificates]
+folder = "${certificates}"
+trust_all_clients = ${trustsAll}
+${endpoints.map(endpoint).join("")}
+[users]
+${users}
+${account(program)}
+${plc}`);
   const child = spawn(program, ["--config", config], { stdio: ["ignore", "pipe", "pipe"] });
   let output = "";
   const exited = new Promise((resolve) => child.on("exit", (code, signal) => resolve(code ?? signal)));
@@ -94,6 +108,7 @@ export async function startController() {
   return {
     port,
     folder,
+    certificates,
     endpointUrl: `opc.tcp://localhost:${port}`,
     output: () => output,
     async stop() {

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <busbar/crypto/store_validator.hpp>
+#include <busbar/server/user_directory.hpp>
+
+#include "config.hpp"
+
+namespace busbar::example {
+
+/// Who is let in: the trust lists of clients and, apart from them, of users; the users themselves.
+class Admission {
+public:
+    /// Makes the folders that are missing. Throws ConfigError. `log` must outlive it.
+    Admission(const ControllerConfig& config, LogSink& log);
+
+    [[nodiscard]] crypto::CertificateValidator& clients();
+    [[nodiscard]] server::UserStore& users() { return users_; }
+
+private:
+    void add_users(const UserConfig& config);
+
+    bool trusts_all_clients_;
+    crypto::InsecureAcceptAnyCertificate accept_all_;
+    crypto::CertificateStore client_store_;
+    crypto::StoreValidator client_validator_;
+    crypto::CertificateStore user_store_;
+    crypto::StoreValidator user_validator_;
+    server::UserDirectory users_;
+};
+
+} // namespace busbar::example

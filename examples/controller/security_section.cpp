@@ -1,0 +1,212 @@
+#include "security_section.hpp"
+
+#include <array>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+#include <busbar/crypto/password_hash.hpp>
+
+namespace busbar::example {
+
+namespace {
+
+constexpr std::int64_t days_of_a_century = 36'525;
+
+/// "read" or "write"; `otherwise` if the key is not there.
+Access read_access(const TomlTable& table, std::string_view key, std::string otherwise)
+{
+    const std::string text = table.text(key, std::move(otherwise));
+    if (text != "read" && text != "write") {
+        table.fail(key, "\"read\" or \"write\"");
+    }
+    return text == "write" ? Access::Write : Access::Read;
+}
+
+/// The same, or "no".
+std::optional<Access> read_optional_access(const TomlTable& table, std::string_view key)
+{
+    const std::string text = table.text(key, "no");
+    if (text == "no") {
+        return std::nullopt;
+    }
+    if (text != "read" && text != "write") {
+        table.fail(key, "\"no\", \"read\" or \"write\"");
+    }
+    return text == "write" ? Access::Write : Access::Read;
+}
+
+crypto::StoreLimits read_store_limits(const TomlTable& table)
+{
+    const std::string preset = table.text("limits", "default");
+    if (preset == "nj501") {
+        return crypto::nj501_store_limits();
+    }
+    if (preset == "nx102") {
+        return crypto::nx102_store_limits();
+    }
+    if (preset == "rd81opc96") {
+        return crypto::rd81opc96_store_limits();
+    }
+    if (preset != "default") {
+        table.fail("limits", "default, nj501, nx102 or rd81opc96");
+    }
+    return {};
+}
+
+crypto::ValidationSettings read_suppressed(const TomlTable& table)
+{
+    using Settings = crypto::ValidationSettings;
+    static constexpr std::array<std::pair<std::string_view, bool Settings::*>, 7> steps = {{
+        {"security policy check", &Settings::suppress_security_policy_check},
+        {"validity period", &Settings::suppress_validity_period},
+        {"issuer validity period", &Settings::suppress_issuer_validity_period},
+        {"host name", &Settings::suppress_host_name},
+        {"certificate usage", &Settings::suppress_certificate_usage},
+        {"find revocation list", &Settings::suppress_find_revocation_list},
+        {"find issuer revocation list", &Settings::suppress_find_issuer_revocation_list},
+    }};
+    Settings settings;
+    for (const std::string& name : table.texts("suppress")) {
+        const auto* const step = std::find_if(
+            steps.begin(), steps.end(), [&](const auto& known) { return known.first == name; });
+        if (step == steps.end()) {
+            std::string names;
+            for (const auto& known : steps) {
+                names += (names.empty() ? "" : ", ") + std::string{known.first};
+            }
+            table.fail("suppress", "some of: " + names);
+        }
+        settings.*(step->second) = true;
+    }
+    return settings;
+}
+
+Account read_account(const TomlTable& table)
+{
+    table.allow({"name", "password", "access"});
+    Account account;
+    account.name = table.text("name");
+    account.password_hash = table.text("password");
+    if (!crypto::is_password_hash(account.password_hash)) {
+        throw ConfigError{"account \"" + account.name +
+                          "\": the password must be the output of --hash-password"};
+    }
+    account.access = read_access(table, "access", "write");
+    return account;
+}
+
+std::string read_whole_file(const TomlTable& table, std::string_view key)
+{
+    const std::string path = table.text(key);
+    std::ifstream file{path, std::ios::binary};
+    std::string text{std::istreambuf_iterator<char>{file}, {}};
+    if (!file || text.empty()) {
+        table.fail(key, "a file that can be read");
+    }
+    return text;
+}
+
+/// [users.tokens]
+TokenConfig read_tokens(const TomlTable& table)
+{
+    table.allow({"issuer", "algorithm", "key_file", "audience", "role"});
+    TokenConfig tokens;
+    tokens.rules.issuer = table.text("issuer");
+    tokens.rules.audience = table.text("audience", "");
+    const std::string algorithm = table.text("algorithm", "RS256");
+    const std::string pem = read_whole_file(table, "key_file");
+    for (const auto known :
+         {crypto::JwtAlgorithm::RS256, crypto::JwtAlgorithm::PS256, crypto::JwtAlgorithm::ES256}) {
+        if (algorithm == name(known)) {
+            auto key = crypto::JwtKey::from_public_key(known, std::as_bytes(std::span{pem}));
+            if (!key) {
+                table.fail("key_file", "a public key for " + algorithm + " as PEM");
+            }
+            tokens.rules.keys.push_back(*std::move(key));
+        }
+    }
+    if (tokens.rules.keys.empty()) {
+        table.fail("algorithm", "RS256, PS256 or ES256");
+    }
+    for (const TomlTable& entry : table.tables("role")) {
+        entry.allow({"name", "access"});
+        tokens.roles.emplace_back(entry.text("name"), read_access(entry, "access", "read"));
+    }
+    return tokens;
+}
+
+channel::SecuritySetting read_setting(const TomlTable& table)
+{
+    const auto* policy = crypto::find_policy_by_name(table.text("policy"));
+    if (policy == nullptr) {
+        std::string names;
+        for (const crypto::SecurityPolicy& known : crypto::security_policies()) {
+            names += (names.empty() ? "" : ", ") + std::string{known.name};
+        }
+        table.fail("policy", "one of: " + names);
+    }
+    const std::string mode = table.text("mode", policy->is_none() ? "None" : "SignAndEncrypt");
+    if (policy->is_none()) {
+        if (mode != "None") {
+            table.fail("mode", "None, the only mode of policy None");
+        }
+        return {policy, MessageSecurityMode::None};
+    }
+    if (mode != "Sign" && mode != "SignAndEncrypt") {
+        table.fail("mode", "Sign or SignAndEncrypt");
+    }
+    return {policy,
+            mode == "Sign" ? MessageSecurityMode::Sign : MessageSecurityMode::SignAndEncrypt};
+}
+
+} // namespace
+
+void read_certificates(const TomlTable& table, ControllerConfig& config)
+{
+    table.allow({"folder", "trust_all_clients", "key_bits", "valid_days", "limits", "suppress"});
+    CertificateConfig& certificates = config.certificates;
+    certificates.folder = table.text("folder", certificates.folder);
+    certificates.trusts_all_clients = table.flag("trust_all_clients", false);
+    certificates.key_bits =
+        static_cast<std::uint32_t>(table.integer("key_bits", certificates.key_bits, 2'048, 4'096));
+    certificates.valid_days = static_cast<std::uint32_t>(
+        table.integer("valid_days", certificates.valid_days, 1, days_of_a_century));
+    certificates.limits = read_store_limits(table);
+    certificates.validation = read_suppressed(table);
+}
+
+void read_users(const TomlTable& table, ControllerConfig& config)
+{
+    table.allow({"anonymous", "account", "certificates", "tokens"});
+    UserConfig& users = config.users;
+    users.anonymous = read_optional_access(table, "anonymous");
+    users.certified = read_optional_access(table, "certificates");
+    for (const TomlTable& entry : table.tables("account")) {
+        users.accounts.push_back(read_account(entry));
+    }
+    if (table.has("tokens")) {
+        users.tokens = read_tokens(table.table("tokens"));
+        config.server.issuer.authority_url = users.tokens->rules.issuer;
+    }
+}
+
+void read_endpoints(const TomlTable& root, ControllerConfig& config)
+{
+    const auto tables = root.tables("endpoint");
+    if (!tables.empty()) {
+        config.server.endpoints.clear();
+    }
+    for (const TomlTable& table : tables) {
+        table.allow({"policy", "mode"});
+        config.server.endpoints.emplace_back().security = read_setting(table);
+    }
+    for (server::EndpointConfig& endpoint : config.server.endpoints) {
+        endpoint.allows_anonymous = config.users.anonymous.has_value();
+        endpoint.allows_user_name = !config.users.accounts.empty();
+        endpoint.allows_certificate = config.users.certified.has_value();
+        endpoint.allows_issued = config.users.tokens.has_value();
+    }
+}
+
+} // namespace busbar::example
