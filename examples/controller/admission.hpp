@@ -15,6 +15,8 @@ public:
 
     [[nodiscard]] crypto::CertificateValidator& clients();
     [[nodiscard]] server::UserStore& users() { return users_; }
+    /// Where passwords are checked from now on; it is to end before this and the server.
+    void check_passwords_on(server::Worker& worker) { users_.passwords().set_worker(&worker); }
 
 private:
     void add_users(const UserConfig& config);

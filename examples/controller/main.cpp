@@ -12,6 +12,7 @@
 #include <busbar/crypto/password_hash.hpp>
 #include <busbar/net/client_loop.hpp>
 #include <busbar/net/server_loop.hpp>
+#include <busbar/net/worker_thread.hpp>
 #ifdef BUSBAR_KEY_LOG
 #include <busbar/net/key_log_file.hpp>
 #endif
@@ -197,6 +198,8 @@ int serve(ControllerConfig config)
     nodes.cycle = config.scan;
     expect(controller::publish_variables(server.address_space(), **plc, nodes), "the variables");
 
+    net::WorkerThread worker;
+    admission.check_passwords_on(worker);
     controller::PlcTask task{**plc, wall_clock, config.scan, config.realtime_priority};
     task.start();
     loop.stop_on_signals();

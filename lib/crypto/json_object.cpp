@@ -1,5 +1,6 @@
 #include "json_object.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>

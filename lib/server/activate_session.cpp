@@ -294,6 +294,7 @@ void ActivateSession::refuse(StatusCode answer, Refusal refusal, Duration delay,
     }
     answer_ = answer;
     wait_until_ = now + delay;
+    deadline_changed();
 }
 
 void ActivateSession::accept(UserIdentity user, TimePoint now)

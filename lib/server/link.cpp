@@ -250,13 +250,6 @@ void Link::handle_closed(StatusCode status, std::string reason)
     events_.push_back({ConnectionEvent::Kind::Closed, status, std::move(reason)});
 }
 
-std::string Link::login_key() const
-{
-    const auto& certificates = channel_.peer_certificates();
-    return certificates.empty() ? "address " + peer_address_
-                                : "certificate " + certificates.front().thumbprint_text();
-}
-
 ResponseHeader Link::response_header(const Reply& reply, StatusCode status) const
 {
     ResponseHeader header;

@@ -64,8 +64,6 @@ public:
     [[nodiscard]] std::string_view peer_address() const { return peer_address_; }
     /// For what is to be said of this peer.
     [[nodiscard]] LogSink& log() { return log_; }
-    /// Whose failed logins are counted together: the certificate's, without one the address's.
-    [[nodiscard]] std::string login_key() const;
 
     // For dispatch.
 

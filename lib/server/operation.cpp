@@ -33,6 +33,13 @@ void Operation::fault(StatusCode status)
     }
 }
 
+void Operation::deadline_changed()
+{
+    if (!is_finished()) {
+        link_->mark();
+    }
+}
+
 bool Operation::charge(std::size_t bytes)
 {
     if (session_ != nullptr && !session_->charge(bytes)) {

@@ -66,6 +66,9 @@ protected:
         respond(Response::binary_encoding_id, encode);
     }
     void fault(StatusCode status);
+    /// To be called when next_deadline() has become earlier, other than in start() and
+    /// handle_deadline(), so that whoever drives the connection learns it.
+    void deadline_changed();
     /// Charges the session with what the operation holds while it waits, until it has answered;
     /// false if the session has not that much left. The message itself is charged by dispatch.
     [[nodiscard]] bool charge(std::size_t bytes);

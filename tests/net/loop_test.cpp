@@ -57,6 +57,9 @@ public:
         nodes.source = server_->add_source(source_);
         REQUIRE(controller::publish_variables(server_->address_space(), *plc_, nodes));
         task_.start();
+        while (task_.statistics().scans == 0) { // until then there are no values
+            std::this_thread::yield();
+        }
         thread_ = std::thread{[this] { loop_.run(*server_); }};
     }
     ~Machine()

@@ -275,6 +275,21 @@ TEST_CASE_METHOD(Working, "passwords are checked by a worker while others are se
         CHECK(client.take_activate(sent) == status::Good);
         CHECK(use(client) == status::Good);
     }
+    SECTION("wrong, for the second time: the answer waits, and who drives the connection learns it")
+    {
+        finish(client);
+        REQUIRE(client.take_activate(sent) == status::Good);
+        for (const Duration delay : {Duration{0}, Duration{250ms}}) {
+            const auto guess = send(client, "guess");
+            while (fixture.server.next_changed()) {
+            }
+            worker.work();
+            fixture.server.handle_completions(fixture.now);
+            CHECK(fixture.server.next_changed() == client.connection.id());
+            fixture.advance(delay, client);
+            CHECK(client.take_activate(guess) == status::Bad_UserAccessDenied);
+        }
+    }
     SECTION("the client goes away")
     {
         client.channel.close();

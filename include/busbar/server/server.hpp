@@ -76,8 +76,8 @@ public:
     void handle_deadline(TimePoint now);
     /// Answers the requests whose data has come meanwhile.
     void handle_completions(TimePoint now);
-    /// The id of a connection that got output, or ended, other than by a call of its own members.
-    /// Each is named once for any number of changes.
+    /// The id of a connection that got output or an earlier deadline, or ended, other than by a
+    /// call of its own members. Each is named once for any number of changes.
     [[nodiscard]] std::optional<std::uint64_t> next_changed();
 
     /// Sets State Shutdown, ends what is pending with Bad_Shutdown and refuses all requests but

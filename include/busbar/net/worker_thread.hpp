@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+
+#include <busbar/server/worker.hpp>
+
+namespace busbar::net {
+
+/// One thread that does slow work one piece after the other, such as checking passwords, so that a
+/// login never holds up the server.
+class WorkerThread final : public server::Worker {
+public:
+    /// At most `max_jobs` wait; more are refused.
+    explicit WorkerThread(std::size_t max_jobs = 64);
+    /// Finishes the job that runs, and drops those that wait.
+    ~WorkerThread() override;
+
+    /// From any thread. A job must not throw.
+    [[nodiscard]] bool run(std::function<void()> job) override;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace busbar::net

@@ -1,0 +1,63 @@
+#include <busbar/net/worker_thread.hpp>
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+
+namespace busbar::net {
+
+struct WorkerThread::Impl {
+    explicit Impl(std::size_t most) : max_jobs{most}, thread{[this] { work(); }} {}
+
+    void work()
+    {
+        std::unique_lock lock{mutex};
+        while (true) {
+            changed.wait(lock, [this] { return is_stopping || !jobs.empty(); });
+            if (is_stopping) {
+                return;
+            }
+            auto job = std::move(jobs.front());
+            jobs.pop_front();
+            lock.unlock();
+            job();
+            job = nullptr; // what it holds goes here, and not under the lock
+            lock.lock();
+        }
+    }
+
+    std::size_t max_jobs;
+    std::mutex mutex;
+    std::condition_variable changed;
+    std::deque<std::function<void()>> jobs;
+    bool is_stopping{false};
+    std::thread thread; // the last: it uses the others
+};
+
+WorkerThread::WorkerThread(std::size_t max_jobs) : impl_{std::make_unique<Impl>(max_jobs)} {}
+
+WorkerThread::~WorkerThread()
+{
+    {
+        const std::lock_guard lock{impl_->mutex};
+        impl_->is_stopping = true;
+    }
+    impl_->changed.notify_one();
+    impl_->thread.join();
+}
+
+bool WorkerThread::run(std::function<void()> job)
+{
+    {
+        const std::lock_guard lock{impl_->mutex};
+        if (impl_->jobs.size() >= impl_->max_jobs) {
+            return false;
+        }
+        impl_->jobs.push_back(std::move(job));
+    }
+    impl_->changed.notify_one();
+    return true;
+}
+
+} // namespace busbar::net
