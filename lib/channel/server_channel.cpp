@@ -334,6 +334,16 @@ void ServerChannel::recycle(std::vector<std::byte> body)
     impl_->conversation.assembly().recycle(std::move(body));
 }
 
+std::size_t ServerChannel::max_response_size() const
+{
+    // Headers, signature and padding of a chunk are never more.
+    constexpr std::size_t overhead = 256;
+    const auto& sizes = impl_->conversation.sizes();
+    const std::size_t in_chunks =
+        std::size_t{sizes.max_chunk_count} * (sizes.send_buffer_size - overhead);
+    return std::min<std::size_t>(sizes.max_message_size, in_chunks);
+}
+
 std::size_t ServerChannel::memory_in_use() const
 {
     return impl_->conversation.memory_in_use();

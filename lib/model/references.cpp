@@ -74,6 +74,11 @@ std::uint64_t AddressSpace::reference_epoch() const
     return tables_->epoch;
 }
 
+std::uint64_t AddressSpace::change_count() const
+{
+    return tables_->change_count;
+}
+
 NodeIndex AddressSpace::type_definition(NodeIndex node) const
 {
     if (!tables_->is_constant(node)) {

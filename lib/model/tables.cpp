@@ -152,6 +152,7 @@ void Tables::unlink(NodeIndex child)
     ReferenceList& references = make_list(node.parent);
     references.entries[node.parent_slot] = {};
     ++references.holes;
+    ++change_count;
     node.parent = no_node;
 }
 
@@ -171,6 +172,7 @@ std::uint32_t Tables::push(NodeIndex node, const Entry& entry)
         compact(node, references);
     }
     references.entries.push_back(entry);
+    ++change_count;
     return static_cast<std::uint32_t>(references.entries.size() - 1);
 }
 
@@ -220,6 +222,7 @@ bool Tables::remove_entry(NodeIndex node, const Entry& entry)
         references.entries[i] = {};
         ++references.holes;
         --references.others;
+        ++change_count;
         return true;
     }
     return false;

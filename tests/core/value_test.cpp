@@ -113,6 +113,17 @@ TEST_CASE("a growing Array takes an element of its own", "[core][array]")
     CHECK(texts.back() == texts.front());
 }
 
+TEST_CASE("an Array of Variants is assigned, not wrapped", "[core][array]")
+{
+    const Array<Variant> values{Variant{1}, Variant{2}};
+    Array<Variant> copy;
+    copy = values;
+    CHECK(copy.size() == 2);
+    Array<Variant> moved;
+    moved = std::move(copy);
+    CHECK(moved == values);
+}
+
 TEST_CASE("an ExtensionObject of an unknown type keeps its bytes", "[core][extension_object]")
 {
     const std::byte bytes[] = {std::byte{1}, std::byte{2}};

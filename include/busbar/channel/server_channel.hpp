@@ -61,6 +61,9 @@ public:
     /// Sends an Error message and closes.
     void close(StatusCode status, std::string_view reason);
 
+    /// Bytes of a message's body that certainly fit the client's limits and one's own.
+    [[nodiscard]] std::size_t max_response_size() const;
+
     /// Gives a Message's body back, so that the next one needs no allocation. Never needed.
     void recycle(std::vector<std::byte> body);
     /// Bytes that the buffers of this connection hold now, for the owner's accounts.

@@ -42,14 +42,14 @@ public:
     Array& operator=(const Array& other)
     {
         if (this != &other) {
-            Array copy{other};
+            Array copy(other); // braces would make an Array<Variant> with `other` as its element
             swap(copy);
         }
         return *this;
     }
     Array& operator=(Array&& other) noexcept
     {
-        Array taken{std::move(other)};
+        Array taken(std::move(other));
         swap(taken);
         return *this;
     }

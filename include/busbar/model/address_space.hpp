@@ -107,6 +107,9 @@ public:
     [[nodiscard]] ReferenceCursor references(NodeIndex node, std::size_t position = 0) const;
     /// Changes whenever positions of references may have moved.
     [[nodiscard]] std::uint64_t reference_epoch() const;
+    /// Changes whenever a reference was added or removed, be it with a node, and when a Variable
+    /// got another source or access level.
+    [[nodiscard]] std::uint64_t change_count() const;
     /// The target of HasTypeDefinition of an Object or Variable, else no_node.
     [[nodiscard]] NodeIndex type_definition(NodeIndex node) const;
     /// The IsAbstract attribute of a type.
