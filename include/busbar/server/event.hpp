@@ -1,0 +1,114 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <busbar/core/clock.hpp>
+#include <busbar/core/types.hpp>
+#include <busbar/server/waker.hpp>
+#include <busbar/types/ids.hpp>
+
+namespace busbar::server {
+
+/// A field of an event beyond those of BaseEventType: the BrowseNames that lead from the event's
+/// type to it, and its value. A StatusCode in place of a value says why there is none now
+/// (Part 4, 7.22.3).
+struct EventField {
+    std::vector<QualifiedName> path;
+    Variant value;
+};
+
+/// An event that an application raises (Part 5, 6.4.2):
+///
+///     Event event;
+///     event.event_type = NodeId{2, 1001U};
+///     event.source_node = press;
+///     event.source_name = "Press 4";
+///     event.message = LocalizedText{"en", "Pressure too high"};
+///     event.severity = 700;
+///     event.set({2, "Pressure"}, 8.5);
+///     server.raise_event(std::move(event));
+///
+/// EventId and ReceiveTime are the server's. An ordinary value.
+struct Event {
+    /// BaseEventType or a subtype that the address space has.
+    NodeId event_type{0, id::BaseEventType};
+    /// What the event is about. It reaches the notifiers above this node, and always the Server
+    /// object.
+    NodeId source_node{0, id::Server};
+    String source_name;
+    LocalizedText message;
+    /// 1 to 1,000; what lies outside is brought into that range.
+    std::uint16_t severity{1};
+    /// When it occurred; null: when it is raised.
+    DateTime time;
+    /// The node that stands for the event in the address space, a Condition; most have none.
+    NodeId instance;
+    std::vector<EventField> fields;
+
+    /// Adds a field that the event type has.
+    Event& set(QualifiedName name, Variant value)
+    {
+        std::vector<QualifiedName> path;
+        path.push_back(std::move(name));
+        return set(std::move(path), std::move(value));
+    }
+    /// Adds a field that lies deeper than the properties of the type: {{0, "EnabledState"},
+    /// {0, "Id"}}.
+    Event& set(std::vector<QualifiedName> path, Variant value)
+    {
+        fields.push_back({std::move(path), std::move(value)});
+        return *this;
+    }
+};
+
+/// Events on their way from any thread to the server's. Holds so many and no more, so that a storm
+/// of events costs neither memory nor the time of those who raise them.
+class EventQueue {
+public:
+    /// For the server. `wall_clock` and `waker`, which may be null, must be valid until close().
+    /// Room for `capacity` events, rounded up to a power of two.
+    EventQueue(const WallClock& wall_clock, Waker* waker, std::size_t capacity);
+    EventQueue(const EventQueue&) = delete;
+    EventQueue& operator=(const EventQueue&) = delete;
+    ~EventQueue();
+
+    /// From any thread. Never blocks and, but for the Waker, calls nothing. False if there is no
+    /// room, which dropped() counts and clients learn of by an EventQueueOverflowEventType, or
+    /// if the server is gone.
+    bool raise(Event event);
+    /// How many events there was no room for.
+    [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
+
+    // For the server's thread.
+
+    /// To be called before a row of next(): whatever is raised later wakes the server again.
+    void begin() { is_awake_ = false; }
+    /// Takes the oldest event; false if there is none.
+    [[nodiscard]] bool next(Event& event);
+    /// Refuses what still comes. Clock and Waker are not in use any more afterwards.
+    void close();
+
+private:
+    struct Slot;
+
+    [[nodiscard]] bool push(Event& event);
+
+    const WallClock* wall_clock_;
+    Waker* waker_;
+    std::size_t mask_;
+    std::unique_ptr<Slot[]> slots_;
+    /// Counts of events that were put in and taken out.
+    std::atomic<std::size_t> in_{0};
+    std::size_t out_{0};
+    std::atomic<std::uint64_t> dropped_{0};
+    std::atomic<std::uint32_t> raisers_{0};
+    std::atomic<bool> is_awake_{false};
+    std::atomic<bool> is_closed_{false};
+};
+
+} // namespace busbar::server

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include <busbar/model/address_space.hpp>
+
+#include "raised_event.hpp"
+
+namespace busbar::server::detail {
+
+/// What the event types say of a field, all declarations together.
+struct FieldDeclaration {
+    bool is_object{false};
+    /// An IndexRange may make sense: it may be an array, a String or a ByteString.
+    bool is_divisible{false};
+    /// A StatusCode is a value of the field, not the reason why there is none.
+    bool is_status{false};
+};
+
+/// Finds fields by the InstanceDeclarations of the event types (Part 4, 7.22.3), which it notes
+/// once and again after the address space has changed, so that a filter of many unknown fields
+/// costs no more than one of few known ones.
+class EventFields {
+public:
+    explicit EventFields(const model::AddressSpace& space) : space_{&space} {}
+
+    [[nodiscard]] const model::AddressSpace& space() const { return *space_; }
+    /// The field that an event of `type` or of a subtype may have; of any type for BaseEventType.
+    /// Nothing if none ever has it. `path` is not empty.
+    [[nodiscard]] std::optional<FieldDeclaration> find(model::NodeIndex type, FieldPath path);
+
+private:
+    struct Declaration {
+        model::NodeIndex owner;
+        model::NodeIndex node;
+    };
+    void refresh();
+    void note(model::NodeIndex type);
+    [[nodiscard]] bool is_of(model::NodeIndex type, const Declaration& declaration) const;
+    /// The member of an object, a variable or a type that it has itself or inherits.
+    [[nodiscard]] model::NodeIndex find_member(model::NodeIndex node,
+                                               const QualifiedName& name) const;
+    [[nodiscard]] model::NodeIndex find_own_member(model::NodeIndex node,
+                                                   const QualifiedName& name) const;
+    void add(model::NodeIndex node, FieldDeclaration& field) const;
+
+    const model::AddressSpace* space_;
+    std::optional<std::uint64_t> noted_at_;
+    std::unordered_multimap<std::size_t, Declaration> by_name_;
+};
+
+} // namespace busbar::server::detail

@@ -1,0 +1,67 @@
+#include "event_filter.hpp"
+
+#include <algorithm>
+
+#include <busbar/binary/codec.hpp>
+
+namespace busbar::server::detail {
+
+namespace {
+
+bool is_too_long(const EventFilter& filter, const EventFilterLimits& limits)
+{
+    return filter.select_clauses.size() > limits.max_select_clauses ||
+           filter.where_clause.elements.size() > limits.max_elements;
+}
+
+/// Names and literals as they came, and as much again as clauses and operands take beside them.
+std::size_t memory_of(const EventFilter& filter)
+{
+    binary::CountingSink sink;
+    binary::Writer writer{sink};
+    encode(writer, filter);
+    std::size_t operands = filter.select_clauses.size();
+    for (const ContentFilterElement& element : filter.where_clause.elements) {
+        operands += 1 + element.filter_operands.size();
+    }
+    return 2 * writer.written() + operands * sizeof(FieldOperand);
+}
+
+} // namespace
+
+StatusCode CompiledEventFilter::compile(const EventFilter& filter, EventFields& fields,
+                                        const EventFilterLimits& limits, EventFilterResult& result)
+{
+    if (filter.select_clauses.empty() || is_too_long(filter, limits)) {
+        return status::Bad_EventFilterInvalid;
+    }
+    memory_ = memory_of(filter);
+    Array<StatusCode> codes;
+    for (const SimpleAttributeOperand& clause : filter.select_clauses) {
+        auto operand = FieldOperand::create(clause, fields, limits.max_path_elements);
+        codes.push_back(operand ? status::Good : operand.error());
+        select_.push_back(operand ? std::optional{*std::move(operand)} : std::nullopt);
+    }
+    ContentFilterResult where;
+    const bool is_valid = where_.compile(filter.where_clause, fields, limits, where);
+    if (!is_valid ||
+        std::any_of(codes.begin(), codes.end(), [](StatusCode code) { return code.is_bad(); })) {
+        result.select_clause_results = std::move(codes);
+        result.where_clause_result = std::move(where);
+    }
+    return is_valid ? status::Good : status::Bad_EventFilterInvalid;
+}
+
+Array<Variant> CompiledEventFilter::select(const RaisedEvent& event,
+                                           const model::AddressSpace& space) const
+{
+    Array<Variant> values;
+    values.reserve(select_.size());
+    for (const auto& operand : select_) {
+        Variant storage;
+        values.push_back(operand ? operand->value(event, space, storage) : Variant{});
+    }
+    return values;
+}
+
+} // namespace busbar::server::detail

@@ -1,0 +1,91 @@
+#include "event_item_queue.hpp"
+
+#include <algorithm>
+
+namespace busbar::server::detail {
+
+namespace {
+
+std::size_t bytes_of(const EventItemQueue::Fields& fields)
+{
+    std::size_t bytes = fields.size() * sizeof(Variant) + 64;
+    for (const Variant& field : fields) {
+        bytes += held_bytes(field);
+    }
+    return bytes;
+}
+
+} // namespace
+
+bool EventItemQueue::set_capacity(std::uint32_t capacity, bool discards_oldest)
+{
+    capacity_ = std::max(capacity, 1U);
+    discards_oldest_ = discards_oldest;
+    const bool loses = event_count() > capacity_;
+    while (event_count() > capacity_) {
+        discard();
+    }
+    return !loses;
+}
+
+bool EventItemQueue::push(Fields fields)
+{
+    const std::size_t bytes = bytes_of(fields);
+    const bool is_full = event_count() == capacity_;
+    if (is_full) {
+        discard();
+    }
+    if (!account_->charge(bytes)) {
+        return false;
+    }
+    // Behind an overflow event at the end only if there is place again: it tells of a loss before
+    // this event, or of one that this event is part of.
+    const bool is_behind =
+        !is_full || discards_oldest_ || entries_.empty() || !entries_.back().is_overflow;
+    entries_.insert(is_behind ? entries_.end() : entries_.end() - 1,
+                    Entry{std::move(fields), bytes, false});
+    return !is_full;
+}
+
+void EventItemQueue::discard()
+{
+    const auto is_event = [](const Entry& entry) { return !entry.is_overflow; };
+    const auto found = discards_oldest_
+                           ? std::find_if(entries_.begin(), entries_.end(), is_event)
+                           : std::find_if(entries_.rbegin(), entries_.rend(), is_event).base() - 1;
+    account_->release(found->bytes);
+    entries_.erase(found);
+}
+
+bool EventItemQueue::wants_overflow() const
+{
+    return entries_.empty() || !(discards_oldest_ ? entries_.front() : entries_.back()).is_overflow;
+}
+
+void EventItemQueue::push_overflow(Fields fields)
+{
+    const std::size_t bytes = overflow_count_ == 0 ? 0 : bytes_of(fields);
+    if (!account_->charge(bytes)) {
+        return; // another one in the queue tells of a loss already
+    }
+    ++overflow_count_;
+    entries_.insert(discards_oldest_ ? entries_.begin() : entries_.end(),
+                    Entry{std::move(fields), bytes, true});
+}
+
+void EventItemQueue::pop()
+{
+    const Entry& entry = entries_.front();
+    overflow_count_ -= entry.is_overflow ? 1 : 0;
+    account_->release(entry.bytes);
+    entries_.pop_front();
+}
+
+void EventItemQueue::clear()
+{
+    while (!entries_.empty()) {
+        pop();
+    }
+}
+
+} // namespace busbar::server::detail

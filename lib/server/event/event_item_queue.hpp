@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+
+#include <busbar/core/types.hpp>
+
+#include "server/subscription/value_queue.hpp"
+
+namespace busbar::server::detail {
+
+/// The queue of an event item (Part 4, 5.13.1.5): so many events and, on top of them, the
+/// EventQueueOverflowEventType that stands where events were lost, which is never discarded.
+class EventItemQueue {
+public:
+    using Fields = Array<Variant>;
+
+    /// `account` pays for what is queued and must outlive the queue.
+    explicit EventItemQueue(MemoryAccount& account) : account_{&account} {}
+    EventItemQueue(const EventItemQueue&) = delete;
+    EventItemQueue& operator=(const EventItemQueue&) = delete;
+    ~EventItemQueue() { clear(); }
+
+    /// False if events were lost that have no place any more.
+    [[nodiscard]] bool set_capacity(std::uint32_t capacity, bool discards_oldest);
+
+    [[nodiscard]] std::size_t size() const { return entries_.size(); }
+    /// Queues an event, if need be in place of the oldest or of the newest. False if one was lost,
+    /// which may be this one, if it cannot be paid for.
+    [[nodiscard]] bool push(Fields fields);
+    /// True if a new overflow event has to follow a loss: none stands there yet.
+    [[nodiscard]] bool wants_overflow() const;
+    /// Puts the overflow event where it belongs: in front where the oldest are discarded, else at
+    /// the end. The first one that waits is free: items pay for its place when they are created.
+    void push_overflow(Fields fields);
+    [[nodiscard]] const Fields& oldest() const { return entries_.front().fields; }
+    void pop();
+    void clear();
+
+private:
+    struct Entry {
+        Fields fields;
+        std::size_t bytes{0};
+        bool is_overflow{false};
+    };
+    [[nodiscard]] std::size_t event_count() const { return entries_.size() - overflow_count_; }
+    /// Discards the event that has to make place for another.
+    void discard();
+
+    MemoryAccount* account_;
+    std::deque<Entry> entries_;
+    std::size_t overflow_count_{0};
+    std::uint32_t capacity_{1};
+    bool discards_oldest_{true};
+};
+
+} // namespace busbar::server::detail

@@ -1,0 +1,139 @@
+#include "events.hpp"
+
+#include <array>
+#include <bit>
+
+#include <busbar/core/text.hpp>
+
+#include "event_item.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+std::uint64_t random_prefix(crypto::Random& random)
+{
+    std::array<std::byte, 8> bytes{};
+    static_cast<void>(random.fill(bytes)); // without randomness it is zero, as good as any
+    return std::bit_cast<std::uint64_t>(bytes);
+}
+
+} // namespace
+
+Events::Events(const ServerEnvironment& environment, const model::AddressSpace& space,
+               const EventLimits& limits)
+    : environment_{&environment}, space_{&space}, limits_{limits},
+      queue_{std::make_shared<EventQueue>(*environment.wall_clock, environment.waker,
+                                          limits.max_raised_events)},
+      fields_{space}, notifiers_{space, limits.max_notifiers}, id_prefix_{random_prefix(
+                                                                   *environment.random)}
+{
+}
+
+Events::~Events()
+{
+    queue_->close();
+}
+
+void Events::add(EventItem& item)
+{
+    auto& items = items_[item.notifier().index];
+    item.set_place(items.size());
+    items.push_back(&item);
+}
+
+void Events::remove(EventItem& item)
+{
+    if (item.place() == EventItem::nowhere) {
+        return;
+    }
+    // The last one takes its place, so that it does not matter how many there are.
+    const auto found = items_.find(item.notifier().index);
+    auto& items = found->second;
+    items.back()->set_place(item.place());
+    items[item.place()] = items.back();
+    items.pop_back();
+    item.set_place(EventItem::nowhere);
+    if (items.empty()) {
+        items_.erase(found);
+    }
+}
+
+void Events::handle_raised()
+{
+    queue_->begin();
+    Event event;
+    // All that was there, as the queue has less than twice the places that were asked for. What is
+    // raised meanwhile wakes the server again: other work gets its turn first.
+    for (std::size_t left = 2 * limits_.max_raised_events; left > 0 && queue_->next(event);
+         --left) {
+        const NodeId type = event.event_type;
+        if (!raise(std::move(event))) {
+            environment_->log->write(LogLevel::Warning, "event",
+                                     "was dropped: " + printable(to_string(type)) +
+                                         " is no event type");
+        }
+    }
+    if (const std::uint64_t dropped = queue_->dropped(); dropped != dropped_) {
+        dropped_ = dropped;
+        tell_of_loss();
+    }
+}
+
+Result<void> Events::raise(Event event)
+{
+    const model::NodeIndex type = space_->find(event.event_type);
+    if (!space_->is_subtype_of(type, id::BaseEventType)) {
+        return fail(status::Bad_TypeDefinitionInvalid);
+    }
+    ++raised_;
+    deliver(RaisedEvent{std::move(event), type, next_event_id(), environment_->wall_clock->now()});
+    return {};
+}
+
+void Events::deliver(const RaisedEvent& event)
+{
+    if (items_.empty()) {
+        return;
+    }
+    for (const model::NodeIndex notifier : notifiers_.above(space_->find(event.source_node()))) {
+        const auto found = items_.find(notifier);
+        if (found == items_.end()) {
+            continue;
+        }
+        for (EventItem* const item : found->second) {
+            if (space_->handle(notifier) == item->notifier()) {
+                item->deliver(event);
+            }
+        }
+    }
+}
+
+void Events::tell_of_loss()
+{
+    for (const auto& [notifier, items] : items_) {
+        for (EventItem* const item : items) {
+            item->tell_of_loss();
+        }
+    }
+}
+
+std::unique_ptr<const RaisedEvent> Events::overflow_event()
+{
+    Event event;
+    event.event_type = NodeId{0, id::EventQueueOverflowEventType};
+    event.source_name = "Internal/EventQueueOverflow";
+    event.message = LocalizedText{"en", "Events were lost"};
+    // A small namespace 0 may not have the type; nothing but its NodeId is needed here.
+    const model::NodeIndex type = space_->find(event.event_type);
+    return std::make_unique<const RaisedEvent>(std::move(event), type, next_event_id(),
+                                               environment_->wall_clock->now());
+}
+
+ByteString Events::next_event_id()
+{
+    const std::array<std::uint64_t, 2> parts{id_prefix_, ++event_ids_};
+    return ByteString{std::as_bytes(std::span{parts})};
+}
+
+} // namespace busbar::server::detail

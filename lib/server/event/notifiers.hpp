@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include <busbar/model/address_space.hpp>
+
+namespace busbar::server::detail {
+
+/// Finds the notifiers that an event reaches: those above its source along HasEventSource and
+/// HasNotifier (Part 3, 7.17 and 7.18). What lies directly above a node is remembered until the
+/// address space changes, so that a notifier with many sources is looked through once.
+class Notifiers {
+public:
+    Notifiers(const model::AddressSpace& space, std::size_t max_notifiers)
+        : space_{&space}, max_notifiers_{max_notifiers}
+    {
+    }
+
+    /// The Server object, then `source` itself, which may be no_node, and what is above it; each
+    /// once, also where references go round. No more than so many. Valid until the next call.
+    [[nodiscard]] const std::vector<model::NodeIndex>& above(model::NodeIndex source);
+
+private:
+    [[nodiscard]] const std::vector<model::NodeIndex>& directly_above(model::NodeIndex node);
+    void add(model::NodeIndex node);
+
+    const model::AddressSpace* space_;
+    std::size_t max_notifiers_;
+    std::optional<std::uint64_t> remembered_at_;
+    std::unordered_map<model::NodeIndex, std::vector<model::NodeIndex>> directly_above_;
+    std::vector<model::NodeIndex> found_;
+    /// The round in which a node was last found.
+    std::unordered_map<model::NodeIndex, std::uint64_t> seen_;
+    std::uint64_t round_{0};
+};
+
+} // namespace busbar::server::detail
