@@ -1,0 +1,200 @@
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include <busbar/types/ids.hpp>
+
+#include "diagnostics.hpp"
+#include "server/core.hpp"
+#include "server/session.hpp"
+#include "server/subscription/subscription.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+using Summary = ServerDiagnosticsSummaryDataType;
+
+std::uint32_t count(std::size_t value)
+{
+    return static_cast<std::uint32_t>(std::min<std::size_t>(value, UINT32_MAX));
+}
+
+double to_milliseconds(Duration duration)
+{
+    return std::chrono::duration<double, std::milli>{duration}.count();
+}
+
+/// What the specification calls a list of structures.
+template <typename Range, typename Describe>
+Variant structures(const Range& range, Describe describe)
+{
+    Array<ExtensionObject> all(0);
+    for (const auto& entry : range) {
+        all.push_back(ExtensionObject::from(describe(*entry.second)));
+    }
+    return all;
+}
+
+Summary summarise(const Core& core)
+{
+    Summary summary = core.diagnostics.summary;
+    summary.current_session_count = count(core.sessions.size());
+    summary.current_subscription_count = count(core.subscriptions.size());
+    std::set<Duration> intervals;
+    for (const auto& [id, subscription] : core.subscriptions.all()) {
+        intervals.insert(subscription->parameters().publishing_interval);
+    }
+    summary.publishing_interval_count = count(intervals.size());
+    return summary;
+}
+
+/// Part 5, 12.11.
+SessionDiagnosticsDataType describe_session(const Core& core, const Session& session)
+{
+    SessionDiagnosticsDataType result = session.diagnostics;
+    result.session_id = session.id;
+    result.session_name = session.name;
+    result.client_description.application_uri = session.client_application_uri;
+    result.client_description.application_type = ApplicationType::Client;
+    result.server_uri = core.config.application_uri;
+    result.locale_ids = Array<String>(0);
+    for (const std::string& locale : session.locale_ids) {
+        result.locale_ids.emplace_back(locale);
+    }
+    result.actual_session_timeout = static_cast<double>(session.timeout.count());
+    result.max_response_message_size = session.max_response_message_size;
+    result.client_connection_time = session.connection_time;
+    for (const auto& [id, subscription] : core.subscriptions.all()) {
+        if (subscription->session() == &session) {
+            ++result.current_subscriptions_count;
+            result.current_monitored_items_count += count(subscription->item_count());
+        }
+    }
+    return result;
+}
+
+String mechanism_of(UserTokenType type)
+{
+    switch (type) {
+    case UserTokenType::UserName:
+        return "UserName";
+    case UserTokenType::Certificate:
+        return "Certificate";
+    case UserTokenType::IssuedToken:
+        return "IssuedToken";
+    default:
+        return "Anonymous";
+    }
+}
+
+/// Part 5, 12.12.
+SessionSecurityDiagnosticsDataType describe_security(const Session& session)
+{
+    SessionSecurityDiagnosticsDataType result;
+    result.session_id = session.id;
+    result.client_user_id_of_session = session.user.name;
+    result.client_user_id_history = {String{session.user.name}};
+    result.authentication_mechanism = mechanism_of(session.user.token_type);
+    result.encoding = "UA Binary";
+    result.transport_protocol = "opc.tcp";
+    result.security_mode = session.security.mode;
+    result.security_policy_uri = String{session.security.policy->uri};
+    if (!session.client_certificate.empty()) {
+        result.client_certificate = ByteString{session.client_certificate.front().der()};
+    }
+    return result;
+}
+
+/// Part 5, 12.15.
+SubscriptionDiagnosticsDataType describe_subscription(const Subscription& subscription)
+{
+    const SubscriptionParameters& parameters = subscription.parameters();
+    SubscriptionDiagnosticsDataType result;
+    result.session_id = subscription.session() != nullptr ? subscription.session()->id : NodeId{};
+    result.subscription_id = subscription.id();
+    result.priority = parameters.priority;
+    result.publishing_interval = to_milliseconds(parameters.publishing_interval);
+    result.max_keep_alive_count = parameters.max_keep_alive_count;
+    result.max_lifetime_count = parameters.lifetime_count;
+    result.max_notifications_per_publish = parameters.max_notifications_per_publish;
+    result.publishing_enabled = subscription.publishing_enabled();
+    result.monitored_item_count = count(subscription.item_count());
+    result.next_sequence_number = subscription.next_sequence_number();
+    return result;
+}
+
+struct SummaryCounter {
+    std::uint32_t id;
+    std::uint32_t Summary::*counter;
+};
+
+/// Components of the ServerDiagnosticsSummary (Part 5, 7.8).
+constexpr std::array summary_counters{
+    SummaryCounter{id::Server_ServerDiagnostics_ServerDiagnosticsSummary_ServerViewCount,
+                   &Summary::server_view_count},
+    SummaryCounter{id::Server_ServerDiagnostics_ServerDiagnosticsSummary_CurrentSessionCount,
+                   &Summary::current_session_count},
+    SummaryCounter{id::Server_ServerDiagnostics_ServerDiagnosticsSummary_CumulatedSessionCount,
+                   &Summary::cumulated_session_count},
+    SummaryCounter{
+        id::Server_ServerDiagnostics_ServerDiagnosticsSummary_SecurityRejectedSessionCount,
+        &Summary::security_rejected_session_count},
+    SummaryCounter{id::Server_ServerDiagnostics_ServerDiagnosticsSummary_RejectedSessionCount,
+                   &Summary::rejected_session_count},
+    SummaryCounter{id::Server_ServerDiagnostics_ServerDiagnosticsSummary_SessionTimeoutCount,
+                   &Summary::session_timeout_count},
+    SummaryCounter{id::Server_ServerDiagnostics_ServerDiagnosticsSummary_SessionAbortCount,
+                   &Summary::session_abort_count},
+    SummaryCounter{id::Server_ServerDiagnostics_ServerDiagnosticsSummary_PublishingIntervalCount,
+                   &Summary::publishing_interval_count},
+    SummaryCounter{id::Server_ServerDiagnostics_ServerDiagnosticsSummary_CurrentSubscriptionCount,
+                   &Summary::current_subscription_count},
+    SummaryCounter{id::Server_ServerDiagnostics_ServerDiagnosticsSummary_CumulatedSubscriptionCount,
+                   &Summary::cumulated_subscription_count},
+    SummaryCounter{
+        id::Server_ServerDiagnostics_ServerDiagnosticsSummary_SecurityRejectedRequestsCount,
+        &Summary::security_rejected_requests_count},
+    SummaryCounter{id::Server_ServerDiagnostics_ServerDiagnosticsSummary_RejectedRequestsCount,
+                   &Summary::rejected_requests_count},
+};
+
+/// The structures; fails for a node that is none of them.
+Result<Variant> structure_value(const Core& core, std::uint32_t id, const UserIdentity& user)
+{
+    switch (id) {
+    case id::Server_ServerDiagnostics_ServerDiagnosticsSummary:
+        return ExtensionObject::from(summarise(core));
+    case id::Server_ServerDiagnostics_SubscriptionDiagnosticsArray:
+        return structures(core.subscriptions.all(), describe_subscription);
+    case id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionDiagnosticsArray:
+        return structures(core.sessions.all(),
+                          [&](const Session& session) { return describe_session(core, session); });
+    case id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionSecurityDiagnosticsArray:
+        if (user.token_type == UserTokenType::Anonymous) {
+            return fail(status::Bad_UserAccessDenied);
+        }
+        return structures(core.sessions.all(), describe_security);
+    default:
+        return fail(status::Bad_NodeIdUnknown);
+    }
+}
+
+} // namespace
+
+Result<Variant> diagnostic_value(const Core& core, std::uint32_t id, const UserIdentity& user)
+{
+    const auto* const counter =
+        std::find_if(summary_counters.begin(), summary_counters.end(),
+                     [id](const SummaryCounter& entry) { return entry.id == id; });
+    const bool is_counter = counter != summary_counters.end();
+    auto value = is_counter ? Result<Variant>{summarise(core).*counter->counter}
+                            : structure_value(core, id, user);
+    const bool is_ours = value || value.error() != status::Bad_NodeIdUnknown;
+    if (is_ours && !core.diagnostics.is_enabled()) {
+        return fail(status::Bad_NotReadable); // Part 5, 6.3.3
+    }
+    return value;
+}
+
+} // namespace busbar::server::detail

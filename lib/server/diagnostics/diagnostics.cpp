@@ -1,0 +1,150 @@
+#include "diagnostics.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <busbar/types/attribute.hpp>
+#include <busbar/types/ids.hpp>
+#include <busbar/types/monitored_item.hpp>
+#include <busbar/types/session.hpp>
+#include <busbar/types/subscription.hpp>
+#include <busbar/types/view.hpp>
+
+#include "server/session.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+using Counters = SessionDiagnosticsDataType;
+
+struct ServiceCounter {
+    std::uint32_t encoding_id;
+    ServiceCounterDataType Counters::*counter;
+};
+
+/// The counters of Part 5, 12.11 for services that there are.
+constexpr auto service_counters = [] {
+    std::array table{
+        ServiceCounter{ReadRequest::binary_encoding_id, &Counters::read_count},
+        ServiceCounter{WriteRequest::binary_encoding_id, &Counters::write_count},
+        ServiceCounter{CreateMonitoredItemsRequest::binary_encoding_id,
+                       &Counters::create_monitored_items_count},
+        ServiceCounter{ModifyMonitoredItemsRequest::binary_encoding_id,
+                       &Counters::modify_monitored_items_count},
+        ServiceCounter{SetMonitoringModeRequest::binary_encoding_id,
+                       &Counters::set_monitoring_mode_count},
+        ServiceCounter{SetTriggeringRequest::binary_encoding_id, &Counters::set_triggering_count},
+        ServiceCounter{DeleteMonitoredItemsRequest::binary_encoding_id,
+                       &Counters::delete_monitored_items_count},
+        ServiceCounter{CreateSubscriptionRequest::binary_encoding_id,
+                       &Counters::create_subscription_count},
+        ServiceCounter{ModifySubscriptionRequest::binary_encoding_id,
+                       &Counters::modify_subscription_count},
+        ServiceCounter{SetPublishingModeRequest::binary_encoding_id,
+                       &Counters::set_publishing_mode_count},
+        ServiceCounter{PublishRequest::binary_encoding_id, &Counters::publish_count},
+        ServiceCounter{RepublishRequest::binary_encoding_id, &Counters::republish_count},
+        ServiceCounter{TransferSubscriptionsRequest::binary_encoding_id,
+                       &Counters::transfer_subscriptions_count},
+        ServiceCounter{DeleteSubscriptionsRequest::binary_encoding_id,
+                       &Counters::delete_subscriptions_count},
+        ServiceCounter{BrowseRequest::binary_encoding_id, &Counters::browse_count},
+        ServiceCounter{BrowseNextRequest::binary_encoding_id, &Counters::browse_next_count},
+        ServiceCounter{TranslateBrowsePathsToNodeIdsRequest::binary_encoding_id,
+                       &Counters::translate_browse_paths_to_node_ids_count},
+        ServiceCounter{RegisterNodesRequest::binary_encoding_id, &Counters::register_nodes_count},
+        ServiceCounter{UnregisterNodesRequest::binary_encoding_id,
+                       &Counters::unregister_nodes_count},
+    };
+    std::sort(table.begin(), table.end(), [](const ServiceCounter& a, const ServiceCounter& b) {
+        return a.encoding_id < b.encoding_id;
+    });
+    return table;
+}();
+
+/// Null for a service that is not counted by itself.
+ServiceCounterDataType* find_counter(Counters& counters, std::uint32_t encoding_id)
+{
+    const auto* const found = std::lower_bound(
+        service_counters.begin(), service_counters.end(), encoding_id,
+        [](const ServiceCounter& counter, std::uint32_t id) { return counter.encoding_id < id; });
+    return found != service_counters.end() && found->encoding_id == encoding_id
+               ? &(counters.*found->counter)
+               : nullptr;
+}
+
+bool is_security(StatusCode status)
+{
+    constexpr std::array codes{
+        status::Bad_UserAccessDenied,       status::Bad_SecurityChecksFailed,
+        status::Bad_IdentityTokenInvalid,   status::Bad_IdentityTokenRejected,
+        status::Bad_UserSignatureInvalid,   status::Bad_ApplicationSignatureInvalid,
+        status::Bad_SecureChannelIdInvalid, status::Bad_SessionIdInvalid,
+        status::Bad_SessionNotActivated,    status::Bad_SecurityPolicyRejected,
+        status::Bad_CertificateUriInvalid,  status::Bad_CertificateInvalid,
+        status::Bad_SecurityModeRejected,   status::Bad_SecurityModeInsufficient,
+        status::Bad_NonceInvalid,
+    };
+    return std::find(codes.begin(), codes.end(), status.code()) != codes.end();
+}
+
+} // namespace
+
+void Diagnostics::take_flag(const model::AddressSpace& space)
+{
+    const model::NodeIndex flag = space.find(id::Server_ServerDiagnostics_EnabledFlag);
+    const bool is_set = flag != model::no_node && space.value(flag).value_or(false);
+    if (is_set && !is_enabled_) {
+        summary = {};
+        ++round_;
+    }
+    is_enabled_ = is_set;
+}
+
+SessionDiagnosticsDataType& Diagnostics::counters(Session& session) const
+{
+    if (session.diagnostics_round != round_) {
+        session.diagnostics_round = round_;
+        session.diagnostics = {};
+    }
+    return session.diagnostics;
+}
+
+void Diagnostics::count_request(Session& session, std::uint32_t encoding_id, DateTime now)
+{
+    if (!is_enabled_) {
+        return;
+    }
+    Counters& all = counters(session);
+    all.client_last_contact_time = now;
+    ++all.total_request_count.total_count;
+    if (ServiceCounterDataType* const counter = find_counter(all, encoding_id)) {
+        ++counter->total_count;
+    }
+}
+
+void Diagnostics::count_fault(Session* session, std::uint32_t encoding_id, StatusCode status)
+{
+    if (!is_enabled_) {
+        return;
+    }
+    const bool is_for_session = encoding_id == CreateSessionRequest::binary_encoding_id ||
+                                encoding_id == ActivateSessionRequest::binary_encoding_id;
+    const std::uint32_t by_security = is_security(status) ? 1 : 0;
+    ++summary.rejected_requests_count;
+    summary.security_rejected_requests_count += by_security;
+    summary.rejected_session_count += is_for_session ? 1U : 0U;
+    summary.security_rejected_session_count += is_for_session ? by_security : 0;
+    if (session == nullptr) {
+        return;
+    }
+    Counters& all = counters(*session);
+    ++all.total_request_count.error_count;
+    all.unauthorized_request_count += status == status::Bad_UserAccessDenied ? 1U : 0U;
+    if (ServiceCounterDataType* const counter = find_counter(all, encoding_id)) {
+        ++counter->error_count;
+    }
+}
+
+} // namespace busbar::server::detail

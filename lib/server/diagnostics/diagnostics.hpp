@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+
+#include <busbar/core/data_value.hpp>
+#include <busbar/core/result.hpp>
+#include <busbar/model/address_space.hpp>
+#include <busbar/server/access_control.hpp>
+#include <busbar/types/data_types.hpp>
+
+namespace busbar::server::detail {
+
+struct Core;
+class Session;
+
+/// What a server counts of itself (Part 5, 6.3.3): plain numbers, which services change where
+/// things happen. What is there at present, such as sessions, is counted when it is read.
+class Diagnostics {
+public:
+    /// Of the counters only.
+    ServerDiagnosticsSummaryDataType summary;
+
+    [[nodiscard]] bool is_enabled() const { return is_enabled_; }
+    /// Looks whether somebody has changed EnabledFlag: once it is set again, counting begins anew.
+    void take_flag(const model::AddressSpace& space);
+
+    /// A request of the session came, by the encoding id of its type.
+    void count_request(Session& session, std::uint32_t encoding_id, DateTime now);
+    /// It was answered by a ServiceFault. `session` is null if the request had none.
+    void count_fault(Session* session, std::uint32_t encoding_id, StatusCode status);
+
+private:
+    bool is_enabled_{false};
+    /// Sessions whose counters began earlier begin again.
+    std::uint32_t round_{0};
+
+    [[nodiscard]] SessionDiagnosticsDataType& counters(Session& session) const;
+};
+
+/// The value of a Variable below Server.ServerDiagnostics, i=2274; Bad_NodeIdUnknown for any other
+/// node, Bad_NotReadable while diagnostics are off. SessionSecurityDiagnostics are for users who
+/// have logged in; others get Bad_UserAccessDenied (Part 5, 12.12).
+[[nodiscard]] Result<Variant> diagnostic_value(const Core& core, std::uint32_t id,
+                                               const UserIdentity& user);
+
+} // namespace busbar::server::detail

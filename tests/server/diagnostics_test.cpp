@@ -1,0 +1,196 @@
+#include <catch2/catch.hpp>
+
+#include <busbar/types/attribute.hpp>
+
+#include "subscription_fixture.hpp"
+
+using namespace busbar;
+using namespace busbar::test;
+using namespace std::chrono_literals;
+
+namespace {
+
+struct DiagnosticsFixture : SubscriptionFixture {
+    static DataValue read(TestClient& client, std::uint32_t node)
+    {
+        ReadRequest request;
+        request.timestamps_to_return = TimestampsToReturn::Neither;
+        request.nodes_to_read.resize(1);
+        request.nodes_to_read[0].node_id = NodeId{0, node};
+        request.nodes_to_read[0].attribute_id = 13;
+        const auto response = client.call<ReadResponse>(request);
+        REQUIRE(response);
+        return response->results[0];
+    }
+    static std::uint32_t number(TestClient& client, std::uint32_t node)
+    {
+        const DataValue value = read(client, node);
+        CHECK(value.status == status::Good);
+        return value.value.value_or<std::uint32_t>(UINT32_MAX);
+    }
+    template <typename T>
+    static std::vector<T> array(TestClient& client, std::uint32_t node)
+    {
+        std::vector<T> all;
+        const DataValue value = read(client, node);
+        CHECK(value.status == status::Good);
+        const auto* objects = value.value.array_if<ExtensionObject>();
+        REQUIRE(objects != nullptr);
+        for (const ExtensionObject& object : *objects) {
+            REQUIRE(object.get_if<T>() != nullptr);
+            all.push_back(*object.get_if<T>());
+        }
+        return all;
+    }
+    static StatusCode enable(TestClient& client, bool flag)
+    {
+        WriteRequest request;
+        request.nodes_to_write.resize(1);
+        request.nodes_to_write[0].node_id = NodeId{0, id::Server_ServerDiagnostics_EnabledFlag};
+        request.nodes_to_write[0].attribute_id = 13;
+        request.nodes_to_write[0].value = DataValue{Variant{flag}};
+        const auto response = client.call<WriteResponse>(request);
+        return response ? response->results[0] : response.error();
+    }
+    [[nodiscard]] TestClient log_in_operator()
+    {
+        return log_in(setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt));
+    }
+};
+
+constexpr std::uint32_t current_sessions =
+    id::Server_ServerDiagnostics_ServerDiagnosticsSummary_CurrentSessionCount;
+constexpr std::uint32_t all_sessions =
+    id::Server_ServerDiagnostics_ServerDiagnosticsSummary_CumulatedSessionCount;
+constexpr std::uint32_t sessions_array =
+    id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionDiagnosticsArray;
+constexpr std::uint32_t security_array =
+    id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionSecurityDiagnosticsArray;
+
+} // namespace
+
+TEST_CASE_METHOD(DiagnosticsFixture, "the summary counts sessions, subscriptions and refusals")
+{
+    TestClient client = log_in();
+    {
+        TestClient other = log_in();
+        CHECK(number(client, current_sessions) == 2);
+        CHECK(other.close_session() == status::Good);
+    }
+    CHECK(number(client, current_sessions) == 1);
+    CHECK(number(client, all_sessions) == 2);
+    const auto first = subscribe(client);
+    subscribe(client, subscription_request(200));
+    subscribe(client, subscription_request(200));
+    CHECK(remove(client, first) == status::Good);
+    REQUIRE(client.call<ReadResponse>(ReadRequest{}).error() == status::Bad_NothingToDo);
+    TestClient stranger = connect();
+    CHECK(stranger.call<ReadResponse>(ReadRequest{}).error() == status::Bad_SessionIdInvalid);
+    REQUIRE(stranger.create_session());
+    AnonymousIdentityToken token;
+    token.policy_id = "none of the server's";
+    CHECK(stranger.activate(ExtensionObject::from(token)) == status::Bad_IdentityTokenInvalid);
+
+    const DataValue value = read(client, id::Server_ServerDiagnostics_ServerDiagnosticsSummary);
+    const auto* object = value.value.get_if<ExtensionObject>();
+    REQUIRE(object != nullptr);
+    const auto* summary = object->get_if<ServerDiagnosticsSummaryDataType>();
+    REQUIRE(summary != nullptr);
+    CHECK(summary->current_session_count == 2);
+    CHECK(summary->cumulated_session_count == 3);
+    CHECK(summary->current_subscription_count == 2);
+    CHECK(summary->cumulated_subscription_count == 3);
+    CHECK(summary->publishing_interval_count == 1);
+    CHECK(summary->rejected_requests_count == 3);
+    CHECK(summary->security_rejected_requests_count == 2);
+    CHECK(summary->rejected_session_count == 1);
+    CHECK(summary->session_timeout_count == 0);
+    advance(2min, client);
+    TestClient later = log_in();
+    CHECK(number(later,
+                 id::Server_ServerDiagnostics_ServerDiagnosticsSummary_SessionTimeoutCount) == 2);
+}
+
+TEST_CASE_METHOD(DiagnosticsFixture, "each session counts its requests")
+{
+    TestClient client = log_in();
+    const auto id = subscribe(client);
+    monitor(client, id, item_request(add_variable("level", 1)));
+    REQUIRE_FALSE(client.call<ReadResponse>(ReadRequest{}));
+    REQUIRE_FALSE(client.call<CreateMonitoredItemsResponse>(CreateMonitoredItemsRequest{}));
+    wall_clock.time.ticks += 50;
+    const auto sessions = array<SessionDiagnosticsDataType>(client, sessions_array);
+    REQUIRE(sessions.size() == 1);
+    const auto& session = sessions[0];
+    CHECK(session.session_name == "test");
+    CHECK(session.client_description.application_uri == "urn:busbar:test:client");
+    CHECK(session.actual_session_timeout == 60'000);
+    CHECK(session.client_last_contact_time == wall_clock.time);
+    CHECK(session.client_connection_time.ticks == wall_clock.time.ticks - 50);
+    CHECK(session.current_subscriptions_count == 1);
+    CHECK(session.current_monitored_items_count == 1);
+    CHECK(session.read_count.total_count == 2); // with this one
+    CHECK(session.read_count.error_count == 1);
+    CHECK(session.create_subscription_count.total_count == 1);
+    CHECK(session.create_monitored_items_count.total_count == 2);
+    CHECK(session.create_monitored_items_count.error_count == 1);
+    CHECK(session.write_count.total_count == 0);
+    CHECK(session.total_request_count.total_count == 6); // with ActivateSession
+    CHECK(session.total_request_count.error_count == 2);
+    CHECK(session.unauthorized_request_count == 0);
+
+    const auto subscriptions = array<SubscriptionDiagnosticsDataType>(
+        client, id::Server_ServerDiagnostics_SubscriptionDiagnosticsArray);
+    REQUIRE(subscriptions.size() == 1);
+    CHECK(subscriptions[0].subscription_id == id);
+    CHECK(subscriptions[0].session_id == session.session_id);
+    CHECK(subscriptions[0].publishing_interval == 100);
+    CHECK(subscriptions[0].monitored_item_count == 1);
+    CHECK(subscriptions[0].publishing_enabled);
+    CHECK(subscriptions[0].next_sequence_number == 1);
+}
+
+TEST_CASE_METHOD(DiagnosticsFixture, "security diagnostics are for users who have logged in")
+{
+    TestClient anonymous = log_in();
+    CHECK(read(anonymous, security_array).status == status::Bad_UserAccessDenied);
+    TestClient client = log_in_operator();
+    const auto sessions = array<SessionSecurityDiagnosticsDataType>(client, security_array);
+    REQUIRE(sessions.size() == 2);
+    const auto& own = sessions[0].security_mode == MessageSecurityMode::SignAndEncrypt
+                          ? sessions[0]
+                          : sessions[1];
+    CHECK(own.client_user_id_of_session == "operator");
+    CHECK(own.authentication_mechanism == "UserName");
+    CHECK(own.security_policy_uri.view().ends_with("#Basic256Sha256"));
+    CHECK(own.client_certificate == ByteString{client_identity().certificates.front().der()});
+    CHECK(array<SessionDiagnosticsDataType>(client, sessions_array).size() == 2);
+}
+
+TEST_CASE_METHOD(DiagnosticsFixture, "diagnostics are switched off and begin anew")
+{
+    TestClient reader = log_in();
+    TestClient client = log_in_operator();
+    constexpr std::uint32_t flag = id::Server_ServerDiagnostics_EnabledFlag;
+    CHECK(read(reader, flag).value == Variant{true});
+    CHECK(enable(reader, false) == status::Bad_UserAccessDenied);
+    CHECK(number(reader, all_sessions) == 2);
+    CHECK(enable(client, false) == status::Good);
+    CHECK(read(reader, flag).value == Variant{false});
+    for (const std::uint32_t node : {all_sessions, sessions_array, security_array,
+                                     id::Server_ServerDiagnostics_ServerDiagnosticsSummary,
+                                     id::Server_ServerDiagnostics_SubscriptionDiagnosticsArray}) {
+        CHECK(read(client, node).status == status::Bad_NotReadable);
+    }
+    CHECK(enable(client, true) == status::Good);
+    CHECK(number(reader, all_sessions) == 0);
+    CHECK(number(reader, current_sessions) == 2);
+    for (const auto& session : array<SessionDiagnosticsDataType>(client, sessions_array)) {
+        CHECK(session.read_count.total_count <= 2);
+        CHECK(session.write_count.total_count == 0);
+        CHECK_FALSE(session.session_id.is_null());
+    }
+    // Set again while it is set it changes nothing.
+    CHECK(enable(client, true) == status::Good);
+    CHECK(array<SessionDiagnosticsDataType>(client, sessions_array).size() == 2);
+}
