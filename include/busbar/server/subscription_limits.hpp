@@ -1,0 +1,90 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <busbar/core/clock.hpp>
+
+namespace busbar::server {
+
+/// How the sampling interval that a client requests becomes the revised one (Part 4, 7.21).
+struct SamplingPolicy {
+    /// The range of intervals. 0 requests the shortest, and what is negative or no number the
+    /// Subscription's publishing interval.
+    std::chrono::milliseconds min_interval{10};
+    std::chrono::milliseconds max_interval{3'600'000};
+    /// Not empty: there are only these intervals, in ascending order; the nearest one is taken, of
+    /// two that are equally near the shorter.
+    std::vector<std::chrono::milliseconds> intervals;
+    /// An item that requests 0 and whose source is a process image has each scan looked at; its
+    /// revised interval is 0, as that of what reports by exception.
+    bool samples_each_scan{true};
+    /// Set: a Good value that was sampled this many percent later than the revised interval says
+    /// has Good_Overload.
+    std::optional<double> overload_percent;
+
+    /// The revised interval; zero only if `can_follow_scans` and the scans are to be followed.
+    [[nodiscard]] Duration revise(double requested_milliseconds, Duration publishing_interval,
+                                  bool can_follow_scans) const;
+};
+
+/// 200 to 900 ms by 100, 1 to 9 s by one second, 10 to 60 s by ten, with Good_Overload past 5 %.
+[[nodiscard]] SamplingPolicy stepped_sampling();
+
+/// What Subscriptions and MonitoredItems may make a server hold and do. All limits are finite.
+struct SubscriptionLimits {
+    // Past these CreateSubscription and TransferSubscriptions answer Bad_TooManySubscriptions.
+
+    std::size_t max_subscriptions_per_session{100};
+    std::size_t max_subscriptions{1'000};
+
+    // Past these an item answers Bad_TooManyMonitoredItems.
+
+    std::size_t max_items_per_subscription{100'000};
+    std::size_t max_items{1'000'000};
+
+    // What requests are revised to (Part 4, 5.14.2.2 and 7.21).
+
+    std::chrono::milliseconds min_publishing_interval{10};
+    std::chrono::milliseconds max_publishing_interval{3'600'000};
+    /// Of the time without message after which a keep-alive is sent.
+    std::chrono::milliseconds min_keep_alive{0};
+    std::chrono::milliseconds max_keep_alive{3'600'000};
+    /// Of the time that a Subscription lives without its client. At least three keep-alives.
+    std::chrono::milliseconds min_lifetime{0};
+    std::chrono::milliseconds max_lifetime{3 * 3'600'000};
+    std::uint32_t max_notifications_per_publish{100'000};
+    std::uint32_t max_queue_size{10'000};
+    std::uint32_t max_event_queue_size{10'000};
+    SamplingPolicy sampling;
+
+    // Publishing.
+
+    /// Past it the oldest Publish request of the session answers Bad_TooManyPublishRequests.
+    std::size_t max_publish_requests{20};
+    std::size_t max_acknowledgements{10'000};
+    /// Messages that one Subscription keeps for Republish. Part 4, 5.14.1.1 wants at least twice
+    /// as many as there may be Publish requests.
+    std::size_t max_retransmission_messages{100};
+    /// Bytes of one NotificationMessage; more Notifications go into the next.
+    std::size_t max_message_size{4U << 20U};
+    /// StatusChangeNotifications that wait for a Publish request of their session.
+    std::size_t max_status_changes{100};
+
+    // Memory, in bytes, for items, queued values and messages kept for Republish.
+
+    std::size_t max_subscription_memory{256U << 20U};
+    std::size_t max_memory{std::size_t{1} << 30U};
+};
+
+/// The limits of an RD81OPC96: 10 Subscriptions in a session and 150 in all, 15,000 items, queues
+/// of 10, stepped sampling.
+[[nodiscard]] SubscriptionLimits rd81opc96_subscriptions();
+/// The limits of NJ501 and NX102 controllers: 100 Subscriptions and 2,000 items.
+[[nodiscard]] SubscriptionLimits nj501_subscriptions();
+[[nodiscard]] SubscriptionLimits nx102_subscriptions();
+
+} // namespace busbar::server

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <busbar/core/data_value.hpp>
+#include <busbar/core/result.hpp>
+#include <busbar/model/address_space.hpp>
+#include <busbar/types/enumerations.hpp>
+#include <busbar/types/filter.hpp>
+
+namespace busbar::server::detail {
+
+/// A DataChangeFilter (Part 4, 7.22.2) that is ready to be applied to Values: which change is one.
+class ChangeFilter {
+public:
+    /// What there is without a filter: a change of status or value.
+    ChangeFilter() = default;
+    /// The one of a Variable's Value. Bad_MonitoredItemFilterInvalid if it is none at all or
+    /// contradicts itself, Bad_FilterNotAllowed for an EventFilter or a deadband of what is no
+    /// number, Bad_MonitoredItemFilterUnsupported for an AggregateFilter, and
+    /// Bad_DeadbandFilterInvalid for a deadband that is negative, past 100 % or a percentage where
+    /// there is no EURange (Part 8, 7.2).
+    [[nodiscard]] static Result<ChangeFilter> make(const ExtensionObject& filter,
+                                                   const model::AddressSpace& space,
+                                                   model::NodeIndex variable,
+                                                   const binary::TypeRegistry& types);
+
+    /// True if the new value, which is `value` with the rest from `data`, is to be reported after
+    /// the last one that was.
+    [[nodiscard]] bool passes(const DataValue& last, const DataValue& data, const Variant& value,
+                              StatusCode status) const
+    {
+        if (is_other_status(last.status, status)) {
+            return true;
+        }
+        if (trigger_ == DataChangeTrigger::Status) {
+            return false;
+        }
+        if (trigger_ == DataChangeTrigger::StatusValueTimestamp &&
+            (last.source_timestamp != data.source_timestamp ||
+             last.source_picoseconds != data.source_picoseconds)) {
+            return true;
+        }
+        return has_deadband_ ? is_past_deadband(last.value, value) : !(last.value == value);
+    }
+    /// False if equal values never pass, whatever their timestamps are.
+    [[nodiscard]] bool looks_at_time() const
+    {
+        return trigger_ == DataChangeTrigger::StatusValueTimestamp;
+    }
+
+private:
+    /// The bits that a queue sets are no change.
+    [[nodiscard]] static bool is_other_status(StatusCode a, StatusCode b);
+    [[nodiscard]] bool is_past_deadband(const Variant& last, const Variant& value) const;
+
+    DataChangeTrigger trigger_{DataChangeTrigger::StatusValue};
+    bool has_deadband_{false};
+    /// In the value's own unit.
+    double deadband_{0};
+};
+
+} // namespace busbar::server::detail

@@ -1,0 +1,232 @@
+#include "data_item.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <busbar/binary/codec.hpp>
+#include <busbar/core/attribute_id.hpp>
+
+#include "sampler.hpp"
+#include "sampling_context.hpp"
+#include "server/core.hpp"
+#include "server/read_results.hpp"
+#include "subscription.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+/// What makes an item impossible. All else that a Read might answer comes with a Publish response,
+/// because it may change (Part 4, 5.13.2.1).
+constexpr std::array refusals{
+    status::Bad_NodeIdInvalid,       status::Bad_NodeIdUnknown,
+    status::Bad_AttributeIdInvalid,  status::Bad_IndexRangeInvalid,
+    status::Bad_DataEncodingInvalid, status::Bad_DataEncodingUnsupported,
+};
+
+bool is_value_of_variable(const model::AddressSpace& space, const ReadValueId& id,
+                          model::NodeIndex node)
+{
+    return id.attribute_id == static_cast<std::uint32_t>(AttributeId::Value) &&
+           node != model::no_node && space.node_class(node) == NodeClass::Variable;
+}
+
+/// True if an array of that size never has what the range names (Part 4, 5.13.2.4).
+bool is_past_the_end(const NumericRange& range, std::span<const std::uint32_t> dimensions)
+{
+    const auto bounds = range.bounds();
+    for (std::size_t i = 0; i < std::min(bounds.size(), dimensions.size()); ++i) {
+        if (dimensions[i] != 0 && bounds[i].first >= dimensions[i]) {
+            return true;
+        }
+    }
+    return false;
+}
+
+double to_milliseconds(Duration duration)
+{
+    return std::chrono::duration<double, std::milli>{duration}.count();
+}
+
+} // namespace
+
+DataItem::DataItem(const ItemContext& context, const MonitoredItemCreateRequest& request,
+                   TimestampsToReturn timestamps)
+    : MonitoredItem{context.subscription, Kind::Data, request.requested_parameters.client_handle,
+                    request.monitoring_mode},
+      value_id_{request.item_to_monitor},
+      timestamps_{timestamps}, queue_{context.subscription.memory()}
+{
+}
+
+DataItem::~DataItem()
+{
+    if (group_ != nullptr) {
+        remove_from_group(*this);
+    }
+    queue_.clear();
+    subscription().memory().release(charged_);
+}
+
+std::unique_ptr<DataItem> DataItem::make(const ItemContext& context,
+                                         const MonitoredItemCreateRequest& request,
+                                         TimestampsToReturn timestamps, ItemRevision& revision)
+{
+    std::unique_ptr<DataItem> item{new DataItem{context, request, timestamps}};
+    ReadPlan plan;
+    revision.status = item->check_target(context, plan);
+    if (revision.status.is_bad()) {
+        return nullptr;
+    }
+    const MonitoringParameters& parameters = request.requested_parameters;
+    auto filter = item->make_filter(context.core, parameters.filter);
+    if (!filter) {
+        revision.status = filter.error();
+        return nullptr;
+    }
+    item->filter_ = *filter;
+    item->filter_text_ = parameters.filter;
+    const std::size_t cost =
+        sizeof(DataItem) + 2 * sizeof(void*) * 8 + item->value_id_.index_range.size();
+    if (!context.subscription.memory().charge(cost)) {
+        revision.status = status::Bad_TooManyMonitoredItems;
+        return nullptr;
+    }
+    item->charged_ = cost;
+    item->revise(context, parameters, timestamps, plan, revision);
+    return item;
+}
+
+StatusCode DataItem::check_target(const ItemContext& context, ReadPlan& plan)
+{
+    const Core& core = context.core;
+    plan = plan_sample(context.core, context.subscription.user(), value_id_);
+    const StatusCode status = plan.answer.status;
+    if (std::find(refusals.begin(), refusals.end(), status) != refusals.end()) {
+        return status;
+    }
+    if (value_id_.index_range.empty()) {
+        return status::Good;
+    }
+    const auto range = NumericRange::parse(value_id_.index_range.view());
+    if (!range) {
+        return range.error();
+    }
+    const model::NodeIndex node = core.address_space.find(value_id_.node_id);
+    if (is_value_of_variable(core.address_space, value_id_, node) &&
+        is_past_the_end(*range, core.address_space.variable(node).array_dimensions)) {
+        return status::Bad_IndexRangeNoData;
+    }
+    range_ = std::make_shared<const NumericRange>(*range);
+    return status::Good;
+}
+
+Result<ChangeFilter> DataItem::make_filter(Core& core, const ExtensionObject& filter) const
+{
+    const model::NodeIndex node = core.address_space.find(value_id_.node_id);
+    if (!filter.is_null() && !is_value_of_variable(core.address_space, value_id_, node)) {
+        return fail(status::Bad_FilterNotAllowed); // Part 4, 5.13.1.1
+    }
+    return ChangeFilter::make(filter, core.address_space, node, core.types);
+}
+
+void DataItem::revise(const ItemContext& context, const MonitoringParameters& parameters,
+                      TimestampsToReturn timestamps, const ReadPlan& plan, ItemRevision& revision)
+{
+    const SubscriptionLimits& limits = context.core.limits().subscriptions;
+    timestamps_ = timestamps;
+    interval_ = limits.sampling.revise(parameters.sampling_interval,
+                                       context.subscription.parameters().publishing_interval,
+                                       can_follow_scans(context.core, plan));
+    // 0 and 1 are the same (Part 4, 7.21).
+    const std::uint32_t capacity = std::min(parameters.queue_size, limits.max_queue_size);
+    revision.queue_size = queue_.set_capacity(capacity, parameters.discard_oldest);
+    revision.sampling_interval = to_milliseconds(interval_);
+}
+
+void DataItem::modify(const ItemContext& context, const MonitoringParameters& parameters,
+                      TimestampsToReturn timestamps, ItemRevision& revision)
+{
+    auto filter = make_filter(context.core, parameters.filter);
+    if (!filter) {
+        revision.status = filter.error();
+        return;
+    }
+    filter_ = *filter;
+    filter_text_ = parameters.filter;
+    set_client_handle(parameters.client_handle);
+    const Duration before = interval_;
+    const ReadPlan plan = plan_sample(context.core, context.subscription.user(), value_id_);
+    revise(context, parameters, timestamps, plan, revision);
+    if (before != interval_ && group_ != nullptr) {
+        remove_from_group(*this);
+        context.core.subscriptions.sampler().add(*this, context.now);
+    }
+}
+
+void DataItem::mode_changed(const ItemContext& context, MonitoringMode before)
+{
+    if (mode() == MonitoringMode::Disabled) {
+        remove_from_group(*this);
+    } else if (before == MonitoringMode::Disabled) {
+        context.core.subscriptions.sampler().add(*this, context.now);
+    }
+}
+
+void DataItem::user_changed(const ItemContext&)
+{
+    if (group_ != nullptr) {
+        rebind_in_group(*this);
+    }
+}
+
+void DataItem::resend(const ItemContext&)
+{
+    if (queue_.size() == 0 && queue_.newest() != nullptr) {
+        queue_.repeat();
+        notify();
+    }
+}
+
+void DataItem::announce_change(Core& core, std::uint32_t status_bits)
+{
+    pending_bits_ |= status_bits;
+    // An EURange that has become unusable leaves the deadband as it was.
+    if (auto filter = make_filter(core, filter_text_)) {
+        filter_ = *filter;
+    }
+    if (group_ != nullptr) {
+        rebind_in_group(*this);
+    }
+}
+
+void DataItem::sample(const ReadSlot& slot, StatusCode status, DateTime server_time)
+{
+    const Variant& value = slot.shared != nullptr ? *slot.shared : slot.value;
+    const DataValue* const last = queue_.newest();
+    if (last != nullptr && pending_bits_ == 0 && !filter_.passes(*last, slot, value, status)) {
+        return;
+    }
+    queue_.push(slot, value, StatusCode{status.value() | std::exchange(pending_bits_, 0U)},
+                server_time);
+    notify();
+}
+
+std::size_t DataItem::notification_size() const
+{
+    // Handle, mask, status, timestamps and a scalar.
+    constexpr std::size_t most_flat = 64;
+    const Variant& value = queue_.oldest().value;
+    return held_bytes(value) == 0 ? most_flat : most_flat + encoded_size(value);
+}
+
+void DataItem::take_notification(binary::Writer& writer)
+{
+    const DataValue& oldest = queue_.oldest();
+    writer.number(client_handle());
+    encode_data_value(writer, oldest, oldest.value, {timestamps_, oldest.server_timestamp});
+    queue_.pop();
+}
+
+} // namespace busbar::server::detail

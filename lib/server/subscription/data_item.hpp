@@ -1,0 +1,87 @@
+#pragma once
+
+#include <memory>
+
+#include <busbar/core/numeric_range.hpp>
+#include <busbar/server/data_source.hpp>
+
+#include "change_filter.hpp"
+#include "monitored_item.hpp"
+#include "server/read_plan.hpp"
+#include "value_queue.hpp"
+
+namespace busbar::server::detail {
+
+class SamplingGroup;
+
+/// An item of an attribute, mostly a Variable's Value: samples come from its SamplingGroup, pass
+/// the filter and wait in a queue.
+class DataItem final : public MonitoredItem {
+public:
+    /// Null, with the reason in `revision.status`, if there can be no such item. It is sampled from
+    /// add_to_sampler() on.
+    [[nodiscard]] static std::unique_ptr<DataItem> make(const ItemContext& context,
+                                                        const MonitoredItemCreateRequest& request,
+                                                        TimestampsToReturn timestamps,
+                                                        ItemRevision& revision);
+    ~DataItem() override;
+
+    [[nodiscard]] std::size_t queued() const override { return queue_.size(); }
+    [[nodiscard]] std::size_t notification_size() const override;
+    void take_notification(binary::Writer& writer) override;
+    void modify(const ItemContext& context, const MonitoringParameters& parameters,
+                TimestampsToReturn timestamps, ItemRevision& revision) override;
+    void user_changed(const ItemContext& context) override;
+    void resend(const ItemContext& context) override;
+
+    // For the sampler.
+
+    [[nodiscard]] const ReadValueId& value_id() const { return value_id_; }
+    /// Zero: each scan of a process image.
+    [[nodiscard]] Duration interval() const { return interval_; }
+    /// Null if the whole value is wanted.
+    [[nodiscard]] const std::shared_ptr<const NumericRange>& range() const { return range_; }
+    /// True if two equal samples are never both reported.
+    [[nodiscard]] bool ignores_equal() const
+    {
+        return !filter_.looks_at_time() && pending_bits_ == 0 && queue_.newest() != nullptr;
+    }
+    /// One sample, whose range is cut already: queues it if it passes the filter.
+    void sample(const ReadSlot& slot, StatusCode status, DateTime server_time);
+
+    /// The next sample is reported whatever it is, with these bits of its status set (Part 4,
+    /// 7.38.1; Part 8, 5.2). A filter in percent looks for the EURange again.
+    void announce_change(Core& core, std::uint32_t status_bits);
+
+private:
+    friend class SamplingGroup;
+
+    DataItem(const ItemContext& context, const MonitoredItemCreateRequest& request,
+             TimestampsToReturn timestamps);
+
+    void clear() override { queue_.clear(); }
+    void mode_changed(const ItemContext& context, MonitoringMode before) override;
+    [[nodiscard]] StatusCode check_target(const ItemContext& context, ReadPlan& plan);
+    [[nodiscard]] Result<ChangeFilter> make_filter(Core& core, const ExtensionObject& filter) const;
+    /// Queue, interval and timestamps.
+    void revise(const ItemContext& context, const MonitoringParameters& parameters,
+                TimestampsToReturn timestamps, const ReadPlan& plan, ItemRevision& revision);
+
+    ReadValueId value_id_;
+    std::shared_ptr<const NumericRange> range_;
+    TimestampsToReturn timestamps_;
+    ChangeFilter filter_;
+    /// As the client gave it, for when the EURange changes.
+    ExtensionObject filter_text_;
+    Duration interval_{0};
+    std::uint32_t pending_bits_{0};
+    std::size_t charged_{0};
+    ValueQueue queue_;
+
+    // The sampling group's: where the item is in it.
+
+    SamplingGroup* group_{nullptr};
+    std::size_t place_{0};
+};
+
+} // namespace busbar::server::detail

@@ -1,0 +1,127 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <busbar/binary/writer.hpp>
+#include <busbar/core/clock.hpp>
+#include <busbar/types/monitored_item.hpp>
+
+namespace busbar::server::detail {
+
+struct Core;
+class Subscription;
+
+/// What an item is created, changed and sampled with.
+struct ItemContext {
+    Core& core;
+    Subscription& subscription;
+    TimePoint now;
+};
+
+/// What CreateMonitoredItems and ModifyMonitoredItems tell of one item (Part 4, 5.13.2 and 5.13.3).
+struct ItemRevision {
+    StatusCode status;
+    double sampling_interval{0};
+    std::uint32_t queue_size{0};
+    ExtensionObject filter_result;
+};
+
+/// A MonitoredItem (Part 4, 5.13.1): queues Notifications until its Subscription takes them.
+///
+/// What is common to data and events: mode, triggering and the place in the Subscription's list of
+/// items to report. A derived class has queue and filter, charges its Subscription for what it
+/// holds, and gives that back when it is destroyed. Stays where it is as long as it lives; belongs
+/// to its Subscription, which outlives it.
+class MonitoredItem {
+public:
+    enum class Kind : std::uint8_t { Data, Event };
+    static constexpr std::size_t max_links = 256;
+
+    MonitoredItem(Subscription& subscription, Kind kind, std::uint32_t client_handle,
+                  MonitoringMode mode);
+    MonitoredItem(const MonitoredItem&) = delete;
+    MonitoredItem& operator=(const MonitoredItem&) = delete;
+    virtual ~MonitoredItem();
+
+    [[nodiscard]] Subscription& subscription() const { return *subscription_; }
+    [[nodiscard]] Kind kind() const { return kind_; }
+    /// Unique in its Subscription.
+    [[nodiscard]] std::uint32_t id() const { return id_; }
+    [[nodiscard]] std::uint32_t client_handle() const { return client_handle_; }
+    [[nodiscard]] MonitoringMode mode() const { return mode_; }
+
+    // For the Subscription and its services.
+
+    /// Notifications that wait.
+    [[nodiscard]] virtual std::size_t queued() const = 0;
+    /// Bytes that the oldest Notification takes at most.
+    [[nodiscard]] virtual std::size_t notification_size() const { return 0; }
+    /// Writes the oldest Notification, a MonitoredItemNotification or an EventFieldList, and
+    /// removes it. Not with an empty queue.
+    virtual void take_notification(binary::Writer& writer) = 0;
+    /// Takes new parameters (Part 4, 5.13.3); changes nothing if `revision.status` turns out bad.
+    virtual void modify(const ItemContext& context, const MonitoringParameters& parameters,
+                        TimestampsToReturn timestamps, ItemRevision& revision) = 0;
+    /// Deletes all queued Notifications when the new mode is Disabled (Part 4, 5.13.4).
+    void set_mode(const ItemContext& context, MonitoringMode mode);
+    /// The Subscription works for another user from now on: rights are to be looked at again.
+    virtual void user_changed(const ItemContext& context) = 0;
+    /// Queues the last value again where there is none queued (Part 4, 5.14.7.2; Part 5, 9.2).
+    virtual void resend(const ItemContext&) {}
+
+    /// Notifications that the Subscription may take now: all if the mode is Reporting, those that
+    /// a trigger released if it is Sampling.
+    [[nodiscard]] std::size_t reportable() const;
+
+    // Triggering (Part 4, 5.13.1.6): items that report when this one has a Notification.
+
+    /// Good also if the link is there already; Bad_TooManyOperations past max_links of either item,
+    /// Bad_OutOfMemory if the Subscription cannot pay for it.
+    [[nodiscard]] StatusCode add_link(MonitoredItem& triggered);
+    /// False if there is no such link.
+    [[nodiscard]] bool remove_link(MonitoredItem& triggered);
+
+protected:
+    /// Called behind each Notification that was queued, also one that replaced another: triggers
+    /// linked items and tells the Subscription.
+    void notify();
+    void set_client_handle(std::uint32_t client_handle) { client_handle_ = client_handle; }
+    /// Empties the queue.
+    virtual void clear() = 0;
+    /// Begins or ends sampling, or receiving events; mode() is already the new one.
+    virtual void mode_changed(const ItemContext&, MonitoringMode /*before*/) {}
+
+private:
+    friend class ReadyList;
+    friend class Subscription;
+
+    void forget_link(MonitoredItem& triggered);
+    /// Lets what is queued now be reported.
+    void release_queue();
+
+    Subscription* subscription_;
+    /// Neighbours in the ready list, in which it is if is_ready_.
+    MonitoredItem* previous_{nullptr};
+    MonitoredItem* next_{nullptr};
+    std::uint32_t id_{0};
+    std::uint32_t client_handle_;
+    /// Of the queue's oldest, so many are released by a trigger.
+    std::size_t released_{0};
+    MonitoringMode mode_;
+    Kind kind_;
+    bool is_ready_{false};
+    /// Items that this one triggers, and those that trigger it; both sides know of the other.
+    std::vector<MonitoredItem*> links_;
+    std::vector<MonitoredItem*> triggers_;
+};
+
+/// Makes an item of a Node's EventNotifier; null, with the reason in `revision.status`, if it
+/// cannot be. Node, attribute and mode are already checked. Defined with the events.
+[[nodiscard]] std::unique_ptr<MonitoredItem>
+make_event_item(const ItemContext& context, const MonitoredItemCreateRequest& request,
+                ItemRevision& revision);
+
+} // namespace busbar::server::detail

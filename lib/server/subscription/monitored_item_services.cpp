@@ -1,0 +1,221 @@
+#include "monitored_item_services.hpp"
+
+#include <busbar/core/attribute_id.hpp>
+
+#include "data_item.hpp"
+#include "sampler.hpp"
+#include "server/core.hpp"
+#include "server/session.hpp"
+#include "subscription.hpp"
+#include "subscription_services.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+bool is_known(MonitoringMode mode)
+{
+    return mode >= MonitoringMode::Disabled && mode <= MonitoringMode::Reporting;
+}
+
+bool is_known(TimestampsToReturn timestamps)
+{
+    return timestamps >= TimestampsToReturn::Source && timestamps <= TimestampsToReturn::Neither;
+}
+
+/// The session's Subscription, whose client has shown with this that it is there; else why the
+/// request is refused, which has `count` operations.
+Result<Subscription*> find_subscription(ServiceContext& context, std::uint32_t id,
+                                        std::size_t count)
+{
+    Subscription* const subscription = context.core.subscriptions.find(id, *context.session);
+    if (subscription == nullptr) {
+        return fail(status::Bad_SubscriptionIdInvalid);
+    }
+    subscription->reset_lifetime_counter();
+    if (const StatusCode bad = check_count(context, count); bad.is_bad()) {
+        return fail(bad);
+    }
+    return subscription;
+}
+
+bool is_full(const ItemContext& context)
+{
+    const SubscriptionLimits& limits = context.core.limits().subscriptions;
+    return context.subscription.item_count() >= limits.max_items_per_subscription ||
+           context.core.subscriptions.item_count() >= limits.max_items;
+}
+
+std::unique_ptr<MonitoredItem> make_item(const ItemContext& context,
+                                         const MonitoredItemCreateRequest& request,
+                                         TimestampsToReturn timestamps, ItemRevision& revision)
+{
+    if (!is_known(request.monitoring_mode)) {
+        revision.status = status::Bad_MonitoringModeInvalid;
+        return nullptr;
+    }
+    if (is_full(context)) {
+        revision.status = status::Bad_TooManyMonitoredItems;
+        return nullptr;
+    }
+    const auto attribute = static_cast<AttributeId>(request.item_to_monitor.attribute_id);
+    if (attribute == AttributeId::EventNotifier) {
+        return make_event_item(context, request, revision);
+    }
+    return DataItem::make(context, request, timestamps, revision);
+}
+
+MonitoredItemCreateResult create_one(const ItemContext& context,
+                                     const MonitoredItemCreateRequest& request,
+                                     TimestampsToReturn timestamps)
+{
+    ItemRevision revision;
+    MonitoredItemCreateResult result;
+    std::unique_ptr<MonitoredItem> made = make_item(context, request, timestamps, revision);
+    result.status_code = revision.status;
+    result.filter_result = std::move(revision.filter_result);
+    if (made == nullptr) {
+        return result;
+    }
+    MonitoredItem& item = context.subscription.add_item(std::move(made));
+    result.monitored_item_id = item.id();
+    result.revised_sampling_interval = revision.sampling_interval;
+    result.revised_queue_size = revision.queue_size;
+    if (item.kind() == MonitoredItem::Kind::Data && item.mode() != MonitoringMode::Disabled) {
+        context.core.subscriptions.sampler().add(static_cast<DataItem&>(item), context.now);
+    }
+    return result;
+}
+
+/// What SetTriggering came to for one of its links.
+StatusCode change_link(Subscription& subscription, MonitoredItem& trigger, std::uint32_t id,
+                       bool is_to_be_there)
+{
+    MonitoredItem* const triggered = subscription.find_item(id);
+    if (triggered == nullptr) {
+        return status::Bad_MonitoredItemIdInvalid;
+    }
+    if (!is_to_be_there) {
+        return trigger.remove_link(*triggered) ? status::Good : status::Bad_MonitoredItemIdInvalid;
+    }
+    return trigger.add_link(*triggered);
+}
+
+} // namespace
+
+StatusCode create_monitored_items(ServiceContext& context,
+                                  const CreateMonitoredItemsRequest& request,
+                                  CreateMonitoredItemsResponse& response)
+{
+    const auto subscription =
+        find_subscription(context, request.subscription_id, request.items_to_create.size());
+    if (!subscription) {
+        return subscription.error();
+    }
+    if (!is_known(request.timestamps_to_return)) {
+        return status::Bad_TimestampsToReturnInvalid;
+    }
+    const ItemContext item_context{context.core, **subscription, context.now};
+    response.results.reserve(request.items_to_create.size());
+    for (const MonitoredItemCreateRequest& item : request.items_to_create) {
+        response.results.push_back(create_one(item_context, item, request.timestamps_to_return));
+    }
+    context.core.subscriptions.sampler().sample_new(context.now);
+    return status::Good;
+}
+
+StatusCode modify_monitored_items(ServiceContext& context,
+                                  const ModifyMonitoredItemsRequest& request,
+                                  ModifyMonitoredItemsResponse& response)
+{
+    const auto subscription =
+        find_subscription(context, request.subscription_id, request.items_to_modify.size());
+    if (!subscription) {
+        return subscription.error();
+    }
+    if (!is_known(request.timestamps_to_return)) {
+        return status::Bad_TimestampsToReturnInvalid;
+    }
+    const ItemContext item_context{context.core, **subscription, context.now};
+    response.results.reserve(request.items_to_modify.size());
+    for (const MonitoredItemModifyRequest& change : request.items_to_modify) {
+        ItemRevision revision;
+        if (MonitoredItem* item = (*subscription)->find_item(change.monitored_item_id)) {
+            item->modify(item_context, change.requested_parameters, request.timestamps_to_return,
+                         revision);
+        } else {
+            revision.status = status::Bad_MonitoredItemIdInvalid;
+        }
+        response.results.push_back({revision.status, revision.sampling_interval,
+                                    revision.queue_size, std::move(revision.filter_result)});
+    }
+    context.core.subscriptions.sampler().sample_new(context.now);
+    return status::Good;
+}
+
+StatusCode set_monitoring_mode(ServiceContext& context, const SetMonitoringModeRequest& request,
+                               SetMonitoringModeResponse& response)
+{
+    const auto subscription =
+        find_subscription(context, request.subscription_id, request.monitored_item_ids.size());
+    if (!subscription) {
+        return subscription.error();
+    }
+    if (!is_known(request.monitoring_mode)) {
+        return status::Bad_MonitoringModeInvalid;
+    }
+    const ItemContext item_context{context.core, **subscription, context.now};
+    response.results.reserve(request.monitored_item_ids.size());
+    for (const std::uint32_t id : request.monitored_item_ids) {
+        MonitoredItem* const item = (*subscription)->find_item(id);
+        if (item != nullptr) {
+            item->set_mode(item_context, request.monitoring_mode);
+        }
+        response.results.push_back(item != nullptr ? status::Good
+                                                   : status::Bad_MonitoredItemIdInvalid);
+    }
+    context.core.subscriptions.sampler().sample_new(context.now);
+    return status::Good;
+}
+
+StatusCode set_triggering(ServiceContext& context, const SetTriggeringRequest& request,
+                          SetTriggeringResponse& response)
+{
+    const auto subscription =
+        find_subscription(context, request.subscription_id,
+                          request.links_to_add.size() + request.links_to_remove.size());
+    if (!subscription) {
+        return subscription.error();
+    }
+    MonitoredItem* const trigger = (*subscription)->find_item(request.triggering_item_id);
+    if (trigger == nullptr) {
+        return status::Bad_MonitoredItemIdInvalid;
+    }
+    // Links are removed before others are added (Part 4, 5.13.5.2).
+    for (const std::uint32_t id : request.links_to_remove) {
+        response.remove_results.push_back(change_link(**subscription, *trigger, id, false));
+    }
+    for (const std::uint32_t id : request.links_to_add) {
+        response.add_results.push_back(change_link(**subscription, *trigger, id, true));
+    }
+    return status::Good;
+}
+
+StatusCode delete_monitored_items(ServiceContext& context,
+                                  const DeleteMonitoredItemsRequest& request,
+                                  DeleteMonitoredItemsResponse& response)
+{
+    const auto subscription =
+        find_subscription(context, request.subscription_id, request.monitored_item_ids.size());
+    if (!subscription) {
+        return subscription.error();
+    }
+    response.results.reserve(request.monitored_item_ids.size());
+    for (const std::uint32_t id : request.monitored_item_ids) {
+        response.results.push_back(
+            (*subscription)->remove_item(id) ? status::Good : status::Bad_MonitoredItemIdInvalid);
+    }
+    return status::Good;
+}
+
+} // namespace busbar::server::detail

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <busbar/core/date_time.hpp>
+#include <busbar/core/result.hpp>
+
+#include "ready_list.hpp"
+
+/// NotificationMessages (Part 4, 7.26) as bytes, written straight from the queues.
+namespace busbar::server::detail {
+
+struct MessageLimits {
+    /// Notifications; 0 for no limit but the other one.
+    std::size_t notifications;
+    /// What does not fit goes into the next message, but one Notification goes in for certain.
+    std::size_t bytes;
+};
+
+/// Takes Notifications of the items that are ready, data first.
+[[nodiscard]] Result<std::vector<std::byte>> write_notifications(std::uint32_t sequence_number,
+                                                                 DateTime publish_time,
+                                                                 ReadyList& data, ReadyList& events,
+                                                                 const MessageLimits& limits);
+/// A keep-alive: no Notification; `sequence_number` is that of the next message.
+[[nodiscard]] std::vector<std::byte> write_keep_alive(std::uint32_t sequence_number,
+                                                      DateTime publish_time);
+[[nodiscard]] std::vector<std::byte> write_status_change(std::uint32_t sequence_number,
+                                                         DateTime publish_time, StatusCode status);
+
+} // namespace busbar::server::detail

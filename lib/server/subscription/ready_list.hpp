@@ -1,0 +1,57 @@
+#pragma once
+
+#include "monitored_item.hpp"
+
+namespace busbar::server::detail {
+
+/// Items with Notifications to report, in the order in which they got the first of them. The links
+/// lie in the items: nothing is allocated.
+class ReadyList {
+public:
+    ReadyList() = default;
+    ReadyList(const ReadyList&) = delete;
+    ReadyList& operator=(const ReadyList&) = delete;
+
+    [[nodiscard]] bool empty() const { return first_ == nullptr; }
+    [[nodiscard]] MonitoredItem& front() const { return *first_; }
+    /// Takes the item in, or leaves it where it is.
+    void add(MonitoredItem& item)
+    {
+        if (item.is_ready_) {
+            return;
+        }
+        item.is_ready_ = true;
+        item.previous_ = last_;
+        (last_ != nullptr ? last_->next_ : first_) = &item;
+        last_ = &item;
+    }
+    /// Takes the item out, if it is in.
+    void remove(MonitoredItem& item)
+    {
+        if (!item.is_ready_) {
+            return;
+        }
+        item.is_ready_ = false;
+        (item.previous_ != nullptr ? item.previous_->next_ : first_) = item.next_;
+        (item.next_ != nullptr ? item.next_->previous_ : last_) = item.previous_;
+        item.previous_ = item.next_ = nullptr;
+    }
+    /// Writes the first item's oldest Notification and removes it.
+    void take_notification(binary::Writer& writer)
+    {
+        MonitoredItem& item = *first_;
+        item.take_notification(writer);
+        if (item.mode_ != MonitoringMode::Reporting) {
+            --item.released_;
+        }
+        if (item.reportable() == 0) {
+            remove(item);
+        }
+    }
+
+private:
+    MonitoredItem* first_{nullptr};
+    MonitoredItem* last_{nullptr};
+};
+
+} // namespace busbar::server::detail

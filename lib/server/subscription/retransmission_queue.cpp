@@ -1,0 +1,74 @@
+#include "retransmission_queue.hpp"
+
+#include <algorithm>
+
+namespace busbar::server::detail {
+
+void RetransmissionQueue::drop_oldest()
+{
+    account_->release(messages_.front().bytes.capacity());
+    messages_.pop_front();
+}
+
+void RetransmissionQueue::add(std::uint32_t sequence_number, std::vector<std::byte>& message)
+{
+    while (messages_.size() >= max_messages_ && !messages_.empty()) {
+        drop_oldest();
+    }
+    while (!account_->charge(message.capacity())) {
+        if (messages_.empty()) {
+            return;
+        }
+        drop_oldest();
+    }
+    messages_.push_back({sequence_number, std::move(message)});
+}
+
+bool RetransmissionQueue::acknowledge(std::uint32_t sequence_number)
+{
+    const auto found =
+        std::find_if(messages_.begin(), messages_.end(), [&](const Message& message) {
+            return message.sequence_number == sequence_number;
+        });
+    if (found == messages_.end()) {
+        return false;
+    }
+    account_->release(found->bytes.capacity());
+    messages_.erase(found);
+    return true;
+}
+
+const std::vector<std::byte>* RetransmissionQueue::find(std::uint32_t sequence_number) const
+{
+    const auto found =
+        std::find_if(messages_.begin(), messages_.end(), [&](const Message& message) {
+            return message.sequence_number == sequence_number;
+        });
+    return found != messages_.end() ? &found->bytes : nullptr;
+}
+
+void RetransmissionQueue::encode_available(binary::Writer& writer) const
+{
+    writer.length(messages_.size());
+    for (const Message& message : messages_) {
+        writer.number(message.sequence_number);
+    }
+}
+
+std::vector<std::uint32_t> RetransmissionQueue::available() const
+{
+    std::vector<std::uint32_t> numbers;
+    for (const Message& message : messages_) {
+        numbers.push_back(message.sequence_number);
+    }
+    return numbers;
+}
+
+void RetransmissionQueue::clear()
+{
+    while (!messages_.empty()) {
+        drop_oldest();
+    }
+}
+
+} // namespace busbar::server::detail

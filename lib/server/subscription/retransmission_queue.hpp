@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <span>
+#include <vector>
+
+#include <busbar/binary/writer.hpp>
+
+#include "value_queue.hpp"
+
+namespace busbar::server::detail {
+
+/// The NotificationMessages that a client may ask for again, until it acknowledges them (Part 4,
+/// 5.14.1.1): as the bytes that were sent, which are fewer than the values they came from and need
+/// no second encoding.
+class RetransmissionQueue {
+public:
+    /// `account` pays for the messages.
+    RetransmissionQueue(std::size_t max_messages, MemoryAccount& account)
+        : max_messages_{max_messages}, account_{&account}
+    {
+    }
+    RetransmissionQueue(const RetransmissionQueue&) = delete;
+    RetransmissionQueue& operator=(const RetransmissionQueue&) = delete;
+    ~RetransmissionQueue() { clear(); }
+
+    /// Takes the message over. The oldest give way to it; if it cannot be paid for even so, it is
+    /// left as it is and not kept.
+    void add(std::uint32_t sequence_number, std::vector<std::byte>& message);
+    /// False if there is no such message.
+    [[nodiscard]] bool acknowledge(std::uint32_t sequence_number);
+    /// Null if it is not there.
+    [[nodiscard]] const std::vector<std::byte>* find(std::uint32_t sequence_number) const;
+    /// Writes availableSequenceNumbers.
+    void encode_available(binary::Writer& writer) const;
+    [[nodiscard]] std::vector<std::uint32_t> available() const;
+    [[nodiscard]] std::size_t size() const { return messages_.size(); }
+    void clear();
+
+private:
+    struct Message {
+        std::uint32_t sequence_number;
+        std::vector<std::byte> bytes;
+    };
+
+    void drop_oldest();
+
+    std::size_t max_messages_;
+    MemoryAccount* account_;
+    /// Oldest first.
+    std::deque<Message> messages_;
+};
+
+} // namespace busbar::server::detail

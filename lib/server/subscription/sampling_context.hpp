@@ -1,0 +1,18 @@
+#pragma once
+
+#include "data_item.hpp"
+
+namespace busbar::server::detail {
+
+/// Where an item's samples come from, and why if they cannot.
+[[nodiscard]] ReadPlan plan_sample(Core& core, const UserIdentity& user, const ReadValueId& id);
+/// True if the value lies in a process image, whose scans can be followed one by one.
+[[nodiscard]] bool can_follow_scans(const Core& core, const ReadPlan& plan);
+
+// For items that are in a group.
+
+void remove_from_group(DataItem& item);
+/// What the item was bound to is looked up again.
+void rebind_in_group(DataItem& item);
+
+} // namespace busbar::server::detail

@@ -1,0 +1,329 @@
+#include "sampling_group.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "sampler.hpp"
+#include "sampling_context.hpp"
+#include "server/core.hpp"
+#include "server/read_results.hpp"
+#include "subscription.hpp"
+
+namespace busbar::server::detail {
+
+struct SamplingGroup::Flight final : CallOwner {
+    Flight(SamplingGroup& g, std::size_t f, std::size_t count, bool late)
+        : group{g}, first{f}, is_late{late}, call{g.sampler_.core().sources, count}
+    {
+    }
+    void call_completed() override { group.land(*this); }
+
+    SamplingGroup& group;
+    /// The member that the call's first operation is for.
+    std::size_t first;
+    bool is_late;
+    /// Ranges that sources were given.
+    std::vector<std::shared_ptr<const NumericRange>> ranges;
+    ReadCall call;
+};
+
+SamplingGroup::SamplingGroup(Sampler& sampler, Duration interval)
+    : sampler_{sampler}, interval_{interval}, bound_at_{sampler.core().address_space.change_count()}
+{
+}
+
+SamplingGroup::~SamplingGroup()
+{
+    sampler_.timers().cancel(*this);
+}
+
+void SamplingGroup::add(DataItem& item, TimePoint now)
+{
+    item.group_ = this;
+    item.place_ = members_.size();
+    members_.push_back({&item});
+    ++item_count_;
+    if (next_sample_ == no_deadline && interval_ != Duration::zero()) {
+        next_sample_ = now + interval_;
+        arm();
+    }
+}
+
+void SamplingGroup::remove(DataItem& item)
+{
+    if ((item.place_ & image_flag) != 0) {
+        const std::size_t index = item.place_ >> image_shift & 0xFFFF;
+        images_[index].watch.remove(item.place_ & ((std::size_t{1} << image_shift) - 1));
+    } else {
+        members_[item.place_].item = nullptr;
+        ++holes_;
+    }
+    item.group_ = nullptr;
+    --item_count_;
+}
+
+void SamplingGroup::rebind(DataItem& item)
+{
+    remove(item);
+    item.group_ = this;
+    item.place_ = members_.size();
+    members_.push_back({&item});
+    ++item_count_;
+}
+
+void SamplingGroup::compact()
+{
+    if (!flights_.empty() || holes_ == 0) {
+        return;
+    }
+    const auto fresh = members_.begin() + static_cast<std::ptrdiff_t>(first_new_);
+    first_new_ -= static_cast<std::size_t>(std::count_if(
+        members_.begin(), fresh, [](const Member& member) { return member.item == nullptr; }));
+    std::erase_if(members_, [](const Member& member) { return member.item == nullptr; });
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+        members_[i].item->place_ = i;
+    }
+    holes_ = 0;
+}
+
+bool SamplingGroup::is_full_of_holes() const
+{
+    return holes_ > 1'000 && holes_ > members_.size() / 2;
+}
+
+void SamplingGroup::unbind_all()
+{
+    for (Member& member : members_) {
+        member.binding = Binding::Unknown;
+    }
+    for (const Image& image : images_) {
+        for (std::size_t i = 0; i < image.watch.size(); ++i) {
+            if (DataItem* const item = image.watch.item(i)) {
+                item->place_ = members_.size();
+                members_.push_back({item});
+            }
+        }
+    }
+    images_.clear();
+}
+
+/// Nodes come and go, and so does what answers for them.
+void SamplingGroup::notice_changes()
+{
+    const std::uint64_t now = sampler_.core().address_space.change_count();
+    std::size_t places = 0;
+    for (const Image& image : images_) {
+        places += image.watch.size();
+    }
+    // A watch does not close up where items were removed; it is made anew.
+    const std::size_t watched = item_count_ - (members_.size() - holes_);
+    const bool has_too_many_places = places > 1'000 && places > 2 * watched;
+    if (std::exchange(bound_at_, now) != now || has_too_many_places) {
+        unbind_all();
+    }
+}
+
+void SamplingGroup::watch(ProcessImage& image, Member& member, std::uint64_t handle)
+{
+    auto found = std::find_if(images_.begin(), images_.end(),
+                              [&](const Image& known) { return known.image == &image; });
+    if (found == images_.end()) {
+        images_.push_back({&image, ImageWatch{image.layout()}});
+        found = images_.end() - 1;
+    }
+    DataItem& item = *std::exchange(member.item, nullptr);
+    ++holes_;
+    item.place_ = image_flag | static_cast<std::size_t>(found - images_.begin()) << image_shift |
+                  found->watch.add(item, static_cast<std::uint32_t>(handle));
+}
+
+void SamplingGroup::bind(std::size_t first)
+{
+    for (std::size_t i = first; i < members_.size(); ++i) {
+        if (members_[i].item != nullptr && members_[i].binding == Binding::Unknown) {
+            bind(members_[i]);
+        }
+    }
+}
+
+void SamplingGroup::bind(Member& member)
+{
+    const ReadPlan plan =
+        plan_sample(sampler_.core(), member.item->subscription().user(), member.item->value_id());
+    member.binding = plan.source == nullptr ? Binding::AddressSpace : Binding::Source;
+    if (plan.source == nullptr) {
+        return;
+    }
+    ProcessImage* const image = plan.source->source().process_image();
+    if (image != nullptr && plan.handle < image->layout().size()) {
+        return watch(*image, member, plan.handle);
+    }
+    member.source = plan.source_index;
+    member.handle = plan.handle;
+    member.is_cut_by_source =
+        member.item->range() != nullptr && plan.source->options().reads_ranges;
+}
+
+void SamplingGroup::ask(Flight& flight, std::size_t index, Member& member)
+{
+    if (member.item == nullptr) {
+        flight.call.answer(index).status = status::Good;
+        return;
+    }
+    if (member.binding == Binding::AddressSpace) {
+        ReadPlan plan = plan_sample(sampler_.core(), member.item->subscription().user(),
+                                    member.item->value_id());
+        if (plan.source == nullptr) {
+            flight.call.answer(index) = std::move(plan.answer);
+        } else { // the user may read it now
+            flight.call.ask(index, plan.source_index, {plan.handle, nullptr});
+        }
+        return;
+    }
+    const NumericRange* range = nullptr;
+    if (member.is_cut_by_source) {
+        flight.ranges.push_back(member.item->range());
+        range = flight.ranges.back().get();
+    }
+    flight.call.ask(index, member.source, {member.handle, range});
+}
+
+void SamplingGroup::sample_members(std::size_t first, TimePoint now, bool is_late)
+{
+    if (first >= members_.size()) {
+        return;
+    }
+    flights_.push_back(std::make_unique<Flight>(*this, first, members_.size() - first, is_late));
+    Flight& flight = *flights_.back();
+    for (std::size_t i = first; i < members_.size(); ++i) {
+        ask(flight, i - first, members_[i]);
+    }
+    if (!flight.ranges.empty()) { // sources may look at them when the flight is long over
+        flight.call.kept_for_sources() =
+            std::make_shared<std::vector<std::shared_ptr<const NumericRange>>>(flight.ranges);
+    }
+    if (flight.call.start(flight, now, [](ReadPart&) {})) {
+        land(flight);
+    }
+}
+
+void SamplingGroup::land(Flight& flight)
+{
+    deliver(flight);
+    std::erase_if(flights_, [&](const auto& one) { return one.get() == &flight; });
+    arm();
+}
+
+void SamplingGroup::deliver(Flight& flight)
+{
+    const DateTime time = sampler_.core().environment.wall_clock->now();
+    for (std::size_t i = 0; i < flight.call.size(); ++i) {
+        const Member& member = members_[flight.first + i];
+        if (member.item == nullptr) {
+            continue;
+        }
+        ReadSlot* const slot = flight.call.find_answer(i);
+        if (slot != nullptr && member.item->range() != nullptr && !member.is_cut_by_source) {
+            cut_range(*slot, *member.item->range());
+        }
+        const ReadSlot& sample = slot != nullptr ? *slot : flight.call.result(i);
+        const bool is_overload = flight.is_late && sample.status == StatusCode{};
+        member.item->sample(sample, is_overload ? status::Good_Overload : sample.status, time);
+    }
+}
+
+void SamplingGroup::sample_image(Image& image, const ImagePin& pin, bool is_only_new)
+{
+    const StatusCode no_pin =
+        image.image->has_scan() ? status::Bad_TooManyOperations : status::Bad_NoCommunication;
+    const StatusCode running = is_late_ ? status::Good_Overload : status::Good;
+    // Part 8, 7.3.2: what used to update the values has stopped.
+    const StatusCode status =
+        !pin ? no_pin : (image.image->is_running() ? running : status::Uncertain_LastUsableValue);
+    image.watch.sample({pin, status, sampler_.core().environment.wall_clock->now(), is_only_new});
+}
+
+void SamplingGroup::sample_images(bool is_only_new)
+{
+    for (Image& image : images_) {
+        sample_image(image, image.image->pin(), is_only_new);
+    }
+}
+
+void SamplingGroup::sample_scan(const ImagePin& pin, TimePoint now)
+{
+    notice_changes();
+    compact();
+    bind(0);
+    for (Image& image : images_) {
+        sample_image(image, pin, false);
+    }
+    if (flights_.empty()) {
+        first_new_ = members_.size();
+        sample_members(0, now, false);
+    }
+}
+
+void SamplingGroup::sample_new(TimePoint now)
+{
+    if (is_full_of_holes()) {
+        return;
+    }
+    notice_changes();
+    compact();
+    bind(first_new_);
+    sample_images(true);
+    sample_members(std::exchange(first_new_, members_.size()), now, false);
+}
+
+void SamplingGroup::sample(TimePoint now)
+{
+    notice_changes();
+    compact();
+    bind(0);
+    actual_interval_ = last_sample_ == no_deadline ? Duration::zero() : now - last_sample_;
+    last_sample_ = now;
+    is_late_ = sampler_.is_overload(interval_, actual_interval_);
+    sample_images(false);
+    first_new_ = members_.size();
+    sample_members(0, now, is_late_);
+}
+
+void SamplingGroup::handle_flights(TimePoint now)
+{
+    for (std::size_t i = flights_.size(); i-- > 0;) {
+        if (flights_[i]->call.handle_deadline(now)) {
+            land(*flights_[i]);
+        }
+    }
+}
+
+void SamplingGroup::expire(TimePoint now)
+{
+    handle_flights(now);
+    if (next_sample_ <= now) {
+        if (flights_.empty()) { // a source that has not answered is not asked again
+            sample(now);
+        }
+        next_sample_ += interval_;
+        if (next_sample_ <= now) { // what was missed is missed
+            next_sample_ = now + interval_;
+        }
+    }
+    if (empty() && flights_.empty()) {
+        return sampler_.remove(*this);
+    }
+    arm();
+}
+
+void SamplingGroup::arm()
+{
+    TimePoint first = next_sample_;
+    for (const auto& flight : flights_) {
+        first = std::min(first, flight->call.next_deadline());
+    }
+    sampler_.timers().set(*this, first);
+}
+
+} // namespace busbar::server::detail

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "data_item.hpp"
+#include "image_watch.hpp"
+#include "server/data_call.hpp"
+#include "timer_queue.hpp"
+
+namespace busbar::server::detail {
+
+class Sampler;
+
+/// The data items with one sampling interval: at each, the values of one source are asked for in
+/// one batch, those of a process image are looked at where they lie, and everything else is found
+/// in the address space.
+class SamplingGroup final : public Timer {
+public:
+    /// `interval` is zero for the items that follow the scans of one image.
+    SamplingGroup(Sampler& sampler, Duration interval);
+    SamplingGroup(const SamplingGroup&) = delete;
+    SamplingGroup& operator=(const SamplingGroup&) = delete;
+    ~SamplingGroup();
+
+    [[nodiscard]] Duration interval() const { return interval_; }
+    /// Between the last two samples; zero before the second.
+    [[nodiscard]] Duration actual_interval() const { return actual_interval_; }
+    [[nodiscard]] bool empty() const { return item_count_ == 0; }
+    /// The group that the item is in; null if it is in none.
+    [[nodiscard]] static SamplingGroup* of(const DataItem& item) { return item.group_; }
+
+    void add(DataItem& item, TimePoint now);
+    void remove(DataItem& item);
+    /// What the item was bound to is looked up again.
+    void rebind(DataItem& item);
+    /// Samples what was added since the last sample.
+    void sample_new(TimePoint now);
+    void expire(TimePoint now) override;
+    /// Sampling comes before publishing.
+    [[nodiscard]] unsigned rank() const override { return 1'000; }
+    /// Samples everything, the items of an image from the scan that is pinned.
+    void sample_scan(const ImagePin& pin, TimePoint now);
+
+private:
+    enum class Binding : std::uint8_t {
+        Unknown,
+        AddressSpace, // or nothing that could be read
+        Source,
+    };
+    struct Member {
+        DataItem* item;
+        std::uint64_t handle{0};
+        std::uint32_t source{model::no_source};
+        Binding binding{Binding::Unknown};
+        bool is_cut_by_source{false};
+    };
+    /// A batch on its way.
+    struct Flight;
+    struct Image {
+        ProcessImage* image;
+        ImageWatch watch;
+    };
+    /// DataItem::place_ of what an image watches: the image's index and the place there.
+    static constexpr std::size_t image_flag = std::size_t{1} << 63U;
+    static constexpr unsigned image_shift = 40;
+
+    void sample(TimePoint now);
+    void sample_images(bool is_only_new);
+    void sample_image(Image& image, const ImagePin& pin, bool is_only_new);
+    /// One batch for each source, of the members from `first` on.
+    void sample_members(std::size_t first, TimePoint now, bool is_late);
+    void ask(Flight& flight, std::size_t index, Member& member);
+    void deliver(Flight& flight);
+    void land(Flight& flight);
+    void handle_flights(TimePoint now);
+    void notice_changes();
+    void unbind_all();
+    /// Finds out where values come from; the items of a process image go to its watch.
+    void bind(std::size_t first);
+    void bind(Member& member);
+    void watch(ProcessImage& image, Member& member, std::uint64_t handle);
+    void compact();
+    [[nodiscard]] bool is_full_of_holes() const;
+    void arm();
+
+    Sampler& sampler_;
+    Duration interval_;
+    Duration actual_interval_{0};
+    TimePoint last_sample_{no_deadline};
+    TimePoint next_sample_{no_deadline};
+    std::size_t item_count_{0};
+    /// Members have no item where one was removed; they close up while no batch is on its way.
+    std::vector<Member> members_;
+    std::size_t holes_{0};
+    /// Those from here on have no sample yet.
+    std::size_t first_new_{0};
+    std::uint64_t bound_at_{0};
+    bool is_late_{false};
+    std::vector<std::unique_ptr<Flight>> flights_;
+    std::vector<Image> images_;
+};
+
+} // namespace busbar::server::detail

@@ -1,0 +1,169 @@
+#include "state_table.hpp"
+
+#include <algorithm>
+
+namespace busbar::server::detail {
+
+namespace {
+
+using State = SubscriptionState;
+using Event = SubscriptionEvent;
+using Variables = SubscriptionVariables;
+using A = SubscriptionAction;
+using Condition = bool (*)(const Variables&);
+using Actions = std::array<A, 5>;
+
+constexpr StateSet living{State::Normal, State::Late, State::KeepAlive};
+
+constexpr bool always(const Variables&)
+{
+    return true;
+}
+constexpr bool has_nothing_to_report(const Variables& v)
+{
+    return !v.publishing_enabled || !v.notifications_available;
+}
+constexpr bool has_something_to_report(const Variables& v)
+{
+    return v.publishing_enabled && v.notifications_available;
+}
+
+constexpr SubscriptionRow go(unsigned number, StateSet states, Event event, Condition condition,
+                             Actions actions, State next)
+{
+    return {number, states, event, condition, actions, next, false, false};
+}
+constexpr SubscriptionRow stay(unsigned number, StateSet states, Event event, Condition condition,
+                               Actions actions)
+{
+    return {number, states, event, condition, actions, State::Closed, true, false};
+}
+constexpr SubscriptionRow refuse(SubscriptionRow row)
+{
+    row.is_refusal = true;
+    return row;
+}
+
+// Rows 6 to 17 do not look at the LifetimeCounter; row 27 is tried before them.
+constexpr std::array rows{
+    go(1, {State::Closed}, Event::CreateSubscription, always, {}, State::Creating),
+    refuse(go(
+        2, {State::Creating}, Event::Created, [](const Variables& v) { return !v.is_created; }, {},
+        State::Closed)),
+    go(
+        3, {State::Creating}, Event::Created, [](const Variables& v) { return v.is_created; },
+        {A::InitializeSubscription, A::ClearMessageSent}, State::Normal),
+
+    go(
+        27, living, Event::PublishingTimer,
+        [](const Variables& v) { return v.lifetime_counter == 1; },
+        {A::DeleteMonitoredItems, A::IssueStatusChangeNotification}, State::Closed),
+
+    stay(4, {State::Normal}, Event::PublishRequest,
+         [](const Variables& v) { return !v.publishing_enabled || !v.more_notifications; }, {}),
+    stay(5, {State::Normal}, Event::PublishRequest,
+         [](const Variables& v) { return v.publishing_enabled && v.more_notifications; },
+         {A::ResetLifetimeCounter, A::ReturnNotifications, A::SetMessageSent}),
+    stay(6, {State::Normal}, Event::PublishingTimer,
+         [](const Variables& v) { return v.publishing_req_queued && has_something_to_report(v); },
+         {A::ResetLifetimeCounter, A::StartPublishingTimer, A::ReturnNotifications,
+          A::SetMessageSent}),
+    stay(7, {State::Normal}, Event::PublishingTimer,
+         [](const Variables& v) {
+             return v.publishing_req_queued && !v.message_sent && has_nothing_to_report(v);
+         },
+         {A::ResetLifetimeCounter, A::StartPublishingTimer, A::ReturnKeepAlive, A::SetMessageSent}),
+    go(
+        8, {State::Normal}, Event::PublishingTimer,
+        [](const Variables& v) {
+            return !v.publishing_req_queued && (!v.message_sent || has_something_to_report(v));
+        },
+        {A::StartPublishingTimer}, State::Late),
+    go(
+        9, {State::Normal}, Event::PublishingTimer,
+        [](const Variables& v) { return v.message_sent && has_nothing_to_report(v); },
+        {A::StartPublishingTimer, A::ResetKeepAliveCounter}, State::KeepAlive),
+
+    go(
+        10, {State::Late}, Event::PublishRequest,
+        [](const Variables& v) {
+            return v.publishing_enabled && (v.notifications_available || v.more_notifications);
+        },
+        {A::ResetLifetimeCounter, A::ReturnNotifications, A::SetMessageSent}, State::Normal),
+    go(
+        11, {State::Late}, Event::PublishRequest,
+        [](const Variables& v) {
+            return !v.publishing_enabled || (!v.notifications_available && !v.more_notifications);
+        },
+        // Without a new count the next cycle would send one more.
+        {A::ResetLifetimeCounter, A::ReturnKeepAlive, A::SetMessageSent, A::ResetKeepAliveCounter},
+        State::KeepAlive),
+    stay(12, {State::Late}, Event::PublishingTimer, always, {A::StartPublishingTimer}),
+
+    stay(13, {State::KeepAlive}, Event::PublishRequest, always, {}),
+    go(
+        14, {State::KeepAlive}, Event::PublishingTimer,
+        [](const Variables& v) { return has_something_to_report(v) && v.publishing_req_queued; },
+        {A::ResetLifetimeCounter, A::StartPublishingTimer, A::ReturnNotifications,
+         A::SetMessageSent},
+        State::Normal),
+    stay(15, {State::KeepAlive}, Event::PublishingTimer,
+         [](const Variables& v) {
+             return v.publishing_req_queued && v.keep_alive_counter == 1 &&
+                    has_nothing_to_report(v);
+         },
+         {A::ResetLifetimeCounter, A::StartPublishingTimer, A::ReturnKeepAlive,
+          A::ResetKeepAliveCounter}),
+    stay(16, {State::KeepAlive}, Event::PublishingTimer,
+         [](const Variables& v) { return v.keep_alive_counter > 1 && has_nothing_to_report(v); },
+         {A::StartPublishingTimer, A::DecrementKeepAliveCounter}),
+    go(
+        17, {State::KeepAlive}, Event::PublishingTimer,
+        [](const Variables& v) {
+            return !v.publishing_req_queued &&
+                   (v.keep_alive_counter == 1 || has_something_to_report(v));
+        },
+        {A::StartPublishingTimer}, State::Late),
+
+    stay(18, living, Event::ModifySubscription, always,
+         {A::ResetLifetimeCounter, A::UpdateSubscriptionParams}),
+    stay(19, living, Event::SetPublishingMode, always,
+         {A::ResetLifetimeCounter, A::SetPublishingEnabled, A::ClearMoreNotifications}),
+    stay(20, living, Event::Republish, [](const Variables& v) { return v.requested_message_found; },
+         {A::ResetLifetimeCounter}),
+    refuse(stay(21, living, Event::Republish,
+                [](const Variables& v) { return !v.requested_message_found; },
+                {A::ResetLifetimeCounter})),
+    refuse(stay(22, living, Event::TransferSubscriptions,
+                [](const Variables& v) { return !v.session_changed; }, {A::ResetLifetimeCounter})),
+    stay(23, living, Event::TransferSubscriptions,
+         [](const Variables& v) { return v.session_changed && v.client_validated; },
+         {A::IssueStatusChangeNotification, A::SetSession, A::ResetLifetimeCounter}),
+    refuse(stay(24, living, Event::TransferSubscriptions,
+                [](const Variables& v) { return v.session_changed && !v.client_validated; }, {})),
+    go(
+        25, living, Event::DeleteSubscriptions,
+        [](const Variables& v) { return v.subscription_assigned_to_client; },
+        {A::DeleteMonitoredItems, A::DeleteClientPublReqQueue}, State::Closed),
+    refuse(stay(26, living, Event::DeleteSubscriptions,
+                [](const Variables& v) { return !v.subscription_assigned_to_client; },
+                {A::ResetLifetimeCounter})),
+};
+
+} // namespace
+
+std::span<const SubscriptionRow> subscription_rows()
+{
+    return rows;
+}
+
+const SubscriptionRow* find_row(SubscriptionState state, SubscriptionEvent event,
+                                const SubscriptionVariables& variables)
+{
+    const auto* const found = std::find_if(rows.begin(), rows.end(), [&](const auto& row) {
+        return row.event == event && row.states.has(state) && row.condition(variables);
+    });
+    return found == rows.end() ? nullptr : found;
+}
+
+} // namespace busbar::server::detail

@@ -1,0 +1,259 @@
+#include "subscription.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "notification_message.hpp"
+#include "publish_queue.hpp"
+#include "server/core.hpp"
+#include "server/session.hpp"
+#include "subscription_table.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+SubscriptionOwner owner_of(const Session& session)
+{
+    return {session.user, session.client_application_uri,
+            session.security.mode != MessageSecurityMode::None};
+}
+
+} // namespace
+
+Subscription::Subscription(Core& core, std::uint32_t id, Session& session)
+    : core_{core}, id_{id}, session_{&session},
+      memory_{core.limits().subscriptions.max_subscription_memory, &core.subscriptions.memory()},
+      retransmission_{core.limits().subscriptions.max_retransmission_messages, memory_}
+{
+}
+
+Subscription::~Subscription()
+{
+    core_.subscriptions.timers().cancel(*this);
+    delete_items();
+}
+
+SubscriptionVariables Subscription::variables(const Input& input) const
+{
+    SubscriptionVariables v;
+    v.is_created = true;
+    v.publishing_enabled = publishing_enabled_;
+    v.publishing_req_queued =
+        session_ != nullptr && PublishPart::of(*session_).next_request() != nullptr;
+    v.more_notifications = more_notifications_;
+    v.notifications_available = notifications_available();
+    v.message_sent = message_sent_;
+    v.keep_alive_counter = keep_alive_counter_;
+    v.lifetime_counter = lifetime_counter_;
+    v.requested_message_found = input.is_message_found;
+    v.session_changed = input.session != session_;
+    v.client_validated = input.is_client_validated;
+    v.subscription_assigned_to_client = input.session == session_;
+    return v;
+}
+
+const SubscriptionRow& Subscription::handle(SubscriptionEvent event, const Input& input)
+{
+    const SubscriptionRow* const row = find_row(state_, event, variables(input));
+    // A subscription that is Closed is removed and gets no event; in all other states each event
+    // has a row for any values of the variables, as a test shows.
+    static constexpr SubscriptionRow nothing{0,    {},  {}, nullptr, {}, SubscriptionState::Closed,
+                                             true, true};
+    if (row == nullptr) {
+        return nothing;
+    }
+    for (const SubscriptionAction action : row->actions) {
+        perform(action, *row, input);
+    }
+    state_ = row->keeps_state ? state_ : row->next;
+    return *row;
+}
+
+void Subscription::perform(SubscriptionAction action, const SubscriptionRow& row,
+                           const Input& input)
+{
+    using A = SubscriptionAction;
+    switch (action) {
+    case A::None:
+    case A::DeleteClientPublReqQueue: // the table of Subscriptions does that when it removes this
+        break;
+    case A::InitializeSubscription:
+        parameters_ = *input.parameters;
+        publishing_enabled_ = input.publishing_enabled;
+        lifetime_counter_ = parameters_.lifetime_count + 1; // the timer takes one off
+        keep_alive_counter_ = parameters_.max_keep_alive_count;
+        start_publishing_timer(input.now);
+        break;
+    case A::SetMessageSent:
+        message_sent_ = true;
+        break;
+    case A::ClearMessageSent:
+        message_sent_ = false;
+        break;
+    case A::ResetLifetimeCounter:
+        reset_lifetime_counter();
+        break;
+    case A::ResetKeepAliveCounter:
+        keep_alive_counter_ = parameters_.max_keep_alive_count;
+        break;
+    case A::DecrementKeepAliveCounter:
+        --keep_alive_counter_;
+        break;
+    case A::StartPublishingTimer:
+        start_publishing_timer(input.now);
+        break;
+    case A::ReturnNotifications:
+        return_notifications();
+        break;
+    case A::ReturnKeepAlive:
+        return_keep_alive();
+        break;
+    case A::UpdateSubscriptionParams:
+        update_parameters(*input.parameters, input.now);
+        break;
+    case A::SetPublishingEnabled:
+        publishing_enabled_ = input.publishing_enabled;
+        break;
+    case A::ClearMoreNotifications:
+        more_notifications_ = false;
+        break;
+    case A::SetSession:
+        set_session(*input.session, input.now);
+        break;
+    case A::DeleteMonitoredItems:
+        delete_items();
+        break;
+    case A::IssueStatusChangeNotification:
+        issue_status_change(row.event == SubscriptionEvent::TransferSubscriptions
+                                ? status::Good_SubscriptionTransferred
+                                : status::Bad_Timeout);
+        break;
+    }
+}
+
+void Subscription::expire(TimePoint now)
+{
+    handle(SubscriptionEvent::PublishingTimer, {.now = now});
+    if (state_ == State::Closed) {
+        core_.subscriptions.remove(*this);
+    }
+}
+
+void Subscription::start_publishing_timer(TimePoint now)
+{
+    // From the time that was due, so that cycles do not drift; but what was missed is missed.
+    const TimePoint in_step =
+        next_publishing_ == no_deadline ? now : next_publishing_ + parameters_.publishing_interval;
+    next_publishing_ = in_step > now ? in_step : now + parameters_.publishing_interval;
+    core_.subscriptions.timers().set(*this, next_publishing_);
+    --lifetime_counter_;
+}
+
+/// Part 4, 5.14.3.1: settings apply at once.
+void Subscription::update_parameters(const SubscriptionParameters& parameters, TimePoint now)
+{
+    const bool is_other_interval =
+        parameters.publishing_interval != parameters_.publishing_interval;
+    parameters_ = parameters;
+    keep_alive_counter_ = std::min(keep_alive_counter_, parameters.max_keep_alive_count);
+    reset_lifetime_counter();
+    if (is_other_interval) {
+        next_publishing_ = now + parameters.publishing_interval;
+        core_.subscriptions.timers().set(*this, next_publishing_);
+    }
+}
+
+std::uint32_t Subscription::next_sequence_number() const
+{
+    return sequence_number_ == UINT32_MAX ? 1 : sequence_number_ + 1;
+}
+
+bool Subscription::wants_publish_request() const
+{
+    return state_ == State::Late ||
+           (state_ == State::Normal && publishing_enabled_ && more_notifications_);
+}
+
+/// Part 4, 5.14.1.4: goes on while there are Notifications and requests.
+void Subscription::return_notifications()
+{
+    PublishPart& part = PublishPart::of(*session_);
+    const ServerLimits& limits = core_.limits();
+    // What all requests of a session bring together has to fit the connection's queue.
+    const std::size_t most_bytes =
+        std::min(limits.subscriptions.max_message_size,
+                 limits.max_send_queue /
+                     std::max<std::size_t>(limits.subscriptions.max_publish_requests, 1));
+    do {
+        PublishOperation* const request = part.take_request();
+        if (request == nullptr) {
+            return;
+        }
+        const DateTime now = core_.environment.wall_clock->now();
+        auto message = write_notifications(
+            next_sequence_number(), now, ready_data_, ready_events_,
+            {parameters_.max_notifications_per_publish,
+             std::min(most_bytes, request->room_for_message(retransmission_.size() + 1))});
+        more_notifications_ = notifications_available();
+        if (!message) {
+            request->refuse(message.error());
+            continue;
+        }
+        sequence_number_ = next_sequence_number();
+        const std::span<const std::byte> bytes{*message};
+        retransmission_.add(sequence_number_, *message); // which keeps the bytes where they are
+        request->answer({*this, bytes, more_notifications_});
+    } while (more_notifications_);
+    last_served_ = core_.subscriptions.next_serial();
+}
+
+void Subscription::return_keep_alive()
+{
+    if (PublishOperation* const request = PublishPart::of(*session_).take_request()) {
+        const auto message =
+            write_keep_alive(next_sequence_number(), core_.environment.wall_clock->now());
+        request->answer({*this, message, false});
+    }
+    last_served_ = core_.subscriptions.next_serial();
+}
+
+void Subscription::issue_status_change(StatusCode status)
+{
+    if (session_ != nullptr) {
+        PublishPart::of(*session_).add_status_change(
+            core_, {id_, write_status_change(next_sequence_number(),
+                                             core_.environment.wall_clock->now(), status)});
+    }
+}
+
+void Subscription::set_session(Session& session, TimePoint now)
+{
+    if (session_ != nullptr) {
+        PublishPart::of(*session_).remove(*this);
+    }
+    const UserIdentity before = user();
+    session_ = &session;
+    PublishPart::of(session).add(*this);
+    if (!(before == session.user)) {
+        user_changed(now);
+    }
+}
+
+SubscriptionOwner Subscription::owner() const
+{
+    return session_ != nullptr ? owner_of(*session_) : owner_;
+}
+
+const UserIdentity& Subscription::user() const
+{
+    return session_ != nullptr ? session_->user : owner_.user;
+}
+
+void Subscription::detach()
+{
+    owner_ = owner_of(*session_);
+    session_ = nullptr;
+}
+
+} // namespace busbar::server::detail

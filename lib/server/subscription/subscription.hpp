@@ -1,0 +1,170 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <busbar/server/access_control.hpp>
+#include <busbar/server/subscription_limits.hpp>
+
+#include "ready_list.hpp"
+#include "retransmission_queue.hpp"
+#include "state_table.hpp"
+#include "timer_queue.hpp"
+
+namespace busbar::server::detail {
+
+struct Core;
+class Session;
+
+/// What a client asks of a Subscription, as it was revised (Part 4, 5.14.2.2).
+struct SubscriptionParameters {
+    Duration publishing_interval{0};
+    std::uint32_t lifetime_count{0};
+    std::uint32_t max_keep_alive_count{0};
+    /// 0 for no limit but the server's.
+    std::uint32_t max_notifications_per_publish{0};
+    std::uint8_t priority{0};
+};
+
+/// Brings the requested values into the limits: intervals that are not numbers, counts of 0 and
+/// products past all bounds included.
+[[nodiscard]] SubscriptionParameters
+revise(const SubscriptionLimits& limits, double publishing_interval, std::uint32_t lifetime_count,
+       std::uint32_t max_keep_alive_count, std::uint32_t max_notifications_per_publish,
+       std::uint8_t priority);
+
+/// Who a Subscription works for. It keeps this when its session ends.
+struct SubscriptionOwner {
+    UserIdentity user;
+    std::string application_uri;
+    bool is_signed{false};
+};
+
+/// A Subscription (Part 4, 5.14.1): its items, its state and what it has sent.
+///
+/// What happens to it is an event for the state table; handle() does what the table's row says.
+/// Belongs to the table of Subscriptions, which removes it when its state is Closed.
+class Subscription final : public Timer {
+public:
+    using State = SubscriptionState;
+
+    Subscription(Core& core, std::uint32_t id, Session& session);
+    Subscription(const Subscription&) = delete;
+    Subscription& operator=(const Subscription&) = delete;
+    ~Subscription() override;
+
+    [[nodiscard]] std::uint32_t id() const { return id_; }
+    [[nodiscard]] State state() const { return state_; }
+    [[nodiscard]] const SubscriptionParameters& parameters() const { return parameters_; }
+    [[nodiscard]] bool publishing_enabled() const { return publishing_enabled_; }
+
+    // Events.
+
+    /// What a service gives the row's actions to work with.
+    struct Input {
+        TimePoint now{};
+        const SubscriptionParameters* parameters{nullptr};
+        bool publishing_enabled{false};
+        /// Republish.
+        bool is_message_found{false};
+        /// TransferSubscriptions and DeleteSubscriptions: the session that asks.
+        Session* session{nullptr};
+        bool is_client_validated{false};
+    };
+    /// Does what the table has for the event, and tells which row that was.
+    const SubscriptionRow& handle(SubscriptionEvent event, const Input& input);
+    /// The publishing timer.
+    void expire(TimePoint now) override;
+    [[nodiscard]] unsigned rank() const override { return parameters_.priority; }
+
+    // Sessions.
+
+    /// Null after the session has ended, until another takes over.
+    [[nodiscard]] Session* session() const { return session_; }
+    [[nodiscard]] SubscriptionOwner owner() const;
+    [[nodiscard]] const UserIdentity& user() const;
+    /// The session ends; the Subscription goes on until its lifetime is over.
+    void detach();
+    /// The Subscription works with the rights of another user from now on.
+    void user_changed(TimePoint now);
+    /// Whatever service names the Subscription shows that its client is there.
+    void reset_lifetime_counter() { lifetime_counter_ = parameters_.lifetime_count; }
+
+    // Publishing.
+
+    /// True if the next Publish request is answered at once.
+    [[nodiscard]] bool wants_publish_request() const;
+    /// Grows with each message that was sent; what was served least lately comes first.
+    [[nodiscard]] std::uint64_t last_served() const { return last_served_; }
+    [[nodiscard]] RetransmissionQueue& retransmission() { return retransmission_; }
+    /// The sequence number of the next message (Part 4, 7.8).
+    [[nodiscard]] std::uint32_t next_sequence_number() const;
+
+    // Items.
+
+    [[nodiscard]] std::size_t item_count() const { return items_.size(); }
+    [[nodiscard]] MonitoredItem* find_item(std::uint32_t id) const;
+    MonitoredItem& add_item(std::unique_ptr<MonitoredItem> item);
+    /// False if there is no such item.
+    [[nodiscard]] bool remove_item(std::uint32_t id);
+    /// In ascending order.
+    [[nodiscard]] std::vector<std::uint32_t> item_ids() const;
+    /// Queues the last value of each data item that reports and has none queued.
+    void resend_data(TimePoint now);
+    /// See DataItem::announce_change.
+    void announce_change(const NodeId& variable, std::uint32_t status_bits);
+    [[nodiscard]] ReadyList& ready(MonitoredItem::Kind kind)
+    {
+        return kind == MonitoredItem::Kind::Data ? ready_data_ : ready_events_;
+    }
+    [[nodiscard]] MemoryAccount& memory() { return memory_; }
+
+private:
+    [[nodiscard]] SubscriptionVariables variables(const Input& input) const;
+    [[nodiscard]] bool notifications_available() const
+    {
+        return !ready_data_.empty() || !ready_events_.empty();
+    }
+    void perform(SubscriptionAction action, const SubscriptionRow& row, const Input& input);
+    void start_publishing_timer(TimePoint now);
+    void update_parameters(const SubscriptionParameters& parameters, TimePoint now);
+    void return_notifications();
+    void return_keep_alive();
+    void issue_status_change(StatusCode status);
+    void set_session(Session& session, TimePoint now);
+    void delete_items();
+    [[nodiscard]] ItemContext context(TimePoint now) { return {core_, *this, now}; }
+
+    Core& core_;
+    std::uint32_t id_;
+    Session* session_;
+    /// While there is no session.
+    SubscriptionOwner owner_;
+    SubscriptionParameters parameters_;
+
+    // The state variables (Part 4, 5.14.1.3).
+
+    State state_{State::Closed};
+    bool publishing_enabled_{false};
+    bool more_notifications_{false};
+    bool message_sent_{false};
+    std::uint32_t keep_alive_counter_{0};
+    std::uint32_t lifetime_counter_{0};
+    /// Of the last message; 0 is never sent.
+    std::uint32_t sequence_number_{0};
+
+    TimePoint next_publishing_{no_deadline};
+    std::uint64_t last_served_{0};
+    MemoryAccount memory_;
+    RetransmissionQueue retransmission_;
+    ReadyList ready_data_;
+    ReadyList ready_events_;
+    std::uint32_t last_item_id_{0};
+    /// Destroyed before the lists they are in.
+    std::unordered_map<std::uint32_t, std::unique_ptr<MonitoredItem>> items_;
+};
+
+} // namespace busbar::server::detail

@@ -1,0 +1,85 @@
+#include <algorithm>
+
+#include <busbar/core/attribute_id.hpp>
+
+#include "data_item.hpp"
+#include "server/core.hpp"
+#include "subscription.hpp"
+
+namespace busbar::server::detail {
+
+void Subscription::user_changed(TimePoint now)
+{
+    for (const auto& [id, item] : items_) {
+        item->user_changed(context(now));
+    }
+}
+
+MonitoredItem* Subscription::find_item(std::uint32_t id) const
+{
+    const auto found = items_.find(id);
+    return found == items_.end() ? nullptr : found->second.get();
+}
+
+MonitoredItem& Subscription::add_item(std::unique_ptr<MonitoredItem> item)
+{
+    do {
+        ++last_item_id_;
+    } while (last_item_id_ == 0 || items_.contains(last_item_id_));
+    item->id_ = last_item_id_;
+    core_.subscriptions.count_items(1);
+    return *items_.emplace(last_item_id_, std::move(item)).first->second;
+}
+
+bool Subscription::remove_item(std::uint32_t id)
+{
+    if (items_.erase(id) == 0) {
+        return false;
+    }
+    core_.subscriptions.count_items(-1);
+    return true;
+}
+
+void Subscription::delete_items()
+{
+    core_.subscriptions.count_items(-static_cast<std::ptrdiff_t>(items_.size()));
+    items_.clear();
+}
+
+std::vector<std::uint32_t> Subscription::item_ids() const
+{
+    std::vector<std::uint32_t> ids;
+    ids.reserve(items_.size());
+    for (const auto& [id, item] : items_) {
+        ids.push_back(id);
+    }
+    std::sort(ids.begin(), ids.end());
+    return ids;
+}
+
+void Subscription::resend_data(TimePoint now)
+{
+    for (const std::uint32_t id : item_ids()) {
+        MonitoredItem& item = *find_item(id);
+        if (item.mode() == MonitoringMode::Reporting) {
+            item.resend(context(now));
+        }
+    }
+}
+
+void Subscription::announce_change(const NodeId& variable, std::uint32_t status_bits)
+{
+    constexpr auto value_attribute = static_cast<std::uint32_t>(AttributeId::Value);
+    for (const auto& [id, item] : items_) {
+        if (item->kind() != MonitoredItem::Kind::Data) {
+            continue;
+        }
+        auto& data = static_cast<DataItem&>(*item);
+        if (data.value_id().attribute_id == value_attribute &&
+            data.value_id().node_id == variable) {
+            data.announce_change(core_, status_bits);
+        }
+    }
+}
+
+} // namespace busbar::server::detail

@@ -1,0 +1,177 @@
+#include "subscription_services.hpp"
+
+#include "server/core.hpp"
+#include "server/session.hpp"
+#include "subscription.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+double to_milliseconds(Duration duration)
+{
+    return std::chrono::duration<double, std::milli>{duration}.count();
+}
+
+/// The Subscription, if it is the session's.
+Result<Subscription*> find(const Core& core, const Session& session, std::uint32_t id)
+{
+    Subscription* const found = core.subscriptions.find(id);
+    if (found == nullptr) {
+        return fail(status::Bad_SubscriptionIdInvalid);
+    }
+    if (found->session() != &session) {
+        return fail(status::Bad_UserAccessDenied);
+    }
+    return found;
+}
+
+StatusCode delete_one(ServiceContext& context, std::uint32_t id)
+{
+    Subscription* const subscription = context.core.subscriptions.find(id);
+    if (subscription == nullptr) {
+        return status::Bad_SubscriptionIdInvalid;
+    }
+    const SubscriptionRow& row = subscription->handle(
+        SubscriptionEvent::DeleteSubscriptions, {.now = context.now, .session = context.session});
+    if (row.is_refusal) {
+        return status::Bad_SubscriptionIdInvalid;
+    }
+    context.core.subscriptions.remove(*subscription);
+    return status::Good;
+}
+
+} // namespace
+
+StatusCode check_count(const ServiceContext& context, std::size_t count)
+{
+    if (count == 0) {
+        return status::Bad_NothingToDo;
+    }
+    return count > context.core.limits().operations.max_monitored_items_per_call
+               ? status::Bad_TooManyOperations
+               : status::Good;
+}
+
+StatusCode create_subscription(ServiceContext& context, const CreateSubscriptionRequest& request,
+                               CreateSubscriptionResponse& response)
+{
+    const SubscriptionParameters parameters =
+        revise(context.core.limits().subscriptions, request.requested_publishing_interval,
+               request.requested_lifetime_count, request.requested_max_keep_alive_count,
+               request.max_notifications_per_publish, request.priority);
+    const auto made = context.core.subscriptions.create(*context.session, parameters,
+                                                        request.publishing_enabled, context.now);
+    if (!made) {
+        return made.error();
+    }
+    response.subscription_id = (*made)->id();
+    response.revised_publishing_interval = to_milliseconds(parameters.publishing_interval);
+    response.revised_lifetime_count = parameters.lifetime_count;
+    response.revised_max_keep_alive_count = parameters.max_keep_alive_count;
+    return status::Good;
+}
+
+StatusCode modify_subscription(ServiceContext& context, const ModifySubscriptionRequest& request,
+                               ModifySubscriptionResponse& response)
+{
+    Subscription* const subscription =
+        context.core.subscriptions.find(request.subscription_id, *context.session);
+    if (subscription == nullptr) {
+        return status::Bad_SubscriptionIdInvalid;
+    }
+    const SubscriptionParameters parameters =
+        revise(context.core.limits().subscriptions, request.requested_publishing_interval,
+               request.requested_lifetime_count, request.requested_max_keep_alive_count,
+               request.max_notifications_per_publish, request.priority);
+    subscription->handle(SubscriptionEvent::ModifySubscription,
+                         {.now = context.now, .parameters = &parameters});
+    response.revised_publishing_interval = to_milliseconds(parameters.publishing_interval);
+    response.revised_lifetime_count = parameters.lifetime_count;
+    response.revised_max_keep_alive_count = parameters.max_keep_alive_count;
+    return status::Good;
+}
+
+StatusCode set_publishing_mode(ServiceContext& context, const SetPublishingModeRequest& request,
+                               SetPublishingModeResponse& response)
+{
+    if (const StatusCode bad = check_count(context, request.subscription_ids.size());
+        bad.is_bad()) {
+        return bad;
+    }
+    response.results.reserve(request.subscription_ids.size());
+    for (const std::uint32_t id : request.subscription_ids) {
+        Subscription* const subscription = context.core.subscriptions.find(id, *context.session);
+        if (subscription == nullptr) {
+            response.results.push_back(status::Bad_SubscriptionIdInvalid);
+            continue;
+        }
+        subscription->handle(
+            SubscriptionEvent::SetPublishingMode,
+            {.now = context.now, .publishing_enabled = request.publishing_enabled});
+        response.results.push_back(status::Good);
+    }
+    return status::Good;
+}
+
+StatusCode delete_subscriptions(ServiceContext& context, const DeleteSubscriptionsRequest& request,
+                                DeleteSubscriptionsResponse& response)
+{
+    if (const StatusCode bad = check_count(context, request.subscription_ids.size());
+        bad.is_bad()) {
+        return bad;
+    }
+    response.results.reserve(request.subscription_ids.size());
+    for (const std::uint32_t id : request.subscription_ids) {
+        response.results.push_back(delete_one(context, id));
+    }
+    return status::Good;
+}
+
+void RepublishOperation::start(ServiceContext& context)
+{
+    Subscription* const subscription =
+        context.core.subscriptions.find(request().subscription_id, *context.session);
+    if (subscription == nullptr) {
+        return fault(status::Bad_SubscriptionIdInvalid);
+    }
+    const std::vector<std::byte>* const message =
+        subscription->retransmission().find(request().retransmit_sequence_number);
+    subscription->handle(SubscriptionEvent::Republish,
+                         {.now = context.now, .is_message_found = message != nullptr});
+    if (message == nullptr) {
+        return fault(status::Bad_MessageNotAvailable);
+    }
+    respond<RepublishResponse>([&](binary::Writer& writer) { writer.bytes(*message); });
+}
+
+Result<MonitoredItemHandles> get_monitored_items(const Core& core, const Session& session,
+                                                 std::uint32_t subscription_id)
+{
+    const auto subscription = find(core, session, subscription_id);
+    if (!subscription) {
+        return fail(subscription.error());
+    }
+    MonitoredItemHandles handles;
+    handles.server_handles.reserve((*subscription)->item_count());
+    handles.client_handles.reserve((*subscription)->item_count());
+    for (const std::uint32_t id : (*subscription)->item_ids()) {
+        handles.server_handles.push_back(id);
+        handles.client_handles.push_back((*subscription)->find_item(id)->client_handle());
+    }
+    return handles;
+}
+
+StatusCode resend_data(Core& core, const Session& session, std::uint32_t subscription_id,
+                       TimePoint now)
+{
+    const auto subscription = find(core, session, subscription_id);
+    if (!subscription) {
+        return subscription.error();
+    }
+    (*subscription)->reset_lifetime_counter();
+    (*subscription)->resend_data(now);
+    return status::Good;
+}
+
+} // namespace busbar::server::detail

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <busbar/types/subscription.hpp>
+
+#include "server/service.hpp"
+
+/// The Subscription service set (Part 4, 5.14) but for Publish. All need an activated session.
+namespace busbar::server::detail {
+
+[[nodiscard]] StatusCode create_subscription(ServiceContext& context,
+                                             const CreateSubscriptionRequest& request,
+                                             CreateSubscriptionResponse& response);
+[[nodiscard]] StatusCode modify_subscription(ServiceContext& context,
+                                             const ModifySubscriptionRequest& request,
+                                             ModifySubscriptionResponse& response);
+[[nodiscard]] StatusCode set_publishing_mode(ServiceContext& context,
+                                             const SetPublishingModeRequest& request,
+                                             SetPublishingModeResponse& response);
+[[nodiscard]] StatusCode transfer_subscriptions(ServiceContext& context,
+                                                const TransferSubscriptionsRequest& request,
+                                                TransferSubscriptionsResponse& response);
+[[nodiscard]] StatusCode delete_subscriptions(ServiceContext& context,
+                                              const DeleteSubscriptionsRequest& request,
+                                              DeleteSubscriptionsResponse& response);
+
+/// Republish (Part 4, 5.14.6): answers with the bytes that were sent.
+class RepublishOperation final : public OperationOf<RepublishRequest> {
+public:
+    void start(ServiceContext& context) override;
+};
+
+/// Good, or why a request with so many operations is refused.
+[[nodiscard]] StatusCode check_count(const ServiceContext& context, std::size_t count);
+
+// Methods of the Server object (Part 5, 9.1 and 9.2): functions for whoever calls them.
+
+struct MonitoredItemHandles {
+    Array<std::uint32_t> server_handles;
+    Array<std::uint32_t> client_handles;
+};
+/// Bad_SubscriptionIdInvalid, or Bad_UserAccessDenied for a Subscription of another session.
+[[nodiscard]] Result<MonitoredItemHandles>
+get_monitored_items(const Core& core, const Session& session, std::uint32_t subscription_id);
+/// The same.
+[[nodiscard]] StatusCode resend_data(Core& core, const Session& session,
+                                     std::uint32_t subscription_id, TimePoint now);
+
+} // namespace busbar::server::detail

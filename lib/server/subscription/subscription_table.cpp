@@ -1,0 +1,113 @@
+#include "subscription_table.hpp"
+
+#include <array>
+#include <bit>
+
+#include "publish_queue.hpp"
+#include "sampler.hpp"
+#include "server/core.hpp"
+#include "server/session.hpp"
+#include "subscription.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+/// Ids begin anywhere, so that a client which outlives a restart does not meet another's.
+std::uint32_t random_id(crypto::Random& random)
+{
+    std::array<std::byte, 4> bytes{};
+    static_cast<void>(random.fill(bytes)); // without randomness they begin at 1
+    return std::bit_cast<std::uint32_t>(bytes);
+}
+
+} // namespace
+
+Subscriptions::Subscriptions(Core& core)
+    : core_{core}, memory_{core.limits().subscriptions.max_memory, nullptr},
+      sampler_{std::make_unique<Sampler>(core, timers_)}, last_id_{
+                                                              random_id(*core.environment.random)}
+{
+}
+
+Subscriptions::~Subscriptions() = default;
+
+std::uint32_t Subscriptions::new_id()
+{
+    do {
+        ++last_id_;
+    } while (last_id_ == 0 || subscriptions_.contains(last_id_));
+    return last_id_;
+}
+
+Result<Subscription*> Subscriptions::create(Session& session,
+                                            const SubscriptionParameters& parameters,
+                                            bool publishing_enabled, TimePoint now)
+{
+    const SubscriptionLimits& limits = core_.limits().subscriptions;
+    PublishPart& part = PublishPart::of(session);
+    // Row 2 of the state table.
+    if (size() >= limits.max_subscriptions ||
+        part.subscriptions().size() >= limits.max_subscriptions_per_session) {
+        return fail(status::Bad_TooManySubscriptions);
+    }
+    const std::uint32_t id = new_id();
+    ++core_.diagnostics.summary.cumulated_subscription_count;
+    Subscription& made =
+        *subscriptions_.emplace(id, std::make_unique<Subscription>(core_, id, session))
+             .first->second;
+    part.add(made);
+    made.handle(SubscriptionEvent::CreateSubscription, {.now = now});
+    made.handle(SubscriptionEvent::Created,
+                {.now = now, .parameters = &parameters, .publishing_enabled = publishing_enabled});
+    return &made;
+}
+
+Subscription* Subscriptions::find(std::uint32_t id) const
+{
+    const auto found = subscriptions_.find(id);
+    return found == subscriptions_.end() ? nullptr : found->second.get();
+}
+
+Subscription* Subscriptions::find(std::uint32_t id, const Session& session) const
+{
+    Subscription* const found = find(id);
+    return found != nullptr && found->session() == &session ? found : nullptr;
+}
+
+void Subscriptions::remove(Subscription& subscription)
+{
+    if (Session* const session = subscription.session(); session != nullptr) {
+        PublishPart::of(*session).remove(subscription);
+    }
+    subscriptions_.erase(subscription.id());
+}
+
+void Subscriptions::session_ends(Session& session, bool deletes_subscriptions)
+{
+    const auto own = PublishPart::of(session).subscriptions(); // a copy
+    for (Subscription* subscription : own) {
+        if (deletes_subscriptions) {
+            subscription->handle(SubscriptionEvent::DeleteSubscriptions, {.session = &session});
+            remove(*subscription);
+        } else {
+            subscription->detach();
+        }
+    }
+}
+
+void Subscriptions::user_changed(Session& session, TimePoint now)
+{
+    for (Subscription* subscription : PublishPart::of(session).subscriptions()) {
+        subscription->user_changed(now);
+    }
+}
+
+void Subscriptions::announce_change(const NodeId& variable, std::uint32_t status_bits)
+{
+    for (const auto& [id, subscription] : subscriptions_) {
+        subscription->announce_change(variable, status_bits);
+    }
+}
+
+} // namespace busbar::server::detail

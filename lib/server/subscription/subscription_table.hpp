@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
+
+#include <busbar/core/result.hpp>
+
+#include "timer_queue.hpp"
+#include "value_queue.hpp"
+
+namespace busbar::server::detail {
+
+struct Core;
+struct SubscriptionParameters;
+class Sampler;
+class Session;
+class Subscription;
+
+/// All Subscriptions of a server, with what they share: timers, sampling and memory.
+class Subscriptions {
+public:
+    explicit Subscriptions(Core& core);
+    Subscriptions(const Subscriptions&) = delete;
+    Subscriptions& operator=(const Subscriptions&) = delete;
+    ~Subscriptions();
+
+    /// Bad_TooManySubscriptions if the session, or the server, has as many as it may have.
+    [[nodiscard]] Result<Subscription*> create(Session& session,
+                                               const SubscriptionParameters& parameters,
+                                               bool publishing_enabled, TimePoint now);
+    /// Null if there is none.
+    [[nodiscard]] Subscription* find(std::uint32_t id) const;
+    /// Null if there is none or it is not the session's.
+    [[nodiscard]] Subscription* find(std::uint32_t id, const Session& session) const;
+    void remove(Subscription& subscription);
+
+    /// The session ends: its Subscriptions with it if `deletes_subscriptions`, else they live on
+    /// for as long as their lifetime says (Part 4, 5.6.4).
+    void session_ends(Session& session, bool deletes_subscriptions);
+    /// The session has another user.
+    void user_changed(Session& session, TimePoint now);
+
+    /// Tells all items of the Variable's value; see DataItem::announce_change.
+    void announce_change(const NodeId& variable, std::uint32_t status_bits);
+
+    [[nodiscard]] TimePoint next_deadline() const { return timers_.next_deadline(); }
+    void handle_deadline(TimePoint now) { timers_.expire(now); }
+
+    [[nodiscard]] TimerQueue& timers() { return timers_; }
+    [[nodiscard]] Sampler& sampler() { return *sampler_; }
+    [[nodiscard]] MemoryAccount& memory() { return memory_; }
+    [[nodiscard]] std::size_t size() const { return subscriptions_.size(); }
+    [[nodiscard]] std::size_t item_count() const { return item_count_; }
+    void count_items(std::ptrdiff_t more)
+    {
+        item_count_ = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(item_count_) + more);
+    }
+    [[nodiscard]] std::uint64_t next_serial() { return ++serial_; }
+    [[nodiscard]] const std::unordered_map<std::uint32_t, std::unique_ptr<Subscription>>&
+    all() const
+    {
+        return subscriptions_;
+    }
+
+private:
+    [[nodiscard]] std::uint32_t new_id();
+
+    Core& core_;
+    TimerQueue timers_;
+    MemoryAccount memory_;
+    std::unique_ptr<Sampler> sampler_;
+    std::size_t item_count_{0};
+    std::uint64_t serial_{0};
+    std::uint32_t last_id_;
+    std::unordered_map<std::uint32_t, std::unique_ptr<Subscription>> subscriptions_;
+};
+
+} // namespace busbar::server::detail

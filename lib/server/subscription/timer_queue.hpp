@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <busbar/core/clock.hpp>
+
+namespace busbar::server::detail {
+
+class TimerQueue;
+
+/// Something that is due at a time; in at most one queue.
+class Timer {
+public:
+    Timer() = default;
+    Timer(const Timer&) = delete;
+    Timer& operator=(const Timer&) = delete;
+    virtual ~Timer() = default;
+
+    /// no_deadline if it is not set.
+    [[nodiscard]] TimePoint due() const { return due_; }
+
+    /// Called when it was due; it is not set any more. May set or cancel any timer.
+    virtual void expire(TimePoint now) = 0;
+    /// Of those that expire in one call the highest comes first, then the one that was due first.
+    [[nodiscard]] virtual unsigned rank() const { return 0; }
+
+private:
+    friend class TimerQueue;
+
+    TimePoint due_{no_deadline};
+    std::size_t place_{0};
+    bool is_expiring_{false};
+};
+
+/// Timers by the time they are due: a binary heap, so that what is idle costs nothing and a change
+/// takes a number of steps that grows with the logarithm of their number.
+class TimerQueue {
+public:
+    /// `timer` must be cancelled before it is destroyed.
+    void set(Timer& timer, TimePoint due);
+    void cancel(Timer& timer);
+    [[nodiscard]] TimePoint next_deadline() const
+    {
+        return heap_.empty() ? no_deadline : heap_.front()->due_;
+    }
+    /// Expires all timers that are due at `now` when it is called; those that set themselves to a
+    /// time that has come again wait for the next call.
+    void expire(TimePoint now);
+    [[nodiscard]] std::size_t size() const { return heap_.size(); }
+
+private:
+    void put(Timer& timer, std::size_t place);
+    void sift_up(Timer& timer, std::size_t place);
+    void sift_down(Timer& timer, std::size_t place);
+
+    std::vector<Timer*> heap_;
+    /// Due in this call of expire(); null where one was cancelled meanwhile.
+    std::vector<Timer*> expiring_;
+};
+
+} // namespace busbar::server::detail

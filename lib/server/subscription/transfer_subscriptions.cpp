@@ -1,0 +1,75 @@
+#include "publish_queue.hpp"
+#include "server/core.hpp"
+#include "server/session.hpp"
+#include "subscription.hpp"
+#include "subscription_services.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+/// ClientValidated(): the same user or, if nobody logged in, the same application over a channel
+/// that says who it is (Part 4, 5.14.7.1).
+bool is_same_client(const SubscriptionOwner& owner, const Session& session)
+{
+    if (owner.user.token_type != session.user.token_type || owner.user.name != session.user.name) {
+        return false;
+    }
+    if (session.user.token_type != UserTokenType::Anonymous) {
+        return true;
+    }
+    return owner.is_signed && session.security.mode != MessageSecurityMode::None &&
+           owner.application_uri == session.client_application_uri;
+}
+
+StatusCode transfer(ServiceContext& context, Subscription& subscription, bool sends_initial_values)
+{
+    const SubscriptionLimits& limits = context.core.limits().subscriptions;
+    Session& session = *context.session;
+    const bool is_validated = is_same_client(subscription.owner(), session);
+    if (is_validated && subscription.session() != &session &&
+        PublishPart::of(session).subscriptions().size() >= limits.max_subscriptions_per_session) {
+        return status::Bad_TooManySubscriptions;
+    }
+    const SubscriptionRow& row = subscription.handle(
+        SubscriptionEvent::TransferSubscriptions,
+        {.now = context.now, .session = &session, .is_client_validated = is_validated});
+    if (row.is_refusal) {
+        return subscription.session() == &session ? status::Bad_NothingToDo
+                                                  : status::Bad_UserAccessDenied;
+    }
+    if (sends_initial_values) {
+        subscription.resend_data(context.now);
+    }
+    return status::Good;
+}
+
+} // namespace
+
+StatusCode transfer_subscriptions(ServiceContext& context,
+                                  const TransferSubscriptionsRequest& request,
+                                  TransferSubscriptionsResponse& response)
+{
+    if (const StatusCode bad = check_count(context, request.subscription_ids.size());
+        bad.is_bad()) {
+        return bad;
+    }
+    response.results.reserve(request.subscription_ids.size());
+    for (const std::uint32_t id : request.subscription_ids) {
+        TransferResult result;
+        Subscription* const subscription = context.core.subscriptions.find(id);
+        result.status_code = subscription == nullptr
+                                 ? status::Bad_SubscriptionIdInvalid
+                                 : transfer(context, *subscription, request.send_initial_values);
+        if (result.status_code.is_good()) {
+            result.available_sequence_numbers =
+                Array<std::uint32_t>{subscription->retransmission().available()};
+        }
+        response.results.push_back(std::move(result));
+    }
+    // Publish requests of the session may have waited for what came with them.
+    PublishPart::of(*context.session).serve(context.now);
+    return status::Good;
+}
+
+} // namespace busbar::server::detail

@@ -1,0 +1,167 @@
+#include "value_queue.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <busbar/binary/codec.hpp>
+
+namespace busbar::server::detail {
+
+namespace {
+
+/// True for what lies in a Variant, and in an array, without memory of its own.
+bool is_flat(BuiltInType type)
+{
+    return type < BuiltInType::String || type == BuiltInType::DateTime ||
+           type == BuiltInType::Guid || type == BuiltInType::StatusCode;
+}
+
+StatusCode with_bits(StatusCode status, std::uint32_t bits)
+{
+    return StatusCode{status.value() | bits};
+}
+
+} // namespace
+
+std::size_t encoded_size(const Variant& value)
+{
+    binary::CountingSink sink;
+    binary::Writer writer{sink};
+    encode(writer, value);
+    return writer.written();
+}
+
+std::size_t held_bytes(const Variant& value)
+{
+    if (is_flat(value.type())) {
+        return value.is_array() ? value.array_size() * 16 + 32 : 0;
+    }
+    if (const String* text = value.get_if<String>()) {
+        return text->size();
+    }
+    if (const ByteString* bytes = value.get_if<ByteString>()) {
+        return bytes->size();
+    }
+    // Objects are larger than their encoding, by no more than their fields' headers.
+    return 64 + 8 * encoded_size(value);
+}
+
+ValueQueue::~ValueQueue()
+{
+    clear();
+    account_->release(ring_ != nullptr ? capacity_ * sizeof(DataValue) : 0);
+}
+
+std::uint32_t ValueQueue::set_capacity(std::uint32_t capacity, bool discards_oldest)
+{
+    discards_oldest_ = discards_oldest;
+    capacity = std::max(capacity, 1U);
+    if (capacity == capacity_) {
+        return capacity_;
+    }
+    const std::size_t old_cost = ring_ != nullptr ? capacity_ * sizeof(DataValue) : 0;
+    account_->release(old_cost);
+    const std::size_t most = account_->left() / sizeof(DataValue);
+    capacity = std::max(static_cast<std::uint32_t>(std::min<std::size_t>(capacity, most)), 1U);
+    std::unique_ptr<DataValue[]> ring;
+    if (capacity > 1) {
+        static_cast<void>(account_->charge(capacity * sizeof(DataValue))); // there is that much
+        ring = std::make_unique<DataValue[]>(capacity);
+    }
+    move_to(std::move(ring), capacity);
+    return capacity_;
+}
+
+void ValueQueue::discard(std::vector<DataValue>& values, std::size_t most) const
+{
+    if (values.size() <= most) {
+        return;
+    }
+    // The oldest go, or those before the newest; a queue of one keeps the newest in any case.
+    const bool loses_oldest = discards_oldest_ || most == 1;
+    const auto lost = static_cast<std::ptrdiff_t>(values.size() - most);
+    const auto first = loses_oldest ? values.begin() : values.end() - 1 - lost;
+    for (auto at = first; at != first + lost; ++at) {
+        account_->release(held_bytes(at->value));
+    }
+    values.erase(first, first + lost);
+    DataValue& flagged = loses_oldest ? values.front() : values.back();
+    flagged.status = with_bits(flagged.status, most > 1 ? overflow_bits : 0);
+}
+
+void ValueQueue::move_to(std::unique_ptr<DataValue[]> ring, std::uint32_t capacity)
+{
+    const bool is_taken = size_ == 0;
+    size_ = std::max(size_, has_newest_ ? 1U : 0U);
+    std::vector<DataValue> values;
+    values.reserve(size_);
+    for (std::uint32_t i = 0; i < size_; ++i) {
+        values.push_back(std::move(at((oldest_index() + i) % capacity_)));
+    }
+    for (std::uint32_t i = 0; i < capacity_; ++i) { // what was taken, but not overwritten yet
+        account_->release(held_bytes(at(i).value));
+        at(i).value = Variant{};
+    }
+    discard(values, capacity);
+    ring_ = std::move(ring);
+    capacity_ = capacity;
+    for (std::uint32_t i = 0; i < values.size(); ++i) {
+        at(i) = std::move(values[i]);
+    }
+    newest_ = values.empty() ? 0 : static_cast<std::uint32_t>(values.size() - 1);
+    size_ = is_taken ? 0 : static_cast<std::uint32_t>(values.size());
+}
+
+std::uint32_t ValueQueue::make_place(bool& is_overflow)
+{
+    is_overflow = size_ == capacity_ && capacity_ > 1;
+    if (is_overflow && !discards_oldest_) {
+        return newest_;
+    }
+    const std::uint32_t place = newest_ + 1 == capacity_ ? 0 : newest_ + 1;
+    if (is_overflow) { // this was the oldest; the next one tells of the loss
+        DataValue& next = at(place + 1 == capacity_ ? 0 : place + 1);
+        next.status = with_bits(next.status, overflow_bits);
+        is_overflow = false;
+        --size_;
+    }
+    return place;
+}
+
+void ValueQueue::set(DataValue& to, const DataValue& data, const Variant& value)
+{
+    account_->release(held_bytes(to.value));
+    if (!account_->charge(held_bytes(value))) {
+        to.value = Variant{};
+        to.status = status::Bad_OutOfMemory;
+    } else {
+        to.value = value;
+    }
+    to.source_timestamp = data.source_timestamp;
+    to.source_picoseconds = data.source_picoseconds;
+}
+
+void ValueQueue::push(const DataValue& data, const Variant& value, StatusCode status,
+                      DateTime server_timestamp)
+{
+    bool is_overflow = false;
+    newest_ = make_place(is_overflow);
+    DataValue& to = at(newest_);
+    to.status = with_bits(status, is_overflow ? overflow_bits : 0);
+    set(to, data, value);
+    to.server_timestamp = server_timestamp;
+    size_ += size_ < capacity_ && !is_overflow ? 1 : 0;
+    has_newest_ = true;
+}
+
+void ValueQueue::clear()
+{
+    for (std::uint32_t i = 0; i < capacity_; ++i) {
+        account_->release(held_bytes(at(i).value));
+        at(i).value = Variant{};
+    }
+    size_ = 0;
+    has_newest_ = false;
+}
+
+} // namespace busbar::server::detail

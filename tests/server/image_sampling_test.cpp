@@ -1,0 +1,209 @@
+#include <catch2/catch.hpp>
+
+#include <busbar/server/process_image.hpp>
+
+#include "subscription_fixture.hpp"
+#include "support/slow_server.hpp"
+
+using namespace busbar;
+using namespace busbar::test;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr Duration cycle = 100ms;
+
+/// A task with a few variables, and what serves them.
+struct Plc {
+    Plc()
+    {
+        server::ImageLayout layout;
+        button = layout.add({BuiltInType::Boolean, {}}).value();
+        level = layout.add({BuiltInType::Int32, {}}).value();
+        row = layout.add({BuiltInType::Int32, {3}}).value();
+        name = layout.add({BuiltInType::String, {}, 16}).value();
+        image = server::ProcessImage::create(std::move(layout));
+        source = std::make_unique<server::ImageSource>(image);
+    }
+    void scan()
+    {
+        image->begin_scan();
+        image->publish(time);
+        time.ticks += 10;
+    }
+
+    std::uint32_t button, level, row, name;
+    std::shared_ptr<server::ProcessImage> image;
+    std::unique_ptr<server::ImageSource> source;
+    CountingWaker waker_of_plc;
+    DateTime time{today};
+};
+
+struct ImageFixture : Plc, ServerFixture {
+    ImageFixture() : ServerFixture{waker_of_plc, insecure_config()}
+    {
+        const auto index = server.add_source(*source);
+        add(index, button, id::Boolean, -1);
+        add(index, level, id::Int32, -1);
+        add(index, row, id::Int32, 1);
+        add(index, name, id::String, -1);
+        subscription =
+            client.call<CreateSubscriptionResponse>(SubscriptionFixture::subscription_request())
+                .value()
+                .subscription_id;
+    }
+    void add(std::uint32_t source_index, std::uint32_t handle, std::uint32_t type, int rank)
+    {
+        model::NewVariable variable;
+        variable.source = source_index;
+        variable.handle = handle;
+        variable.data_type = NodeId{0, type};
+        variable.value_rank = rank;
+        model::NewNode node;
+        node.id = NodeId{1, handle};
+        node.browse_name = QualifiedName{1, String{std::to_string(handle)}};
+        node.parent = server.address_space().find(id::ObjectsFolder);
+        REQUIRE(server.address_space().add_variable(node, variable));
+    }
+    MonitoredItemCreateResult monitor(std::uint32_t handle, double interval,
+                                      const char* range = nullptr)
+    {
+        auto item = SubscriptionFixture::item_request(NodeId{1, handle}, handle);
+        item.requested_parameters.sampling_interval = interval;
+        item.requested_parameters.queue_size = 20;
+        item.item_to_monitor.index_range = range != nullptr ? String{range} : String{};
+        const auto made =
+            SubscriptionFixture::monitor(client, subscription, item, TimestampsToReturn::Source);
+        CHECK(made.status_code == status::Good);
+        return made;
+    }
+    /// What a cycle brings; a request is there for it.
+    std::vector<DataValue> next()
+    {
+        client.messages.clear();
+        SubscriptionFixture::publish(client);
+        advance(cycle);
+        client.run();
+        std::vector<DataValue> values;
+        while (!client.messages.empty()) {
+            const auto response = SubscriptionFixture::take(client, client.messages[0].request_id);
+            if (!response) {
+                break;
+            }
+            for (const auto& one : SubscriptionFixture::data(response->notification_message)) {
+                values.push_back(one.value);
+            }
+        }
+        return values;
+    }
+    std::vector<Variant> next_values()
+    {
+        std::vector<Variant> values;
+        for (DataValue& one : next()) {
+            values.push_back(std::move(one.value));
+        }
+        return values;
+    }
+
+    TestClient client{log_in()};
+    std::uint32_t subscription{0};
+};
+
+} // namespace
+
+TEST_CASE_METHOD(ImageFixture, "a pulse of one scan is seen by an item that follows the scans")
+{
+    scan();
+    CHECK(monitor(button, 0).revised_sampling_interval == 0);
+    CHECK(next_values() == std::vector<Variant>{false});
+    const int woken = waker_of_plc.count;
+    for (const bool pressed : {false, true, false, false}) {
+        image->memory().value<bool>(button) = pressed;
+        scan();
+    }
+    CHECK(waker_of_plc.count == woken + 4);
+    server.handle_completions(now);
+    const auto values = next();
+    REQUIRE(values.size() == 2);
+    CHECK(values[0].value == Variant{true});
+    CHECK(values[1].value == Variant{false});
+    CHECK(values[1].source_timestamp.ticks == values[0].source_timestamp.ticks + 10);
+}
+
+TEST_CASE_METHOD(ImageFixture, "each change of each scan arrives once and in order")
+{
+    scan();
+    monitor(level, 0);
+    std::vector<Variant> expected{0};
+    std::vector<Variant> values;
+    for (int i = 1; i <= 200; ++i) {
+        image->memory().value<std::int32_t>(level) = i;
+        expected.emplace_back(i);
+        scan();
+        if (i % 3 == 0) { // a server that is not always in time
+            server.handle_completions(now);
+        }
+        if (i % 9 == 0) {
+            const auto more = next_values();
+            values.insert(values.end(), more.begin(), more.end());
+        }
+    }
+    server.handle_completions(now);
+    const auto more = next_values();
+    values.insert(values.end(), more.begin(), more.end());
+    CHECK(values == expected);
+}
+
+TEST_CASE_METHOD(ImageFixture, "scans that nobody takes do not stop the task")
+{
+    scan();
+    monitor(level, 0);
+    for (int i = 1; i <= 50; ++i) {
+        image->memory().value<std::int32_t>(level) = i;
+        scan();
+    }
+    server.handle_completions(now);
+    CHECK(next_values().size() == 1 + image->options().max_queued_scans);
+    // Without items nothing is kept, and nobody is woken.
+    DeleteMonitoredItemsRequest remove;
+    remove.subscription_id = subscription;
+    remove.monitored_item_ids = {1};
+    REQUIRE(client.call<DeleteMonitoredItemsResponse>(remove));
+    server.handle_completions(now);
+    const int woken = waker_of_plc.count;
+    scan();
+    CHECK(waker_of_plc.count == woken);
+    CHECK_FALSE(image->next_scan());
+}
+
+TEST_CASE_METHOD(ImageFixture, "an interval samples the latest scan, without a call of the source")
+{
+    monitor(level, 50);
+    monitor(row, 50);
+    monitor(row, 50, "1");
+    monitor(name, 50);
+    auto values = next();
+    REQUIRE(values.size() == 4);
+    for (const DataValue& value : values) {
+        CHECK(value.status == status::Bad_NoCommunication);
+    }
+    image->memory().set_text(name, "pump");
+    scan();
+    values = next();
+    REQUIRE(values.size() == 4);
+    CHECK(values[0] == DataValue{Variant{0}, status::Good, today});
+    CHECK(values[1].value == Variant{Array<std::int32_t>{0, 0, 0}});
+    CHECK(values[2].value == Variant{Array<std::int32_t>{0}});
+    CHECK(values[3].value == Variant{"pump"});
+    scan();
+    CHECK(next().empty());
+    image->memory().values<std::int32_t>(row)[0] = 4;
+    scan();
+    CHECK(next_values() == std::vector<Variant>{Array<std::int32_t>{4, 0, 0}});
+    image->halt();
+    values = next();
+    REQUIRE(values.size() == 4);
+    for (const DataValue& value : values) {
+        CHECK(value.status == status::Uncertain_LastUsableValue);
+    }
+}

@@ -1,0 +1,432 @@
+#include <catch2/catch.hpp>
+
+#include <memory>
+
+#include "server/core.hpp"
+#include "server/subscription/sampler.hpp"
+#include "server/subscription/subscription.hpp"
+#include "server/subscription/subscription_services.hpp"
+#include "subscription_fixture.hpp"
+#include "support/slow_server.hpp"
+
+using namespace busbar;
+using namespace busbar::test;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr Duration cycle = 100ms;
+const auto signed_channel = setting("Basic256Sha256", MessageSecurityMode::Sign);
+
+StatusCode close(TestClient& client, bool deletes_subscriptions)
+{
+    CloseSessionRequest request;
+    request.delete_subscriptions = deletes_subscriptions;
+    return client.status_of<CloseSessionResponse>(request);
+}
+
+/// A server whose variable "slow" has a source that takes its time.
+struct SlowItems : SlowFixture {
+    SlowItems() : client{log_in()}
+    {
+        id = client.call<CreateSubscriptionResponse>(SubscriptionFixture::subscription_request())
+                 .value()
+                 .subscription_id;
+    }
+    std::uint32_t monitor()
+    {
+        const auto made = SubscriptionFixture::monitor(
+            client, id, SubscriptionFixture::item_request(NodeId{1, "slow"}));
+        CHECK(made.status_code == status::Good);
+        return made.monitored_item_id;
+    }
+    void answer()
+    {
+        source.answer();
+        server.handle_completions(now);
+    }
+    /// The statuses of what a cycle brings.
+    std::vector<DataValue> next(std::uint32_t request)
+    {
+        advance(cycle);
+        std::vector<DataValue> values;
+        if (const auto response = SubscriptionFixture::take(client, request)) {
+            for (const auto& one : SubscriptionFixture::data(response->notification_message)) {
+                values.push_back(one.value);
+            }
+        }
+        return values;
+    }
+
+    TestClient client;
+    std::uint32_t id{0};
+};
+
+} // namespace
+
+TEST_CASE("Subscriptions outlive their session for as long as their lifetime says")
+{
+    SubscriptionFixture fixture;
+    const NodeId level = fixture.add_variable("level", 1);
+    auto client = fixture.log_in(signed_channel);
+    const auto id = fixture.subscribe(client);
+    fixture.monitor(client, id, fixture.item_request(level));
+    SECTION("CloseSession deletes them if it says so")
+    {
+        CHECK(close(client, true) == status::Good);
+        CHECK(fixture.server.subscription_count() == 0);
+        CHECK(fixture.server.monitored_item_count() == 0);
+    }
+    SECTION("else they go on, and can be taken over")
+    {
+        CHECK(close(client, false) == status::Good);
+        fixture.set(0, 2);
+        for (int i = 0; i < 20; ++i) {
+            fixture.advance(cycle);
+        }
+        CHECK(fixture.server.subscription_count() == 1);
+        auto other = fixture.log_in(signed_channel);
+        CHECK(fixture.transfer(other, id).status_code == status::Good);
+        // It was late.
+        const auto response = fixture.take(other, fixture.publish(other));
+        REQUIRE(response);
+        const auto data = fixture.data(response->notification_message);
+        REQUIRE(data.size() == 1);
+        CHECK(data[0].value == DataValue{Variant{2}});
+    }
+    SECTION("and end")
+    {
+        CHECK(close(client, false) == status::Good);
+        for (int i = 0; i < 31; ++i) {
+            fixture.advance(cycle);
+        }
+        CHECK(fixture.server.subscription_count() == 0);
+        CHECK(fixture.server.monitored_item_count() == 0);
+    }
+}
+
+TEST_CASE("what clients leave behind is limited")
+{
+    auto limits = SubscriptionFixture::small_limits();
+    limits.max_subscriptions = 5;
+    SubscriptionFixture fixture{limits};
+    for (int i = 0; i < 10; ++i) {
+        auto client = fixture.log_in();
+        const auto made = client.call<CreateSubscriptionResponse>(fixture.subscription_request());
+        CHECK((made ? StatusCode{} : made.error()) ==
+              (i < 5 ? status::Good : status::Bad_TooManySubscriptions));
+        CHECK(close(client, false) == status::Good);
+    }
+    for (int i = 0; i < 31; ++i) {
+        fixture.advance(cycle);
+    }
+    CHECK(fixture.server.subscription_count() == 0);
+}
+
+TEST_CASE("a client that goes leaves requests and Subscriptions in order")
+{
+    SubscriptionFixture fixture;
+    const NodeId level = fixture.add_variable("level", 1);
+    auto staying = std::make_unique<TestClient>(fixture.log_in());
+    {
+        auto client = fixture.log_in();
+        const auto id = fixture.subscribe(client);
+        fixture.monitor(client, id, fixture.item_request(level));
+        fixture.publish(client);
+        fixture.publish(client);
+    } // the connection is gone, its requests with it
+    for (int i = 0; i < 31; ++i) {
+        fixture.advance(cycle);
+    }
+    CHECK(fixture.server.subscription_count() == 0);
+    fixture.advance(60s); // and the session
+    CHECK(fixture.status_of(*staying, fixture.publish(*staying)) == status::Bad_SessionIdInvalid);
+}
+
+TEST_CASE("Publish requests end with their timeout, by Cancel and with the session")
+{
+    SubscriptionFixture fixture;
+    const NodeId level = fixture.add_variable("level", 1);
+    auto client = fixture.log_in();
+    const auto id = fixture.subscribe(client);
+    client.timeout_hint = 50;
+    const auto late = fixture.publish(client);
+    client.timeout_hint = 0;
+    const auto cancelled = fixture.publish(client);
+    CancelRequest cancel;
+    cancel.request_handle = client.last_handle;
+    REQUIRE(client.call<CancelResponse>(cancel));
+    const auto waiting = fixture.publish(client);
+    const auto last = fixture.publish(client);
+    CHECK(fixture.status_of(client, cancelled) == status::Bad_RequestCancelledByClient);
+    fixture.advance(60ms, client);
+    CHECK(fixture.status_of(client, late) == status::Bad_Timeout);
+    fixture.monitor(client, id, fixture.item_request(level));
+    fixture.advance(cycle, client);
+    const auto response = fixture.take(client, waiting);
+    REQUIRE(response);
+    CHECK(fixture.data(response->notification_message).size() == 1);
+    CHECK(close(client, true) == status::Good);
+    CHECK(fixture.status_of(client, last) == status::Bad_SessionClosed);
+}
+
+TEST_CASE("the highest priority is served first, then the one that waits longest")
+{
+    SubscriptionFixture fixture;
+    const NodeId level = fixture.add_variable("level", 1);
+    auto client = fixture.log_in();
+    std::vector<std::uint32_t> ids;
+    for (const int priority : {1, 9, 1}) {
+        auto request = fixture.subscription_request();
+        request.priority = static_cast<std::uint8_t>(priority);
+        ids.push_back(fixture.subscribe(client, request));
+        fixture.monitor(client, ids.back(), fixture.item_request(level));
+    }
+    const auto served = [&] {
+        const auto response = fixture.take(client, fixture.publish(client));
+        return response ? response->subscription_id : 0;
+    };
+    fixture.advance(cycle);
+    CHECK(served() == ids[1]);
+    CHECK(served() == ids[0]);
+    CHECK(served() == ids[2]);
+    CHECK(served() == 0);
+    // With one request for all three the timers go by priority too.
+    fixture.set(0, 2);
+    fixture.advance(cycle);
+    client.run();
+    REQUIRE(client.messages.size() == 1);
+    const auto response = fixture.take(client, client.messages[0].request_id);
+    REQUIRE(response);
+    CHECK(response->subscription_id == ids[1]);
+}
+
+TEST_CASE("a source that takes its time, is late or dies, and items that go meanwhile")
+{
+    SlowItems fixture;
+    const auto item = fixture.monitor();
+    const auto request = SubscriptionFixture::publish(fixture.client);
+    REQUIRE(fixture.source.batches.size() == 1);
+    SECTION("the value comes when it comes")
+    {
+        fixture.answer();
+        CHECK(fixture.next(request) == std::vector<DataValue>{Variant{42}});
+    }
+    SECTION("an item whose value is still on its way is not asked for again")
+    {
+        fixture.advance(50ms);
+        fixture.advance(50ms);
+        CHECK(fixture.source.batches.size() == 1);
+    }
+    SECTION("a late source is Bad_Timeout, and may answer then")
+    {
+        fixture.advance(5s);
+        CHECK(fixture.next(request) == std::vector<DataValue>{status::Bad_Timeout});
+        fixture.answer();
+    }
+    SECTION("a batch that is dropped is Bad_NoCommunication")
+    {
+        fixture.source.batches.clear();
+        fixture.server.handle_completions(fixture.now);
+        CHECK(fixture.next(request) == std::vector<DataValue>{status::Bad_NoCommunication});
+    }
+    SECTION("the item is deleted, others come, and then the value is there")
+    {
+        DeleteMonitoredItemsRequest remove;
+        remove.subscription_id = fixture.id;
+        remove.monitored_item_ids = {item};
+        REQUIRE(fixture.client.call<DeleteMonitoredItemsResponse>(remove));
+        fixture.monitor();
+        fixture.monitor();
+        REQUIRE(fixture.source.batches.size() == 3);
+        for (int i = 0; i < 3; ++i) {
+            fixture.answer();
+        }
+        CHECK(fixture.next(request).size() == 2);
+    }
+    SECTION("the Subscription is deleted, then the session, then the value is there")
+    {
+        CHECK(SubscriptionFixture::remove(fixture.client, fixture.id) == status::Good);
+        CHECK(close(fixture.client, true) == status::Good);
+        fixture.answer();
+        fixture.advance(10s);
+    }
+}
+
+TEST_CASE("memory for items, queues and messages is limited")
+{
+    auto limits = SubscriptionFixture::small_limits();
+    limits.max_subscription_memory = 20'000;
+    SubscriptionFixture fixture{limits};
+    const NodeId text = fixture.add_variable("text", Variant{"-"}, id::String);
+    auto client = fixture.log_in();
+    const auto id = fixture.subscribe(client);
+    auto item = fixture.item_request(text);
+    item.requested_parameters.queue_size = 100;
+    const auto made = fixture.monitor(client, id, item);
+    CHECK(made.revised_queue_size == 100);
+    auto greedy = item;
+    greedy.requested_parameters.queue_size = 10'000;
+    CHECK(fixture.monitor(client, id, greedy).revised_queue_size < 400);
+    CHECK(fixture.monitor(client, id, item).status_code == status::Bad_TooManyMonitoredItems);
+
+    // A value that nobody can pay for is told as such.
+    fixture.set(0, Variant{String{std::string(30'000, 'x')}});
+    fixture.advance(50ms);
+    const auto data = fixture.next_data(client, cycle);
+    REQUIRE_FALSE(data.empty());
+    CHECK(data.back().value == DataValue{status::Bad_OutOfMemory});
+    // All of it comes back.
+    CHECK(fixture.remove(client, id) == status::Good);
+    const auto again = fixture.subscribe(client);
+    CHECK(fixture.monitor(client, again, item).revised_queue_size == 100);
+}
+
+TEST_CASE("messages stay within what the client takes")
+{
+    SubscriptionFixture fixture;
+    const NodeId text =
+        fixture.add_variable("text", Variant{String{std::string(3'000, 'x')}}, id::String);
+    auto client = fixture.connect();
+    auto create = client.create_request();
+    create.max_response_message_size = 10'000;
+    REQUIRE(client.create_session(create));
+    REQUIRE(client.activate(client.anonymous()) == status::Good);
+    const auto id = fixture.subscribe(client);
+    for (std::uint32_t i = 0; i < 5; ++i) {
+        fixture.monitor(client, id, fixture.item_request(text, i));
+    }
+    fixture.advance(cycle);
+    std::vector<std::uint32_t> handles;
+    for (bool has_more = true; has_more;) {
+        const auto response = fixture.take(client, fixture.publish(client));
+        REQUIRE(response);
+        has_more = response->more_notifications;
+        for (const auto& notification : fixture.data(response->notification_message)) {
+            handles.push_back(notification.client_handle);
+        }
+    }
+    CHECK(handles == std::vector<std::uint32_t>{0, 1, 2, 3, 4});
+}
+
+TEST_CASE("messages kept for Republish give way to newer ones")
+{
+    auto limits = SubscriptionFixture::small_limits();
+    limits.max_retransmission_messages = 3;
+    SubscriptionFixture fixture{limits};
+    const NodeId level = fixture.add_variable("level", 0);
+    auto client = fixture.log_in();
+    const auto id = fixture.subscribe(client);
+    fixture.monitor(client, id, fixture.item_request(level));
+    Array<std::uint32_t> available;
+    for (int i = 1; i <= 5; ++i) {
+        const auto request = fixture.publish(client);
+        fixture.set(0, i);
+        fixture.advance(cycle);
+        const auto response = fixture.take(client, request);
+        REQUIRE(response);
+        CHECK(response->notification_message.sequence_number == static_cast<std::uint32_t>(i));
+        available = response->available_sequence_numbers;
+    }
+    CHECK(available == Array<std::uint32_t>{3, 4, 5});
+    CHECK(fixture.republish(client, id, 2).error() == status::Bad_MessageNotAvailable);
+    CHECK(fixture.republish(client, id, 3));
+}
+
+TEST_CASE("very many Publish requests: the oldest give way, and the server goes on")
+{
+    SubscriptionFixture fixture;
+    auto client = fixture.log_in();
+    fixture.subscribe(client);
+    std::size_t refused = 0;
+    for (int i = 0; i < 10'000; ++i) {
+        fixture.publish(client);
+        if (client.messages.size() >= 1'000) {
+            refused += client.messages.size();
+            client.messages.clear();
+        }
+    }
+    refused += client.messages.size();
+    client.messages.clear();
+    CHECK(refused == 10'000 - 5);
+    fixture.advance(cycle);
+    client.run();
+    CHECK(client.messages.size() == 1); // the first keep-alive
+}
+
+TEST_CASE("GetMonitoredItems and ResendData are there as functions")
+{
+    FixedWallClock clock;
+    SeededRandom random;
+    LogBook log;
+    server::detail::Core core{server::ServerConfig{}, {&random, &clock, &log}, {}};
+    server::detail::Session session{1'000'000};
+    server::detail::Session other{1'000'000};
+    const server::detail::SubscriptionParameters parameters{100ms, 30, 3, 0, 0};
+    const auto made = core.subscriptions.create(session, parameters, true, TimePoint{});
+    REQUIRE(made);
+    server::detail::Subscription& subscription = **made;
+    const server::detail::ItemContext context{core, subscription, TimePoint{}};
+    for (const std::uint32_t handle : {7U, 8U}) {
+        server::detail::ItemRevision revision;
+        auto item = server::detail::DataItem::make(
+            context,
+            SubscriptionFixture::item_request(NodeId{0, id::Server_ServerStatus_State}, handle),
+            TimestampsToReturn::Neither, revision);
+        REQUIRE(item);
+        auto& added = subscription.add_item(std::move(item));
+        core.subscriptions.sampler().add(static_cast<server::detail::DataItem&>(added), {});
+    }
+    core.subscriptions.sampler().sample_new(TimePoint{});
+
+    const auto handles = get_monitored_items(core, session, subscription.id());
+    REQUIRE(handles);
+    CHECK(handles->server_handles == Array<std::uint32_t>{1, 2});
+    CHECK(handles->client_handles == Array<std::uint32_t>{7, 8});
+    CHECK(get_monitored_items(core, session, 0).error() == status::Bad_SubscriptionIdInvalid);
+    CHECK(get_monitored_items(core, other, subscription.id()).error() ==
+          status::Bad_UserAccessDenied);
+
+    auto& ready = subscription.ready(server::detail::MonitoredItem::Kind::Data);
+    binary::VectorSink sink;
+    binary::Writer writer{sink};
+    ready.take_notification(writer);
+    CHECK_FALSE(ready.empty()); // the other item's first value
+    CHECK(resend_data(core, session, subscription.id(), {}) == status::Good);
+    ready.take_notification(writer);
+    ready.take_notification(writer);
+    CHECK(ready.empty());
+    CHECK(resend_data(core, other, subscription.id(), {}) == status::Bad_UserAccessDenied);
+    CHECK(resend_data(core, session, 0, {}) == status::Bad_SubscriptionIdInvalid);
+    core.subscriptions.session_ends(session, true);
+}
+
+TEST_CASE("triggering links are limited, in circles too, and go with their items")
+{
+    SubscriptionFixture fixture;
+    const NodeId level = fixture.add_variable("level", 0);
+    auto client = fixture.log_in();
+    const auto id = fixture.subscribe(client);
+    SetTriggeringRequest request;
+    request.subscription_id = id;
+    for (std::uint32_t i = 0; i < 300; ++i) {
+        const auto made = fixture.monitor(client, id, fixture.item_request(level, i));
+        request.links_to_add.push_back(made.monitored_item_id);
+    }
+    const Array<std::uint32_t> items = request.links_to_add;
+    for (const std::uint32_t trigger : {items[0], items[1]}) { // both trigger themselves too
+        request.triggering_item_id = trigger;
+        const auto response = client.call<SetTriggeringResponse>(request);
+        REQUIRE(response);
+        CHECK(response->add_results[255] == status::Good);
+        CHECK(response->add_results[256] == status::Bad_TooManyOperations);
+    }
+    fixture.set(0, 1);
+    CHECK(fixture.next_data(client, cycle).size() == 300);
+    DeleteMonitoredItemsRequest remove;
+    remove.subscription_id = id;
+    remove.monitored_item_ids = {items[0], items[5], items[1]};
+    REQUIRE(client.call<DeleteMonitoredItemsResponse>(remove));
+    fixture.set(0, 2);
+    CHECK(fixture.next_data(client, cycle).size() == 297);
+}
