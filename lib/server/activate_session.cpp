@@ -316,10 +316,14 @@ void ActivateSession::accept(UserIdentity user, TimePoint now)
             }
         }
     }
+    const bool is_other_user = !is_same_user(session.user, user);
     session.server_nonce = *std::move(nonce);
     session.is_activated = true;
     session.link = link_;
     set_user(*core_, *find_endpoint(*core_, session), session, std::move(user), now);
+    if (is_other_user) {
+        core_->subscriptions.user_changed(session, now);
+    }
     respond<ActivateSessionResponse>([&](binary::Writer& writer) {
         encode(writer, session.server_nonce);
         encode(writer, Array<StatusCode>{}); // of software certificates

@@ -3,13 +3,15 @@
 
 namespace busbar::server::detail {
 
-StatusCode close_session(ServiceContext& context, const CloseSessionRequest&, CloseSessionResponse&)
+StatusCode close_session(ServiceContext& context, const CloseSessionRequest& request,
+                         CloseSessionResponse&)
 {
     // Part 4, 5.7.4.1: also before it was activated, but only over its own channel.
     if (context.session->link != &context.link) {
         return status::Bad_SecureChannelIdInvalid;
     }
-    context.core.close_session(*context.session, status::Bad_SessionClosed);
+    context.core.close_session(*context.session, status::Bad_SessionClosed,
+                               request.delete_subscriptions);
     context.session = nullptr;
     return status::Good;
 }

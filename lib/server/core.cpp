@@ -24,9 +24,11 @@ std::uint32_t random_channel_id(crypto::Random& random)
 } // namespace
 
 Core::Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space)
-    : config{std::move(c)}, environment{e},
-      address_space{std::move(space)}, types{binary::namespace0_types()}, sources{e.waker},
-      assembly{config.limits.max_assembly}, logins{config.limits}, certificate_watch{*e.log},
+    : config{std::move(c)}, environment{e}, address_space{std::move(space)},
+      types{binary::namespace0_types()}, sources{e.waker}, events{environment, address_space,
+                                                                  config.limits.events},
+      assembly{config.limits.max_assembly}, subscriptions{*this}, logins{config.limits},
+      certificate_watch{*e.log},
       next_channel_id{random_channel_id(*e.random)}, start_time{e.wall_clock->now()}
 {
 }
@@ -73,11 +75,12 @@ void Core::sweep()
     }
 }
 
-void Core::close_session(Session& session, StatusCode status)
+void Core::close_session(Session& session, StatusCode status, bool deletes_subscriptions)
 {
     for (Link* link : links) {
         link->end_operations(&session, status);
     }
+    subscriptions.session_ends(session, deletes_subscriptions);
     log(LogLevel::Info, "session",
         "\"" + printable(session.name) + "\" ended: " + std::string{name(status)});
     sessions.remove(session);

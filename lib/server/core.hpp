@@ -10,9 +10,12 @@
 #include <busbar/types/enumerations.hpp>
 
 #include "data_sources.hpp"
+#include "diagnostics/diagnostics.hpp"
+#include "event/events.hpp"
 #include "login_guard.hpp"
 #include "password_checks.hpp"
 #include "session_table.hpp"
+#include "subscription/subscription_table.hpp"
 
 namespace busbar::server::detail {
 
@@ -24,9 +27,13 @@ struct Core {
     ServerEnvironment environment;
     model::AddressSpace address_space;
     binary::TypeRegistry types;
+    Diagnostics diagnostics;
     DataSources sources;
+    /// Outlives the items that take part in it.
+    Events events;
     channel::AssemblyBudget assembly;
     SessionTable sessions;
+    Subscriptions subscriptions;
     LoginGuard logins;
     PasswordChecks password_checks{environment.waker};
     crypto::CertificateWatch certificate_watch;
@@ -59,8 +66,9 @@ struct Core {
     /// Says what the operator should know of the server's own certificate (see
     /// certificate_notices).
     void watch_certificate(TimePoint now);
-    /// Ends what the session has pending with `status`, then the session itself.
-    void close_session(Session& session, StatusCode status);
+    /// Ends what the session has pending with `status`, then the session itself. Its Subscriptions
+    /// live on, for another session to take over, unless they are to be deleted with it.
+    void close_session(Session& session, StatusCode status, bool deletes_subscriptions = false);
 
 private:
     std::int64_t log_minute_{0};

@@ -160,6 +160,7 @@ Result<std::unique_ptr<Session>> make_session(ServiceContext& context,
     session->max_response_message_size = request.max_response_message_size;
     session->timeout = revise_timeout(core.limits(), request.requested_session_timeout);
     session->created = context.now;
+    session->connection_time = core.environment.wall_clock->now();
     session->deadline = context.now + std::min(session->timeout, core.limits().activation_timeout);
     return session;
 }
@@ -188,6 +189,7 @@ StatusCode create_session(ServiceContext& context, const CreateSessionRequest& r
         return made.error();
     }
     const Session& session = core.sessions.add(*std::move(made));
+    ++core.diagnostics.summary.cumulated_session_count;
     response.session_id = session.id;
     response.authentication_token = session.authentication_token;
     response.revised_session_timeout = static_cast<double>(session.timeout.count());

@@ -15,6 +15,9 @@
 #include "link.hpp"
 #include "read.hpp"
 #include "session_services.hpp"
+#include "subscription/monitored_item_services.hpp"
+#include "subscription/publish_queue.hpp"
+#include "subscription/subscription_services.hpp"
 #include "user_expiry.hpp"
 #include "view_services.hpp"
 #include "write.hpp"
@@ -65,6 +68,7 @@ void run_function(ServiceContext& context, Incoming& incoming)
     Response response;
     const StatusCode status = Function(context, request, response);
     if (status.is_bad()) {
+        context.core.diagnostics.count_fault(context.session, Request::binary_encoding_id, status);
         return context.link.fault(incoming.reply, status);
     }
     response.response_header = context.link.response_header(incoming.reply, status);
@@ -76,6 +80,9 @@ void run_function(ServiceContext& context, Incoming& incoming)
 template <std::unique_ptr<Operation> (*Make)()>
 void run_operation(ServiceContext& context, Incoming& incoming)
 {
+    if (!context.link.has_place_for_operation()) {
+        context.core.sweep(); // no operation is running, and some may have answered meanwhile
+    }
     if (!context.link.has_place_for_operation()) {
         return context.link.fault(incoming.reply, status::Bad_ServerTooBusy);
     }
@@ -131,18 +138,28 @@ constexpr auto services = [] {
         unsupported<HistoryReadRequest>(),
         unsupported<HistoryUpdateRequest>(),
         unsupported<CallRequest>(),
-        unsupported<CreateMonitoredItemsRequest>(),
-        unsupported<ModifyMonitoredItemsRequest>(),
-        unsupported<SetMonitoringModeRequest>(),
-        unsupported<SetTriggeringRequest>(),
-        unsupported<DeleteMonitoredItemsRequest>(),
-        unsupported<CreateSubscriptionRequest>(),
-        unsupported<ModifySubscriptionRequest>(),
-        unsupported<SetPublishingModeRequest>(),
-        unsupported<PublishRequest>(),
-        unsupported<RepublishRequest>(),
-        unsupported<TransferSubscriptionsRequest>(),
-        unsupported<DeleteSubscriptionsRequest>(),
+        function<create_monitored_items, CreateMonitoredItemsRequest, CreateMonitoredItemsResponse>(
+            Need::Activated),
+        function<modify_monitored_items, ModifyMonitoredItemsRequest, ModifyMonitoredItemsResponse>(
+            Need::Activated),
+        function<set_monitoring_mode, SetMonitoringModeRequest, SetMonitoringModeResponse>(
+            Need::Activated),
+        function<set_triggering, SetTriggeringRequest, SetTriggeringResponse>(Need::Activated),
+        function<delete_monitored_items, DeleteMonitoredItemsRequest, DeleteMonitoredItemsResponse>(
+            Need::Activated),
+        function<create_subscription, CreateSubscriptionRequest, CreateSubscriptionResponse>(
+            Need::Activated),
+        function<modify_subscription, ModifySubscriptionRequest, ModifySubscriptionResponse>(
+            Need::Activated),
+        function<set_publishing_mode, SetPublishingModeRequest, SetPublishingModeResponse>(
+            Need::Activated),
+        operation<PublishRequest>(Need::Activated, run_operation<make_operation<PublishOperation>>),
+        operation<RepublishRequest>(Need::Activated,
+                                    run_operation<make_operation<RepublishOperation>>),
+        function<transfer_subscriptions, TransferSubscriptionsRequest,
+                 TransferSubscriptionsResponse>(Need::Activated),
+        function<delete_subscriptions, DeleteSubscriptionsRequest, DeleteSubscriptionsResponse>(
+            Need::Activated),
     };
     std::sort(table.begin(), table.end(),
               [](const Service& a, const Service& b) { return a.encoding_id < b.encoding_id; });
@@ -187,6 +204,7 @@ Checked<Session*> find_session(Core& core, const Link& link, const RequestHeader
         }
         if (!session->is_activated) {
             const std::string session_name = printable(session->name);
+            ++core.diagnostics.summary.session_abort_count;
             core.close_session(*session, status::Bad_SessionClosed); // Part 4, 5.7.3.1
             return refuse_session(status::Bad_SessionNotActivated,
                                   "\"" + session_name + "\" was never activated", {});
@@ -214,10 +232,13 @@ void run(const Service* service, Core& core, Link& link, Incoming& incoming, Tim
     }
     const auto session = find_session(core, link, incoming.header, service->need, now);
     if (!session) {
+        core.diagnostics.count_fault(nullptr, service->encoding_id, session.error().status);
         explain(link.log(), "session", session.error());
         return link.fault(incoming.reply, session.error().status);
     }
     if (*session != nullptr) {
+        core.diagnostics.count_request(**session, service->encoding_id,
+                                       core.environment.wall_clock->now());
         incoming.reply.max_size = (*session)->max_response_message_size;
     }
     ServiceContext context{core, link, *session, now};

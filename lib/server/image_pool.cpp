@@ -60,9 +60,10 @@ void ImageBuffer::fill(const ImageMemory& memory, DateTime time, std::uint64_t s
     scan_ = scan;
 }
 
-ImagePool::ImagePool(const ImageLayout& layout, std::uint32_t max_pins) : max_pins_{max_pins}
+ImagePool::ImagePool(const ImageLayout& layout, std::uint32_t max_pins, std::uint32_t max_queued)
+    : max_pins_{max_pins}, queue_(max_queued)
 {
-    for (std::uint32_t i = 0; i < max_pins + 2; ++i) {
+    for (std::uint32_t i = 0; i < max_pins + max_queued + 3; ++i) {
         buffers_.push_back(std::make_unique<ImageBuffer>(layout));
     }
 }
@@ -83,22 +84,56 @@ std::uint64_t ImagePool::find_free() const
     return no_buffer;
 }
 
-void ImagePool::publish(const ImageMemory& memory, DateTime time)
+bool ImagePool::publish(const ImageMemory& memory, DateTime time)
 {
     const std::uint64_t next = find_free();
     if (next == no_buffer) {
-        return; // the class comment says why this does not happen
+        return false; // the class comment says why this does not happen
     }
     buffers_[next]->fill(memory, time, ++scans_);
+    const std::uint64_t end = queue_end_.load(std::memory_order_relaxed);
+    // acquire: the follower has given back what it took out before.
+    const bool is_queued = is_followed_.load(std::memory_order_acquire) &&
+                           end - queue_begin_.load(std::memory_order_acquire) < queue_.size();
     // release: who pins `next` sees what was just filled in. acquire: who took a pin of the old
     // buffer was admitted after others had given theirs back (see pin); find_free must see that
     // those are back, else it could count more than max_pins.
-    const std::uint64_t old = latest_.exchange(next << index_shift, std::memory_order_acq_rel);
+    const std::uint64_t old =
+        latest_.exchange(next << index_shift | (is_queued ? 1U : 0U), std::memory_order_acq_rel);
     if (current_ != no_buffer) {
         constexpr std::uint64_t count_mask = (std::uint64_t{1} << index_shift) - 1;
         buffers_[current_]->taken_ += old & count_mask;
     }
     current_ = next;
+    if (is_queued) {
+        queue_[end % queue_.size()] = next;
+        queue_end_.store(end + 1, std::memory_order_release);
+    }
+    return is_queued;
+}
+
+void ImagePool::follow(bool follows)
+{
+    is_followed_.store(false, std::memory_order_release);
+    while (ImageBuffer* const buffer = next_queued()) {
+        unpin(*buffer);
+    }
+    is_followed_.store(follows, std::memory_order_release);
+}
+
+ImageBuffer* ImagePool::next_queued()
+{
+    const std::uint64_t begin = queue_begin_.load(std::memory_order_relaxed);
+    // acquire: the index, and the buffer's content.
+    if (begin == queue_end_.load(std::memory_order_acquire)) {
+        return nullptr;
+    }
+    ImageBuffer& buffer = *buffers_[queue_[begin % queue_.size()]];
+    // unpin() counts it off again.
+    held_.fetch_add(1, std::memory_order_relaxed);
+    // release: what was given back before is seen to be back by who finds this place free.
+    queue_begin_.store(begin + 1, std::memory_order_release);
+    return &buffer;
 }
 
 ImageBuffer* ImagePool::pin()

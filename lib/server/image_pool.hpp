@@ -57,16 +57,21 @@ private:
 /// exchange both publishes and closes the books of the buffer before. There is no moment in which
 /// a reader knows a buffer and has not pinned it.
 ///
-/// At most `max_pins` pins are held at a time and there are two buffers more. When the task looks
-/// for a free one it has just published, so that nobody can pin anything but the latest: of the
-/// max_pins + 1 others at least one has no pin, and none can get one while the task looks.
+/// A scan that is queued for the follower is published with one pin taken already, which goes with
+/// it through the queue: the task takes it, the follower gives it back.
+///
+/// At most `max_pins` pins are held at a time, `max_queued` wait in the queue and one is with the
+/// follower; there are two buffers more. When the task looks for a free one it has just published,
+/// so that nobody can pin anything but the latest: of the others, one more than there are pins, at
+/// least one has no pin, and none can get one while the task looks.
 class ImagePool {
 public:
-    ImagePool(const ImageLayout& layout, std::uint32_t max_pins);
+    ImagePool(const ImageLayout& layout, std::uint32_t max_pins, std::uint32_t max_queued);
 
     // The task's thread.
 
-    void publish(const ImageMemory& memory, DateTime time);
+    /// True if the scan was queued for the follower.
+    bool publish(const ImageMemory& memory, DateTime time);
 
     // Any thread.
 
@@ -74,6 +79,14 @@ public:
     [[nodiscard]] ImageBuffer* pin();
     void unpin(ImageBuffer& buffer);
     [[nodiscard]] bool is_empty() const;
+
+    // The follower's thread, of which there is one.
+
+    /// Begins or ends queueing each scan; forgets what is queued.
+    void follow(bool follows);
+    /// The oldest scan in the queue, with a pin that unpin() gives back; null if there is none.
+    /// Only one at a time.
+    [[nodiscard]] ImageBuffer* next_queued();
 
 private:
     static constexpr unsigned index_shift = 48;
@@ -83,6 +96,11 @@ private:
 
     std::vector<std::unique_ptr<ImageBuffer>> buffers_;
     std::uint32_t max_pins_;
+    /// A ring of buffers' indices, from the task to the follower; the counters never wrap.
+    std::vector<std::uint64_t> queue_;
+    std::atomic<std::uint64_t> queue_begin_{0};
+    std::atomic<std::uint64_t> queue_end_{0};
+    std::atomic<bool> is_followed_{false};
     std::uint64_t current_{no_buffer};
     std::uint64_t scans_{0};
     alignas(64) std::atomic<std::uint64_t> latest_{no_buffer << index_shift};

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "link.hpp"
 
 namespace busbar::server::detail {
@@ -29,6 +31,7 @@ void Operation::respond(std::uint32_t encoding_id, FunctionRef<void(binary::Writ
 void Operation::fault(StatusCode status)
 {
     if (!is_finished()) {
+        link_->core().diagnostics.count_fault(session_, encoding_id_, status);
         finish().fault({request_id_, request_handle_, 0}, status);
     }
 }
@@ -38,6 +41,13 @@ void Operation::deadline_changed()
     if (!is_finished()) {
         link_->mark();
     }
+}
+
+std::size_t Operation::response_limit() const
+{
+    const std::size_t of_session = session_ != nullptr ? session_->max_response_message_size : 0;
+    const std::size_t of_channel = link_ != nullptr ? link_->channel().max_response_size() : 0;
+    return of_session == 0 ? of_channel : std::min(of_session, of_channel);
 }
 
 bool Operation::charge(std::size_t bytes)
@@ -64,6 +74,7 @@ void Link::start(std::unique_ptr<Operation> operation, std::vector<std::byte> me
     }
     operation->link_ = this;
     operation->session_ = context.session;
+    operation->encoding_id_ = encoding_id.numeric();
     operation->request_id_ = reply.request_id;
     operation->request_handle_ = reply.request_handle;
     if (header.timeout_hint != 0) {

@@ -16,6 +16,7 @@ constexpr std::uint32_t most_pins = 1024;
 ImageOptions checked(ImageOptions options, const ImageLayout& layout)
 {
     options.max_pins = std::clamp(options.max_pins, 1U, most_pins);
+    options.max_queued_scans = std::clamp(options.max_queued_scans, 1U, most_pins);
     options.max_waiting_writes = std::max(options.max_waiting_writes, 1U);
     options.max_changes_per_scan = std::max(options.max_changes_per_scan, 1U);
     // Each variable can be written, be it as large as the image.
@@ -90,6 +91,12 @@ Variant ImagePin::value(std::uint32_t handle) const
     return Variant{value};
 }
 
+const std::byte* ImagePin::bytes(const ImagePlace& place) const
+{
+    return place.in_arrays ? detail::number_bytes(buffer_->array(place)).data()
+                           : buffer_->plain(place);
+}
+
 void ImagePin::release()
 {
     if (buffer_ != nullptr) {
@@ -105,7 +112,8 @@ std::shared_ptr<ProcessImage> ProcessImage::create(ImageLayout layout, ImageOpti
 
 ProcessImage::ProcessImage(Key, ImageLayout layout, ImageOptions options)
     : layout_{std::move(layout)}, options_{checked(options, layout_)}, memory_{layout_},
-      pool_{std::make_unique<detail::ImagePool>(layout_, options_.max_pins)},
+      pool_{std::make_unique<detail::ImagePool>(layout_, options_.max_pins,
+                                                options_.max_queued_scans)},
       writes_{std::make_unique<detail::ImageWrites>(options_.max_waiting_writes)}
 {
 }
@@ -140,9 +148,9 @@ void ProcessImage::begin_scan(WriteGuard guard)
 
 void ProcessImage::publish(DateTime time)
 {
-    pool_->publish(memory_, time);
+    const bool is_queued = pool_->publish(memory_, time);
     running_.store(true, std::memory_order_release);
-    if (writes_->finish()) {
+    if (writes_->finish() || is_queued) {
         wake();
     }
 }
@@ -173,6 +181,22 @@ void ProcessImage::wake()
 ImagePin ProcessImage::pin() const
 {
     detail::ImageBuffer* const buffer = pool_->pin();
+    return buffer != nullptr ? ImagePin{shared_from_this(), *buffer} : ImagePin{};
+}
+
+bool ProcessImage::has_scan() const
+{
+    return !pool_->is_empty();
+}
+
+void ProcessImage::follow_scans(bool follows)
+{
+    pool_->follow(follows);
+}
+
+ImagePin ProcessImage::next_scan()
+{
+    detail::ImageBuffer* const buffer = pool_->next_queued();
     return buffer != nullptr ? ImagePin{shared_from_this(), *buffer} : ImagePin{};
 }
 

@@ -13,7 +13,9 @@ void ReadOperation::start(ServiceContext& context)
     if (refusal.is_bad()) {
         return fault(refusal);
     }
-    const auto live_value = [&](const NodeId& node) { return server_value(core, node); };
+    const auto live_value = [&](const NodeId& node) {
+        return server_value(core, node, context.session->user);
+    };
     job_.emplace(ReadContext{core.address_space,
                              core.sources,
                              {context.session->user, core.environment.access},

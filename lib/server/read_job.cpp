@@ -4,74 +4,10 @@
 #include <cmath>
 
 #include <busbar/binary/codec.hpp>
-#include <busbar/core/attribute_id.hpp>
-#include <busbar/types/ids.hpp>
 
 namespace busbar::server::detail {
 
 namespace {
-
-constexpr auto value_attribute = static_cast<std::uint32_t>(AttributeId::Value);
-
-/// A null DataEncoding is the default one. Bad_DataEncodingInvalid where none can be asked for,
-/// Bad_DataEncodingUnsupported for a structure's that is not the one of this protocol.
-StatusCode check_data_encoding(const ReadContext& context, const ReadValueId& id,
-                               const model::VariableAttributes* variable)
-{
-    if (id.data_encoding.name.empty()) {
-        return status::Good;
-    }
-    if (variable == nullptr) {
-        return status::Bad_DataEncodingInvalid;
-    }
-    if (id.data_encoding.namespace_index == 0 && id.data_encoding.name.view() == "Default Binary") {
-        return status::Good;
-    }
-    return context.space.is_subtype_of(variable->data_type, id::Structure)
-               ? status::Bad_DataEncodingUnsupported
-               : status::Bad_DataEncodingInvalid;
-}
-
-StatusCode check_access(const ReadContext& context, const ReadValueId& id,
-                        const model::VariableAttributes& variable)
-{
-    if (!has_access(variable.access_level, AccessLevelType::CurrentRead)) {
-        return status::Bad_NotReadable;
-    }
-    const std::uint8_t level = context.rights.access_level(id.node_id, variable);
-    return has_access(level, AccessLevelType::CurrentRead) ? status::Good
-                                                           : status::Bad_UserAccessDenied;
-}
-
-/// Any attribute but a Variable's Value.
-Result<Variant> attribute(const ReadContext& context, const ReadValueId& id, model::NodeIndex node)
-{
-    const model::AddressSpace& space = context.space;
-    const auto attribute_id = static_cast<AttributeId>(id.attribute_id);
-    if (attribute_id == AttributeId::Value) {
-        Variant value = space.value(node);
-        if (space.node_class(node) != NodeClass::VariableType || value.is_null()) {
-            return fail(status::Bad_AttributeIdInvalid);
-        }
-        return value;
-    }
-    if (attribute_id == AttributeId::UserAccessLevel &&
-        space.node_class(node) == NodeClass::Variable) {
-        return Variant{context.rights.access_level(id.node_id, space.variable(node))};
-    }
-    return space.attribute(node, attribute_id);
-}
-
-/// The value of a Variable without source.
-DataValue kept_value(const ReadContext& context, const ReadValueId& id, model::NodeIndex node)
-{
-    if (id.node_id.namespace_index() == 0) {
-        if (auto live = context.live_value(id.node_id)) {
-            return std::move(*live);
-        }
-    }
-    return DataValue{context.space.value(node)};
-}
 
 /// A maxAge of the largest Int32 or more asks for any value that is there (Part 4, 5.11.2.2).
 std::chrono::milliseconds to_max_age(double milliseconds)
@@ -111,56 +47,25 @@ ReadJob::ReadJob(const ReadContext& context, const ReadRequest& request)
 
 void ReadJob::plan(const ReadContext& context, std::size_t index, const ReadValueId& id)
 {
-    const model::NodeIndex node = context.space.find(id.node_id);
-    if (node == model::no_node || !context.rights.may_see(id.node_id)) {
-        call_.answer(index).status = why_not_found(id.node_id);
+    ReadPlan planned = plan_read(context, id);
+    if (planned.answer.status.is_bad()) {
+        call_.answer(index).status = planned.answer.status;
         return;
-    }
-    if (id.attribute_id == value_attribute &&
-        context.space.node_class(node) == NodeClass::Variable) {
-        return plan_value(context, index, id, node);
-    }
-    ReadSlot& slot = call_.answer(index);
-    Result<Variant> value = attribute(context, id, node);
-    slot.status = value ? check_data_encoding(context, id, nullptr) : value.error();
-    if (slot.status.is_good()) {
-        slot.value = std::move(*value);
-        if (const auto range = keep_range(index, id.index_range); !range) {
-            slot.status = range.error();
-        }
-    }
-}
-
-void ReadJob::plan_value(const ReadContext& context, std::size_t index, const ReadValueId& id,
-                         model::NodeIndex node)
-{
-    const model::VariableAttributes variable = context.space.variable(node);
-    StatusCode refusal = check_access(context, id, variable);
-    if (refusal.is_good()) {
-        refusal = check_data_encoding(context, id, &variable);
     }
     const Result<NumericRange*> range = keep_range(index, id.index_range);
-    if (refusal.is_good() && !range) {
-        refusal = range.error();
-    }
-    if (refusal.is_bad()) {
-        call_.answer(index).status = refusal;
+    if (!range) {
+        call_.answer(index).status = range.error();
         return;
     }
-    if (variable.source == model::no_source) {
-        call_.answer(index) = kept_value(context, id, node);
+    if (planned.source == nullptr) {
+        call_.answer(index) = std::move(planned.answer);
         return;
     }
-    const auto* source = context.sources.find(variable.source);
-    if (source == nullptr) {
-        call_.answer(index).status = status::Bad_NoCommunication;
-        return;
-    }
-    const bool is_cut_by_source = *range != nullptr && (*source)->options().reads_ranges;
+    const bool is_cut_by_source = *range != nullptr && planned.source->options().reads_ranges;
     if (is_cut_by_source) {
         ranges_->back().is_cut_here = false;
     }
-    call_.ask(index, variable.source, {variable.handle, is_cut_by_source ? *range : nullptr});
+    call_.ask(index, planned.source_index, {planned.handle, is_cut_by_source ? *range : nullptr});
 }
 
 Result<NumericRange*> ReadJob::keep_range(std::size_t index, const String& text)

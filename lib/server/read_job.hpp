@@ -6,25 +6,13 @@
 #include <vector>
 
 #include <busbar/binary/writer.hpp>
-#include <busbar/core/function_ref.hpp>
-#include <busbar/model/address_space.hpp>
 #include <busbar/types/attribute.hpp>
 
 #include "data_call.hpp"
-#include "data_rights.hpp"
+#include "read_plan.hpp"
 #include "read_results.hpp"
 
 namespace busbar::server::detail {
-
-/// What a Read looks at besides its request.
-struct ReadContext {
-    const model::AddressSpace& space;
-    DataSources& sources;
-    UserRights rights;
-    /// The value of a Variable of namespace 0 that is found when it is read; fails for any other.
-    FunctionRef<Result<DataValue>(const NodeId&)> live_value;
-    DateTime server_time;
-};
 
 /// Good, or why the whole request is refused (Part 4, 5.11.2.3).
 [[nodiscard]] StatusCode check_read(const ReadRequest& request, std::size_t max_nodes);
@@ -61,8 +49,6 @@ private:
     };
 
     void plan(const ReadContext& context, std::size_t index, const ReadValueId& id);
-    void plan_value(const ReadContext& context, std::size_t index, const ReadValueId& id,
-                    model::NodeIndex node);
     /// Null if there is no range.
     [[nodiscard]] Result<NumericRange*> keep_range(std::size_t index, const String& text);
 

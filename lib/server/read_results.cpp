@@ -21,18 +21,18 @@ const Variant& value_of(const ReadSlot& slot)
     return slot.shared != nullptr ? *slot.shared : slot.value;
 }
 
-unsigned mask_of(const ReadSlot& slot, const Variant& value, const Timestamps& timestamps)
+unsigned mask_of(const DataValue& data, const Variant& value, const Timestamps& timestamps)
 {
     unsigned mask = 0;
-    if (!slot.status.is_bad() && !value.is_null()) {
+    if (!data.status.is_bad() && !value.is_null()) {
         mask |= value_bit;
     }
-    if (slot.status != StatusCode{}) {
+    if (data.status != StatusCode{}) {
         mask |= status_bit;
     }
-    if (timestamps.source && !slot.source_timestamp.is_null()) {
+    if (timestamps.source && !data.source_timestamp.is_null()) {
         mask |= source_timestamp_bit;
-        mask |= slot.source_picoseconds != 0 ? source_picoseconds_bit : 0U;
+        mask |= data.source_picoseconds != 0 ? source_picoseconds_bit : 0U;
     }
     if (!timestamps.server.is_null()) {
         mask |= server_timestamp_bit;
@@ -52,20 +52,25 @@ Timestamps::Timestamps(TimestampsToReturn to_return, DateTime server_time)
 
 void encode_slot(binary::Writer& writer, const ReadSlot& slot, const Timestamps& timestamps)
 {
-    const Variant& value = value_of(slot);
-    const unsigned mask = mask_of(slot, value, timestamps);
+    encode_data_value(writer, slot, value_of(slot), timestamps);
+}
+
+void encode_data_value(binary::Writer& writer, const DataValue& data, const Variant& value,
+                       const Timestamps& timestamps)
+{
+    const unsigned mask = mask_of(data, value, timestamps);
     writer.number(static_cast<std::uint8_t>(mask));
     if ((mask & value_bit) != 0) {
         encode(writer, value);
     }
     if ((mask & status_bit) != 0) {
-        encode(writer, slot.status);
+        encode(writer, data.status);
     }
     if ((mask & source_timestamp_bit) != 0) {
-        encode(writer, slot.source_timestamp);
+        encode(writer, data.source_timestamp);
     }
     if ((mask & source_picoseconds_bit) != 0) {
-        writer.number(std::min(slot.source_picoseconds, max_picoseconds));
+        writer.number(std::min(data.source_picoseconds, max_picoseconds));
     }
     if ((mask & server_timestamp_bit) != 0) {
         encode(writer, timestamps.server);

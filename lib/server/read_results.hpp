@@ -19,6 +19,10 @@ struct Timestamps {
 /// 7.11.1), with the timestamps that are wanted.
 void encode_slot(binary::Writer& writer, const ReadSlot& slot, const Timestamps& timestamps);
 
+/// The same for `value` with the rest from `data`.
+void encode_data_value(binary::Writer& writer, const DataValue& data, const Variant& value,
+                       const Timestamps& timestamps);
+
 /// Replaces the slot's value by the part of it that `range` names.
 void cut_range(ReadSlot& slot, const NumericRange& range);
 

@@ -3,10 +3,12 @@
 #include <algorithm>
 
 #include <busbar/core/text.hpp>
+#include <busbar/types/ids.hpp>
 
 #include "config_check.hpp"
 #include "core.hpp"
 #include "link.hpp"
+#include "subscription/sampler.hpp"
 
 namespace busbar::server {
 
@@ -18,6 +20,8 @@ struct Server::Impl : detail::Core {
     /// Makes place by closing the oldest connection that has no session (Part 4, 5.6.2.1).
     [[nodiscard]] bool make_place();
     void expire_sessions(TimePoint now);
+    /// On until a client switches them off, where the address space has them.
+    void enable_diagnostics();
     void finish_shutdown();
 };
 
@@ -45,6 +49,7 @@ Result<Server> Server::create(ServerConfig config, const ServerEnvironment& envi
     }
     auto impl = std::make_unique<Impl>(std::move(config), environment, std::move(address_space));
     impl->own_namespace = *own;
+    impl->enable_diagnostics();
     return Server{std::move(impl)};
 }
 
@@ -71,6 +76,16 @@ binary::TypeRegistry& Server::types()
 std::uint32_t Server::add_source(DataSource& source)
 {
     return impl_->sources.add(source);
+}
+
+bool Server::raise_event(Event event)
+{
+    return impl_->events.queue()->raise(std::move(event));
+}
+
+std::shared_ptr<EventQueue> Server::event_queue() const
+{
+    return impl_->events.queue();
 }
 
 Result<Connection> Server::connect(std::string_view peer_address, TimePoint now)
@@ -128,7 +143,7 @@ TimePoint Server::next_deadline() const
 {
     const detail::Session* first = impl_->sessions.next_to_expire();
     return std::min({first != nullptr ? first->deadline : no_deadline, impl_->shutdown_deadline,
-                     impl_->certificate_check});
+                     impl_->certificate_check, impl_->subscriptions.next_deadline()});
 }
 
 void Server::start(TimePoint now)
@@ -142,6 +157,7 @@ void Server::handle_deadline(TimePoint now)
         impl_->watch_certificate(now);
     }
     impl_->expire_sessions(now);
+    impl_->subscriptions.handle_deadline(now);
     if (impl_->shutdown_deadline <= now) {
         impl_->finish_shutdown();
     }
@@ -152,6 +168,7 @@ void Server::Impl::expire_sessions(TimePoint now)
 {
     detail::Session* session = sessions.next_to_expire();
     while (session != nullptr && session->deadline <= now) {
+        ++diagnostics.summary.session_timeout_count;
         close_session(*session, status::Bad_SessionClosed);
         session = sessions.next_to_expire();
     }
@@ -161,6 +178,8 @@ void Server::handle_completions(TimePoint now)
 {
     impl_->sources.handle_completions();
     impl_->password_checks.drain(now);
+    impl_->events.handle_raised();
+    impl_->subscriptions.sampler().handle_scans(now);
     impl_->sweep();
 }
 
@@ -197,6 +216,15 @@ void Server::begin_shutdown(TimePoint now, std::string_view reason)
     impl_->sweep();
 }
 
+void Server::Impl::enable_diagnostics()
+{
+    const model::NodeIndex flag = address_space.find(id::Server_ServerDiagnostics_EnabledFlag);
+    if (flag != model::no_node) {
+        static_cast<void>(address_space.set_value(flag, true));
+    }
+    diagnostics.take_flag(address_space);
+}
+
 void Server::Impl::finish_shutdown()
 {
     shutdown_deadline = no_deadline;
@@ -214,6 +242,32 @@ bool Server::is_stopped() const
            std::all_of(impl_->links.begin(), impl_->links.end(), [](const detail::Link* link) {
                return link->is_closed() && link->output().empty();
            });
+}
+
+void Server::announce_semantics_change(const NodeId& variable)
+{
+    impl_->subscriptions.announce_change(variable, detail::ValueQueue::semantics_changed_bit);
+}
+
+void Server::announce_structure_change(const NodeId& variable)
+{
+    impl_->subscriptions.announce_change(variable, detail::ValueQueue::structure_changed_bit);
+}
+
+Server::SamplingState Server::sampling_state() const
+{
+    const detail::Sampler& sampler = impl_->subscriptions.sampler();
+    return {sampler.smallest_revised_interval(), sampler.smallest_actual_interval()};
+}
+
+std::size_t Server::subscription_count() const
+{
+    return impl_->subscriptions.size();
+}
+
+std::size_t Server::monitored_item_count() const
+{
+    return impl_->subscriptions.item_count();
 }
 
 std::size_t Server::session_count() const

@@ -91,12 +91,6 @@ std::uint32_t count(std::size_t value)
     return static_cast<std::uint32_t>(std::min<std::size_t>(value, UINT32_MAX));
 }
 
-/// A limit of services that are not there yet.
-Variant nothing(const Core&)
-{
-    return std::uint32_t{0};
-}
-
 /// The Server object (Part 5, 6.3.1) and its ServerStatus (Part 5, 12.10).
 constexpr std::array status_values{
     LiveValue{id::Server_ServerArray,
@@ -132,8 +126,6 @@ constexpr std::array status_values{
                   return static_cast<std::uint8_t>(c.is_shutting_down() ? 0 : 255);
               }},
     LiveValue{id::Server_Auditing, [](const Core&) -> Variant { return false; }},
-    LiveValue{id::Server_ServerDiagnostics_EnabledFlag,
-              [](const Core&) -> Variant { return false; }},
     LiveValue{id::Server_ServerRedundancy_RedundancySupport,
               [](const Core&) -> Variant { return RedundancySupport::None; }},
 };
@@ -145,7 +137,10 @@ constexpr std::array capability_values{
     LiveValue{id::Server_ServerCapabilities_LocaleIdArray,
               [](const Core& c) -> Variant { return strings(c.config.locale_ids); }},
     LiveValue{id::Server_ServerCapabilities_MinSupportedSampleRate,
-              [](const Core&) -> Variant { return 0.0; }},
+              [](const Core& c) -> Variant {
+                  const auto& policy = c.limits().subscriptions.sampling;
+                  return static_cast<double>(policy.min_interval.count());
+              }},
     LiveValue{id::Server_ServerCapabilities_SoftwareCertificates,
               [](const Core&) -> Variant { return Array<ExtensionObject>(0); }},
     LiveValue{id::Server_ServerCapabilities_MaxBrowseContinuationPoints,
@@ -162,10 +157,34 @@ constexpr std::array capability_values{
               [](const Core& c) -> Variant { return c.limits().decode.max_byte_string_length; }},
     LiveValue{id::Server_ServerCapabilities_MaxSessions,
               [](const Core& c) -> Variant { return count(c.limits().max_sessions); }},
-    LiveValue{id::Server_ServerCapabilities_MaxSubscriptions, nothing},
-    LiveValue{id::Server_ServerCapabilities_MaxMonitoredItems, nothing},
-    LiveValue{id::Server_ServerCapabilities_MaxSubscriptionsPerSession, nothing},
-    LiveValue{id::Server_ServerCapabilities_MaxMonitoredItemsPerSubscription, nothing},
+    LiveValue{id::Server_ServerCapabilities_MaxSubscriptions,
+              [](const Core& c) -> Variant {
+                  return count(c.limits().subscriptions.max_subscriptions);
+              }},
+    LiveValue{id::Server_ServerCapabilities_MaxMonitoredItems,
+              [](const Core& c) -> Variant { return count(c.limits().subscriptions.max_items); }},
+    LiveValue{id::Server_ServerCapabilities_MaxSubscriptionsPerSession,
+              [](const Core& c) -> Variant {
+                  return count(c.limits().subscriptions.max_subscriptions_per_session);
+              }},
+    LiveValue{id::Server_ServerCapabilities_MaxMonitoredItemsPerSubscription,
+              [](const Core& c) -> Variant {
+                  return count(c.limits().subscriptions.max_items_per_subscription);
+              }},
+    LiveValue{id::Server_ServerCapabilities_MaxMonitoredItemsQueueSize,
+              [](const Core& c) -> Variant { return c.limits().subscriptions.max_queue_size; }},
+    LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxMonitoredItemsPerCall,
+              [](const Core& c) -> Variant {
+                  return c.limits().operations.max_monitored_items_per_call;
+              }},
+    LiveValue{id::Server_ServerCapabilities_MaxSelectClauseParameters,
+              [](const Core& c) -> Variant {
+                  return count(c.limits().events.filter.max_select_clauses);
+              }},
+    LiveValue{id::Server_ServerCapabilities_MaxWhereClauseParameters,
+              [](const Core& c) -> Variant {
+                  return count(c.limits().events.filter.max_elements);
+              }},
     LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerRead,
               [](const Core& c) -> Variant { return c.limits().operations.max_nodes_per_read; }},
     LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerWrite,
@@ -195,7 +214,7 @@ constexpr auto live_values = [] {
 
 } // namespace
 
-Result<DataValue> server_value(const Core& core, const NodeId& node)
+Result<DataValue> server_value(const Core& core, const NodeId& node, const UserIdentity& user)
 {
     if (node.namespace_index() != 0 || !node.is_numeric()) {
         return fail(status::Bad_NodeIdUnknown);
@@ -203,10 +222,15 @@ Result<DataValue> server_value(const Core& core, const NodeId& node)
     const auto* const found = std::lower_bound(
         live_values.begin(), live_values.end(), node.numeric(),
         [](const LiveValue& value, std::uint32_t number) { return value.id < number; });
-    if (found == live_values.end() || found->id != node.numeric()) {
-        return fail(status::Bad_NodeIdUnknown);
+    if (found != live_values.end() && found->id == node.numeric()) {
+        return DataValue{found->make(core), status::Good, wall_time(core)};
     }
-    return DataValue{found->make(core), status::Good, wall_time(core)};
+    auto diagnostic = diagnostic_value(core, node.numeric(), user);
+    if (!diagnostic && diagnostic.error() != status::Bad_NodeIdUnknown) {
+        return DataValue{diagnostic.error()};
+    }
+    return std::move(diagnostic).map(
+        [&](Variant value) { return DataValue{std::move(value), status::Good, wall_time(core)}; });
 }
 
 } // namespace busbar::server::detail

@@ -72,6 +72,8 @@ protected:
     /// Charges the session with what the operation holds while it waits, until it has answered;
     /// false if the session has not that much left. The message itself is charged by dispatch.
     [[nodiscard]] bool charge(std::size_t bytes);
+    /// Bytes that a response may have to fit the client's limits.
+    [[nodiscard]] std::size_t response_limit() const;
     /// The message, which the request borrows from, for what outlives the operation.
     [[nodiscard]] std::vector<std::byte> take_message() { return std::move(message_); }
 
@@ -86,6 +88,8 @@ private:
     std::vector<std::byte> message_;
     Link* link_{nullptr};
     Session* session_{nullptr};
+    /// Of the request's type.
+    std::uint32_t encoding_id_{0};
     std::uint32_t request_id_{0};
     std::uint32_t request_handle_{0};
     TimePoint client_deadline_{no_deadline};

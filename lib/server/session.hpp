@@ -11,6 +11,7 @@
 #include <busbar/core/clock.hpp>
 #include <busbar/core/types.hpp>
 #include <busbar/server/access_control.hpp>
+#include <busbar/types/data_types.hpp>
 
 namespace busbar::server::detail {
 
@@ -73,6 +74,13 @@ public:
 
     /// Continuation points and registered nodes, of the View services.
     std::unique_ptr<SessionPart> view;
+    /// Subscriptions, and Publish requests that wait.
+    std::unique_ptr<SessionPart> publishing;
+
+    /// Only what is counted; see Diagnostics.
+    SessionDiagnosticsDataType diagnostics;
+    std::uint32_t diagnostics_round{0};
+    DateTime connection_time;
 
 private:
     std::size_t memory_left_;

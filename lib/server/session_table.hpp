@@ -29,6 +29,10 @@ public:
         return empty() ? nullptr : sessions_.begin()->second.get();
     }
     [[nodiscard]] bool empty() const { return sessions_.empty(); }
+    [[nodiscard]] const std::unordered_map<NodeId, std::unique_ptr<Session>>& all() const
+    {
+        return sessions_;
+    }
     /// A connection has gone; its activated sessions wait for another.
     void unbind(const Link& link);
 

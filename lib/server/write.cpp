@@ -28,7 +28,9 @@ void WriteOperation::start(ServiceContext& context)
                               core.sources,
                               {context.session->user, core.environment.access}},
                  request());
-    if (job_->start(*this, context.now)) {
+    const bool is_complete = job_->start(*this, context.now);
+    core.diagnostics.take_flag(core.address_space);
+    if (is_complete) {
         call_completed();
     }
 }

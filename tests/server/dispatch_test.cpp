@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
-#include <busbar/types/subscription.hpp>
+#include <busbar/types/method.hpp>
+#include <busbar/types/node_management.hpp>
 #include <busbar/types/view.hpp>
 
 #include "support/slow_server.hpp"
@@ -41,9 +42,8 @@ TEST_CASE("services that are not there answer Bad_ServiceUnsupported")
 {
     ServerFixture fixture;
     auto client = fixture.log_in();
-    CHECK(client.status_of<CreateSubscriptionResponse>(CreateSubscriptionRequest{}) ==
-          status::Bad_ServiceUnsupported);
-    CHECK(client.status_of<PublishResponse>(PublishRequest{}) == status::Bad_ServiceUnsupported);
+    CHECK(client.status_of<CallResponse>(CallRequest{}) == status::Bad_ServiceUnsupported);
+    CHECK(client.status_of<AddNodesResponse>(AddNodesRequest{}) == status::Bad_ServiceUnsupported);
     for (const std::uint32_t type : {99'999U, ReadValueId::binary_encoding_id}) {
         const auto request = send_type(client, type);
         CHECK(answer(client, request) == status::Bad_ServiceUnsupported);

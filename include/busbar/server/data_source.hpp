@@ -22,6 +22,8 @@ class ReadPart;
 class WritePart;
 } // namespace detail
 
+class ProcessImage;
+
 /// One value that is asked for.
 struct ReadItem {
     /// What the backend called the variable when its node was created.
@@ -177,6 +179,9 @@ public:
     /// waker is not in use any more.
     virtual void attach(Waker* /*waker*/) {}
     virtual void handle_completions() {}
+    /// Not null for a source whose values all lie in a process image, by the handles of its layout:
+    /// monitored items are then sampled there, without a call of read().
+    [[nodiscard]] virtual ProcessImage* process_image() { return nullptr; }
 };
 
 } // namespace busbar::server

@@ -6,6 +6,8 @@
 
 #include <busbar/binary/reader.hpp>
 #include <busbar/channel/channel_types.hpp>
+#include <busbar/server/event_limits.hpp>
+#include <busbar/server/subscription_limits.hpp>
 
 namespace busbar::server {
 
@@ -16,6 +18,8 @@ struct OperationLimits {
     std::uint32_t max_nodes_per_browse{10'000};
     std::uint32_t max_nodes_per_register_nodes{10'000};
     std::uint32_t max_nodes_per_translate_browse_paths{10'000};
+    /// Also of Subscriptions, where a request names many.
+    std::uint32_t max_monitored_items_per_call{25'000};
 };
 
 /// Everything that peers can make a server hold or do has its limit here. All are finite.
@@ -65,6 +69,8 @@ struct ServerLimits {
     std::uint32_t max_references_per_node{10'000};
     std::uint32_t max_browse_path_elements{64};
     std::uint32_t max_browse_path_targets{1'000};
+    EventLimits events;
+    SubscriptionLimits subscriptions;
 
     // Logins (Part 4, 5.7.3.1): failures until a user is locked out at one client, until a client
     // is locked out for all users, and for how long. See LoginGuard.

@@ -21,8 +21,11 @@ class ImageWrites;
 
 struct ImageOptions {
     /// Scans that may be held at the same time by ImagePins. The image has two buffers more than
-    /// this, so that the task always finds one to publish into.
+    /// this and the next number, so that the task always finds one to publish into.
     std::uint32_t max_pins{8};
+    /// Scans that wait for the server while items are sampled at each of them. There are so many
+    /// more buffers and one.
+    std::uint32_t max_queued_scans{4};
     /// Write calls that may wait for the scan's edge.
     std::uint32_t max_waiting_writes{64};
     /// What the task applies at one scan's edge: single variables, array rows or texts, and their
@@ -62,6 +65,8 @@ public:
     bool read(std::uint32_t handle, ReadSlot& slot) const;
     /// A copy of a variable's value.
     [[nodiscard]] Variant value(std::uint32_t handle) const;
+    /// A variable's bytes, as ImageMemory has them.
+    [[nodiscard]] const std::byte* bytes(const ImagePlace& place) const;
 
 private:
     friend class ProcessImage;
@@ -121,6 +126,16 @@ public:
     /// The latest scan; empty if there is none yet or as many pins are held as may be. Takes a
     /// constant number of steps.
     [[nodiscard]] ImagePin pin() const;
+    /// True from the first publish() on.
+    [[nodiscard]] bool has_scan() const;
+
+    // For the server's thread.
+
+    /// Whether each scan is kept until next_scan() takes it, and the server woken for it. A scan
+    /// that finds max_queued_scans of them waiting is not kept.
+    void follow_scans(bool follows);
+    /// The oldest scan that was kept; empty if there is none. Give it back before the next call.
+    [[nodiscard]] ImagePin next_scan();
 
 private:
     friend class ImagePin;
@@ -155,6 +170,7 @@ public:
     void write(WriteBatch batch) override;
     void attach(Waker* waker) override;
     void handle_completions() override;
+    [[nodiscard]] ProcessImage* process_image() override { return image_.get(); }
 
 private:
     std::shared_ptr<ProcessImage> image_;

@@ -14,6 +14,7 @@
 #include <busbar/server/access_control.hpp>
 #include <busbar/server/connection.hpp>
 #include <busbar/server/data_source.hpp>
+#include <busbar/server/event.hpp>
 #include <busbar/server/server_config.hpp>
 #include <busbar/server/waker.hpp>
 
@@ -64,6 +65,11 @@ public:
     /// The source's index, which nodes carry. The source must outlive the server.
     std::uint32_t add_source(DataSource& source);
 
+    /// Raises an event from any thread that knows the server is there; see EventQueue::raise.
+    bool raise_event(Event event);
+    /// For threads that may outlive the server.
+    [[nodiscard]] std::shared_ptr<EventQueue> event_queue() const;
+
     /// A connection for a peer that has connected, or that was connected to (see
     /// Connection::reverse_hello). `peer_address` without port is what failed logins are counted
     /// by. Bad_TcpServerTooBusy if there is no place; closing the socket is all that is left then.
@@ -74,7 +80,7 @@ public:
     void start(TimePoint now);
     [[nodiscard]] TimePoint next_deadline() const;
     void handle_deadline(TimePoint now);
-    /// Answers the requests whose data has come meanwhile.
+    /// Answers the requests whose data has come meanwhile and hands on events that were raised.
     void handle_completions(TimePoint now);
     /// The id of a connection that got output or an earlier deadline, or ended, other than by a
     /// call of its own members. Each is named once for any number of changes.
@@ -87,6 +93,22 @@ public:
     /// more will be sent.
     [[nodiscard]] bool is_stopped() const;
 
+    /// The next sample of each item of the Variable's value is reported with the SemanticsChanged
+    /// bit (Part 8, 5.2): EURange or EngineeringUnits, say, are others now.
+    void announce_semantics_change(const NodeId& variable);
+    /// The same with the StructureChanged bit (Part 4, 7.38.1).
+    void announce_structure_change(const NodeId& variable);
+
+    struct SamplingState {
+        /// The shortest interval that an item was given; zero if there is none.
+        Duration smallest_revised_interval{0};
+        /// The shortest between two samples as they happened; zero before there were two.
+        Duration smallest_actual_interval{0};
+    };
+    [[nodiscard]] SamplingState sampling_state() const;
+
+    [[nodiscard]] std::size_t subscription_count() const;
+    [[nodiscard]] std::size_t monitored_item_count() const;
     [[nodiscard]] std::size_t session_count() const;
     [[nodiscard]] std::size_t connection_count() const;
 

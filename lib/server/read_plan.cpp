@@ -1,0 +1,116 @@
+#include "read_plan.hpp"
+
+#include <busbar/core/attribute_id.hpp>
+#include <busbar/types/ids.hpp>
+
+namespace busbar::server::detail {
+
+namespace {
+
+constexpr auto value_attribute = static_cast<std::uint32_t>(AttributeId::Value);
+
+/// A null DataEncoding is the default one. Bad_DataEncodingInvalid where none can be asked for,
+/// Bad_DataEncodingUnsupported for a structure's that is not the one of this protocol.
+StatusCode check_data_encoding(const ReadContext& context, const ReadValueId& id,
+                               const model::VariableAttributes* variable)
+{
+    if (id.data_encoding.name.empty()) {
+        return status::Good;
+    }
+    if (variable == nullptr) {
+        return status::Bad_DataEncodingInvalid;
+    }
+    if (id.data_encoding.namespace_index == 0 && id.data_encoding.name.view() == "Default Binary") {
+        return status::Good;
+    }
+    return context.space.is_subtype_of(variable->data_type, id::Structure)
+               ? status::Bad_DataEncodingUnsupported
+               : status::Bad_DataEncodingInvalid;
+}
+
+StatusCode check_access(const ReadContext& context, const ReadValueId& id,
+                        const model::VariableAttributes& variable)
+{
+    if (!has_access(variable.access_level, AccessLevelType::CurrentRead)) {
+        return status::Bad_NotReadable;
+    }
+    const std::uint8_t level = context.rights.access_level(id.node_id, variable);
+    return has_access(level, AccessLevelType::CurrentRead) ? status::Good
+                                                           : status::Bad_UserAccessDenied;
+}
+
+/// Any attribute but a Variable's Value.
+Result<Variant> attribute(const ReadContext& context, const ReadValueId& id, model::NodeIndex node)
+{
+    const model::AddressSpace& space = context.space;
+    const auto attribute_id = static_cast<AttributeId>(id.attribute_id);
+    if (attribute_id == AttributeId::Value) {
+        Variant value = space.value(node);
+        if (space.node_class(node) != NodeClass::VariableType || value.is_null()) {
+            return fail(status::Bad_AttributeIdInvalid);
+        }
+        return value;
+    }
+    if (attribute_id == AttributeId::UserAccessLevel &&
+        space.node_class(node) == NodeClass::Variable) {
+        return Variant{context.rights.access_level(id.node_id, space.variable(node))};
+    }
+    return space.attribute(node, attribute_id);
+}
+
+/// The value of a Variable without source.
+DataValue kept_value(const ReadContext& context, const ReadValueId& id, model::NodeIndex node)
+{
+    if (id.node_id.namespace_index() == 0) {
+        if (auto live = context.live_value(id.node_id)) {
+            return std::move(*live);
+        }
+    }
+    return DataValue{context.space.value(node)};
+}
+
+ReadPlan answered(DataValue value)
+{
+    ReadPlan plan;
+    plan.answer = std::move(value);
+    return plan;
+}
+
+ReadPlan plan_value(const ReadContext& context, const ReadValueId& id, model::NodeIndex node)
+{
+    const model::VariableAttributes variable = context.space.variable(node);
+    StatusCode refusal = check_access(context, id, variable);
+    if (refusal.is_good()) {
+        refusal = check_data_encoding(context, id, &variable);
+    }
+    if (refusal.is_bad()) {
+        return answered(refusal);
+    }
+    if (variable.source == model::no_source) {
+        return answered(kept_value(context, id, node));
+    }
+    const auto* source = context.sources.find(variable.source);
+    if (source == nullptr) {
+        return answered(StatusCode{status::Bad_NoCommunication});
+    }
+    return {source->get(), variable.source, variable.handle, {}};
+}
+
+} // namespace
+
+ReadPlan plan_read(const ReadContext& context, const ReadValueId& id)
+{
+    const model::NodeIndex node = context.space.find(id.node_id);
+    if (node == model::no_node || !context.rights.may_see(id.node_id)) {
+        return answered(why_not_found(id.node_id));
+    }
+    if (id.attribute_id == value_attribute &&
+        context.space.node_class(node) == NodeClass::Variable) {
+        return plan_value(context, id, node);
+    }
+    Result<Variant> value = attribute(context, id, node);
+    const StatusCode refusal = value ? check_data_encoding(context, id, nullptr) : value.error();
+    return answered(refusal.is_bad() ? DataValue{refusal} : DataValue{std::move(*value)});
+}
+
+} // namespace busbar::server::detail
