@@ -328,4 +328,20 @@ Result<std::vector<Row>> Load::run()
     return rows;
 }
 
+Result<std::vector<SubscribeRow>> Load::run_subscriptions()
+{
+    std::vector<SubscribeRow> rows;
+    for (const std::size_t items : options_.subscribe.item_counts) {
+        net::ClientLoop loop;
+        const auto opened = open(loop, true);
+        auto row = opened ? subscribe(loop, options_.subscribe, items) : fail(opened.error());
+        if (!row) {
+            return fail(row.error());
+        }
+        rows.push_back(*row);
+        loop.close();
+    }
+    return rows;
+}
+
 } // namespace busbar::bench

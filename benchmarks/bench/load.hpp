@@ -7,6 +7,8 @@
 
 #include <busbar/net/client_loop.hpp>
 
+#include "subscribe.hpp"
+
 namespace busbar::bench {
 
 struct Options {
@@ -22,6 +24,7 @@ struct Options {
     std::vector<std::size_t> in_flight{1, 64};
     std::size_t connects{20};
     double seconds{1.0};
+    SubscribeOptions subscribe;
     bool json{false};
 };
 
@@ -52,6 +55,8 @@ public:
     [[nodiscard]] Result<void> prepare();
     /// All loads of the options; stops at the first that fails.
     [[nodiscard]] Result<std::vector<Row>> run();
+    /// The subscriptions of the options, each on a connection of its own.
+    [[nodiscard]] Result<std::vector<SubscribeRow>> run_subscriptions();
 
 private:
     [[nodiscard]] Result<void> open(net::ClientLoop& loop, bool wants_session);
