@@ -66,6 +66,8 @@ struct ControllerConfig {
     std::chrono::milliseconds scan{20};
     /// Of the PLC's task, 1 to 99; 0 is none.
     int realtime_priority{0};
+    /// How many scans may wait for the server, for the items that are sampled at each of them.
+    std::uint32_t queued_scans{4};
     controller::PlcConfig plc;
 };
 

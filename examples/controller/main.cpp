@@ -172,7 +172,9 @@ int serve(ControllerConfig config)
     const std::uint16_t port = expect(loop.listen(config.address, config.port), "listening");
     complete(config, port, wall_clock.now());
     example::Admission admission{config, log};
-    auto plc = controller::Plc::create(config.plc);
+    server::ImageOptions image_options;
+    image_options.max_queued_scans = config.queued_scans;
+    auto plc = controller::Plc::create(config.plc, image_options);
     if (!plc) {
         throw ConfigError{plc.error().text};
     }

@@ -97,9 +97,11 @@ PlcProgram read_program(const TomlTable& table)
 
 void read_plc(const TomlTable& table, ControllerConfig& config)
 {
-    table.allow({"scan_ms", "realtime_priority", "variable", "program"});
+    table.allow({"scan_ms", "realtime_priority", "queued_scans", "variable", "program"});
     config.scan = std::chrono::milliseconds{table.integer("scan_ms", 20, 1, 10'000)};
     config.realtime_priority = static_cast<int>(table.integer("realtime_priority", 0, 0, 99));
+    config.queued_scans =
+        static_cast<std::uint32_t>(table.integer("queued_scans", config.queued_scans, 1, 1'000));
     const auto variables = table.tables("variable");
     const auto programs = table.tables("program");
     for (const TomlTable& entry : variables) {

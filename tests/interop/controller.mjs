@@ -21,6 +21,7 @@ export function freePort() {
 const plc = `
 [plc]
 scan_ms = 20
+queued_scans = 500
 [[plc.variable]]
 name = "Counter"
 type = "Int32"
