@@ -13,30 +13,30 @@ namespace {
 constexpr std::size_t type_count = 21;
 
 /// Part 4, 7.7.3, Conversion rules. Row: source; column: target; both Boolean to LocalizedText by
-/// their ids.
+/// their ids. I: implicit, E: by Cast only, '.': none.
 constexpr std::array<std::string_view, type_count> rules{
     //   Bo SB By I2 U2 I4 U4 I8 U8 Fl Do St Dt Gu BS Xm Ni Xi Sc Qn Lt
-    "-IIIIIIIIIIEXXXXXXXXX", // Boolean
-    "E-EIIIIIIIIEXXXXXXXXX", // SByte
-    "EI-IIIIIIIIEXXXXXXXXX", // Byte
-    "EEE-EIIIIIIEXXXXXXXXX", // Int16
-    "EEEI-IIIIIIEXXXXXXIXX", // UInt16
-    "EEEEE-EIIIIEXXXXXXEXX", // Int32
-    "EEEEEI-IIIIEXXXXXXEXX", // UInt32
-    "EEEEEEE-EIIEXXXXXXEXX", // Int64
-    "EEEEEEEI-IIEXXXXXXEXX", // UInt64
-    "EEEEEEEEE-IEXXXXXXXXX", // Float
-    "EEEEEEEEEE-EXXXXXXXXX", // Double
-    "IIIIIIIIIII-EIXXEEXEE", // String
-    "XXXXXXXXXXXE-XXXXXXXX", // DateTime
-    "XXXXXXXXXXXEX-EXXXXXX", // Guid
-    "XXXXXXXXXXXXXE-XXXXXX", // ByteString
-    "XXXXXXXXXXXXXXX-XXXXX", // XmlElement
-    "XXXXXXXXXXXIXXXX-IXXX", // NodeId
-    "XXXXXXXXXXXIXXXXE-XXX", // ExpandedNodeId
-    "XXXXEIIIIXXXXXXXXX-XX", // StatusCode
-    "XXXXXXXXXXXIXXXXXXX-I", // QualifiedName
-    "XXXXXXXXXXXIXXXXXXXX-", // LocalizedText
+    "-IIIIIIIIIIE.........", // Boolean
+    "E-EIIIIIIIIE.........", // SByte
+    "EI-IIIIIIIIE.........", // Byte
+    "EEE-EIIIIIIE.........", // Int16
+    "EEEI-IIIIIIE......I..", // UInt16
+    "EEEEE-EIIIIE......E..", // Int32
+    "EEEEEI-IIIIE......E..", // UInt32
+    "EEEEEEE-EIIE......E..", // Int64
+    "EEEEEEEI-IIE......E..", // UInt64
+    "EEEEEEEEE-IE.........", // Float
+    "EEEEEEEEEE-E.........", // Double
+    "IIIIIIIIIII-EI..EE.EE", // String
+    "...........E-........", // DateTime
+    "...........E.-E......", // Guid
+    ".............E-......", // ByteString
+    "...............-.....", // XmlElement
+    "...........I....-I...", // NodeId
+    "...........I....E-...", // ExpandedNodeId
+    "....EIIII.........-..", // StatusCode
+    "...........I.......-I", // QualifiedName
+    "...........I........-", // LocalizedText
 };
 
 static_assert(

@@ -9,7 +9,7 @@ namespace busbar::server::detail {
 
 /// What a value of one type is to another.
 enum class Conversion : char {
-    None = 'X',
+    None = '.',
     Same = '-',
     /// Done wherever types differ.
     Implicit = 'I',
