@@ -28,7 +28,8 @@ const micro = {
     295,
     296,
     338,
-    852, // data types
+    852,
+    884, // data types
     31,
     32,
     33,
