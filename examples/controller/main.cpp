@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <busbar/controller/plc.hpp>
+#include <busbar/controller/plc_events.hpp>
 #include <busbar/controller/plc_nodes.hpp>
 #include <busbar/controller/plc_task.hpp>
 #include <busbar/crypto/password_hash.hpp>
@@ -198,11 +199,16 @@ int serve(ControllerConfig config)
     controller::PlcNodesOptions nodes;
     nodes.source = server.add_source(source);
     nodes.cycle = config.scan;
-    expect(controller::publish_variables(server.address_space(), **plc, nodes), "the variables");
+    const auto folder = expect(controller::publish_variables(server.address_space(), **plc, nodes),
+                               "the variables");
+    const auto events = expect(
+        controller::PlcEvents::create(server.address_space(), folder, **plc, server.event_queue()),
+        "the events");
 
     net::WorkerThread worker;
     admission.check_passwords_on(worker);
     controller::PlcTask task{**plc, wall_clock, config.scan, config.realtime_priority};
+    task.after_scan([&events](DateTime time) { events.raise(time); });
     task.start();
     loop.stop_on_signals();
     print_welcome(config, **plc);

@@ -12,6 +12,7 @@ namespace {
 
 using controller::PlcConfig;
 using controller::PlcConfigError;
+using controller::PlcEvent;
 using controller::PlcProgram;
 using controller::PlcProgramKind;
 using controller::PlcVariable;
@@ -93,11 +94,31 @@ PlcProgram read_program(const TomlTable& table)
     return program;
 }
 
+PlcEvent read_event(const TomlTable& table)
+{
+    table.allow({"variable", "limit", "severity", "message"});
+    PlcEvent event;
+    event.variable = table.text("variable");
+    event.limit = table.number("limit", 0);
+    event.severity = static_cast<std::uint16_t>(table.integer("severity", 500, 1, 1000));
+    event.message = table.text("message");
+    return event;
+}
+
+/// Where the configuration says what the error is about.
+[[noreturn]] void fail(const PlcConfigError& error, const std::vector<TomlTable>& entries)
+{
+    if (error.index < entries.size()) {
+        entries[error.index].fail(error.field, error.text);
+    }
+    throw ConfigError{error.field + ": " + error.text};
+}
+
 } // namespace
 
 void read_plc(const TomlTable& table, ControllerConfig& config)
 {
-    table.allow({"scan_ms", "realtime_priority", "queued_scans", "variable", "program"});
+    table.allow({"scan_ms", "realtime_priority", "queued_scans", "variable", "program", "event"});
     config.scan = std::chrono::milliseconds{table.integer("scan_ms", 20, 1, 10'000)};
     config.realtime_priority = static_cast<int>(table.integer("realtime_priority", 0, 0, 99));
     config.queued_scans =
@@ -110,14 +131,19 @@ void read_plc(const TomlTable& table, ControllerConfig& config)
     for (const TomlTable& entry : programs) {
         config.plc.programs.push_back(read_program(entry));
     }
-    const auto plc = controller::Plc::create(config.plc);
-    if (!plc) {
-        const PlcConfigError& error = plc.error();
-        const auto& part = error.part == PlcConfigError::Part::Variable ? variables : programs;
-        if (error.index < part.size()) {
-            part[error.index].fail(error.field, error.text);
+    const auto events = table.tables("event");
+    for (const TomlTable& entry : events) {
+        config.plc.events.push_back(read_event(entry));
+    }
+    if (const auto plc = controller::Plc::create(config.plc); !plc) {
+        switch (plc.error().part) {
+        case PlcConfigError::Part::Variable:
+            fail(plc.error(), variables);
+        case PlcConfigError::Part::Program:
+            fail(plc.error(), programs);
+        case PlcConfigError::Part::Event:
+            fail(plc.error(), events);
         }
-        throw ConfigError{error.field + ": " + error.text};
     }
 }
 

@@ -306,6 +306,37 @@ const Mistake program_mistakes[] = {
      0, "source"},
 };
 
+/// `change` of an event of the variable A.
+template <typename Change>
+void add_event(PlcConfig& config, Change change)
+{
+    PlcEvent event;
+    event.variable = "A";
+    change(event);
+    config.events.push_back(event);
+}
+
+const Mistake event_mistakes[] = {
+    {"an event of nothing",
+     [](PlcConfig& c) { add_event(c, [](PlcEvent& e) { e.variable = "B"; }); }, 0, "variable"},
+    {"an event of a text",
+     [](PlcConfig& c) { add_event(c, [](PlcEvent& e) { e.variable = "T"; }); }, 0, "variable"},
+    {"an event of an array",
+     [](PlcConfig& c) {
+         c.variables[0].dimensions = {2};
+         add_event(c, [](PlcEvent&) {});
+     },
+     0, "variable"},
+    {"no limit", [](PlcConfig& c) { add_event(c, [](PlcEvent& e) { e.limit = std::nan(""); }); }, 0,
+     "limit"},
+    {"an absurd severity",
+     [](PlcConfig& c) {
+         add_event(c, [](PlcEvent&) {});
+         add_event(c, [](PlcEvent& e) { e.severity = 1001; });
+     },
+     1, "severity"},
+};
+
 void check_mistake(const Mistake& mistake, Part part)
 {
     INFO(mistake.what);
@@ -331,6 +362,9 @@ TEST_CASE("a broken configuration is refused with the place and the reason")
     }
     for (const Mistake& mistake : program_mistakes) {
         check_mistake(mistake, Part::Program);
+    }
+    for (const Mistake& mistake : event_mistakes) {
+        check_mistake(mistake, Part::Event);
     }
 }
 

@@ -42,9 +42,29 @@ dimensions = [8]
 name = "Bulk"
 type = "Int16"
 count = 25000
+[[plc.variable]]
+name = "Temperature"
+type = "Float"
+[[plc.variable]]
+name = "Door"
+type = "Boolean"
 [[plc.program]]
 kind = "increment"
 target = "Counter"
+[[plc.event]]
+variable = "Temperature"
+limit = 80.0
+severity = 400
+message = "Temperature is high"
+[[plc.event]]
+variable = "Temperature"
+limit = 120.0
+severity = 900
+message = "Temperature is dangerous"
+[[plc.event]]
+variable = "Door"
+severity = 600
+message = "The door was opened"
 `;
 
 function account(program) {

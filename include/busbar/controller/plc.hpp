@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,7 +17,8 @@ namespace busbar::controller {
 
 namespace detail {
 class PlcStep;
-}
+class PlcWatch;
+} // namespace detail
 
 /// A simulated PLC: variables in a process image and small programs that move them.
 ///
@@ -37,6 +39,10 @@ public:
     /// The PLC stops until the next scan, see ProcessImage::halt.
     void halt() { image_->halt(); }
 
+    /// The events of the last scan, by their places in events(). For the thread that scans; valid
+    /// until the next scan.
+    [[nodiscard]] std::span<const std::uint32_t> occurrences() const { return occurrences_; }
+
     [[nodiscard]] const std::shared_ptr<server::ProcessImage>& image() const { return image_; }
 
     struct Variable {
@@ -45,6 +51,8 @@ public:
     };
     /// The variables by their handles.
     [[nodiscard]] const std::vector<Variable>& variables() const { return variables_; }
+    /// What the configuration has.
+    [[nodiscard]] const std::vector<PlcEvent>& events() const { return events_; }
     /// The handle of a variable.
     [[nodiscard]] std::optional<std::uint32_t> find(std::string_view name) const;
 
@@ -55,6 +63,11 @@ private:
     /// The handles, sorted by name.
     std::vector<std::uint32_t> by_name_;
     std::vector<detail::PlcStep> steps_;
+    std::vector<PlcEvent> events_;
+    /// One for each event.
+    std::vector<detail::PlcWatch> watches_;
+    /// Has room for all events.
+    std::vector<std::uint32_t> occurrences_;
     std::shared_ptr<server::ProcessImage> image_;
 
     friend class PlcBuilder;

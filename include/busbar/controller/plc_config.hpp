@@ -48,16 +48,29 @@ struct PlcProgram {
     double offset{0};
 };
 
+/// Something that happens in the machine and that clients are told of, as an event.
+struct PlcEvent {
+    /// A scalar number: it happens in the scan in which the value comes to lie above `limit`; or a
+    /// scalar Boolean: when it becomes true.
+    std::string variable;
+    double limit{0};
+    /// 1 to 1,000 (Part 5, 6.4.2).
+    std::uint16_t severity{500};
+    std::string message;
+};
+
 struct PlcConfig {
     std::vector<PlcVariable> variables;
     /// Run in this order in each scan.
     std::vector<PlcProgram> programs;
+    /// Looked for after the programs.
+    std::vector<PlcEvent> events;
 };
 
 /// What is wrong with a PlcConfig.
 struct PlcConfigError {
-    enum class Part : std::uint8_t { Variable, Program };
-    /// variables[index] or programs[index].
+    enum class Part : std::uint8_t { Variable, Program, Event };
+    /// variables[index], programs[index] or events[index].
     Part part{Part::Variable};
     std::size_t index{0};
     /// The field's name: "type", "target"...

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <thread>
 
@@ -26,6 +27,9 @@ public:
     PlcTask& operator=(const PlcTask&) = delete;
     ~PlcTask() { stop(); }
 
+    /// What is to be done in the task's thread after each scan, which was at `time`; it may take
+    /// some time, but what is left of the cycle is all it has. Before start().
+    void after_scan(std::function<void(DateTime time)> action) { after_scan_ = std::move(action); }
     /// The first scan begins at once.
     void start();
     /// Waits for a scan that runs, then halts the PLC.
@@ -52,6 +56,7 @@ private:
     const WallClock* clock_;
     Duration cycle_;
     int realtime_priority_;
+    std::function<void(DateTime)> after_scan_;
     std::thread thread_;
     /// Guards `stopping_`. The task holds it only while it waits for its next cycle.
     std::mutex mutex_;

@@ -4,6 +4,7 @@
 
 #include "plc_builder.hpp"
 #include "plc_step.hpp"
+#include "plc_watch.hpp"
 
 namespace busbar::controller {
 
@@ -24,6 +25,12 @@ void Plc::scan(DateTime now, Duration elapsed)
     });
     for (detail::PlcStep& step : steps_) {
         step.run(elapsed);
+    }
+    occurrences_.clear();
+    for (std::uint32_t i = 0; i < watches_.size(); ++i) {
+        if (watches_[i].occurs()) {
+            occurrences_.push_back(i);
+        }
     }
     image_->publish(now);
 }

@@ -6,6 +6,7 @@
 #include <busbar/core/text.hpp>
 
 #include "plc_initial.hpp"
+#include "plc_watch.hpp"
 
 namespace busbar::controller {
 
@@ -54,6 +55,9 @@ tl::expected<std::unique_ptr<Plc>, PlcConfigError> PlcBuilder::build(server::Ima
     }
     if (checked) {
         checked = add_programs();
+    }
+    if (checked) {
+        checked = add_events();
     }
     if (!checked) {
         return tl::unexpected{checked.error()};
@@ -223,6 +227,44 @@ PlcBuilder::Checked PlcBuilder::check_copy(std::size_t index, const Group& targe
     for (std::uint32_t i = 0; i < target.count; ++i) {
         plc_->steps_.emplace_back(plc_->image_->memory(), program, target.first + i,
                                   source->first + (source->count == 1 ? 0 : i));
+    }
+    return {};
+}
+
+PlcBuilder::Checked PlcBuilder::add_events()
+{
+    for (std::size_t i = 0; i < config_->events.size(); ++i) {
+        if (auto checked = check_event(i); !checked) {
+            return checked;
+        }
+        const PlcEvent& event = config_->events[i];
+        plc_->watches_.emplace_back(plc_->image_->memory(), *plc_->find(event.variable),
+                                    event.limit);
+    }
+    plc_->events_ = config_->events;
+    plc_->occurrences_.reserve(config_->events.size());
+    return {};
+}
+
+PlcBuilder::Checked PlcBuilder::check_event(std::size_t index) const
+{
+    const PlcEvent& event = config_->events[index];
+    const auto handle = plc_->find(event.variable);
+    if (!handle) {
+        return error(Part::Event, index, "variable",
+                     "found " + quoted(event.variable) + ", expected a variable's name");
+    }
+    const server::ImagePlace& place = layout_[*handle];
+    if (place.is_array() || !detail::PlcWatch::accepts(place.type)) {
+        return error(Part::Event, index, "variable",
+                     "found " + quoted(event.variable) + ", expected a scalar number or Boolean");
+    }
+    if (!std::isfinite(event.limit)) {
+        return error(Part::Event, index, "limit", "expected a finite number");
+    }
+    if (event.severity < 1 || event.severity > 1000) {
+        return error(Part::Event, index, "severity",
+                     "found " + std::to_string(event.severity) + ", expected 1 to 1000");
     }
     return {};
 }

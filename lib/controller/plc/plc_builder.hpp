@@ -34,6 +34,8 @@ private:
     [[nodiscard]] Checked set_values();
     [[nodiscard]] Checked add_programs();
     [[nodiscard]] Checked add_program(std::size_t index);
+    [[nodiscard]] Checked add_events();
+    [[nodiscard]] Checked check_event(std::size_t index) const;
     [[nodiscard]] Checked check_copy(std::size_t index, const Group& target);
     [[nodiscard]] std::optional<Group> find(std::string_view name) const;
     [[nodiscard]] static Checked error(Part part, std::size_t index, std::string field,

@@ -1,12 +1,14 @@
 #include <busbar/controller/plc_nodes.hpp>
 
+#include <busbar/types/ids.hpp>
+
 namespace busbar::controller {
 
 namespace {
 
-constexpr std::uint32_t objects_folder = 85;
 constexpr std::uint8_t current_read = 0x01; // AccessLevelType, Part 3, 8.57
 constexpr std::uint8_t current_write = 0x02;
+constexpr std::uint8_t subscribe_to_events = 0x01; // EventNotifierType, Part 3, 8.59
 
 Result<model::NodeIndex> add_variable(model::AddressSpace& address_space, model::NodeIndex folder,
                                       std::uint16_t namespace_index, const Plc& plc,
@@ -46,8 +48,12 @@ Result<model::NodeIndex> publish_variables(model::AddressSpace& address_space, c
     model::NewNode node;
     node.id = NodeId{*namespace_index, String::borrow(options.folder)};
     node.browse_name = QualifiedName{*namespace_index, String::borrow(options.folder)};
-    node.parent = address_space.find(objects_folder);
-    const auto folder = address_space.add_folder(node);
+    node.parent = address_space.find(id::ObjectsFolder);
+    model::NewObject attributes;
+    attributes.type_definition = NodeId{0, id::FolderType};
+    attributes.event_notifier = subscribe_to_events;
+    node.reference_type = NodeId{0, id::Organizes};
+    const auto folder = address_space.add_object(node, attributes);
     address_space.reserve(plc.variables().size());
     for (std::uint32_t handle = 0; folder && handle < plc.variables().size(); ++handle) {
         const auto added =

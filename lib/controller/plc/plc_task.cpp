@@ -91,10 +91,14 @@ void PlcTask::run()
 
 void PlcTask::scan(TimePoint planned, TimePoint begin, Duration elapsed)
 {
-    plc_->scan(clock_->now(), elapsed);
+    const DateTime now = clock_->now();
+    plc_->scan(now, elapsed);
     raise(worst_lateness_, (begin - planned).count());
     raise(worst_scan_, Duration{steady_now() - begin}.count());
     scans_.fetch_add(1, std::memory_order_relaxed);
+    if (after_scan_) {
+        after_scan_(now);
+    }
 }
 
 PlcTask::Statistics PlcTask::statistics() const

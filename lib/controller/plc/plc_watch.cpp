@@ -1,0 +1,46 @@
+#include "plc_watch.hpp"
+
+#include <utility>
+
+#include "visit_number.hpp"
+
+namespace busbar::controller::detail {
+
+bool PlcWatch::accepts(BuiltInType type)
+{
+    return choose(type) != nullptr;
+}
+
+PlcWatch::IsAbove PlcWatch::choose(BuiltInType type)
+{
+    if (type == BuiltInType::Boolean) {
+        return &is_true;
+    }
+    return visit_number(
+        type, [](auto tag) -> IsAbove { return &is_above<typename decltype(tag)::type>; });
+}
+
+PlcWatch::PlcWatch(server::ImageMemory& memory, std::uint32_t variable, double limit)
+    : memory_{&memory}, is_above_{choose(memory.layout()[variable].type)}, variable_{variable},
+      limit_{limit}
+{
+}
+
+bool PlcWatch::occurs()
+{
+    const bool is = is_above_(*this);
+    return !std::exchange(was_above_, is) && is;
+}
+
+template <typename T>
+bool PlcWatch::is_above(const PlcWatch& watch)
+{
+    return static_cast<double>(watch.memory_->values<T>(watch.variable_).front()) > watch.limit_;
+}
+
+bool PlcWatch::is_true(const PlcWatch& watch)
+{
+    return watch.memory_->values<bool>(watch.variable_).front();
+}
+
+} // namespace busbar::controller::detail

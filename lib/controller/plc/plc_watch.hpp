@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+
+#include <busbar/core/variant.hpp>
+#include <busbar/server/image_memory.hpp>
+
+namespace busbar::controller::detail {
+
+/// Waits for one event to happen.
+class PlcWatch {
+public:
+    /// True if a variable of this type can be watched.
+    [[nodiscard]] static bool accepts(BuiltInType type);
+
+    /// The variable must be scalar and of a type that is accepted.
+    PlcWatch(server::ImageMemory& memory, std::uint32_t variable, double limit);
+
+    /// To be asked once in each scan. What was so when the PLC started does not happen.
+    [[nodiscard]] bool occurs();
+
+private:
+    using IsAbove = bool (*)(const PlcWatch&);
+
+    template <typename T>
+    static bool is_above(const PlcWatch& watch);
+    static bool is_true(const PlcWatch& watch);
+    [[nodiscard]] static IsAbove choose(BuiltInType type);
+
+    server::ImageMemory* memory_;
+    IsAbove is_above_;
+    std::uint32_t variable_;
+    double limit_;
+    bool was_above_{true};
+};
+
+} // namespace busbar::controller::detail
