@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <busbar/controller/plc.hpp>
+#include <busbar/controller/plc_methods.hpp>
 #include <busbar/controller/plc_nodes.hpp>
 #include <busbar/controller/plc_task.hpp>
 #include <busbar/crypto/password_hash.hpp>
@@ -179,6 +180,7 @@ int serve(ControllerConfig config)
         throw ConfigError{plc.error().text};
     }
     server::ImageSource source{(*plc)->image()};
+    server::MethodTable methods;
 
     server::ServerEnvironment environment;
     environment.random = &random;
@@ -198,7 +200,11 @@ int serve(ControllerConfig config)
     controller::PlcNodesOptions nodes;
     nodes.source = server.add_source(source);
     nodes.cycle = config.scan;
-    expect(controller::publish_variables(server.address_space(), **plc, nodes), "the variables");
+    const auto folder = expect(controller::publish_variables(server.address_space(), **plc, nodes),
+                               "the variables");
+    expect(controller::publish_methods(server.address_space(), folder, **plc, methods,
+                                       server.add_source(methods)),
+           "the methods");
 
     net::WorkerThread worker;
     admission.check_passwords_on(worker);

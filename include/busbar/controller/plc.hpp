@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -21,8 +22,8 @@ class PlcStep;
 /// A simulated PLC: variables in a process image and small programs that move them.
 ///
 /// It knows no clock: whoever calls scan() says what time it is. scan(), halt() and image()'s task
-/// side belong to one thread at a time; they never wait, allocate or free. What else is here does
-/// not change and may be asked from any thread.
+/// side belong to one thread at a time; they never wait, allocate or free. The rest is for any
+/// thread.
 class Plc {
 public:
     [[nodiscard]] static tl::expected<std::unique_ptr<Plc>, PlcConfigError>
@@ -36,6 +37,11 @@ public:
     void scan(DateTime now, Duration elapsed);
     /// The PLC stops until the next scan, see ProcessImage::halt.
     void halt() { image_->halt(); }
+
+    /// The targets of Increment programs are 0 after the next scan.
+    void reset_counters() { is_reset_requested_ = true; }
+    /// How many variables these are.
+    [[nodiscard]] std::size_t counter_count() const;
 
     [[nodiscard]] const std::shared_ptr<server::ProcessImage>& image() const { return image_; }
 
@@ -56,6 +62,7 @@ private:
     std::vector<std::uint32_t> by_name_;
     std::vector<detail::PlcStep> steps_;
     std::shared_ptr<server::ProcessImage> image_;
+    std::atomic<bool> is_reset_requested_{false};
 
     friend class PlcBuilder;
 };
