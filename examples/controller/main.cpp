@@ -8,6 +8,7 @@
 
 #include <busbar/controller/plc.hpp>
 #include <busbar/controller/plc_events.hpp>
+#include <busbar/controller/plc_methods.hpp>
 #include <busbar/controller/plc_nodes.hpp>
 #include <busbar/controller/plc_task.hpp>
 #include <busbar/crypto/password_hash.hpp>
@@ -180,6 +181,7 @@ int serve(ControllerConfig config)
         throw ConfigError{plc.error().text};
     }
     server::ImageSource source{(*plc)->image()};
+    server::MethodTable methods;
 
     server::ServerEnvironment environment;
     environment.random = &random;
@@ -204,6 +206,9 @@ int serve(ControllerConfig config)
     const auto events = expect(
         controller::PlcEvents::create(server.address_space(), folder, **plc, server.event_queue()),
         "the events");
+    expect(controller::publish_methods(server.address_space(), folder, **plc, methods,
+                                       server.add_source(methods)),
+           "the methods");
 
     net::WorkerThread worker;
     admission.check_passwords_on(worker);

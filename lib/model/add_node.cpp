@@ -126,6 +126,33 @@ Result<NodeIndex> data_type_of(const AddressSpace& space, const NodeId& id, std:
     return found;
 }
 
+StatusCode check_arguments(const AddressSpace& space, const Array<Argument>& arguments)
+{
+    for (const Argument& argument : arguments) {
+        const auto data_type = data_type_of(space, argument.data_type, argument.value_rank,
+                                            argument.array_dimensions, Variant{});
+        if (!data_type) {
+            return data_type.error();
+        }
+    }
+    return status::Good;
+}
+
+/// The property of a Method that describes `arguments`, of which there is at least one.
+NewVariable argument_property(const Array<Argument>& arguments)
+{
+    Array<ExtensionObject> descriptions;
+    descriptions.reserve(arguments.size());
+    for (const Argument& argument : arguments) {
+        descriptions.push_back(ExtensionObject::from(argument));
+    }
+    NewVariable property;
+    property.data_type = NodeId{0, detail::id_argument};
+    property.value_rank = 1;
+    property.value = std::move(descriptions);
+    return property;
+}
+
 std::uint8_t flag(bool is_set, std::uint8_t bit)
 {
     return is_set ? bit : std::uint8_t{0};
@@ -232,13 +259,49 @@ Result<NodeIndex> AddressSpace::add_property(const NewNode& node, NewVariable va
     return add_variable(property, variable);
 }
 
-Result<NodeIndex> AddressSpace::add_method(const NewNode& node, bool executable)
+Result<NodeIndex> AddressSpace::add_method(const NewNode& node, const NewMethod& method)
 {
-    const auto created = create(node, NodeClass::Method);
-    if (created) {
-        tables_->record(*created).flags = flag(executable, static_flag::executable);
+    for (const auto* const arguments : {&method.input_arguments, &method.output_arguments}) {
+        if (const StatusCode bad = check_arguments(*this, *arguments); bad.is_bad()) {
+            return fail(bad);
+        }
+    }
+    NewNode as_component = node;
+    if (node.reference_type.is_null()) {
+        // A Method is called on what has it as its component, be it a folder (Part 4, 5.12.2.2).
+        as_component.reference_type = NodeId{0, detail::id_has_component};
+    }
+    const auto created = create(as_component, NodeClass::Method);
+    if (!created) {
+        return created;
+    }
+    Record& record = tables_->record(*created);
+    record.flags = flag(method.executable, static_flag::executable);
+    record.source = method.source;
+    record.handle = method.handle;
+    if (const auto added = add_arguments(*created, method); !added) {
+        static_cast<void>(remove(*created));
+        return fail(added.error());
     }
     return created;
+}
+
+Result<void> AddressSpace::add_arguments(NodeIndex method, const NewMethod& from)
+{
+    const auto add = [&](const char* name, const Array<Argument>& arguments) -> Result<void> {
+        if (arguments.empty()) {
+            return {};
+        }
+        NewNode node;
+        // Its BrowseName is one of namespace 0, its NodeId is not.
+        node.id = tables_->free_id(node_id(method).namespace_index());
+        node.browse_name = QualifiedName{0, name};
+        node.parent = method;
+        const auto added = add_property(node, argument_property(arguments));
+        return added ? Result<void>{} : fail(added.error());
+    };
+    const auto inputs = add("InputArguments", from.input_arguments);
+    return inputs ? add("OutputArguments", from.output_arguments) : inputs;
 }
 
 Result<NodeIndex> AddressSpace::add_view(const NewNode& node, bool contains_no_loops)

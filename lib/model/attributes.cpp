@@ -242,6 +242,25 @@ VariableAttributes AddressSpace::variable(NodeIndex node) const
     return result;
 }
 
+MethodAttributes AddressSpace::method(NodeIndex node) const
+{
+    if (node_class(node) != NodeClass::Method) {
+        return {};
+    }
+    MethodAttributes result;
+    result.executable = common(*tables_, node).has(static_flag::executable);
+    if (!tables_->is_constant(node)) {
+        const Record& record = tables_->record(node);
+        result.source = record.source;
+        result.handle = record.handle;
+    } else if (const Overlay* const overlay = tables_->overlay(node)) {
+        result.executable = overlay->has_executable ? overlay->executable : result.executable;
+        result.source = overlay->source;
+        result.handle = overlay->handle;
+    }
+    return result;
+}
+
 NodeId AddressSpace::data_type_id(NodeIndex node) const
 {
     const NodeIndex type = variable(node).data_type;
@@ -311,7 +330,7 @@ Result<Variant> AddressSpace::attribute(NodeIndex node, AttributeId id) const
         return Variant{flags.event_notifier};
     case AttributeId::Executable:
     case AttributeId::UserExecutable:
-        return Variant{flags.has(static_flag::executable)};
+        return Variant{method(node).executable};
     case AttributeId::DataTypeDefinition: {
         Variant value = definition(*tables_, node);
         return value.is_null() ? Result<Variant>{fail(status::Bad_AttributeIdInvalid)}

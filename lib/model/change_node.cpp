@@ -118,6 +118,19 @@ void AddressSpace::set_access_level(NodeIndex node, std::uint8_t access_level,
     }
 }
 
+void AddressSpace::set_executable(NodeIndex node, bool executable)
+{
+    if (tables_->is_constant(node)) {
+        Overlay& overlay = tables_->make_overlay(node);
+        overlay.executable = executable;
+        overlay.has_executable = true;
+    } else {
+        std::uint8_t& flags = tables_->record(node).flags;
+        flags = static_cast<std::uint8_t>(executable ? flags | static_flag::executable
+                                                     : flags & ~static_flag::executable);
+    }
+}
+
 void AddressSpace::set_display_name(NodeIndex node, LocalizedText text)
 {
     LocalizedText& to = tables_->is_constant(node)

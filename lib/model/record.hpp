@@ -108,6 +108,8 @@ struct Overlay {
     std::uint32_t source{no_source};
     bool has_value{false};
     bool has_access_level{false};
+    bool has_executable{false};
+    bool executable{false};
     std::uint8_t access_level{0};
     std::uint8_t user_access_level{0};
 };

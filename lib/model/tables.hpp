@@ -28,6 +28,7 @@ inline constexpr std::uint32_t id_base_object_type = 58;
 inline constexpr std::uint32_t id_folder_type = 61;
 inline constexpr std::uint32_t id_base_variable_type = 62;
 inline constexpr std::uint32_t id_property_type = 68;
+inline constexpr std::uint32_t id_argument = 296;
 
 /// The contents of an AddressSpace. Constant nodes have the indices below `constant_count`.
 struct Tables {

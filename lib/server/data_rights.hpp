@@ -18,6 +18,14 @@ struct UserRights {
     {
         return control == nullptr || control->may_browse(user, node);
     }
+    /// Whether the user may call a Method that is executable. One that is not the server's own may
+    /// change as much as a Write does.
+    [[nodiscard]] bool may_call(const NodeId& method, bool is_servers_own) const
+    {
+        constexpr auto current_write = static_cast<std::uint8_t>(AccessLevelType::CurrentWrite);
+        return (is_servers_own || (user.access_level_mask & current_write) != 0) &&
+               (control == nullptr || control->may_call(user, method));
+    }
     /// The UserAccessLevel of a Variable (Part 3, 5.6.2).
     [[nodiscard]] std::uint8_t access_level(const NodeId& node,
                                             const model::VariableAttributes& variable) const

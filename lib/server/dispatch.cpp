@@ -13,6 +13,7 @@
 #include <busbar/types/subscription.hpp>
 
 #include "link.hpp"
+#include "method/call.hpp"
 #include "read.hpp"
 #include "session_services.hpp"
 #include "subscription/monitored_item_services.hpp"
@@ -137,7 +138,7 @@ constexpr auto services = [] {
         operation<WriteRequest>(Need::Activated, run_operation<make_operation<WriteOperation>>),
         unsupported<HistoryReadRequest>(),
         unsupported<HistoryUpdateRequest>(),
-        unsupported<CallRequest>(),
+        operation<CallRequest>(Need::Activated, run_operation<make_operation<CallOperation>>),
         function<create_monitored_items, CreateMonitoredItemsRequest, CreateMonitoredItemsResponse>(
             Need::Activated),
         function<modify_monitored_items, ModifyMonitoredItemsRequest, ModifyMonitoredItemsResponse>(

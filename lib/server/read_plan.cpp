@@ -3,6 +3,8 @@
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/types/ids.hpp>
 
+#include "method/method_lookup.hpp"
+
 namespace busbar::server::detail {
 
 namespace {
@@ -54,6 +56,13 @@ Result<Variant> attribute(const ReadContext& context, const ReadValueId& id, mod
     if (attribute_id == AttributeId::UserAccessLevel &&
         space.node_class(node) == NodeClass::Variable) {
         return Variant{context.rights.access_level(id.node_id, space.variable(node))};
+    }
+    if (space.node_class(node) == NodeClass::Method && attribute_id == AttributeId::Executable) {
+        return Variant{is_executable(space, node)};
+    }
+    if (space.node_class(node) == NodeClass::Method &&
+        attribute_id == AttributeId::UserExecutable) {
+        return Variant{is_user_executable(space, context.rights, node)};
     }
     return space.attribute(node, attribute_id);
 }

@@ -157,10 +157,9 @@ constexpr std::array capability_values{
               [](const Core& c) -> Variant { return c.limits().decode.max_byte_string_length; }},
     LiveValue{id::Server_ServerCapabilities_MaxSessions,
               [](const Core& c) -> Variant { return count(c.limits().max_sessions); }},
-    LiveValue{id::Server_ServerCapabilities_MaxSubscriptions,
-              [](const Core& c) -> Variant {
-                  return count(c.limits().subscriptions.max_subscriptions);
-              }},
+    LiveValue{
+        id::Server_ServerCapabilities_MaxSubscriptions,
+        [](const Core& c) -> Variant { return count(c.limits().subscriptions.max_subscriptions); }},
     LiveValue{id::Server_ServerCapabilities_MaxMonitoredItems,
               [](const Core& c) -> Variant { return count(c.limits().subscriptions.max_items); }},
     LiveValue{id::Server_ServerCapabilities_MaxSubscriptionsPerSession,
@@ -181,14 +180,16 @@ constexpr std::array capability_values{
               [](const Core& c) -> Variant {
                   return count(c.limits().events.filter.max_select_clauses);
               }},
-    LiveValue{id::Server_ServerCapabilities_MaxWhereClauseParameters,
-              [](const Core& c) -> Variant {
-                  return count(c.limits().events.filter.max_elements);
-              }},
+    LiveValue{
+        id::Server_ServerCapabilities_MaxWhereClauseParameters,
+        [](const Core& c) -> Variant { return count(c.limits().events.filter.max_elements); }},
     LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerRead,
               [](const Core& c) -> Variant { return c.limits().operations.max_nodes_per_read; }},
     LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerWrite,
               [](const Core& c) -> Variant { return c.limits().operations.max_nodes_per_write; }},
+    LiveValue{
+        id::Server_ServerCapabilities_OperationLimits_MaxNodesPerMethodCall,
+        [](const Core& c) -> Variant { return c.limits().operations.max_nodes_per_method_call; }},
     LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerBrowse,
               [](const Core& c) -> Variant { return c.limits().operations.max_nodes_per_browse; }},
     LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerRegisterNodes,
@@ -229,8 +230,9 @@ Result<DataValue> server_value(const Core& core, const NodeId& node, const UserI
     if (!diagnostic && diagnostic.error() != status::Bad_NodeIdUnknown) {
         return DataValue{diagnostic.error()};
     }
-    return std::move(diagnostic).map(
-        [&](Variant value) { return DataValue{std::move(value), status::Good, wall_time(core)}; });
+    return std::move(diagnostic).map([&](Variant value) {
+        return DataValue{std::move(value), status::Good, wall_time(core)};
+    });
 }
 
 } // namespace busbar::server::detail

@@ -1,6 +1,5 @@
 #include <catch2/catch.hpp>
 
-#include <busbar/types/method.hpp>
 #include <busbar/types/node_management.hpp>
 #include <busbar/types/view.hpp>
 
@@ -42,7 +41,8 @@ TEST_CASE("services that are not there answer Bad_ServiceUnsupported")
 {
     ServerFixture fixture;
     auto client = fixture.log_in();
-    CHECK(client.status_of<CallResponse>(CallRequest{}) == status::Bad_ServiceUnsupported);
+    CHECK(client.status_of<DeleteNodesResponse>(DeleteNodesRequest{}) ==
+          status::Bad_ServiceUnsupported);
     CHECK(client.status_of<AddNodesResponse>(AddNodesRequest{}) == status::Bad_ServiceUnsupported);
     for (const std::uint32_t type : {99'999U, ReadValueId::binary_encoding_id}) {
         const auto request = send_type(client, type);

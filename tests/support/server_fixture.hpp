@@ -30,6 +30,7 @@ public:
         return server::UserIdentity{UserTokenType::UserName, std::string{name}};
     }
     [[nodiscard]] server::Worker* worker() override { return used_worker; }
+    [[nodiscard]] server::UserIdentity anonymous() const override { return everybody; }
     [[nodiscard]] crypto::CertificateValidator* certificate_validator() override
     {
         return validator;
@@ -48,6 +49,7 @@ public:
     }
 
     int asked{0};
+    server::UserIdentity everybody{server::anonymous_reader()};
     server::Worker* used_worker{nullptr};
     crypto::CertificateValidator* validator{nullptr};
     std::optional<crypto::JwtRules> rules;
@@ -275,16 +277,12 @@ private:
 class ServerFixture {
 public:
     explicit ServerFixture(server::ServerConfig config = insecure_config())
-        : server{server::Server::create(std::move(config), {&random, &wall_clock, &log, &validator,
-                                                            &users, nullptr, waker})
-                     .value()}
+        : ServerFixture{nullptr, std::move(config)}
     {
     }
-    explicit ServerFixture(server::Waker& w, server::ServerConfig config = insecure_config())
-        : waker{&w}, server{server::Server::create(
-                                std::move(config),
-                                {&random, &wall_clock, &log, &validator, &users, nullptr, waker})
-                                .value()}
+    explicit ServerFixture(server::Waker& w, server::ServerConfig config = insecure_config(),
+                           const server::AccessControl* access = nullptr)
+        : ServerFixture{&w, std::move(config), access}
     {
     }
 
@@ -352,6 +350,16 @@ public:
     server::Waker* waker{nullptr};
     TimePoint now{};
     server::Server server;
+
+private:
+    ServerFixture(server::Waker* w, server::ServerConfig config,
+                  const server::AccessControl* access = nullptr)
+        : waker{w}, server{server::Server::create(
+                               std::move(config),
+                               {&random, &wall_clock, &log, &validator, &users, access, waker})
+                               .value()}
+    {
+    }
 };
 
 } // namespace busbar::test

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -23,8 +24,8 @@ class PlcWatch;
 /// A simulated PLC: variables in a process image and small programs that move them.
 ///
 /// It knows no clock: whoever calls scan() says what time it is. scan(), halt() and image()'s task
-/// side belong to one thread at a time; they never wait, allocate or free. What else is here does
-/// not change and may be asked from any thread.
+/// side belong to one thread at a time; they never wait, allocate or free. The rest is for any
+/// thread.
 class Plc {
 public:
     [[nodiscard]] static tl::expected<std::unique_ptr<Plc>, PlcConfigError>
@@ -42,6 +43,10 @@ public:
     /// The events of the last scan, by their places in events(). For the thread that scans; valid
     /// until the next scan.
     [[nodiscard]] std::span<const std::uint32_t> occurrences() const { return occurrences_; }
+    /// The targets of Increment programs are 0 after the next scan.
+    void reset_counters() { is_reset_requested_ = true; }
+    /// How many variables these are.
+    [[nodiscard]] std::size_t counter_count() const;
 
     [[nodiscard]] const std::shared_ptr<server::ProcessImage>& image() const { return image_; }
 
@@ -69,6 +74,7 @@ private:
     /// Has room for all events.
     std::vector<std::uint32_t> occurrences_;
     std::shared_ptr<server::ProcessImage> image_;
+    std::atomic<bool> is_reset_requested_{false};
 
     friend class PlcBuilder;
 };

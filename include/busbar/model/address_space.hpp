@@ -92,6 +92,8 @@ public:
     [[nodiscard]] LocalizedText display_name(NodeIndex node) const;
     /// Of a Variable or VariableType; for others the defaults.
     [[nodiscard]] VariableAttributes variable(NodeIndex node) const;
+    /// Of a Method; for others the defaults.
+    [[nodiscard]] MethodAttributes method(NodeIndex node) const;
     /// The NodeId of a Variable's DataType even if that node is left out of a small namespace 0.
     [[nodiscard]] NodeId data_type_id(NodeIndex node) const;
     /// Any attribute but Value. Bad_AttributeIdInvalid if the node has none such.
@@ -154,7 +156,9 @@ public:
     Result<NodeIndex> add_variable(const NewNode& node, const NewVariable& variable);
     /// A Variable of PropertyType below `node.parent` by HasProperty.
     Result<NodeIndex> add_property(const NewNode& node, NewVariable variable);
-    Result<NodeIndex> add_method(const NewNode& node, bool executable = true);
+    /// A Method with its properties for arguments. Others may have it too: add_reference with
+    /// HasComponent makes it a component of one more Object or ObjectType.
+    Result<NodeIndex> add_method(const NewNode& node, const NewMethod& method = {});
     Result<NodeIndex> add_view(const NewNode& node, bool contains_no_loops = true);
     Result<NodeIndex> add_object_type(const NewNode& node, bool is_abstract = false);
     Result<NodeIndex> add_variable_type(const NewNode& node, const NewVariableType& type);
@@ -178,15 +182,18 @@ public:
 
     /// Gives a Variable a value of its own. Bad_TypeMismatch as check_value.
     Result<void> set_value(NodeIndex node, Variant value);
-    /// Has a data source serve the Variable, constant or dynamic.
+    /// Has a data source serve the Variable or carry out the Method, constant or dynamic.
     void bind(NodeIndex node, std::uint32_t source, std::uint64_t handle);
     void set_access_level(NodeIndex node, std::uint8_t access_level,
                           std::uint8_t user_access_level);
+    /// Sets the Executable attribute of a Method.
+    void set_executable(NodeIndex node, bool executable);
     void set_display_name(NodeIndex node, LocalizedText text);
     void set_description(NodeIndex node, LocalizedText text);
 
 private:
     Result<NodeIndex> create(const NewNode& node, NodeClass node_class);
+    Result<void> add_arguments(NodeIndex method, const NewMethod& from);
     [[nodiscard]] Result<Variant> variable_attribute(NodeIndex node, AttributeId id) const;
     std::unique_ptr<detail::Tables> tables_;
 };

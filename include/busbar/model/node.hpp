@@ -4,6 +4,7 @@
 #include <span>
 
 #include <busbar/core/types.hpp>
+#include <busbar/types/data_types.hpp>
 #include <busbar/types/enumerations.hpp>
 
 namespace busbar::model {
@@ -46,6 +47,15 @@ struct VariableAttributes {
     std::uint64_t handle{0};
 };
 
+/// What services need of a Method.
+struct MethodAttributes {
+    /// The Executable attribute.
+    bool executable{false};
+    /// Who carries it out, as VariableAttributes::source.
+    std::uint32_t source{no_source};
+    std::uint64_t handle{0};
+};
+
 /// What every new node has. Strings may be borrowed: the AddressSpace copies what it keeps.
 struct NewNode {
     /// Null: a numeric id that is free in the BrowseName's namespace.
@@ -53,7 +63,8 @@ struct NewNode {
     QualifiedName browse_name;
     /// The source of the hierarchical reference to the new node. Of a type: its supertype.
     NodeIndex parent{no_node};
-    /// Null: HasSubtype for a type, Organizes below a folder or a View, else HasComponent.
+    /// Null: HasSubtype for a type, HasComponent for a Method, for others Organizes below a folder
+    /// or a View and else HasComponent.
     NodeId reference_type;
     /// A null text stands for the BrowseName.
     LocalizedText display_name;
@@ -82,6 +93,16 @@ struct NewVariable {
 struct NewObject {
     NodeId type_definition{0, 58U};
     std::uint8_t event_notifier{0};
+};
+
+struct NewMethod {
+    bool executable{true};
+    /// What the properties InputArguments and OutputArguments say (Part 3, 5.7.2); there is none
+    /// for a list that is empty.
+    Array<Argument> input_arguments;
+    Array<Argument> output_arguments;
+    std::uint32_t source{no_source};
+    std::uint64_t handle{0};
 };
 
 struct NewVariableType {

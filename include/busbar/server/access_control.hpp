@@ -23,7 +23,8 @@ struct UserIdentity {
     /// 6.4.3, ClientUserId); empty for an anonymous user. From the peer: goes through `printable`
     /// before it is shown.
     std::string name;
-    /// Bits of AccessLevelType that the user has at most, at any node.
+    /// Bits of AccessLevelType that the user has at most, at any node. Without CurrentWrite he may
+    /// not call Methods either, but for those that the server itself has.
     std::uint8_t access_level_mask{0xFF};
     /// Names of the roles that the store or the issuer of the token gave the user.
     std::vector<std::string> roles{};
@@ -112,6 +113,13 @@ public:
     [[nodiscard]] virtual std::uint8_t user_access_level(const UserIdentity& user,
                                                          const NodeId& node,
                                                          std::uint8_t access_level) const = 0;
+    /// Whether the user may call the Method, on whatever Object: its UserExecutable attribute.
+    /// Asked for a Method that is Executable and that the user's mask leaves to him.
+    [[nodiscard]] virtual bool may_call(const UserIdentity& /*user*/,
+                                        const NodeId& /*method*/) const
+    {
+        return true;
+    }
 };
 
 } // namespace busbar::server

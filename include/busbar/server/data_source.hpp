@@ -11,6 +11,7 @@
 #include <busbar/core/data_value.hpp>
 #include <busbar/core/numeric_range.hpp>
 #include <busbar/core/status_codes.hpp>
+#include <busbar/server/method.hpp>
 #include <busbar/server/waker.hpp>
 
 /// What a PLC backend implements to give the server its values. `memory_source.hpp` is a complete
@@ -172,6 +173,9 @@ public:
     virtual void read(ReadBatch batch) = 0;
     /// Applies every item of the batch. A source that is read only leaves this as it is.
     virtual void write(WriteBatch batch) { batch.finish(status::Bad_NotWritable); }
+    /// Carries out every Method of the batch, in any order. A source that has none leaves this as
+    /// it is.
+    virtual void call(CallBatch batch) { batch.fail(status::Bad_NotImplemented); }
 
     /// For a source whose own thread must not complete batches, since that may free memory: that
     /// thread calls the waker, and the server's thread then calls handle_completions(), which

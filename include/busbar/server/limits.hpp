@@ -18,6 +18,7 @@ struct OperationLimits {
     std::uint32_t max_nodes_per_browse{10'000};
     std::uint32_t max_nodes_per_register_nodes{10'000};
     std::uint32_t max_nodes_per_translate_browse_paths{10'000};
+    std::uint32_t max_nodes_per_method_call{1'000};
     /// Also of Subscriptions, where a request names many.
     std::uint32_t max_monitored_items_per_call{25'000};
 };

@@ -23,8 +23,13 @@ void Plc::scan(DateTime now, Duration elapsed)
         // The server refuses such a Write by itself; a backend does not rely on that.
         return variables_[handle].is_writable ? status::Good : status::Bad_NotWritable;
     });
+    const bool is_reset = is_reset_requested_.exchange(false);
     for (detail::PlcStep& step : steps_) {
-        step.run(elapsed);
+        if (is_reset && step.is_counter()) {
+            step.reset();
+        } else {
+            step.run(elapsed);
+        }
     }
     occurrences_.clear();
     for (std::uint32_t i = 0; i < watches_.size(); ++i) {
@@ -33,6 +38,11 @@ void Plc::scan(DateTime now, Duration elapsed)
         }
     }
     image_->publish(now);
+}
+
+std::size_t Plc::counter_count() const
+{
+    return static_cast<std::size_t>(std::ranges::count_if(steps_, &detail::PlcStep::is_counter));
 }
 
 std::optional<std::uint32_t> Plc::find(std::string_view name) const

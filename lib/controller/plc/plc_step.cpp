@@ -56,10 +56,16 @@ PlcStep::Run PlcStep::choose(PlcProgramKind kind, BuiltInType type)
 
 PlcStep::PlcStep(server::ImageMemory& memory, const PlcProgram& program, std::uint32_t target,
                  std::uint32_t source)
-    : memory_{&memory}, run_{choose(program.kind, memory.layout()[target].type)}, target_{target},
-      source_{source}, period_{program.period}, amplitude_{program.amplitude}, offset_{
-                                                                                   program.offset}
+    : memory_{&memory}, run_{choose(program.kind, memory.layout()[target].type)},
+      is_counter_{program.kind == PlcProgramKind::Increment}, target_{target}, source_{source},
+      period_{program.period}, amplitude_{program.amplitude}, offset_{program.offset}
 {
+}
+
+void PlcStep::reset()
+{
+    const server::ImagePlace& place = memory_->layout()[target_];
+    std::memset(memory_->bytes(place), 0, place.bytes());
 }
 
 std::uint64_t PlcStep::firings(Duration elapsed)

@@ -18,6 +18,10 @@ public:
             std::uint32_t source);
 
     void run(Duration elapsed) { run_(*this, elapsed); }
+    /// True for a program of kind Increment.
+    [[nodiscard]] bool is_counter() const { return is_counter_; }
+    /// Gives a counter's target zeros.
+    void reset();
 
 private:
     using Run = void (*)(PlcStep&, Duration);
@@ -34,6 +38,7 @@ private:
 
     server::ImageMemory* memory_;
     Run run_;
+    bool is_counter_;
     std::uint32_t target_;
     std::uint32_t source_;
     Duration period_;

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+#include <busbar/core/array.hpp>
+#include <busbar/core/node_id.hpp>
+#include <busbar/core/status_codes.hpp>
+#include <busbar/core/variant.hpp>
+#include <busbar/server/access_control.hpp>
+
+/// How Methods reach those who carry them out (Part 4, 5.12.2): a Method's node names a DataSource
+/// and a handle, as a Variable's does (model::NewMethod, AddressSpace::bind), and DataSource::call
+/// gets what one Call has for that source. `method_table.hpp` is a source made of functions.
+namespace busbar::server {
+
+namespace detail {
+class CallPart;
+} // namespace detail
+
+/// Whose Call it is.
+struct MethodCaller {
+    NodeId session_id;
+    UserIdentity user;
+};
+
+/// One Method to carry out.
+struct CallItem {
+    /// What the backend called the Method when its node was created.
+    std::uint64_t handle{0};
+    /// What the client named: the Object or ObjectType, and its Method or that of its type. Never
+    /// null.
+    const NodeId* object_id{nullptr};
+    const NodeId* method_id{nullptr};
+    /// As many as the Method's InputArguments says, each with its data type, value rank and
+    /// dimensions: nothing but the range is left to check. Copies of them own their memory.
+    std::span<const Variant> inputs;
+};
+
+/// What one Method came to.
+struct CallResult {
+    CallResult() = default;
+    explicit CallResult(StatusCode code) : status{code} {}
+
+    /// Of any severity; Good has no sub code on the wire (Part 4, 5.12.2.4).
+    StatusCode status{status::Bad_InternalError};
+    /// With Bad_InvalidArgument one for each input, such as Bad_OutOfRange; else not sent.
+    Array<StatusCode> input_results;
+    /// Unless `status` is bad: what the Method's OutputArguments says, in its order. Anything else
+    /// answers Bad_InternalError and is logged. Must own its memory.
+    Array<Variant> outputs;
+};
+
+/// The Methods that one Call service has for one source. They are answered together: what takes
+/// long is better off in a source of its own.
+///
+/// As ReadBatch in ownership, completion and threads: items and caller are valid until the batch is
+/// completed or destroyed, which any thread may do, once, also when client, session and server are
+/// gone. A result that was never set answers Bad_InternalError. What was begun is not taken back
+/// when the client gives up (Part 4, 5.12.2.1).
+class CallBatch {
+public:
+    explicit CallBatch(detail::CallPart& part);
+    CallBatch(CallBatch&& other) noexcept
+        : part_{std::exchange(other.part_, nullptr)}, items_{std::exchange(other.items_, {})},
+          results_{std::exchange(other.results_, nullptr)}, caller_{other.caller_}
+    {
+    }
+    CallBatch& operator=(CallBatch&& other) noexcept;
+    ~CallBatch() { complete(); }
+
+    [[nodiscard]] std::size_t size() const { return items_.size(); }
+    [[nodiscard]] std::span<const CallItem> items() const { return items_; }
+    /// One for each item, in the same order.
+    [[nodiscard]] std::span<CallResult> results() { return {results_, items_.size()}; }
+    [[nodiscard]] const MethodCaller& caller() const { return *caller_; }
+
+    /// Hands the results to the server. The batch is empty afterwards; more calls do nothing.
+    void complete();
+    /// Completes with `status`, which must be bad, for each item.
+    void fail(StatusCode status);
+
+private:
+    detail::CallPart* part_;
+    std::span<const CallItem> items_;
+    CallResult* results_;
+    const MethodCaller* caller_;
+};
+
+} // namespace busbar::server

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <busbar/server/data_source.hpp>
+
+namespace busbar::server {
+
+/// One Method on its way through a function, which answers by one of succeed, fail and refuse, from
+/// any thread, at once or later. Destroyed without that it answers Bad_InternalError.
+///
+/// What the other functions give is valid until then.
+class MethodCall {
+public:
+    MethodCall(std::shared_ptr<CallBatch> batch, std::size_t index)
+        : batch_{std::move(batch)}, index_{index}
+    {
+    }
+    MethodCall(MethodCall&&) noexcept = default;
+    MethodCall& operator=(MethodCall&&) noexcept = default;
+    ~MethodCall() = default;
+
+    [[nodiscard]] const NodeId& object_id() const { return *item().object_id; }
+    [[nodiscard]] const NodeId& method_id() const { return *item().method_id; }
+    [[nodiscard]] std::span<const Variant> inputs() const { return item().inputs; }
+    /// Input `index` if it is a scalar of T, else `otherwise`: only a Method that takes more than
+    /// one type finds another one there.
+    template <BuiltIn T>
+    [[nodiscard]] T input(std::size_t index, T otherwise = {}) const
+    {
+        return inputs()[index].value_or<T>(std::move(otherwise));
+    }
+    [[nodiscard]] const UserIdentity& user() const { return batch_->caller().user; }
+    [[nodiscard]] const NodeId& session_id() const { return batch_->caller().session_id; }
+
+    // Each of these ends the call; a second one does nothing.
+
+    void succeed(Array<Variant> outputs = {});
+    void fail(StatusCode status);
+    /// Bad_InvalidArgument with one status for each input.
+    void refuse(Array<StatusCode> input_results);
+
+private:
+    [[nodiscard]] const CallItem& item() const { return batch_->items()[index_]; }
+    void finish(CallResult result);
+
+    /// Shared by the calls of the batch; the last of them completes it.
+    std::shared_ptr<CallBatch> batch_;
+    std::size_t index_;
+};
+
+/// Methods as functions: a data source without values.
+///
+///     const std::uint64_t start = table.add([&](MethodCall call) {
+///         machine.start(call.input<double>(0));
+///         call.succeed();
+///     });
+///
+/// Used on the server's thread only; that of calls is their own business.
+class MethodTable final : public DataSource {
+public:
+    /// Must not block: what takes time keeps the call and answers later. Nothing may be thrown.
+    using Function = std::function<void(MethodCall)>;
+
+    explicit MethodTable(const DataSourceOptions& options = {}) : options_{options} {}
+
+    /// Gives the handle that the Method's node is to carry.
+    [[nodiscard]] std::uint64_t add(Function function);
+
+    [[nodiscard]] DataSourceOptions options() const override { return options_; }
+    void read(ReadBatch batch) override { batch.fail(status::Bad_NotReadable); }
+    void call(CallBatch batch) override;
+
+private:
+    DataSourceOptions options_;
+    /// The handle is the index.
+    std::vector<Function> functions_;
+};
+
+} // namespace busbar::server

@@ -1,0 +1,53 @@
+#include "call.hpp"
+
+#include "server/core.hpp"
+
+namespace busbar::server::detail {
+
+CallOperation::~CallOperation()
+{
+    if (job_) {
+        job_->keep(take_request(), take_message());
+    }
+}
+
+void CallOperation::start(ServiceContext& context)
+{
+    core_ = &context.core;
+    const StatusCode refusal =
+        check_call(request(), core_->limits().operations.max_nodes_per_method_call);
+    if (refusal.is_bad()) {
+        return fault(refusal);
+    }
+    // Before anything is carried out, as it cannot be taken back.
+    if (!charge(cost_of(request()))) {
+        return fault(status::Bad_TooManyOperations);
+    }
+    job_.emplace(context, request());
+    if (job_->start(*this, context.now)) {
+        call_completed();
+    }
+}
+
+TimePoint CallOperation::next_deadline() const
+{
+    return job_ ? job_->next_deadline() : no_deadline;
+}
+
+void CallOperation::handle_deadline(TimePoint now)
+{
+    if (job_ && !is_finished() && job_->handle_deadline(now)) {
+        call_completed();
+    }
+}
+
+void CallOperation::call_completed()
+{
+    if (is_finished()) {
+        return;
+    }
+    job_->finish(*core_);
+    respond<CallResponse>([&](binary::Writer& writer) { job_->encode_results(writer); });
+}
+
+} // namespace busbar::server::detail

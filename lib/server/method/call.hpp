@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+
+#include <busbar/types/method.hpp>
+
+#include "call_job.hpp"
+#include "server/service.hpp"
+
+namespace busbar::server::detail {
+
+/// Call (Part 4, 5.12.2).
+class CallOperation final : public OperationOf<CallRequest>, private CallOwner {
+public:
+    ~CallOperation() override;
+
+    void start(ServiceContext& context) override;
+    [[nodiscard]] TimePoint next_deadline() const override;
+    void handle_deadline(TimePoint now) override;
+
+private:
+    void call_completed() override;
+
+    Core* core_{nullptr};
+    std::optional<CallJob> job_;
+};
+
+} // namespace busbar::server::detail

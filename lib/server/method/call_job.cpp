@@ -1,0 +1,194 @@
+#include "call_job.hpp"
+
+#include <string>
+
+#include <busbar/binary/codec.hpp>
+#include <busbar/core/text.hpp>
+
+#include "built_in_methods.hpp"
+#include "method_lookup.hpp"
+#include "server/core.hpp"
+#include "server/session.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+/// Nothing if the inputs are as the Method wants them (Part 4, 5.12.2.4).
+std::optional<CallResult> check_inputs(const model::AddressSpace& space,
+                                       std::span<const ArgumentRule> rules,
+                                       std::span<const Variant> inputs)
+{
+    if (inputs.size() != rules.size()) {
+        return CallResult{inputs.size() < rules.size() ? status::Bad_ArgumentsMissing
+                                                       : status::Bad_TooManyArguments};
+    }
+    if (fit_arguments(space, rules, inputs)) {
+        return std::nullopt;
+    }
+    CallResult refusal{status::Bad_InvalidArgument};
+    refusal.input_results.reserve(inputs.size());
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+        refusal.input_results.push_back(check_argument(space, rules[i], inputs[i]));
+    }
+    return refusal;
+}
+
+/// Makes a source's result one that may be sent: it is not to be trusted with the protocol. False
+/// if its outputs are not the Method's.
+bool tidy_result(const model::AddressSpace& space, const MethodSignature& signature,
+                 CallResult& result)
+{
+    if (result.status != status::Bad_InvalidArgument ||
+        result.input_results.size() != signature.inputs.size()) {
+        result.input_results = {};
+    }
+    if (result.status.is_bad()) {
+        result.outputs = {};
+        return true;
+    }
+    if (result.status.is_good()) {
+        result.status = status::Good; // Part 4, 5.12.2.4: no sub code
+    }
+    return fit_arguments(space, signature.outputs, result.outputs.span());
+}
+
+} // namespace
+
+StatusCode check_call(const CallRequest& request, std::size_t max_methods)
+{
+    if (request.methods_to_call.empty()) {
+        return status::Bad_NothingToDo;
+    }
+    return request.methods_to_call.size() > max_methods ? status::Bad_TooManyOperations
+                                                        : status::Good;
+}
+
+std::size_t cost_of(const CallRequest& request)
+{
+    constexpr std::size_t bytes_per_method =
+        sizeof(CallMethodRequest) + sizeof(CallItem) + sizeof(CallResult) + 64;
+    std::size_t cost = 0;
+    for (const CallMethodRequest& call : request.methods_to_call) {
+        cost += bytes_per_method + call.input_arguments.size() * sizeof(Variant);
+    }
+    return cost;
+}
+
+CallJob::CallJob(ServiceContext& context, const CallRequest& request)
+    : call_{context.core.sources, request.methods_to_call.size()},
+      memory_{std::make_shared<Memory>()}, asked_(request.methods_to_call.size())
+{
+    memory_->caller = {context.session->id, context.session->user};
+    const auto calls = request.methods_to_call.span();
+    for (std::size_t i = 0; i < calls.size(); ++i) {
+        if (auto answer = plan(context, i, calls[i])) {
+            call_.answer(i) = std::move(*answer);
+        }
+    }
+}
+
+/// Nothing if a source will answer.
+std::optional<CallResult> CallJob::plan(ServiceContext& context, std::size_t index,
+                                        const CallMethodRequest& call)
+{
+    const model::AddressSpace& space = context.core.address_space;
+    const UserRights rights{context.session->user, context.core.environment.access};
+    const auto method = find_method(space, rights, call.object_id, call.method_id);
+    if (!method) {
+        return CallResult{method.error()};
+    }
+    if (!space.method(*method).executable) {
+        return CallResult{status::Bad_NotExecutable};
+    }
+    if (!is_executable(space, *method)) {
+        return CallResult{status::Bad_NotImplemented};
+    }
+    if (!is_user_executable(space, rights, *method)) {
+        return CallResult{status::Bad_UserAccessDenied};
+    }
+    const auto needed = signature(context.core, *method);
+    if (!needed) {
+        return CallResult{needed.error()};
+    }
+    if (auto refusal = check_inputs(space, (*needed)->inputs, call.input_arguments.span())) {
+        return refusal;
+    }
+    asked_[index] = *needed;
+    return carry_out(context, index, call, *method);
+}
+
+std::optional<CallResult> CallJob::carry_out(ServiceContext& context, std::size_t index,
+                                             const CallMethodRequest& call, model::NodeIndex method)
+{
+    const model::AddressSpace& space = context.core.address_space;
+    const model::MethodAttributes attributes = space.method(method);
+    if (attributes.source == model::no_source) {
+        // A short request must not keep the server busy for long.
+        if (item_count_ >= context.core.limits().operations.max_monitored_items_per_call) {
+            return CallResult{status::Bad_TooManyOperations};
+        }
+        return find_built_in_method(space.node_id(method))
+            ->call(context, call.input_arguments.span(), item_count_);
+    }
+    if (context.core.sources.find(attributes.source) == nullptr) {
+        return CallResult{status::Bad_NoCommunication};
+    }
+    call_.ask(index, attributes.source,
+              {attributes.handle, &call.object_id, &call.method_id, call.input_arguments.span()});
+    return std::nullopt;
+}
+
+Result<const MethodSignature*> CallJob::signature(const Core& core, model::NodeIndex method)
+{
+    const auto known = signatures_.find(method);
+    if (known != signatures_.end()) {
+        return &known->second;
+    }
+    auto read = read_signature(core.address_space, core.types, method);
+    if (!read) {
+        return fail(read.error());
+    }
+    return &signatures_.emplace(method, std::move(*read)).first->second;
+}
+
+bool CallJob::start(CallOwner& owner, TimePoint now)
+{
+    call_.kept_for_sources() = memory_;
+    return call_.start(owner, now, [this](CallPart& part) { part.caller = &memory_->caller; });
+}
+
+void CallJob::finish(Core& core)
+{
+    for (std::size_t i = 0; i < asked_.size(); ++i) {
+        CallResult* const result = asked_[i] != nullptr ? call_.find_answer(i) : nullptr;
+        if (result != nullptr && !tidy_result(core.address_space, *asked_[i], *result)) {
+            *result = CallResult{status::Bad_InternalError};
+            core.log(LogLevel::Error, "method",
+                     "a Method was answered with outputs that are not those of its "
+                     "OutputArguments; the client gets Bad_InternalError");
+        }
+    }
+}
+
+void CallJob::keep(CallRequest request, std::vector<std::byte> message)
+{
+    // Moving the array and the buffer leaves what they hold where it is.
+    memory_->request = std::move(request);
+    memory_->message = std::move(message);
+}
+
+void CallJob::encode_results(binary::Writer& writer) const
+{
+    writer.length(call_.size());
+    for (std::size_t i = 0; i < call_.size(); ++i) {
+        const CallResult& result = call_.result(i);
+        encode(writer, result.status);
+        encode(writer, result.input_results);
+        encode(writer, Array<DiagnosticInfo>{});
+        encode(writer, result.outputs);
+    }
+    encode(writer, Array<DiagnosticInfo>{});
+}
+
+} // namespace busbar::server::detail

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include <busbar/binary/writer.hpp>
+#include <busbar/types/method.hpp>
+
+#include "call_part.hpp"
+#include "method_signature.hpp"
+#include "server/service.hpp"
+
+namespace busbar::server::detail {
+
+/// Good, or why the whole request is refused (Part 4, 5.12.2.3).
+[[nodiscard]] StatusCode check_call(const CallRequest& request, std::size_t max_methods);
+/// About the bytes that the request takes until it is answered.
+[[nodiscard]] std::size_t cost_of(const CallRequest& request);
+
+/// The work of one Call (Part 4, 5.12.2) that passed check_call: the Methods of one source are
+/// handed over in one batch, those of the server itself are carried out at once.
+class CallJob {
+public:
+    /// `request` must stay as it is until keep() or the end of the job.
+    CallJob(ServiceContext& context, const CallRequest& request);
+
+    /// True if the results are there, else `owner` is told.
+    [[nodiscard]] bool start(CallOwner& owner, TimePoint now);
+    [[nodiscard]] TimePoint next_deadline() const { return call_.next_deadline(); }
+    /// Answers Bad_Timeout for sources that are late; true if nothing is waited for any more.
+    [[nodiscard]] bool handle_deadline(TimePoint now) { return call_.handle_deadline(now); }
+    /// Checks what the sources answered; before encode_results().
+    void finish(Core& core);
+    /// Writes `results` and `diagnostic_infos` of the CallResponse.
+    void encode_results(binary::Writer& writer) const;
+
+    /// As WriteJob::keep.
+    void keep(CallRequest request, std::vector<std::byte> message);
+
+private:
+    /// What sources were given the addresses of.
+    struct Memory {
+        MethodCaller caller;
+        std::vector<std::byte> message;
+        CallRequest request;
+    };
+
+    [[nodiscard]] std::optional<CallResult> plan(ServiceContext& context, std::size_t index,
+                                                 const CallMethodRequest& call);
+    [[nodiscard]] std::optional<CallResult> carry_out(ServiceContext& context, std::size_t index,
+                                                      const CallMethodRequest& call,
+                                                      model::NodeIndex method);
+    [[nodiscard]] Result<const MethodSignature*> signature(const Core& core,
+                                                           model::NodeIndex method);
+
+    MethodBatchCall call_;
+    std::shared_ptr<Memory> memory_;
+    std::unordered_map<model::NodeIndex, MethodSignature> signatures_;
+    /// Of the Methods that a source was asked for, null for others.
+    std::vector<const MethodSignature*> asked_;
+    /// Monitored items that the server's own Methods looked at.
+    std::size_t item_count_{0};
+};
+
+} // namespace busbar::server::detail

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "server/data_call.hpp"
+
+namespace busbar::server::detail {
+
+class CallPart : public Part {
+public:
+    std::span<const CallItem> items;
+    CallResult* results{nullptr};
+    const MethodCaller* caller{nullptr};
+};
+
+struct CallTraits {
+    using Item = CallItem;
+    using Answer = CallResult;
+    using Part = CallPart;
+    static std::vector<CallResult> answers(std::size_t count)
+    {
+        return std::vector<CallResult>(count);
+    }
+    static void send(DataSource& source, Part& part) { source.call(CallBatch{part}); }
+    static void own(CallResult&) {}
+    static void release(Part&) {}
+};
+
+/// The Methods of one Call on their way to their sources and back.
+using MethodBatchCall = BatchCall<CallTraits>;
+
+} // namespace busbar::server::detail

@@ -1,0 +1,97 @@
+#include "method_lookup.hpp"
+
+#include <busbar/types/ids.hpp>
+
+#include "built_in_methods.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+using model::AddressSpace;
+using model::NodeIndex;
+
+/// Who has a Method as its component, as seen from what it is called on.
+enum class Owner { Nobody, Type, Itself };
+
+Owner find_owner(const AddressSpace& space, NodeIndex object, NodeIndex type, NodeIndex method)
+{
+    const NodeIndex has_component = space.find(id::HasComponent);
+    Owner owner = Owner::Nobody;
+    auto references = space.references(method);
+    while (const auto reference = references.next()) {
+        if (reference->is_forward || !space.is_subtype_of(reference->type, has_component)) {
+            continue;
+        }
+        if (reference->target == object) {
+            return Owner::Itself;
+        }
+        if (space.node_class(reference->target) == NodeClass::ObjectType &&
+            space.is_subtype_of(type, reference->target)) {
+            owner = Owner::Type;
+        }
+    }
+    return owner;
+}
+
+/// The Object's Method that stands for one of its type; the latter if there is none.
+NodeIndex find_override(const AddressSpace& space, NodeIndex object, NodeIndex method)
+{
+    NodeIndex found = method;
+    space.for_each_child(object, space.find(id::HasComponent), true, space.browse_name(method),
+                         [&](NodeIndex child) {
+                             const bool is_method = space.node_class(child) == NodeClass::Method;
+                             found = is_method ? child : found;
+                             return !is_method;
+                         });
+    return found;
+}
+
+} // namespace
+
+Result<NodeIndex> find_method(const AddressSpace& space, const UserRights& rights,
+                              const NodeId& object_id, const NodeId& method_id)
+{
+    const NodeIndex object = space.find(object_id);
+    if (object == model::no_node || !rights.may_see(object_id)) {
+        return fail(why_not_found(object_id));
+    }
+    const NodeClass object_class = space.node_class(object);
+    if (object_class != NodeClass::Object && object_class != NodeClass::ObjectType) {
+        return fail(status::Bad_NodeIdInvalid);
+    }
+    const NodeIndex method = space.find(method_id);
+    if (method == model::no_node || !rights.may_see(method_id)) {
+        return fail(why_not_found(method_id));
+    }
+    if (space.node_class(method) != NodeClass::Method) {
+        return fail(status::Bad_MethodInvalid);
+    }
+    const NodeIndex type =
+        object_class == NodeClass::Object ? space.type_definition(object) : object;
+    switch (find_owner(space, object, type, method)) {
+    case Owner::Itself:
+        return method;
+    case Owner::Type:
+        return find_override(space, object, method);
+    case Owner::Nobody:
+        break;
+    }
+    return fail(status::Bad_MethodInvalid);
+}
+
+bool is_executable(const AddressSpace& space, NodeIndex method)
+{
+    const model::MethodAttributes attributes = space.method(method);
+    return attributes.executable && (attributes.source != model::no_source ||
+                                     find_built_in_method(space.node_id(method)) != nullptr);
+}
+
+bool is_user_executable(const AddressSpace& space, const UserRights& rights, NodeIndex method)
+{
+    const NodeId method_id = space.node_id(method);
+    return is_executable(space, method) &&
+           rights.may_call(method_id, find_built_in_method(method_id) != nullptr);
+}
+
+} // namespace busbar::server::detail

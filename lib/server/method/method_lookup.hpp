@@ -1,0 +1,25 @@
+#pragma once
+
+#include <busbar/core/result.hpp>
+#include <busbar/model/address_space.hpp>
+
+#include "server/data_rights.hpp"
+
+namespace busbar::server::detail {
+
+/// The Method that is carried out when `method` is called on `object` (Part 4, 5.12.2.2): a
+/// component of the Object or ObjectType, or of its type or one above that; an Object's own Method
+/// of that name goes before the type's.
+///
+/// Bad_NodeIdInvalid, Bad_NodeIdUnknown or Bad_MethodInvalid (Part 4, 5.12.2.4).
+[[nodiscard]] Result<model::NodeIndex> find_method(const model::AddressSpace& space,
+                                                   const UserRights& rights, const NodeId& object,
+                                                   const NodeId& method);
+
+/// The Executable attribute of a Method (Part 3, 5.7.1): false also if nobody carries it out.
+[[nodiscard]] bool is_executable(const model::AddressSpace& space, model::NodeIndex method);
+/// Its UserExecutable attribute.
+[[nodiscard]] bool is_user_executable(const model::AddressSpace& space, const UserRights& rights,
+                                      model::NodeIndex method);
+
+} // namespace busbar::server::detail

@@ -1,0 +1,51 @@
+#include <busbar/server/method_table.hpp>
+
+namespace busbar::server {
+
+void MethodCall::succeed(Array<Variant> outputs)
+{
+    CallResult result{status::Good};
+    result.outputs = std::move(outputs);
+    finish(std::move(result));
+}
+
+void MethodCall::fail(StatusCode status)
+{
+    finish(CallResult{status});
+}
+
+void MethodCall::refuse(Array<StatusCode> input_results)
+{
+    CallResult result{status::Bad_InvalidArgument};
+    result.input_results = std::move(input_results);
+    finish(std::move(result));
+}
+
+void MethodCall::finish(CallResult result)
+{
+    if (const auto batch = std::move(batch_)) {
+        batch->results()[index_] = std::move(result);
+    }
+}
+
+std::uint64_t MethodTable::add(Function function)
+{
+    functions_.push_back(std::move(function));
+    return functions_.size() - 1;
+}
+
+void MethodTable::call(CallBatch batch)
+{
+    const auto shared = std::make_shared<CallBatch>(std::move(batch));
+    for (std::size_t i = 0; i < shared->size(); ++i) {
+        const std::uint64_t handle = shared->items()[i].handle;
+        MethodCall call{shared, i};
+        if (handle < functions_.size() && functions_[handle]) {
+            functions_[handle](std::move(call));
+        } else {
+            call.fail(status::Bad_NotImplemented);
+        }
+    }
+}
+
+} // namespace busbar::server
