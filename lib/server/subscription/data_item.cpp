@@ -44,6 +44,14 @@ bool is_past_the_end(const NumericRange& range, std::span<const std::uint32_t> d
     return false;
 }
 
+/// Of the Variable whose value is monitored; for all else there is none.
+double minimum_sampling_interval(const model::AddressSpace& space, const ReadValueId& id)
+{
+    const model::NodeIndex node = space.find(id.node_id);
+    return is_value_of_variable(space, id, node) ? space.variable(node).minimum_sampling_interval
+                                                 : 0;
+}
+
 double to_milliseconds(Duration duration)
 {
     return std::chrono::duration<double, std::milli>{duration}.count();
@@ -136,9 +144,10 @@ void DataItem::revise(const ItemContext& context, const MonitoringParameters& pa
 {
     const SubscriptionLimits& limits = context.core.limits().subscriptions;
     timestamps_ = timestamps;
-    interval_ = limits.sampling.revise(parameters.sampling_interval,
-                                       context.subscription.parameters().publishing_interval,
-                                       can_follow_scans(context.core, plan));
+    interval_ = limits.sampling.revise(
+        parameters.sampling_interval, context.subscription.parameters().publishing_interval,
+        can_follow_scans(context.core, plan),
+        minimum_sampling_interval(context.core.address_space, value_id_));
     // 0 and 1 are the same (Part 4, 7.21).
     const std::uint32_t capacity = std::min(parameters.queue_size, limits.max_queue_size);
     revision.queue_size = queue_.set_capacity(capacity, parameters.discard_oldest);
