@@ -1,6 +1,9 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "subscription_fixture.hpp"
 
@@ -13,6 +16,82 @@ namespace {
 struct SamplingFixture : SubscriptionFixture {
     TestClient client{log_in()};
     std::uint32_t id{subscribe(client)};
+};
+
+/// Writes down what it is told, and when it is read.
+class ToldSource final : public server::DataSource {
+public:
+    struct Call {
+        std::vector<server::Monitoring> changes;
+        bool was_read_before;
+    };
+
+    void read(server::ReadBatch batch) override
+    {
+        is_read = true;
+        for (auto& slot : batch.results()) {
+            slot = DataValue{Variant{1}};
+        }
+        batch.complete();
+    }
+    void monitoring_changed(std::span<const server::Monitoring> changes) override
+    {
+        calls.push_back({{changes.begin(), changes.end()}, is_read});
+    }
+    /// What came since the last time, if it came in one call.
+    std::vector<server::Monitoring> take()
+    {
+        const auto taken = std::exchange(calls, {});
+        CHECK(taken.size() <= 1);
+        return taken.empty() ? std::vector<server::Monitoring>{} : taken.front().changes;
+    }
+
+    std::vector<Call> calls;
+    bool is_read{false};
+};
+
+using Told = std::vector<server::Monitoring>;
+
+/// What has to outlive the server.
+struct ToldParts {
+    ToldSource source;
+};
+
+struct ToldFixture : ToldParts, SubscriptionFixture {
+    ToldFixture()
+    {
+        const std::uint32_t index = server.add_source(source);
+        for (std::uint64_t handle : {0U, 1U, 2U}) {
+            model::NewVariable variable;
+            variable.source = index;
+            variable.handle = handle;
+            variable.data_type = NodeId{0, id::Int32};
+            nodes.push_back(add_variable(std::to_string(handle).c_str(), variable));
+        }
+        client.emplace(log_in());
+        subscription = subscribe(*client);
+    }
+    [[nodiscard]] MonitoredItemCreateRequest item(std::size_t node, double interval) const
+    {
+        auto request = item_request(nodes[node]);
+        request.requested_parameters.sampling_interval = interval;
+        return request;
+    }
+    std::uint32_t monitor_at(std::size_t node, double interval)
+    {
+        return monitor(*client, subscription, item(node, interval)).monitored_item_id;
+    }
+    void remove_item(std::uint32_t id)
+    {
+        DeleteMonitoredItemsRequest request;
+        request.subscription_id = subscription;
+        request.monitored_item_ids = {id};
+        REQUIRE(client->call<DeleteMonitoredItemsResponse>(request));
+    }
+
+    std::vector<NodeId> nodes;
+    std::optional<TestClient> client;
+    std::uint32_t subscription{0};
 };
 
 } // namespace
@@ -87,4 +166,104 @@ TEST_CASE_METHOD(SamplingFixture, "an item is not sampled faster than its Variab
     const auto response = client.call<ModifyMonitoredItemsResponse>(request);
     REQUIRE(response);
     CHECK(response->results[0].revised_sampling_interval == 400);
+}
+
+TEST_CASE_METHOD(ToldFixture, "a source is told what begins, changes and ends, once a call")
+{
+    const auto made =
+        create_items(*client, subscription, {item(0, 200), item(1, 100), item(0, 50)});
+    REQUIRE(made);
+    REQUIRE(source.calls.size() == 1);
+    CHECK_FALSE(source.calls[0].was_read_before);
+    CHECK(source.is_read);
+    CHECK(source.take() == Told{{0, 50ms}, {1, 100ms}});
+    advance(1s);
+    monitor_at(0, 50); // a second item changes nothing, nor does a slower one
+    monitor_at(1, 500);
+    CHECK(source.calls.empty());
+    monitor_at(1, 20);
+    CHECK(source.take() == Told{{1, 20ms}});
+
+    remove_item(made->results[2].monitored_item_id);
+    CHECK(source.calls.empty()); // there is another of 50 ms
+    remove_item(made->results[0].monitored_item_id);
+    CHECK(source.calls.empty());
+    CHECK(remove(*client, subscription) == status::Good);
+    CHECK(source.take() == Told{{0, std::nullopt}, {1, std::nullopt}});
+    advance(1s);
+    CHECK(source.calls.empty());
+}
+
+TEST_CASE_METHOD(ToldFixture, "modes and new intervals are told to the source")
+{
+    const std::uint32_t item_id = monitor_at(2, 50);
+    CHECK(source.take() == Told{{2, 50ms}});
+    ModifyMonitoredItemsRequest request;
+    request.subscription_id = subscription;
+    request.timestamps_to_return = TimestampsToReturn::Neither;
+    request.items_to_modify.resize(1);
+    request.items_to_modify[0].monitored_item_id = item_id;
+    request.items_to_modify[0].requested_parameters.sampling_interval = 400;
+    REQUIRE(client->call<ModifyMonitoredItemsResponse>(request));
+    CHECK(source.take() == Told{{2, 400ms}});
+    CHECK(set_mode(*client, subscription, item_id, MonitoringMode::Sampling) == status::Good);
+    CHECK(source.calls.empty());
+    CHECK(set_mode(*client, subscription, item_id, MonitoringMode::Disabled) == status::Good);
+    CHECK(source.take() == Told{{2, std::nullopt}});
+    CHECK(set_mode(*client, subscription, item_id, MonitoringMode::Reporting) == status::Good);
+    CHECK(source.take() == Told{{2, 400ms}});
+    server.announce_semantics_change(nodes[2]); // it is looked up again, and is where it was
+    advance(1s);
+    CHECK(source.calls.empty());
+}
+
+TEST_CASE_METHOD(ToldFixture, "a source learns of nodes that move, sessions that die and the end")
+{
+    monitor_at(0, 50);
+    CHECK(source.take() == Told{{0, 50ms}});
+    auto& space = server.address_space();
+    const std::uint32_t index = space.variable(space.find(nodes[0])).source;
+    SECTION("bound elsewhere")
+    {
+        space.bind(space.find(nodes[0]), index, 7);
+        advance(50ms);
+        CHECK(source.take() == Told{{0, std::nullopt}, {7, 50ms}});
+        REQUIRE(space.remove(space.find(nodes[0])));
+        advance(50ms);
+        CHECK(source.take() == Told{{7, std::nullopt}});
+    }
+    SECTION("a right that is lost and given back")
+    {
+        space.set_access_level(space.find(nodes[0]), 1, 0);
+        advance(50ms);
+        CHECK(source.take() == Told{{0, std::nullopt}});
+        space.set_access_level(space.find(nodes[0]), 1, 1);
+        advance(50ms);
+        CHECK(source.take() == Told{{0, 50ms}});
+    }
+    SECTION("CloseSession")
+    {
+        CloseSessionRequest request;
+        request.delete_subscriptions = true;
+        CHECK(client->status_of<CloseSessionResponse>(request) == status::Good);
+        CHECK(source.take() == Told{{0, std::nullopt}});
+    }
+    SECTION("a session that times out, and its Subscription later")
+    {
+        advance(61s);
+        CHECK(server.session_count() == 0);
+        for (int i = 0; i < 100 && server.subscription_count() != 0; ++i) {
+            advance(100ms);
+        }
+        CHECK(server.subscription_count() == 0);
+        CHECK(source.take() == Told{{0, std::nullopt}});
+    }
+    SECTION("the server's end")
+    {
+        client.reset();
+        {
+            const server::Server ended = std::move(server);
+        }
+        CHECK(source.take() == Told{{0, std::nullopt}});
+    }
 }

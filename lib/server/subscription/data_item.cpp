@@ -95,8 +95,8 @@ std::unique_ptr<DataItem> DataItem::make(const ItemContext& context,
     }
     item->filter_ = *filter;
     item->filter_text_ = parameters.filter;
-    const std::size_t cost =
-        sizeof(DataItem) + 2 * sizeof(void*) * 8 + item->value_id_.index_range.size();
+    const std::size_t cost = sizeof(DataItem) + 2 * sizeof(void*) * 8 +
+                             MonitoredHandles::bytes_per_item + item->value_id_.index_range.size();
     if (!context.subscription.memory().charge(cost)) {
         revision.status = status::Bad_TooManyMonitoredItems;
         return nullptr;
@@ -217,9 +217,21 @@ void DataItem::sample(const ReadSlot& slot, StatusCode status, DateTime server_t
     if (last != nullptr && pending_bits_ == 0 && !filter_.passes(*last, slot, value, status)) {
         return;
     }
-    queue_.push(slot, value, StatusCode{status.value() | std::exchange(pending_bits_, 0U)},
-                server_time);
+    const std::uint32_t bits = std::exchange(pending_bits_, 0U) |
+                               (std::exchange(has_lost_, false) ? ValueQueue::overflow_bits : 0U);
+    queue_.push(slot, value, StatusCode{status.value() | bits}, server_time);
     notify();
+}
+
+void DataItem::note_loss()
+{
+    has_lost_ = queue_.capacity() > 1 && queue_.newest() != nullptr;
+}
+
+void DataItem::clear()
+{
+    queue_.clear();
+    has_lost_ = false;
 }
 
 std::size_t DataItem::notification_size() const

@@ -6,6 +6,7 @@
 #include <busbar/server/data_source.hpp>
 
 #include "change_filter.hpp"
+#include "monitored_handles.hpp"
 #include "monitored_item.hpp"
 #include "server/read_plan.hpp"
 #include "value_queue.hpp"
@@ -49,6 +50,10 @@ public:
     /// One sample, whose range is cut already: queues it if it passes the filter.
     void sample(const ReadSlot& slot, StatusCode status, DateTime server_time);
 
+    /// Values may have been lost before they could be queued: the next one that is has the Overflow
+    /// bit, as if they had been lost in the queue (Part 4, 5.13.1.5). Not in a queue of one.
+    void note_loss();
+
     /// The next sample is reported whatever it is, with these bits of its status set (Part 4,
     /// 7.38.1; Part 8, 5.2). A filter in percent looks for the EURange again.
     void announce_change(Core& core, std::uint32_t status_bits);
@@ -59,7 +64,7 @@ private:
     DataItem(const ItemContext& context, const MonitoredItemCreateRequest& request,
              TimestampsToReturn timestamps);
 
-    void clear() override { queue_.clear(); }
+    void clear() override;
     void mode_changed(const ItemContext& context, MonitoringMode before) override;
     [[nodiscard]] StatusCode check_target(const ItemContext& context, ReadPlan& plan);
     [[nodiscard]] Result<ChangeFilter> make_filter(Core& core, const ExtensionObject& filter) const;
@@ -75,6 +80,7 @@ private:
     ExtensionObject filter_text_;
     Duration interval_{0};
     std::uint32_t pending_bits_{0};
+    bool has_lost_{false};
     std::size_t charged_{0};
     ValueQueue queue_;
 
@@ -82,6 +88,7 @@ private:
 
     SamplingGroup* group_{nullptr};
     std::size_t place_{0};
+    MonitoredHandles::Use use_;
 };
 
 } // namespace busbar::server::detail

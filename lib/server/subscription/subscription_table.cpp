@@ -30,7 +30,11 @@ Subscriptions::Subscriptions(Core& core)
 {
 }
 
-Subscriptions::~Subscriptions() = default;
+Subscriptions::~Subscriptions()
+{
+    subscriptions_.clear();
+    sampler_->tell_sources();
+}
 
 std::uint32_t Subscriptions::new_id()
 {
