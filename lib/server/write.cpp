@@ -2,6 +2,7 @@
 
 #include "core.hpp"
 #include "session.hpp"
+#include "subscription/semantic_changes.hpp"
 
 namespace busbar::server::detail {
 
@@ -15,6 +16,7 @@ WriteOperation::~WriteOperation()
 void WriteOperation::start(ServiceContext& context)
 {
     Core& core = context.core;
+    core_ = &core;
     const StatusCode refusal = check_write(request(), core.limits().operations.max_nodes_per_write);
     if (refusal.is_bad()) {
         return fault(refusal);
@@ -49,6 +51,8 @@ void WriteOperation::handle_deadline(TimePoint now)
 
 void WriteOperation::call_completed()
 {
+    announce_semantic_changes(*core_, request(),
+                              [this](std::size_t index) { return job_->result(index); });
     respond<WriteResponse>([&](binary::Writer& writer) { job_->encode_results(writer); });
 }
 

@@ -30,9 +30,18 @@ public:
     {
         is_read = true;
         for (auto& slot : batch.results()) {
-            slot = DataValue{Variant{1}};
+            slot = DataValue{Variant{value}};
         }
-        batch.complete();
+        if (is_late) {
+            kept.push_back(std::move(batch));
+        } else {
+            batch.complete();
+        }
+    }
+    void write(server::WriteBatch batch) override
+    {
+        value = batch.items().back().data->value;
+        batch.finish(status::Good);
     }
     void monitoring_changed(std::span<const server::Monitoring> changes) override
     {
@@ -47,6 +56,9 @@ public:
     }
 
     std::vector<Call> calls;
+    std::vector<server::ReadBatch> kept;
+    Variant value{1};
+    bool is_late{false};
     bool is_read{false};
 };
 
@@ -92,6 +104,69 @@ struct ToldFixture : ToldParts, SubscriptionFixture {
     std::vector<NodeId> nodes;
     std::optional<TestClient> client;
     std::uint32_t subscription{0};
+};
+
+/// A variable of 0 to 200 with a deadband of 5 %, whose properties are served by `source`.
+struct AnalogFixture : ToldParts, SubscriptionFixture {
+    explicit AnalogFixture(bool is_late = false)
+    {
+        source.is_late = is_late;
+        source.value = ExtensionObject::from(Range{0, 200});
+        property("EURange", id::Range);
+        property("EngineeringUnits", id::EUInformation);
+        property("Comment", id::Range);
+        subscription = subscribe(client);
+        auto item = item_request(level);
+        DataChangeFilter filter;
+        filter.trigger = DataChangeTrigger::StatusValue;
+        filter.deadband_type = static_cast<std::uint32_t>(DeadbandType::Percent);
+        filter.deadband_value = 5;
+        item.requested_parameters.filter = ExtensionObject::from(filter);
+        made = monitor(client, subscription, item);
+    }
+    void property(const char* name, std::uint32_t type)
+    {
+        model::NewNode node;
+        node.id = NodeId{1, name};
+        node.browse_name = QualifiedName{0, name};
+        node.parent = server.address_space().find(level);
+        model::NewVariable variable;
+        variable.data_type = NodeId{0, type};
+        variable.access_level = 3;
+        variable.source = index;
+        REQUIRE(server.address_space().add_property(node, variable));
+    }
+    std::vector<DataValue> reported(Variant value)
+    {
+        set(0, std::move(value));
+        std::vector<DataValue> all;
+        for (const auto& notification : next_data(client, 100ms)) {
+            all.push_back(notification.value);
+        }
+        return all;
+    }
+    StatusCode write(const char* name, Variant value)
+    {
+        WriteRequest request;
+        request.nodes_to_write.resize(1);
+        request.nodes_to_write[0].node_id = NodeId{1, name};
+        request.nodes_to_write[0].attribute_id = 13;
+        request.nodes_to_write[0].value = DataValue{std::move(value)};
+        const auto response = operator_client.call<WriteResponse>(request);
+        return response ? response->results[0] : response.error();
+    }
+
+    NodeId level{add_variable("level", 1)};
+    std::uint32_t index{server.add_source(source)};
+    TestClient client{log_in()};
+    TestClient operator_client{
+        log_in(setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt))};
+    std::uint32_t subscription{0};
+    MonitoredItemCreateResult made;
+};
+
+struct LateAnalogFixture : AnalogFixture {
+    LateAnalogFixture() : AnalogFixture{true} {}
 };
 
 } // namespace
@@ -266,4 +341,56 @@ TEST_CASE_METHOD(ToldFixture, "a source learns of nodes that move, sessions that
         }
         CHECK(source.take() == Told{{0, std::nullopt}});
     }
+}
+
+TEST_CASE_METHOD(AnalogFixture, "a deadband in percent of an EURange that a source has")
+{
+    CHECK(made.status_code == status::Good);
+    CHECK(reported(1).size() == 1);
+    CHECK(reported(11).empty());
+    CHECK(reported(12).size() == 1);
+    source.value = Variant{"no range"};
+    auto item = item_request(level);
+    DataChangeFilter filter;
+    filter.deadband_type = static_cast<std::uint32_t>(DeadbandType::Percent);
+    filter.deadband_value = 5;
+    item.requested_parameters.filter = ExtensionObject::from(filter);
+    CHECK(monitor(client, subscription, item).status_code == status::Bad_DeadbandFilterInvalid);
+}
+
+TEST_CASE_METHOD(LateAnalogFixture, "until a late source has answered every change is reported")
+{
+    CHECK(made.status_code == status::Good);
+    REQUIRE(source.kept.size() == 1);
+    CHECK(reported(1).size() == 1);
+    CHECK(reported(2).size() == 1);
+    source.kept[0].complete();
+    server.handle_completions(now);
+    CHECK(reported(12).empty());
+    CHECK(reported(13).size() == 1);
+    // The answer may come when nobody wants it any more.
+    server.announce_semantics_change(level);
+    REQUIRE(source.kept.size() == 2);
+    CHECK(remove(client, subscription) == status::Good);
+    source.kept[1].complete();
+    server.handle_completions(now);
+}
+
+TEST_CASE_METHOD(AnalogFixture,
+                 "a client's Write of what a value means is told with its next value")
+{
+    const StatusCode semantics_changed{0x4000};
+    CHECK(reported(1).size() == 1);
+    CHECK(write("EURange", ExtensionObject::from(Range{0, 20})) == status::Good);
+    auto told = reported(1);
+    REQUIRE(told.size() == 1);
+    CHECK(told[0] == DataValue{Variant{1}, semantics_changed});
+    CHECK(reported(3).size() == 1); // 5 % of 20 now
+    CHECK(write("EngineeringUnits", ExtensionObject::from(EUInformation{})) == status::Good);
+    told = reported(3);
+    REQUIRE(told.size() == 1);
+    CHECK(told[0].status == semantics_changed);
+    CHECK(write("Comment", ExtensionObject::from(Range{0, 1})) == status::Good);
+    CHECK(write("EURange", Variant{3}) == status::Bad_TypeMismatch);
+    CHECK(reported(3).empty());
 }

@@ -64,7 +64,7 @@ DataItem::DataItem(const ItemContext& context, const MonitoredItemCreateRequest&
     : MonitoredItem{context.subscription, Kind::Data, request.requested_parameters.client_handle,
                     request.monitoring_mode},
       value_id_{request.item_to_monitor},
-      timestamps_{timestamps}, queue_{context.subscription.memory()}
+      timestamps_{timestamps}, core_{&context.core}, queue_{context.subscription.memory()}
 {
 }
 
@@ -130,13 +130,53 @@ StatusCode DataItem::check_target(const ItemContext& context, ReadPlan& plan)
     return status::Good;
 }
 
-Result<ChangeFilter> DataItem::make_filter(Core& core, const ExtensionObject& filter) const
+Result<ChangeFilter> DataItem::make_filter(Core& core, const ExtensionObject& filter)
 {
     const model::NodeIndex node = core.address_space.find(value_id_.node_id);
     if (!filter.is_null() && !is_value_of_variable(core.address_space, value_id_, node)) {
         return fail(status::Bad_FilterNotAllowed); // Part 4, 5.13.1.1
     }
-    return ChangeFilter::make(filter, core.address_space, node, core.types);
+    std::optional<Range> eu_range;
+    if (ChangeFilter::is_percentage(filter) && node != model::no_node) {
+        eu_range = look_up_eu_range(core, node);
+    }
+    return ChangeFilter::make(filter, core.address_space, node, eu_range);
+}
+
+/// Until a source has said what it is, a range without width, so that all changes are reported.
+std::optional<Range> DataItem::look_up_eu_range(Core& core, model::NodeIndex variable)
+{
+    const model::AddressSpace& space = core.address_space;
+    const model::NodeIndex property = find_eu_range(space, variable);
+    if (property == model::no_node || space.node_class(property) != NodeClass::Variable) {
+        return std::nullopt;
+    }
+    const model::VariableAttributes attributes = space.variable(property);
+    if (core.sources.find(attributes.source) != nullptr) {
+        eu_range_ = Range{};
+        EuRangeUser& user = *this;
+        eu_range_read_ = std::make_unique<EuRangeRead>(user, core.sources);
+        // Its deadline is not looked at; an answer is welcome at any time.
+        eu_range_read_->start(attributes, TimePoint{});
+        return eu_range_;
+    }
+    const Variant value = space.value(property, &core.types);
+    const auto* const object = value.get_if<ExtensionObject>();
+    const Range* const range = object != nullptr ? object->get_if<Range>() : nullptr;
+    return range != nullptr ? std::optional{*range} : std::nullopt;
+}
+
+void DataItem::eu_range_came(const std::optional<Range>& range)
+{
+    eu_range_ = range;
+    const auto done = std::move(eu_range_read_);
+    const model::NodeIndex node = core_->address_space.find(value_id_.node_id);
+    if (node == model::no_node || !ChangeFilter::is_percentage(filter_text_)) {
+        return;
+    }
+    if (auto filter = ChangeFilter::make(filter_text_, core_->address_space, node, range)) {
+        filter_ = *filter;
+    }
 }
 
 void DataItem::revise(const ItemContext& context, const MonitoringParameters& parameters,

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include <busbar/core/numeric_range.hpp>
 #include <busbar/server/data_source.hpp>
 
 #include "change_filter.hpp"
+#include "eu_range.hpp"
 #include "monitored_handles.hpp"
 #include "monitored_item.hpp"
 #include "server/read_plan.hpp"
@@ -17,7 +19,7 @@ class SamplingGroup;
 
 /// An item of an attribute, mostly a Variable's Value: samples come from its SamplingGroup, pass
 /// the filter and wait in a queue.
-class DataItem final : public MonitoredItem {
+class DataItem final : public MonitoredItem, private EuRangeUser {
 public:
     /// Null, with the reason in `revision.status`, if there can be no such item. It is sampled from
     /// add_to_sampler() on.
@@ -67,7 +69,9 @@ private:
     void clear() override;
     void mode_changed(const ItemContext& context, MonitoringMode before) override;
     [[nodiscard]] StatusCode check_target(const ItemContext& context, ReadPlan& plan);
-    [[nodiscard]] Result<ChangeFilter> make_filter(Core& core, const ExtensionObject& filter) const;
+    [[nodiscard]] Result<ChangeFilter> make_filter(Core& core, const ExtensionObject& filter);
+    [[nodiscard]] std::optional<Range> look_up_eu_range(Core& core, model::NodeIndex variable);
+    void eu_range_came(const std::optional<Range>& range) override;
     /// Queue, interval and timestamps.
     void revise(const ItemContext& context, const MonitoringParameters& parameters,
                 TimestampsToReturn timestamps, const ReadPlan& plan, ItemRevision& revision);
@@ -78,6 +82,10 @@ private:
     ChangeFilter filter_;
     /// As the client gave it, for when the EURange changes.
     ExtensionObject filter_text_;
+    /// Null unless a source is asked for the EURange.
+    std::unique_ptr<EuRangeRead> eu_range_read_;
+    Core* core_;
+    std::optional<Range> eu_range_;
     Duration interval_{0};
     std::uint32_t pending_bits_{0};
     bool has_lost_{false};

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include <busbar/server/access_control.hpp>
@@ -115,7 +116,7 @@ public:
     /// Queues the last value of each data item that reports and has none queued.
     void resend_data(TimePoint now);
     /// See DataItem::announce_change.
-    void announce_change(const NodeId& variable, std::uint32_t status_bits);
+    void announce_change(const std::unordered_set<NodeId>& variables, std::uint32_t status_bits);
     [[nodiscard]] ReadyList& ready(MonitoredItem::Kind kind)
     {
         return kind == MonitoredItem::Kind::Data ? ready_data_ : ready_events_;
