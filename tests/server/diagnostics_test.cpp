@@ -11,6 +11,8 @@ using namespace std::chrono_literals;
 namespace {
 
 struct DiagnosticsFixture : SubscriptionFixture {
+    using SubscriptionFixture::SubscriptionFixture;
+
     static DataValue read(TestClient& client, std::uint32_t node)
     {
         ReadRequest request;
@@ -150,6 +152,153 @@ TEST_CASE_METHOD(DiagnosticsFixture, "each session counts its requests")
     CHECK(subscriptions[0].next_sequence_number == 1);
 }
 
+TEST_CASE_METHOD(DiagnosticsFixture, "a session is described as its client described itself")
+{
+    TestClient client = connect();
+    auto request = client.create_request();
+    request.client_description.product_uri = "urn:busbar:test:product";
+    request.client_description.application_name = LocalizedText{"en", "panel"};
+    request.client_description.application_type = ApplicationType::ClientAndServer;
+    request.server_uri = "urn:busbar:test:server";
+    request.session_name = String{std::string(5'000, 'n')};
+    REQUIRE(client.create_session(request));
+    REQUIRE(client.activate(TestClient::anonymous()) == status::Good);
+    subscribe(client);
+    for (int i = 0; i < 3; ++i) {
+        publish(client);
+    }
+    const auto sessions = array<SessionDiagnosticsDataType>(client, sessions_array);
+    REQUIRE(sessions.size() == 1);
+    const auto& session = sessions[0];
+    CHECK(session.client_description.application_uri == "urn:busbar:test:client");
+    CHECK(session.client_description.product_uri == "urn:busbar:test:product");
+    CHECK(session.client_description.application_name == LocalizedText{"en", "panel"});
+    CHECK(session.client_description.application_type == ApplicationType::ClientAndServer);
+    CHECK(session.server_uri == "urn:busbar:test:server");
+    CHECK(session.endpoint_url == "opc.tcp://localhost:4840");
+    CHECK(session.session_name.size() == 256);
+    CHECK(session.current_publish_requests_in_queue == 3);
+    CHECK(session.publish_count.total_count == 3);
+}
+
+TEST_CASE_METHOD(DiagnosticsFixture, "a Subscription counts what it does")
+{
+    TestClient client = log_in();
+    const auto id = subscribe(client);
+    const auto of_subscription = [&] {
+        const auto all = array<SubscriptionDiagnosticsDataType>(
+            client, id::Server_ServerDiagnostics_SubscriptionDiagnosticsArray);
+        REQUIRE(all.size() == 1);
+        return all[0];
+    };
+    auto item = item_request(add_variable("level", 1));
+    item.requested_parameters.queue_size = 2;
+    const auto made = monitor(client, id, item);
+    item.monitoring_mode = MonitoringMode::Disabled;
+    monitor(client, id, item);
+    CHECK(of_subscription().disabled_monitored_item_count == 1);
+    CHECK(of_subscription().monitored_item_count == 2);
+    for (int i = 2; i < 6;
+         ++i) { // no Publish request: the first cycle is late, the queue too short
+        set(0, i);
+        advance(50ms);
+    }
+    auto now_there = of_subscription();
+    CHECK(now_there.late_publish_request_count == 1);
+    CHECK(now_there.monitoring_queue_overflow_count == 3);
+    CHECK(now_there.publish_request_count == 0);
+    CHECK(now_there.current_lifetime_count < now_there.max_lifetime_count);
+
+    CHECK(next_data(client, 100ms).size() == 2);
+    now_there = of_subscription();
+    CHECK(now_there.publish_request_count == 1);
+    CHECK(now_there.data_change_notifications_count == 2);
+    CHECK(now_there.notifications_count == 2);
+    CHECK(now_there.event_notifications_count == 0);
+    CHECK(now_there.unacknowledged_message_count == 1);
+    CHECK(now_there.next_sequence_number == 2);
+    CHECK(republish(client, id, 1));
+    CHECK_FALSE(republish(client, id, 7));
+    publish(client, {{id, 1}});
+    advance(1s, client);
+    now_there = of_subscription();
+    CHECK(now_there.republish_request_count == 2);
+    CHECK(now_there.republish_message_request_count == 2);
+    CHECK(now_there.republish_message_count == 1);
+    CHECK(now_there.unacknowledged_message_count == 0);
+    CHECK(now_there.discarded_message_count == 0);
+    CHECK(now_there.current_keep_alive_count == 1);
+
+    CHECK(set_publishing(client, id, false) == status::Good);
+    CHECK(set_publishing(client, id, false) == status::Good);
+    CHECK(set_publishing(client, id, true) == status::Good);
+    ModifySubscriptionRequest modify;
+    modify.subscription_id = id;
+    modify.requested_publishing_interval = 100;
+    REQUIRE(client.call<ModifySubscriptionResponse>(modify));
+    CHECK(set_mode(client, id, made.monitored_item_id, MonitoringMode::Disabled) == status::Good);
+    now_there = of_subscription();
+    CHECK(now_there.disable_count == 1);
+    CHECK(now_there.enable_count == 1);
+    CHECK(now_there.modify_count == 1);
+    CHECK(now_there.disabled_monitored_item_count == 2);
+}
+
+TEST_CASE_METHOD(DiagnosticsFixture, "lost messages and transfers are counted")
+{
+    TestClient client = log_in_operator();
+    const auto id = subscribe(client);
+    monitor(client, id, item_request(add_variable("level", 0)));
+    for (int i = 1; i <= 103; ++i) { // 100 are kept
+        set(0, i);
+        CHECK(next_data(client, 100ms).size() == 1);
+    }
+    TestClient other = log_in_operator();
+    CHECK(transfer(other, id).status_code == status::Good);
+    CHECK(transfer(other, id).status_code == status::Bad_NothingToDo);
+    const auto all = array<SubscriptionDiagnosticsDataType>(
+        other, id::Server_ServerDiagnostics_SubscriptionDiagnosticsArray);
+    REQUIRE(all.size() == 1);
+    CHECK(all[0].unacknowledged_message_count == 100);
+    CHECK(all[0].discarded_message_count == 3);
+    CHECK(all[0].transfer_request_count == 2);
+    CHECK(all[0].transferred_to_same_client_count == 1);
+    CHECK(all[0].transferred_to_alt_client_count == 0);
+}
+
+TEST_CASE("sampling intervals are counted where there are only a few")
+{
+    struct Fixture : DiagnosticsFixture {
+        explicit Fixture(const server::SubscriptionLimits& limits) : DiagnosticsFixture{limits} {}
+    };
+    constexpr std::uint32_t node = id::Server_ServerDiagnostics_SamplingIntervalDiagnosticsArray;
+    Fixture fixture{server::rd81opc96_subscriptions()};
+    TestClient client = fixture.log_in();
+    const auto id = fixture.subscribe(client);
+    auto item = fixture.item_request(fixture.add_variable("level", 1));
+    fixture.monitor(client, id, item);
+    const auto second = fixture.monitor(client, id, item).monitored_item_id;
+    item.requested_parameters.sampling_interval = 1'000;
+    fixture.monitor(client, id, item);
+    CHECK(fixture.set_mode(client, id, second, MonitoringMode::Disabled) == status::Good);
+    using Entry = SamplingIntervalDiagnosticsDataType;
+    CHECK(fixture.array<Entry>(client, node) ==
+          std::vector<Entry>{{200, 2, 2, 1}, {1'000, 1, 1, 0}});
+    DeleteMonitoredItemsRequest request;
+    request.subscription_id = id;
+    request.monitored_item_ids = {second};
+    REQUIRE(client.call<DeleteMonitoredItemsResponse>(request));
+    CHECK(fixture.array<Entry>(client, node) ==
+          std::vector<Entry>{{200, 1, 2, 0}, {1'000, 1, 1, 0}});
+    CHECK(fixture.remove(client, id) == status::Good);
+    CHECK(fixture.array<Entry>(client, node).empty());
+
+    Fixture any{SubscriptionFixture::small_limits()};
+    TestClient free = any.log_in();
+    any.monitor(free, any.subscribe(free), any.item_request(any.add_variable("level", 1)));
+    CHECK(any.array<Entry>(free, node).empty());
+}
+
 TEST_CASE_METHOD(DiagnosticsFixture, "security diagnostics are for users who have logged in")
 {
     TestClient anonymous = log_in();
@@ -185,6 +334,12 @@ TEST_CASE_METHOD(DiagnosticsFixture, "diagnostics are switched off and begin ane
     CHECK(enable(client, true) == status::Good);
     CHECK(number(reader, all_sessions) == 0);
     CHECK(number(reader, current_sessions) == 2);
+    TestClient silent = log_in();
+    for (int i = 0; i < 3; ++i) {
+        CHECK(number(silent, current_sessions) == 3);
+    }
+    CHECK(enable(client, false) == status::Good);
+    CHECK(enable(client, true) == status::Good);
     for (const auto& session : array<SessionDiagnosticsDataType>(client, sessions_array)) {
         CHECK(session.read_count.total_count <= 2);
         CHECK(session.write_count.total_count == 0);

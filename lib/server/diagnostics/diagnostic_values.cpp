@@ -7,6 +7,8 @@
 #include "diagnostics.hpp"
 #include "server/core.hpp"
 #include "server/session.hpp"
+#include "server/subscription/publish_queue.hpp"
+#include "server/subscription/sampler.hpp"
 #include "server/subscription/subscription.hpp"
 
 namespace busbar::server::detail {
@@ -52,12 +54,12 @@ Summary summarise(const Core& core)
 /// Part 5, 12.11.
 SessionDiagnosticsDataType describe_session(const Core& core, const Session& session)
 {
-    SessionDiagnosticsDataType result = session.diagnostics;
+    SessionDiagnosticsDataType result = core.diagnostics.values(session);
     result.session_id = session.id;
     result.session_name = session.name;
-    result.client_description.application_uri = session.client_application_uri;
-    result.client_description.application_type = ApplicationType::Client;
-    result.server_uri = core.config.application_uri;
+    result.client_description = session.client_description;
+    result.server_uri = session.server_uri;
+    result.endpoint_url = session.endpoint_url;
     result.locale_ids = Array<String>(0);
     for (const std::string& locale : session.locale_ids) {
         result.locale_ids.emplace_back(locale);
@@ -65,9 +67,10 @@ SessionDiagnosticsDataType describe_session(const Core& core, const Session& ses
     result.actual_session_timeout = static_cast<double>(session.timeout.count());
     result.max_response_message_size = session.max_response_message_size;
     result.client_connection_time = session.connection_time;
-    for (const auto& [id, subscription] : core.subscriptions.all()) {
-        if (subscription->session() == &session) {
-            ++result.current_subscriptions_count;
+    if (const PublishPart* const part = PublishPart::find(session)) {
+        result.current_subscriptions_count = count(part->subscriptions().size());
+        result.current_publish_requests_in_queue = count(part->waiting());
+        for (const Subscription* subscription : part->subscriptions()) {
             result.current_monitored_items_count += count(subscription->item_count());
         }
     }
@@ -107,10 +110,11 @@ SessionSecurityDiagnosticsDataType describe_security(const Session& session)
 }
 
 /// Part 5, 12.15.
-SubscriptionDiagnosticsDataType describe_subscription(const Subscription& subscription)
+SubscriptionDiagnosticsDataType describe_subscription(const Core& core,
+                                                      const Subscription& subscription)
 {
     const SubscriptionParameters& parameters = subscription.parameters();
-    SubscriptionDiagnosticsDataType result;
+    SubscriptionDiagnosticsDataType result = core.diagnostics.values(subscription.counters());
     result.session_id = subscription.session() != nullptr ? subscription.session()->id : NodeId{};
     result.subscription_id = subscription.id();
     result.priority = parameters.priority;
@@ -120,8 +124,32 @@ SubscriptionDiagnosticsDataType describe_subscription(const Subscription& subscr
     result.max_notifications_per_publish = parameters.max_notifications_per_publish;
     result.publishing_enabled = subscription.publishing_enabled();
     result.monitored_item_count = count(subscription.item_count());
+    result.disabled_monitored_item_count = count(subscription.disabled_item_count());
     result.next_sequence_number = subscription.next_sequence_number();
+    result.unacknowledged_message_count = count(subscription.retransmission().size());
+    result.current_lifetime_count = subscription.lifetime_counter();
+    // One Republish asks for one message.
+    result.republish_message_request_count = result.republish_request_count;
+    result.notifications_count =
+        result.data_change_notifications_count + result.event_notifications_count;
     return result;
+}
+
+/// Part 5, 12.8: only of a server with a fixed set of intervals (Part 5, 6.3.3).
+Variant sampling_intervals(const Core& core)
+{
+    Array<ExtensionObject> all(0);
+    for (const auto& [interval, items] : core.subscriptions.sampler().intervals().all()) {
+        if (items.enabled + items.disabled != 0) {
+            SamplingIntervalDiagnosticsDataType entry;
+            entry.sampling_interval = to_milliseconds(interval);
+            entry.monitored_item_count = count(items.enabled + items.disabled);
+            entry.max_monitored_item_count = count(items.most);
+            entry.disabled_monitored_item_count = count(items.disabled);
+            all.push_back(ExtensionObject::from(std::move(entry)));
+        }
+    }
+    return all;
 }
 
 struct SummaryCounter {
@@ -166,7 +194,11 @@ Result<Variant> structure_value(const Core& core, std::uint32_t id, const UserId
     case id::Server_ServerDiagnostics_ServerDiagnosticsSummary:
         return ExtensionObject::from(summarise(core));
     case id::Server_ServerDiagnostics_SubscriptionDiagnosticsArray:
-        return structures(core.subscriptions.all(), describe_subscription);
+        return structures(core.subscriptions.all(), [&](const Subscription& subscription) {
+            return describe_subscription(core, subscription);
+        });
+    case id::Server_ServerDiagnostics_SamplingIntervalDiagnosticsArray:
+        return sampling_intervals(core);
     case id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionDiagnosticsArray:
         return structures(core.sessions.all(),
                           [&](const Session& session) { return describe_session(core, session); });

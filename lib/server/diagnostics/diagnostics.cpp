@@ -5,6 +5,7 @@
 
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/ids.hpp>
+#include <busbar/types/method.hpp>
 #include <busbar/types/monitored_item.hpp>
 #include <busbar/types/session.hpp>
 #include <busbar/types/subscription.hpp>
@@ -28,6 +29,7 @@ constexpr auto service_counters = [] {
     std::array table{
         ServiceCounter{ReadRequest::binary_encoding_id, &Counters::read_count},
         ServiceCounter{WriteRequest::binary_encoding_id, &Counters::write_count},
+        ServiceCounter{CallRequest::binary_encoding_id, &Counters::call_count},
         ServiceCounter{CreateMonitoredItemsRequest::binary_encoding_id,
                        &Counters::create_monitored_items_count},
         ServiceCounter{ModifyMonitoredItemsRequest::binary_encoding_id,
@@ -109,6 +111,11 @@ SessionDiagnosticsDataType& Diagnostics::counters(Session& session) const
         session.diagnostics = {};
     }
     return session.diagnostics;
+}
+
+SessionDiagnosticsDataType Diagnostics::values(const Session& session) const
+{
+    return session.diagnostics_round == round_ ? session.diagnostics : SessionDiagnosticsDataType{};
 }
 
 void Diagnostics::count_request(Session& session, std::uint32_t encoding_id, DateTime now)

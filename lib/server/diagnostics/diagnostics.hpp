@@ -13,6 +13,12 @@ namespace busbar::server::detail {
 struct Core;
 class Session;
 
+/// What a Subscription counts (Part 5, 12.15); what it has at present is not in there.
+struct SubscriptionCounters {
+    SubscriptionDiagnosticsDataType values;
+    std::uint32_t round{0};
+};
+
 /// What a server counts of itself (Part 5, 6.3.3): plain numbers, which services change where
 /// things happen. What is there at present, such as sessions, is counted when it is read.
 class Diagnostics {
@@ -28,6 +34,25 @@ public:
     void count_request(Session& session, std::uint32_t encoding_id, DateTime now);
     /// It was answered by a ServiceFault. `session` is null if the request had none.
     void count_fault(Session* session, std::uint32_t encoding_id, StatusCode status);
+
+    /// The session's counters; what it counted before they began anew does not count.
+    [[nodiscard]] SessionDiagnosticsDataType values(const Session& session) const;
+
+    void count(SubscriptionCounters& counters,
+               std::uint32_t SubscriptionDiagnosticsDataType::*counter, std::uint32_t more) const
+    {
+        if (!is_enabled_) {
+            return;
+        }
+        if (counters.round != round_) {
+            counters = {{}, round_};
+        }
+        counters.values.*counter += more;
+    }
+    [[nodiscard]] SubscriptionDiagnosticsDataType values(const SubscriptionCounters& counters) const
+    {
+        return counters.round == round_ ? counters.values : SubscriptionDiagnosticsDataType{};
+    }
 
 private:
     bool is_enabled_{false};

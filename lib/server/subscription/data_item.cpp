@@ -73,6 +73,7 @@ DataItem::~DataItem()
     if (group_ != nullptr) {
         remove_from_group(*this);
     }
+    core_->subscriptions.sampler().intervals().change(counted_, {});
     queue_.clear();
     subscription().memory().release(charged_);
 }
@@ -192,6 +193,13 @@ void DataItem::revise(const ItemContext& context, const MonitoringParameters& pa
     const std::uint32_t capacity = std::min(parameters.queue_size, limits.max_queue_size);
     revision.queue_size = queue_.set_capacity(capacity, parameters.discard_oldest);
     revision.sampling_interval = to_milliseconds(interval_);
+    count_interval();
+}
+
+void DataItem::count_interval()
+{
+    core_->subscriptions.sampler().intervals().change(
+        counted_, {true, mode() == MonitoringMode::Disabled, interval_});
 }
 
 void DataItem::modify(const ItemContext& context, const MonitoringParameters& parameters,
@@ -216,6 +224,7 @@ void DataItem::modify(const ItemContext& context, const MonitoringParameters& pa
 
 void DataItem::mode_changed(const ItemContext& context, MonitoringMode before)
 {
+    count_interval();
     if (mode() == MonitoringMode::Disabled) {
         remove_from_group(*this);
     } else if (before == MonitoringMode::Disabled) {
@@ -259,13 +268,18 @@ void DataItem::sample(const ReadSlot& slot, StatusCode status, DateTime server_t
     }
     const std::uint32_t bits = std::exchange(pending_bits_, 0U) |
                                (std::exchange(has_lost_, false) ? ValueQueue::overflow_bits : 0U);
-    queue_.push(slot, value, StatusCode{status.value() | bits}, server_time);
+    if (queue_.push(slot, value, StatusCode{status.value() | bits}, server_time)) {
+        subscription().count(&SubscriptionDiagnosticsDataType::monitoring_queue_overflow_count);
+    }
     notify();
 }
 
 void DataItem::note_loss()
 {
     has_lost_ = queue_.capacity() > 1 && queue_.newest() != nullptr;
+    if (has_lost_) {
+        subscription().count(&SubscriptionDiagnosticsDataType::monitoring_queue_overflow_count);
+    }
 }
 
 void DataItem::clear()
@@ -288,6 +302,7 @@ void DataItem::take_notification(binary::Writer& writer)
     writer.number(client_handle());
     encode_data_value(writer, oldest, oldest.value, {timestamps_, oldest.server_timestamp});
     queue_.pop();
+    subscription().count(&SubscriptionDiagnosticsDataType::data_change_notifications_count);
 }
 
 } // namespace busbar::server::detail

@@ -10,6 +10,7 @@
 #include "eu_range.hpp"
 #include "monitored_handles.hpp"
 #include "monitored_item.hpp"
+#include "sampling_intervals.hpp"
 #include "server/read_plan.hpp"
 #include "value_queue.hpp"
 
@@ -72,6 +73,7 @@ private:
     [[nodiscard]] Result<ChangeFilter> make_filter(Core& core, const ExtensionObject& filter);
     [[nodiscard]] std::optional<Range> look_up_eu_range(Core& core, model::NodeIndex variable);
     void eu_range_came(const std::optional<Range>& range) override;
+    void count_interval();
     /// Queue, interval and timestamps.
     void revise(const ItemContext& context, const MonitoringParameters& parameters,
                 TimestampsToReturn timestamps, const ReadPlan& plan, ItemRevision& revision);
@@ -87,6 +89,7 @@ private:
     Core* core_;
     std::optional<Range> eu_range_;
     Duration interval_{0};
+    SamplingIntervals::Use counted_;
     std::uint32_t pending_bits_{0};
     bool has_lost_{false};
     std::size_t charged_{0};

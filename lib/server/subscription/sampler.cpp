@@ -28,6 +28,12 @@ bool can_follow_scans(const Core& core, const ReadPlan& plan)
            plan.source->source().process_image() != nullptr;
 }
 
+Sampler::Sampler(Core& core, TimerQueue& timers)
+    : core_{core}, timers_{timers}, intervals_{
+                                        !core.limits().subscriptions.sampling.intervals.empty()}
+{
+}
+
 SamplingGroup& Sampler::follow(ProcessImage& image)
 {
     const auto found = std::find_if(followed_.begin(), followed_.end(),

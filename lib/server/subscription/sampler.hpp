@@ -13,7 +13,7 @@ namespace busbar::server::detail {
 /// The sampling of all data items of a server, in groups of equal intervals.
 class Sampler {
 public:
-    Sampler(Core& core, TimerQueue& timers) : core_{core}, timers_{timers} {}
+    Sampler(Core& core, TimerQueue& timers);
     Sampler(const Sampler&) = delete;
     Sampler& operator=(const Sampler&) = delete;
 
@@ -30,6 +30,9 @@ public:
     [[nodiscard]] Duration smallest_revised_interval() const;
     /// The shortest interval between the last two samples of a group.
     [[nodiscard]] Duration smallest_actual_interval() const;
+
+    [[nodiscard]] SamplingIntervals& intervals() { return intervals_; }
+    [[nodiscard]] const SamplingIntervals& intervals() const { return intervals_; }
 
     // For groups.
 
@@ -56,6 +59,7 @@ private:
     Core& core_;
     TimerQueue& timers_;
     MonitoredHandles monitored_;
+    SamplingIntervals intervals_;
     std::map<Duration, std::unique_ptr<SamplingGroup>> groups_;
     std::vector<Followed> followed_;
     /// With items that have no sample yet.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -9,6 +10,8 @@
 
 #include <busbar/server/access_control.hpp>
 #include <busbar/server/subscription_limits.hpp>
+
+#include "server/diagnostics/diagnostics.hpp"
 
 #include "ready_list.hpp"
 #include "retransmission_queue.hpp"
@@ -101,11 +104,23 @@ public:
     /// Grows with each message that was sent; what was served least lately comes first.
     [[nodiscard]] std::uint64_t last_served() const { return last_served_; }
     [[nodiscard]] RetransmissionQueue& retransmission() { return retransmission_; }
+    [[nodiscard]] const RetransmissionQueue& retransmission() const { return retransmission_; }
     /// The sequence number of the next message (Part 4, 7.8).
     [[nodiscard]] std::uint32_t next_sequence_number() const;
 
+    // Diagnostics.
+
+    [[nodiscard]] const SubscriptionCounters& counters() const { return counters_; }
+    void count(std::uint32_t SubscriptionDiagnosticsDataType::*counter, std::uint32_t more = 1);
+    [[nodiscard]] std::uint32_t lifetime_counter() const { return lifetime_counter_; }
+
     // Items.
 
+    [[nodiscard]] std::size_t disabled_item_count() const { return disabled_item_count_; }
+    void count_disabled(std::ptrdiff_t more)
+    {
+        disabled_item_count_ += static_cast<std::size_t>(more);
+    }
     [[nodiscard]] std::size_t item_count() const { return items_.size(); }
     [[nodiscard]] MonitoredItem* find_item(std::uint32_t id) const;
     MonitoredItem& add_item(std::unique_ptr<MonitoredItem> item);
@@ -132,6 +147,7 @@ private:
     void perform(SubscriptionAction action, const SubscriptionRow& row, const Input& input);
     void start_publishing_timer(TimePoint now);
     void update_parameters(const SubscriptionParameters& parameters, TimePoint now);
+    void set_publishing_enabled(bool is_enabled);
     void return_notifications();
     void return_keep_alive();
     void issue_status_change(StatusCode status);
@@ -157,6 +173,8 @@ private:
     /// Of the last message; 0 is never sent.
     std::uint32_t sequence_number_{0};
 
+    SubscriptionCounters counters_;
+    std::size_t disabled_item_count_{0};
     TimePoint next_publishing_{no_deadline};
     std::uint64_t last_served_{0};
     MemoryAccount memory_;

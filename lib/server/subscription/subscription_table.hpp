@@ -52,6 +52,7 @@ public:
 
     [[nodiscard]] TimerQueue& timers() { return timers_; }
     [[nodiscard]] Sampler& sampler() { return *sampler_; }
+    [[nodiscard]] const Sampler& sampler() const { return *sampler_; }
     [[nodiscard]] MemoryAccount& memory() { return memory_; }
     [[nodiscard]] std::size_t size() const { return subscriptions_.size(); }
     [[nodiscard]] std::size_t item_count() const { return item_count_; }
