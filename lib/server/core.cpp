@@ -85,6 +85,7 @@ void Core::close_session(Session& session, StatusCode status, bool deletes_subsc
     subscriptions.session_ends(session, deletes_subscriptions);
     log(LogLevel::Info, "session",
         "\"" + printable(session.name) + "\" ended: " + std::string{name(status)});
+    session_nodes.remove(*this, session);
     sessions.remove(session);
 }
 

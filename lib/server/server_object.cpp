@@ -157,10 +157,9 @@ constexpr std::array capability_values{
               [](const Core& c) -> Variant { return c.limits().decode.max_byte_string_length; }},
     LiveValue{id::Server_ServerCapabilities_MaxSessions,
               [](const Core& c) -> Variant { return count(c.limits().max_sessions); }},
-    LiveValue{id::Server_ServerCapabilities_MaxSubscriptions,
-              [](const Core& c) -> Variant {
-                  return count(c.limits().subscriptions.max_subscriptions);
-              }},
+    LiveValue{
+        id::Server_ServerCapabilities_MaxSubscriptions,
+        [](const Core& c) -> Variant { return count(c.limits().subscriptions.max_subscriptions); }},
     LiveValue{id::Server_ServerCapabilities_MaxMonitoredItems,
               [](const Core& c) -> Variant { return count(c.limits().subscriptions.max_items); }},
     LiveValue{id::Server_ServerCapabilities_MaxSubscriptionsPerSession,
@@ -181,10 +180,9 @@ constexpr std::array capability_values{
               [](const Core& c) -> Variant {
                   return count(c.limits().events.filter.max_select_clauses);
               }},
-    LiveValue{id::Server_ServerCapabilities_MaxWhereClauseParameters,
-              [](const Core& c) -> Variant {
-                  return count(c.limits().events.filter.max_elements);
-              }},
+    LiveValue{
+        id::Server_ServerCapabilities_MaxWhereClauseParameters,
+        [](const Core& c) -> Variant { return count(c.limits().events.filter.max_elements); }},
     LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerRead,
               [](const Core& c) -> Variant { return c.limits().operations.max_nodes_per_read; }},
     LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerWrite,
@@ -212,11 +210,23 @@ constexpr auto live_values = [] {
     return all;
 }();
 
+/// Of a Variable of SessionNodes; the refusal is the value's status.
+Result<DataValue> session_value(const Core& core, const NodeId& node, const UserIdentity& user)
+{
+    const model::NodeIndex index = core.address_space.find(node);
+    auto value = core.session_nodes.value(core, core.address_space.variable(index).handle, user);
+    return value ? DataValue{std::move(*value), status::Good, wall_time(core)}
+                 : DataValue{value.error()};
+}
+
 } // namespace
 
 Result<DataValue> server_value(const Core& core, const NodeId& node, const UserIdentity& user)
 {
-    if (node.namespace_index() != 0 || !node.is_numeric()) {
+    if (node.namespace_index() != 0) {
+        return session_value(core, node, user);
+    }
+    if (!node.is_numeric()) {
         return fail(status::Bad_NodeIdUnknown);
     }
     const auto* const found = std::lower_bound(
@@ -229,8 +239,9 @@ Result<DataValue> server_value(const Core& core, const NodeId& node, const UserI
     if (!diagnostic && diagnostic.error() != status::Bad_NodeIdUnknown) {
         return DataValue{diagnostic.error()};
     }
-    return std::move(diagnostic).map(
-        [&](Variant value) { return DataValue{std::move(value), status::Good, wall_time(core)}; });
+    return std::move(diagnostic).map([&](Variant value) {
+        return DataValue{std::move(value), status::Good, wall_time(core)};
+    });
 }
 
 } // namespace busbar::server::detail

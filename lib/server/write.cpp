@@ -32,6 +32,7 @@ void WriteOperation::start(ServiceContext& context)
                  request());
     const bool is_complete = job_->start(*this, context.now);
     core.diagnostics.take_flag(core.address_space);
+    core.session_nodes.take_flag(core);
     if (is_complete) {
         call_completed();
     }
