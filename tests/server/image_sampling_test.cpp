@@ -224,6 +224,28 @@ TEST_CASE_METHOD(ImageFixture, "values that were lost between scans are told wit
     CHECK(values[1].status == status::Good);
 }
 
+TEST_CASE_METHOD(ImageFixture, "items that follow the scans learn that the task has stopped")
+{
+    scan();
+    monitor(level, 0);
+    CHECK(next().size() == 1);
+    const int woken = waker_of_plc.count;
+    image->halt();
+    CHECK(waker_of_plc.count == woken + 1);
+    server.handle_completions(now);
+    auto values = next();
+    REQUIRE(values.size() == 1);
+    CHECK(values[0].value == Variant{0});
+    CHECK(values[0].status == status::Uncertain_LastUsableValue);
+    server.handle_completions(now);
+    CHECK(next().empty());
+    scan();
+    server.handle_completions(now);
+    values = next();
+    REQUIRE(values.size() == 1);
+    CHECK(values[0].status == status::Good);
+}
+
 TEST_CASE_METHOD(ImageFixture, "an item that is new begins with the latest scan")
 {
     scan();

@@ -44,7 +44,7 @@ SamplingGroup& Sampler::follow(ProcessImage& image)
     image.follow_scans(true);
     const ImagePin latest = image.pin();
     followed_.push_back({&image, std::make_unique<SamplingGroup>(*this, Duration::zero()),
-                         latest ? latest.scan() : 0});
+                         latest ? latest.scan() : 0, image.is_running()});
     return *followed_.back().group;
 }
 
@@ -121,6 +121,10 @@ void Sampler::take_scans(Followed& one, TimePoint now)
     }
     if (latest) {
         take_scan(one, latest, now);
+    }
+    const bool is_running = one.image->is_running();
+    if (std::exchange(one.was_running, is_running) != is_running && latest) {
+        one.group->sample_scan(latest, now, false); // for the status
     }
 }
 

@@ -48,6 +48,7 @@ private:
         std::unique_ptr<SamplingGroup> group;
         /// The number of the last one that was sampled.
         std::uint64_t last_scan;
+        bool was_running;
     };
 
     [[nodiscard]] SamplingGroup& group_of(const DataItem& item);
