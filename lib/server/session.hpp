@@ -91,4 +91,9 @@ private:
     std::size_t memory_left_;
 };
 
+[[nodiscard]] inline bool is_encrypted(const Session& session)
+{
+    return session.security.mode == MessageSecurityMode::SignAndEncrypt;
+}
+
 } // namespace busbar::server::detail

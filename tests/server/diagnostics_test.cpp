@@ -251,6 +251,16 @@ TEST_CASE_METHOD(DiagnosticsFixture, "security diagnostics are for users who hav
 {
     TestClient anonymous = log_in();
     CHECK(read(anonymous, security_array).status == status::Bad_UserAccessDenied);
+    {
+        TestClient overheard = log_in(setting("Basic256Sha256", MessageSecurityMode::Sign));
+        CHECK(read(overheard, security_array).status == status::Bad_UserAccessDenied);
+        const auto id = subscribe(overheard);
+        monitor(overheard, id, item_request(NodeId{0, security_array}));
+        const auto data = next_data(overheard, 100ms);
+        REQUIRE(data.size() == 1);
+        CHECK(data[0].value.status == status::Bad_UserAccessDenied);
+        CHECK(overheard.close_session() == status::Good);
+    }
     TestClient client = log_in_operator();
     const auto sessions = array<SessionSecurityDiagnosticsDataType>(client, security_array);
     REQUIRE(sessions.size() == 2);

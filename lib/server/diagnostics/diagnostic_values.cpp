@@ -99,7 +99,7 @@ constexpr std::array summary_counters{
 };
 
 /// The structures; fails for a node that is none of them.
-Result<Variant> structure_value(const Core& core, std::uint32_t id, const UserIdentity& user)
+Result<Variant> structure_value(const Core& core, std::uint32_t id, const ValueReader& reader)
 {
     switch (id) {
     case id::Server_ServerDiagnostics_ServerDiagnosticsSummary:
@@ -114,7 +114,7 @@ Result<Variant> structure_value(const Core& core, std::uint32_t id, const UserId
         return structures(core.sessions.all(),
                           [&](const Session& session) { return describe_session(core, session); });
     case id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionSecurityDiagnosticsArray:
-        if (user.token_type == UserTokenType::Anonymous) {
+        if (!reader.may_see_security()) {
             return fail(status::Bad_UserAccessDenied);
         }
         return structures(core.sessions.all(), describe_security);
@@ -125,14 +125,14 @@ Result<Variant> structure_value(const Core& core, std::uint32_t id, const UserId
 
 } // namespace
 
-Result<Variant> diagnostic_value(const Core& core, std::uint32_t id, const UserIdentity& user)
+Result<Variant> diagnostic_value(const Core& core, std::uint32_t id, const ValueReader& reader)
 {
     const auto* const counter =
         std::find_if(summary_counters.begin(), summary_counters.end(),
                      [id](const SummaryCounter& entry) { return entry.id == id; });
     const bool is_counter = counter != summary_counters.end();
     auto value = is_counter ? Result<Variant>{summarise(core).*counter->counter}
-                            : structure_value(core, id, user);
+                            : structure_value(core, id, reader);
     const bool is_ours = value || value.error() != status::Bad_NodeIdUnknown;
     if (is_ours && !core.diagnostics.is_enabled()) {
         return fail(status::Bad_NotReadable); // Part 5, 6.3.3

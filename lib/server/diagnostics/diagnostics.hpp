@@ -62,10 +62,23 @@ private:
     [[nodiscard]] SessionDiagnosticsDataType& counters(Session& session) const;
 };
 
+/// Who wants a value of the server itself.
+struct ValueReader {
+    const UserIdentity& user;
+    /// Over a channel that nobody else can read.
+    bool is_encrypted{false};
+
+    /// SessionSecurityDiagnostics are for users who have logged in, over encrypted channels; others
+    /// get Bad_UserAccessDenied (Part 5, 6.3.4).
+    [[nodiscard]] bool may_see_security() const
+    {
+        return is_encrypted && user.token_type != UserTokenType::Anonymous;
+    }
+};
+
 /// The value of a Variable below Server.ServerDiagnostics, i=2274; Bad_NodeIdUnknown for any other
-/// node, Bad_NotReadable while diagnostics are off. SessionSecurityDiagnostics are for users who
-/// have logged in; others get Bad_UserAccessDenied (Part 5, 12.12).
+/// node, Bad_NotReadable while diagnostics are off.
 [[nodiscard]] Result<Variant> diagnostic_value(const Core& core, std::uint32_t id,
-                                               const UserIdentity& user);
+                                               const ValueReader& reader);
 
 } // namespace busbar::server::detail

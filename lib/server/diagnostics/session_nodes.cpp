@@ -172,7 +172,7 @@ void SessionNodes::take_flag(Core& core)
 }
 
 Result<Variant> SessionNodes::value(const Core& core, std::uint64_t handle,
-                                    const UserIdentity& user) const
+                                    const ValueReader& reader) const
 {
     const auto found = entries_.find(static_cast<std::uint32_t>(handle >> 16U));
     if (found == entries_.end()) {
@@ -184,7 +184,7 @@ Result<Variant> SessionNodes::value(const Core& core, std::uint64_t handle,
     case Section::Diagnostics:
         return session_field(describe_session(core, session), field);
     case Section::Security:
-        if (user.token_type == UserTokenType::Anonymous) {
+        if (!reader.may_see_security()) {
             return fail(status::Bad_UserAccessDenied);
         }
         return security_field(describe_security(session), field);

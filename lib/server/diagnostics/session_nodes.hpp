@@ -6,11 +6,11 @@
 #include <busbar/core/data_value.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/model/address_space.hpp>
-#include <busbar/server/access_control.hpp>
 
 namespace busbar::server::detail {
 
 struct Core;
+struct ValueReader;
 class Session;
 
 /// The source of Variables that belong to an Object of SessionNodes. It is none of DataSources.
@@ -28,9 +28,9 @@ public:
     void take_flag(Core& core);
 
     /// The value of a Variable of one of the Objects, by the handle it was given; Bad_NodeIdUnknown
-    /// for any other. Security diagnostics are for users who have logged in.
+    /// for any other. Not every reader may see the security diagnostics.
     [[nodiscard]] Result<Variant> value(const Core& core, std::uint64_t handle,
-                                        const UserIdentity& user) const;
+                                        const ValueReader& reader) const;
 
 private:
     struct Entry {

@@ -25,7 +25,7 @@ std::uint32_t revise_queue_size(std::uint32_t requested, std::uint32_t most)
 StatusCode check_notifier(const ItemContext& context, const ReadValueId& id)
 {
     constexpr std::uint8_t subscribe_to_events = 1; // EventNotifierType (Part 3, 8.59)
-    const ReadPlan plan = plan_sample(context.core, context.subscription.user(), id);
+    const ReadPlan plan = plan_sample(context.core, context.subscription, id);
     if (plan.answer.status.is_bad()) {
         return plan.answer.status;
     }

@@ -110,7 +110,7 @@ std::unique_ptr<DataItem> DataItem::make(const ItemContext& context,
 StatusCode DataItem::check_target(const ItemContext& context, ReadPlan& plan)
 {
     const Core& core = context.core;
-    plan = plan_sample(context.core, context.subscription.user(), value_id_);
+    plan = plan_sample(context.core, context.subscription, value_id_);
     const StatusCode status = plan.answer.status;
     if (std::find(refusals.begin(), refusals.end(), status) != refusals.end()) {
         return status;
@@ -214,7 +214,7 @@ void DataItem::modify(const ItemContext& context, const MonitoringParameters& pa
     filter_text_ = parameters.filter;
     set_client_handle(parameters.client_handle);
     const Duration before = interval_;
-    const ReadPlan plan = plan_sample(context.core, context.subscription.user(), value_id_);
+    const ReadPlan plan = plan_sample(context.core, context.subscription, value_id_);
     revise(context, parameters, timestamps, plan, revision);
     if (before != interval_ && group_ != nullptr) {
         remove_from_group(*this);

@@ -10,9 +10,11 @@
 
 namespace busbar::server::detail {
 
-ReadPlan plan_sample(Core& core, const UserIdentity& user, const ReadValueId& id)
+ReadPlan plan_sample(Core& core, const Subscription& subscription, const ReadValueId& id)
 {
-    const auto live_value = [&](const NodeId& node) { return server_value(core, node, user); };
+    const UserIdentity& user = subscription.user();
+    const ValueReader reader{user, subscription.is_encrypted()};
+    const auto live_value = [&](const NodeId& node) { return server_value(core, node, reader); };
     return plan_read({core.address_space,
                       core.sources,
                       {user, core.environment.access},
@@ -51,7 +53,7 @@ SamplingGroup& Sampler::follow(ProcessImage& image)
 SamplingGroup& Sampler::group_of(const DataItem& item)
 {
     if (item.interval() == Duration::zero()) {
-        const ReadPlan plan = plan_sample(core_, item.subscription().user(), item.value_id());
+        const ReadPlan plan = plan_sample(core_, item.subscription(), item.value_id());
         if (can_follow_scans(core_, plan)) {
             return follow(*plan.source->source().process_image());
         }

@@ -163,7 +163,7 @@ void SamplingGroup::note_source(DataItem& item, const ReadPlan& plan)
 void SamplingGroup::bind(Member& member)
 {
     const ReadPlan plan =
-        plan_sample(sampler_.core(), member.item->subscription().user(), member.item->value_id());
+        plan_sample(sampler_.core(), member.item->subscription(), member.item->value_id());
     note_source(*member.item, plan);
     member.binding = plan.source == nullptr ? Binding::AddressSpace : Binding::Source;
     if (plan.source == nullptr) {
@@ -186,8 +186,8 @@ void SamplingGroup::ask(Flight& flight, std::size_t index, Member& member)
         return;
     }
     if (member.binding == Binding::AddressSpace) {
-        ReadPlan plan = plan_sample(sampler_.core(), member.item->subscription().user(),
-                                    member.item->value_id());
+        ReadPlan plan =
+            plan_sample(sampler_.core(), member.item->subscription(), member.item->value_id());
         note_source(*member.item, plan);
         if (plan.source == nullptr) {
             flight.call.answer(index) = std::move(plan.answer);

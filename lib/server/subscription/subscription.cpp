@@ -16,7 +16,7 @@ namespace {
 SubscriptionOwner owner_of(const Session& session)
 {
     return {session.user, session.client_application_uri,
-            session.security.mode != MessageSecurityMode::None};
+            session.security.mode != MessageSecurityMode::None, is_encrypted(session)};
 }
 
 } // namespace
@@ -272,6 +272,11 @@ SubscriptionOwner Subscription::owner() const
 const UserIdentity& Subscription::user() const
 {
     return session_ != nullptr ? session_->user : owner_.user;
+}
+
+bool Subscription::is_encrypted() const
+{
+    return session_ != nullptr ? detail::is_encrypted(*session_) : owner_.is_encrypted;
 }
 
 void Subscription::detach()

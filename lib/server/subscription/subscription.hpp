@@ -45,6 +45,7 @@ struct SubscriptionOwner {
     UserIdentity user;
     std::string application_uri;
     bool is_signed{false};
+    bool is_encrypted{false};
 };
 
 /// A Subscription (Part 4, 5.14.1): its items, its state and what it has sent.
@@ -90,6 +91,8 @@ public:
     [[nodiscard]] Session* session() const { return session_; }
     [[nodiscard]] SubscriptionOwner owner() const;
     [[nodiscard]] const UserIdentity& user() const;
+    /// Over the channel of its session, the last one if there is none now.
+    [[nodiscard]] bool is_encrypted() const;
     /// The session ends; the Subscription goes on until its lifetime is over.
     void detach();
     /// The Subscription works with the rights of another user from now on.
