@@ -113,7 +113,7 @@ struct AnalogFixture : ToldParts, SubscriptionFixture {
         source.is_late = is_late;
         source.value = ExtensionObject::from(Range{0, 200});
         property("EURange", id::Range);
-        property("EngineeringUnits", id::EUInformation);
+        property("EngineeringUnits", id::Structure); // small ones have no EUInformation
         property("Comment", id::Range);
         subscription = subscribe(client);
         auto item = item_request(level);

@@ -62,7 +62,7 @@ void ImageWatch::report(Entry& entry, const Sample& sample)
 void ImageWatch::note_loss()
 {
     for (Entry& entry : entries_) {
-        if (entry.item != nullptr && !entry.is_new) {
+        if (entry.item != nullptr) { // one without any value yet has lost none
             entry.item->note_loss();
         }
     }
