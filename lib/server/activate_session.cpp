@@ -321,6 +321,7 @@ void ActivateSession::accept(UserIdentity user, TimePoint now)
     session.is_activated = true;
     session.link = link_;
     set_user(*core_, *find_endpoint(*core_, session), session, std::move(user), now);
+    core_->session_nodes.add(*core_, session);
     if (is_other_user) {
         core_->subscriptions.user_changed(session, now);
     }

@@ -9,6 +9,7 @@
 #include <busbar/types/registry.hpp>
 
 #include "link.hpp"
+#include "subscription/sampler.hpp"
 
 namespace busbar::server::detail {
 
@@ -28,8 +29,8 @@ Core::Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space
       types{binary::namespace0_types()}, sources{e.waker}, events{environment, address_space,
                                                                   config.limits.events},
       assembly{config.limits.max_assembly}, subscriptions{*this}, logins{config.limits},
-      certificate_watch{*e.log},
-      next_channel_id{random_channel_id(*e.random)}, start_time{e.wall_clock->now()}
+      certificate_watch{*e.log}, next_channel_id{random_channel_id(*e.random)},
+      start_time{e.wall_clock->now()}
 {
 }
 
@@ -73,6 +74,7 @@ void Core::sweep()
             link->sweep();
         }
     }
+    subscriptions.sampler().tell_sources();
 }
 
 void Core::close_session(Session& session, StatusCode status, bool deletes_subscriptions)
@@ -83,6 +85,7 @@ void Core::close_session(Session& session, StatusCode status, bool deletes_subsc
     subscriptions.session_ends(session, deletes_subscriptions);
     log(LogLevel::Info, "session",
         "\"" + printable(session.name) + "\" ended: " + std::string{name(status)});
+    session_nodes.remove(*this, session);
     sessions.remove(session);
 }
 

@@ -11,6 +11,7 @@
 
 #include "data_sources.hpp"
 #include "diagnostics/diagnostics.hpp"
+#include "diagnostics/session_nodes.hpp"
 #include "event/events.hpp"
 #include "login_guard.hpp"
 #include "password_checks.hpp"
@@ -33,6 +34,7 @@ struct Core {
     Events events;
     channel::AssemblyBudget assembly;
     SessionTable sessions;
+    SessionNodes session_nodes;
     Subscriptions subscriptions;
     LoginGuard logins;
     PasswordChecks password_checks{environment.waker};

@@ -131,6 +131,26 @@ Result<Guid> random_guid(const Core& core)
     return binary::from_bytes<Guid>(bytes->span());
 }
 
+/// What is kept of a text that nobody has logged in for yet.
+String shortened(const String& text)
+{
+    return String{std::string{text.view().substr(0, max_name_size)}};
+}
+
+/// For the diagnostics (Part 5, 12.11).
+void describe_client(Session& session, const CreateSessionRequest& request)
+{
+    const ApplicationDescription& client = request.client_description;
+    session.client_description.application_uri = shortened(client.application_uri);
+    session.client_description.product_uri = shortened(client.product_uri);
+    session.client_description.application_name = {shortened(client.application_name.locale),
+                                                   shortened(client.application_name.text)};
+    session.client_description.application_type = client.application_type;
+    session.client_description.gateway_server_uri = shortened(client.gateway_server_uri);
+    session.server_uri = shortened(request.server_uri);
+    session.endpoint_url = shortened(request.endpoint_url);
+}
+
 Result<std::unique_ptr<Session>> make_session(ServiceContext& context,
                                               const CreateSessionRequest& request)
 {
@@ -151,6 +171,7 @@ Result<std::unique_ptr<Session>> make_session(ServiceContext& context,
     }
     session->client_application_uri =
         request.client_description.application_uri.view().substr(0, max_name_size);
+    describe_client(*session, request);
     session->link = &context.link;
     session->security = context.link.channel().security();
     if (const auto& certificates = context.link.channel().peer_certificates();

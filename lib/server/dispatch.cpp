@@ -226,6 +226,8 @@ bool is_response(const Core& core, const NodeId& encoding_id)
 void run(const Service* service, Core& core, Link& link, Incoming& incoming, TimePoint now)
 {
     if (service == nullptr || service->run == nullptr) {
+        const std::uint32_t id = service != nullptr ? service->encoding_id : 0;
+        core.diagnostics.count_fault(nullptr, id, status::Bad_ServiceUnsupported);
         return link.fault(incoming.reply, status::Bad_ServiceUnsupported);
     }
     if (core.is_shutting_down() && !service->is_for_shutdown) {

@@ -162,9 +162,8 @@ void ProcessImage::halt()
         call->refuse(status::Bad_NoCommunication);
         writes_->begin();
     }
-    if (writes_->finish()) {
-        wake();
-    }
+    writes_->finish();
+    wake(); // who follows the scans has to learn that there are none any more
 }
 
 void ProcessImage::wake()

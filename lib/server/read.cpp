@@ -13,9 +13,8 @@ void ReadOperation::start(ServiceContext& context)
     if (refusal.is_bad()) {
         return fault(refusal);
     }
-    const auto live_value = [&](const NodeId& node) {
-        return server_value(core, node, context.session->user);
-    };
+    const ValueReader reader{context.session->user, is_encrypted(*context.session)};
+    const auto live_value = [&](const NodeId& node) { return server_value(core, node, reader); };
     job_.emplace(ReadContext{core.address_space,
                              core.sources,
                              {context.session->user, core.environment.access},

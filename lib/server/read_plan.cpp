@@ -3,6 +3,7 @@
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/types/ids.hpp>
 
+#include "diagnostics/session_nodes.hpp"
 #include "method/method_lookup.hpp"
 
 namespace busbar::server::detail {
@@ -67,10 +68,11 @@ Result<Variant> attribute(const ReadContext& context, const ReadValueId& id, mod
     return space.attribute(node, attribute_id);
 }
 
-/// The value of a Variable without source.
-DataValue kept_value(const ReadContext& context, const ReadValueId& id, model::NodeIndex node)
+/// The value of a Variable without data source.
+DataValue kept_value(const ReadContext& context, const ReadValueId& id, model::NodeIndex node,
+                     std::uint32_t source)
 {
-    if (id.node_id.namespace_index() == 0) {
+    if (id.node_id.namespace_index() == 0 || source == session_nodes_source) {
         if (auto live = context.live_value(id.node_id)) {
             return std::move(*live);
         }
@@ -95,8 +97,8 @@ ReadPlan plan_value(const ReadContext& context, const ReadValueId& id, model::No
     if (refusal.is_bad()) {
         return answered(refusal);
     }
-    if (variable.source == model::no_source) {
-        return answered(kept_value(context, id, node));
+    if (variable.source == model::no_source || variable.source == session_nodes_source) {
+        return answered(kept_value(context, id, node, variable.source));
     }
     const auto* source = context.sources.find(variable.source);
     if (source == nullptr) {

@@ -17,7 +17,8 @@ struct ReadContext {
     const model::AddressSpace& space;
     DataSources& sources;
     UserRights rights;
-    /// The value of a Variable of namespace 0 that is found when it is read; fails for any other.
+    /// The value of a Variable of namespace 0, or of a session's diagnostics, that is found when it
+    /// is read; fails for any other.
     FunctionRef<Result<DataValue>(const NodeId&)> live_value;
     DateTime server_time;
 };

@@ -246,12 +246,12 @@ bool Server::is_stopped() const
 
 void Server::announce_semantics_change(const NodeId& variable)
 {
-    impl_->subscriptions.announce_change(variable, detail::ValueQueue::semantics_changed_bit);
+    impl_->subscriptions.announce_change({variable}, detail::ValueQueue::semantics_changed_bit);
 }
 
 void Server::announce_structure_change(const NodeId& variable)
 {
-    impl_->subscriptions.announce_change(variable, detail::ValueQueue::structure_changed_bit);
+    impl_->subscriptions.announce_change({variable}, detail::ValueQueue::structure_changed_bit);
 }
 
 Server::SamplingState Server::sampling_state() const

@@ -213,11 +213,23 @@ constexpr auto live_values = [] {
     return all;
 }();
 
+/// Of a Variable of SessionNodes; the refusal is the value's status.
+Result<DataValue> session_value(const Core& core, const NodeId& node, const ValueReader& reader)
+{
+    const model::NodeIndex index = core.address_space.find(node);
+    auto value = core.session_nodes.value(core, core.address_space.variable(index).handle, reader);
+    return value ? DataValue{std::move(*value), status::Good, wall_time(core)}
+                 : DataValue{value.error()};
+}
+
 } // namespace
 
-Result<DataValue> server_value(const Core& core, const NodeId& node, const UserIdentity& user)
+Result<DataValue> server_value(const Core& core, const NodeId& node, const ValueReader& reader)
 {
-    if (node.namespace_index() != 0 || !node.is_numeric()) {
+    if (node.namespace_index() != 0) {
+        return session_value(core, node, reader);
+    }
+    if (!node.is_numeric()) {
         return fail(status::Bad_NodeIdUnknown);
     }
     const auto* const found = std::lower_bound(
@@ -226,7 +238,7 @@ Result<DataValue> server_value(const Core& core, const NodeId& node, const UserI
     if (found != live_values.end() && found->id == node.numeric()) {
         return DataValue{found->make(core), status::Good, wall_time(core)};
     }
-    auto diagnostic = diagnostic_value(core, node.numeric(), user);
+    auto diagnostic = diagnostic_value(core, node.numeric(), reader);
     if (!diagnostic && diagnostic.error() != status::Bad_NodeIdUnknown) {
         return DataValue{diagnostic.error()};
     }

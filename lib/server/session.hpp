@@ -12,6 +12,7 @@
 #include <busbar/core/types.hpp>
 #include <busbar/server/access_control.hpp>
 #include <busbar/types/data_types.hpp>
+#include <busbar/types/discovery.hpp>
 
 namespace busbar::server::detail {
 
@@ -64,6 +65,10 @@ public:
     /// Bytes, 0 for no limit but the channel's.
     std::uint32_t max_response_message_size{0};
     std::string client_application_uri;
+    /// As CreateSession told them, without discovery URLs and with texts cut short.
+    ApplicationDescription client_description;
+    String server_uri;
+    String endpoint_url;
 
     std::chrono::milliseconds timeout{0};
     TimePoint created;
@@ -85,5 +90,10 @@ public:
 private:
     std::size_t memory_left_;
 };
+
+[[nodiscard]] inline bool is_encrypted(const Session& session)
+{
+    return session.security.mode == MessageSecurityMode::SignAndEncrypt;
+}
 
 } // namespace busbar::server::detail

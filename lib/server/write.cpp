@@ -2,6 +2,7 @@
 
 #include "core.hpp"
 #include "session.hpp"
+#include "subscription/semantic_changes.hpp"
 
 namespace busbar::server::detail {
 
@@ -15,6 +16,7 @@ WriteOperation::~WriteOperation()
 void WriteOperation::start(ServiceContext& context)
 {
     Core& core = context.core;
+    core_ = &core;
     const StatusCode refusal = check_write(request(), core.limits().operations.max_nodes_per_write);
     if (refusal.is_bad()) {
         return fault(refusal);
@@ -30,6 +32,7 @@ void WriteOperation::start(ServiceContext& context)
                  request());
     const bool is_complete = job_->start(*this, context.now);
     core.diagnostics.take_flag(core.address_space);
+    core.session_nodes.take_flag(core);
     if (is_complete) {
         call_completed();
     }
@@ -49,6 +52,8 @@ void WriteOperation::handle_deadline(TimePoint now)
 
 void WriteOperation::call_completed()
 {
+    announce_semantic_changes(*core_, request(),
+                              [this](std::size_t index) { return job_->result(index); });
     respond<WriteResponse>([&](binary::Writer& writer) { job_->encode_results(writer); });
 }
 

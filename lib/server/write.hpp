@@ -21,6 +21,7 @@ public:
 private:
     void call_completed() override;
 
+    Core* core_{nullptr};
     std::optional<WriteJob> job_;
 };
 

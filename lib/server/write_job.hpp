@@ -39,6 +39,8 @@ public:
     [[nodiscard]] TimePoint next_deadline() const { return call_.next_deadline(); }
     /// Answers Bad_Timeout for sources that are late; true if nothing is waited for any more.
     [[nodiscard]] bool handle_deadline(TimePoint now) { return call_.handle_deadline(now); }
+    /// What became of an item, once the results are there.
+    [[nodiscard]] StatusCode result(std::size_t index) const { return call_.result(index); }
     /// Writes `results` and `diagnostic_infos` of the WriteResponse.
     void encode_results(binary::Writer& writer) const;
 

@@ -1,62 +1,12 @@
 #include <catch2/catch.hpp>
 
-#include <busbar/types/attribute.hpp>
-
-#include "subscription_fixture.hpp"
+#include "diagnostics_fixture.hpp"
 
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
 
 namespace {
-
-struct DiagnosticsFixture : SubscriptionFixture {
-    static DataValue read(TestClient& client, std::uint32_t node)
-    {
-        ReadRequest request;
-        request.timestamps_to_return = TimestampsToReturn::Neither;
-        request.nodes_to_read.resize(1);
-        request.nodes_to_read[0].node_id = NodeId{0, node};
-        request.nodes_to_read[0].attribute_id = 13;
-        const auto response = client.call<ReadResponse>(request);
-        REQUIRE(response);
-        return response->results[0];
-    }
-    static std::uint32_t number(TestClient& client, std::uint32_t node)
-    {
-        const DataValue value = read(client, node);
-        CHECK(value.status == status::Good);
-        return value.value.value_or<std::uint32_t>(UINT32_MAX);
-    }
-    template <typename T>
-    static std::vector<T> array(TestClient& client, std::uint32_t node)
-    {
-        std::vector<T> all;
-        const DataValue value = read(client, node);
-        CHECK(value.status == status::Good);
-        const auto* objects = value.value.array_if<ExtensionObject>();
-        REQUIRE(objects != nullptr);
-        for (const ExtensionObject& object : *objects) {
-            REQUIRE(object.get_if<T>() != nullptr);
-            all.push_back(*object.get_if<T>());
-        }
-        return all;
-    }
-    static StatusCode enable(TestClient& client, bool flag)
-    {
-        WriteRequest request;
-        request.nodes_to_write.resize(1);
-        request.nodes_to_write[0].node_id = NodeId{0, id::Server_ServerDiagnostics_EnabledFlag};
-        request.nodes_to_write[0].attribute_id = 13;
-        request.nodes_to_write[0].value = DataValue{Variant{flag}};
-        const auto response = client.call<WriteResponse>(request);
-        return response ? response->results[0] : response.error();
-    }
-    [[nodiscard]] TestClient log_in_operator()
-    {
-        return log_in(setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt));
-    }
-};
 
 constexpr std::uint32_t current_sessions =
     id::Server_ServerDiagnostics_ServerDiagnosticsSummary_CurrentSessionCount;
@@ -150,10 +100,167 @@ TEST_CASE_METHOD(DiagnosticsFixture, "each session counts its requests")
     CHECK(subscriptions[0].next_sequence_number == 1);
 }
 
+TEST_CASE_METHOD(DiagnosticsFixture, "a session is described as its client described itself")
+{
+    TestClient client = connect();
+    auto request = client.create_request();
+    request.client_description.product_uri = "urn:busbar:test:product";
+    request.client_description.application_name = LocalizedText{"en", "panel"};
+    request.client_description.application_type = ApplicationType::ClientAndServer;
+    request.server_uri = "urn:busbar:test:server";
+    request.session_name = String{std::string(5'000, 'n')};
+    REQUIRE(client.create_session(request));
+    REQUIRE(client.activate(TestClient::anonymous()) == status::Good);
+    subscribe(client);
+    for (int i = 0; i < 3; ++i) {
+        publish(client);
+    }
+    const auto sessions = array<SessionDiagnosticsDataType>(client, sessions_array);
+    REQUIRE(sessions.size() == 1);
+    const auto& session = sessions[0];
+    CHECK(session.client_description.application_uri == "urn:busbar:test:client");
+    CHECK(session.client_description.product_uri == "urn:busbar:test:product");
+    CHECK(session.client_description.application_name == LocalizedText{"en", "panel"});
+    CHECK(session.client_description.application_type == ApplicationType::ClientAndServer);
+    CHECK(session.server_uri == "urn:busbar:test:server");
+    CHECK(session.endpoint_url == "opc.tcp://localhost:4840");
+    CHECK(session.session_name.size() == 256);
+    CHECK(session.current_publish_requests_in_queue == 3);
+    CHECK(session.publish_count.total_count == 3);
+}
+
+TEST_CASE_METHOD(DiagnosticsFixture, "a Subscription counts what it does")
+{
+    TestClient client = log_in();
+    const auto id = subscribe(client);
+    const auto of_subscription = [&] {
+        const auto all = array<SubscriptionDiagnosticsDataType>(
+            client, id::Server_ServerDiagnostics_SubscriptionDiagnosticsArray);
+        REQUIRE(all.size() == 1);
+        return all[0];
+    };
+    auto item = item_request(add_variable("level", 1));
+    item.requested_parameters.queue_size = 2;
+    const auto made = monitor(client, id, item);
+    item.monitoring_mode = MonitoringMode::Disabled;
+    monitor(client, id, item);
+    CHECK(of_subscription().disabled_monitored_item_count == 1);
+    CHECK(of_subscription().monitored_item_count == 2);
+    for (int i = 2; i < 6;
+         ++i) { // no Publish request: the first cycle is late, the queue too short
+        set(0, i);
+        advance(50ms);
+    }
+    auto now_there = of_subscription();
+    CHECK(now_there.late_publish_request_count == 1);
+    CHECK(now_there.monitoring_queue_overflow_count == 3);
+    CHECK(now_there.publish_request_count == 0);
+    CHECK(now_there.current_lifetime_count < now_there.max_lifetime_count);
+
+    CHECK(next_data(client, 100ms).size() == 2);
+    now_there = of_subscription();
+    CHECK(now_there.publish_request_count == 1);
+    CHECK(now_there.data_change_notifications_count == 2);
+    CHECK(now_there.notifications_count == 2);
+    CHECK(now_there.event_notifications_count == 0);
+    CHECK(now_there.unacknowledged_message_count == 1);
+    CHECK(now_there.next_sequence_number == 2);
+    CHECK(republish(client, id, 1));
+    CHECK_FALSE(republish(client, id, 7));
+    publish(client, {{id, 1}});
+    advance(1s, client);
+    now_there = of_subscription();
+    CHECK(now_there.republish_request_count == 2);
+    CHECK(now_there.republish_message_request_count == 2);
+    CHECK(now_there.republish_message_count == 1);
+    CHECK(now_there.unacknowledged_message_count == 0);
+    CHECK(now_there.discarded_message_count == 0);
+    CHECK(now_there.current_keep_alive_count == 1);
+
+    CHECK(set_publishing(client, id, false) == status::Good);
+    CHECK(set_publishing(client, id, false) == status::Good);
+    CHECK(set_publishing(client, id, true) == status::Good);
+    ModifySubscriptionRequest modify;
+    modify.subscription_id = id;
+    modify.requested_publishing_interval = 100;
+    REQUIRE(client.call<ModifySubscriptionResponse>(modify));
+    CHECK(set_mode(client, id, made.monitored_item_id, MonitoringMode::Disabled) == status::Good);
+    now_there = of_subscription();
+    CHECK(now_there.disable_count == 1);
+    CHECK(now_there.enable_count == 1);
+    CHECK(now_there.modify_count == 1);
+    CHECK(now_there.disabled_monitored_item_count == 2);
+}
+
+TEST_CASE_METHOD(DiagnosticsFixture, "lost messages and transfers are counted")
+{
+    TestClient client = log_in_operator();
+    const auto id = subscribe(client);
+    monitor(client, id, item_request(add_variable("level", 0)));
+    for (int i = 1; i <= 103; ++i) { // 100 are kept
+        set(0, i);
+        CHECK(next_data(client, 100ms).size() == 1);
+    }
+    TestClient other = log_in_operator();
+    CHECK(transfer(other, id).status_code == status::Good);
+    CHECK(transfer(other, id).status_code == status::Bad_NothingToDo);
+    const auto all = array<SubscriptionDiagnosticsDataType>(
+        other, id::Server_ServerDiagnostics_SubscriptionDiagnosticsArray);
+    REQUIRE(all.size() == 1);
+    CHECK(all[0].unacknowledged_message_count == 100);
+    CHECK(all[0].discarded_message_count == 3);
+    CHECK(all[0].transfer_request_count == 2);
+    CHECK(all[0].transferred_to_same_client_count == 1);
+    CHECK(all[0].transferred_to_alt_client_count == 0);
+}
+
+TEST_CASE("sampling intervals are counted where there are only a few")
+{
+    struct Fixture : DiagnosticsFixture {
+        explicit Fixture(const server::SubscriptionLimits& limits) : DiagnosticsFixture{limits} {}
+    };
+    constexpr std::uint32_t node = id::Server_ServerDiagnostics_SamplingIntervalDiagnosticsArray;
+    Fixture fixture{server::rd81opc96_subscriptions()};
+    TestClient client = fixture.log_in();
+    const auto id = fixture.subscribe(client);
+    auto item = fixture.item_request(fixture.add_variable("level", 1));
+    fixture.monitor(client, id, item);
+    const auto second = fixture.monitor(client, id, item).monitored_item_id;
+    item.requested_parameters.sampling_interval = 1'000;
+    fixture.monitor(client, id, item);
+    CHECK(fixture.set_mode(client, id, second, MonitoringMode::Disabled) == status::Good);
+    using Entry = SamplingIntervalDiagnosticsDataType;
+    CHECK(fixture.array<Entry>(client, node) ==
+          std::vector<Entry>{{200, 2, 2, 1}, {1'000, 1, 1, 0}});
+    DeleteMonitoredItemsRequest request;
+    request.subscription_id = id;
+    request.monitored_item_ids = {second};
+    REQUIRE(client.call<DeleteMonitoredItemsResponse>(request));
+    CHECK(fixture.array<Entry>(client, node) ==
+          std::vector<Entry>{{200, 1, 2, 0}, {1'000, 1, 1, 0}});
+    CHECK(fixture.remove(client, id) == status::Good);
+    CHECK(fixture.array<Entry>(client, node).empty());
+
+    Fixture any{SubscriptionFixture::small_limits()};
+    TestClient free = any.log_in();
+    any.monitor(free, any.subscribe(free), any.item_request(any.add_variable("level", 1)));
+    CHECK(any.array<Entry>(free, node).empty());
+}
+
 TEST_CASE_METHOD(DiagnosticsFixture, "security diagnostics are for users who have logged in")
 {
     TestClient anonymous = log_in();
     CHECK(read(anonymous, security_array).status == status::Bad_UserAccessDenied);
+    {
+        TestClient overheard = log_in(setting("Basic256Sha256", MessageSecurityMode::Sign));
+        CHECK(read(overheard, security_array).status == status::Bad_UserAccessDenied);
+        const auto id = subscribe(overheard);
+        monitor(overheard, id, item_request(NodeId{0, security_array}));
+        const auto data = next_data(overheard, 100ms);
+        REQUIRE(data.size() == 1);
+        CHECK(data[0].value.status == status::Bad_UserAccessDenied);
+        CHECK(overheard.close_session() == status::Good);
+    }
     TestClient client = log_in_operator();
     const auto sessions = array<SessionSecurityDiagnosticsDataType>(client, security_array);
     REQUIRE(sessions.size() == 2);
@@ -193,4 +300,18 @@ TEST_CASE_METHOD(DiagnosticsFixture, "diagnostics are switched off and begin ane
     // Set again while it is set it changes nothing.
     CHECK(enable(client, true) == status::Good);
     CHECK(array<SessionDiagnosticsDataType>(client, sessions_array).size() == 2);
+}
+
+TEST_CASE_METHOD(DiagnosticsFixture, "a session that is silent since then counts anew as well")
+{
+    TestClient silent = log_in();
+    TestClient client = log_in_operator();
+    for (int i = 0; i < 5; ++i) {
+        CHECK(number(silent, current_sessions) == 2);
+    }
+    CHECK(enable(client, false) == status::Good);
+    CHECK(enable(client, true) == status::Good);
+    for (const auto& session : array<SessionDiagnosticsDataType>(client, sessions_array)) {
+        CHECK(session.read_count.total_count <= 1);
+    }
 }

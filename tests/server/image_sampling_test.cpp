@@ -12,6 +12,7 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr Duration cycle = 100ms;
+constexpr StatusCode overflow{0x0480};
 
 /// A task with a few variables, and what serves them.
 struct Plc {
@@ -163,7 +164,15 @@ TEST_CASE_METHOD(ImageFixture, "scans that nobody takes do not stop the task")
         scan();
     }
     server.handle_completions(now);
-    CHECK(next_values().size() == 1 + image->options().max_queued_scans);
+    // What the queue had no place for is lost, but not the latest scan.
+    const auto values = next();
+    REQUIRE(values.size() == 2 + image->options().max_queued_scans);
+    for (std::size_t i = 0; i + 1 < values.size(); ++i) {
+        CHECK(values[i].value == Variant{static_cast<std::int32_t>(i)});
+        CHECK(values[i].status == status::Good);
+    }
+    CHECK(values.back().value == Variant{50});
+    CHECK(values.back().status == overflow);
     // Without items nothing is kept, and nobody is woken.
     DeleteMonitoredItemsRequest remove;
     remove.subscription_id = subscription;
@@ -174,6 +183,88 @@ TEST_CASE_METHOD(ImageFixture, "scans that nobody takes do not stop the task")
     scan();
     CHECK(waker_of_plc.count == woken);
     CHECK_FALSE(image->next_scan());
+}
+
+TEST_CASE_METHOD(ImageFixture, "values that were lost between scans are told with the next value")
+{
+    scan();
+    monitor(level, 0);
+    monitor(button, 0);
+    auto single = SubscriptionFixture::item_request(NodeId{1, level}, 9);
+    single.requested_parameters.sampling_interval = 0;
+    SubscriptionFixture::monitor(client, subscription, single);
+    CHECK(next().size() == 3);
+    const auto lose_scans = [&](std::int32_t last) {
+        for (std::int32_t i = last - 9; i <= last; ++i) {
+            image->memory().value<std::int32_t>(level) = i;
+            scan();
+        }
+        server.handle_completions(now);
+    };
+    lose_scans(10);
+    auto values = next();
+    REQUIRE(values.size() == 6); // the queue of one has its last only
+    CHECK(values[3].value == Variant{4});
+    CHECK(values[3].status == status::Good);
+    CHECK(values[4].value == Variant{10});
+    CHECK(values[4].status == overflow);
+    CHECK(values[5].value == Variant{10});
+    CHECK(values[5].status == status::Good);
+
+    // Nobody knows whether the button was pressed meanwhile; its next value says so, once.
+    for (const bool pressed : {true, false}) {
+        image->memory().value<bool>(button) = pressed;
+        scan();
+    }
+    server.handle_completions(now);
+    values = next();
+    REQUIRE(values.size() == 2);
+    CHECK(values[0].value == Variant{true});
+    CHECK(values[0].status == overflow);
+    CHECK(values[1].status == status::Good);
+}
+
+TEST_CASE_METHOD(ImageFixture, "items that follow the scans learn that the task has stopped")
+{
+    scan();
+    monitor(level, 0);
+    CHECK(next().size() == 1);
+    const int woken = waker_of_plc.count;
+    image->halt();
+    CHECK(waker_of_plc.count == woken + 1);
+    server.handle_completions(now);
+    auto values = next();
+    REQUIRE(values.size() == 1);
+    CHECK(values[0].value == Variant{0});
+    CHECK(values[0].status == status::Uncertain_LastUsableValue);
+    server.handle_completions(now);
+    CHECK(next().empty());
+    scan();
+    server.handle_completions(now);
+    values = next();
+    REQUIRE(values.size() == 1);
+    CHECK(values[0].status == status::Good);
+}
+
+TEST_CASE_METHOD(ImageFixture, "an item that is new begins with the latest scan")
+{
+    scan();
+    monitor(level, 0);
+    CHECK(next().size() == 1);
+    for (int i = 1; i <= 3; ++i) {
+        image->memory().value<std::int32_t>(level) = i;
+        scan();
+    }
+    monitor(level, 0);
+    server.handle_completions(now);
+    const auto values = next_values();
+    REQUIRE(values.size() >= 4);
+    CHECK(values.back() == Variant{3});
+    CHECK(std::count(values.begin(), values.end(), Variant{1}) <= 2);
+    image->memory().value<std::int32_t>(level) = 4;
+    scan();
+    server.handle_completions(now);
+    CHECK(next_values() == std::vector<Variant>{4, 4});
 }
 
 TEST_CASE_METHOD(ImageFixture, "an interval samples the latest scan, without a call of the source")

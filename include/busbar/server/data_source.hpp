@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -135,6 +136,16 @@ private:
     StatusCode* results_;
 };
 
+/// How a variable is monitored by the items of all clients together.
+struct Monitoring {
+    std::uint64_t handle{0};
+    /// The shortest of their sampling intervals, as revised; zero where each scan of a process
+    /// image is looked at. Nothing: the variable is not monitored any more.
+    std::optional<Duration> interval;
+
+    friend bool operator==(const Monitoring&, const Monitoring&) = default;
+};
+
 /// What a source can do and how much the server may ask of it; taken once, when it is added.
 struct DataSourceOptions {
     /// The source returns the part that ReadItem::range names.
@@ -176,6 +187,18 @@ public:
     /// Carries out every Method of the batch, in any order. A source that has none leaves this as
     /// it is.
     virtual void call(CallBatch batch) { batch.fail(status::Bad_NotImplemented); }
+
+    /// Tells which variables are monitored, for a backend that prepares for it: that begins a
+    /// cyclic transfer, say. Each change is told once, with the shortest interval at that time: a
+    /// variable begins, gets another interval, or ends; only what has begun can end, and it can
+    /// begin again. One call has all that a service call changed, each handle once, in no order.
+    ///
+    /// Comes before the first read() for a new item, and otherwise at the end of what made the
+    /// change: a request, the end of a session or Subscription, or the sample that finds the
+    /// Variable bound elsewhere. Everything ends when the server is destroyed. Items that are
+    /// disabled or whose user may not read do not count. Must not call the server; `changes` is
+    /// valid until it returns.
+    virtual void monitoring_changed(std::span<const Monitoring> /*changes*/) {}
 
     /// For a source whose own thread must not complete batches, since that may free memory: that
     /// thread calls the waker, and the server's thread then calls handle_completions(), which

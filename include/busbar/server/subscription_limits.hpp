@@ -26,9 +26,12 @@ struct SamplingPolicy {
     /// has Good_Overload.
     std::optional<double> overload_percent;
 
-    /// The revised interval; zero only if `can_follow_scans` and the scans are to be followed.
+    /// The revised interval; zero only if `can_follow_scans` and the scans are to be followed. Else
+    /// it is never shorter than the Variable's MinimumSamplingInterval, of which 0 (continuous) and
+    /// -1 (indeterminate) set no limit (Part 3, 5.6.2; Part 4, 5.13.1.2).
     [[nodiscard]] Duration revise(double requested_milliseconds, Duration publishing_interval,
-                                  bool can_follow_scans) const;
+                                  bool can_follow_scans,
+                                  double minimum_sampling_interval = 0) const;
 };
 
 /// 200 to 900 ms by 100, 1 to 9 s by one second, 10 to 60 s by ten, with Good_Overload past 5 %.

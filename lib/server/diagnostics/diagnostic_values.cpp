@@ -4,9 +4,11 @@
 
 #include <busbar/types/ids.hpp>
 
+#include "describe.hpp"
 #include "diagnostics.hpp"
 #include "server/core.hpp"
 #include "server/session.hpp"
+#include "server/subscription/sampler.hpp"
 #include "server/subscription/subscription.hpp"
 
 namespace busbar::server::detail {
@@ -14,11 +16,6 @@ namespace busbar::server::detail {
 namespace {
 
 using Summary = ServerDiagnosticsSummaryDataType;
-
-std::uint32_t count(std::size_t value)
-{
-    return static_cast<std::uint32_t>(std::min<std::size_t>(value, UINT32_MAX));
-}
 
 double to_milliseconds(Duration duration)
 {
@@ -49,79 +46,21 @@ Summary summarise(const Core& core)
     return summary;
 }
 
-/// Part 5, 12.11.
-SessionDiagnosticsDataType describe_session(const Core& core, const Session& session)
+/// Part 5, 12.8: only of a server with a fixed set of intervals (Part 5, 6.3.3).
+Variant sampling_intervals(const Core& core)
 {
-    SessionDiagnosticsDataType result = session.diagnostics;
-    result.session_id = session.id;
-    result.session_name = session.name;
-    result.client_description.application_uri = session.client_application_uri;
-    result.client_description.application_type = ApplicationType::Client;
-    result.server_uri = core.config.application_uri;
-    result.locale_ids = Array<String>(0);
-    for (const std::string& locale : session.locale_ids) {
-        result.locale_ids.emplace_back(locale);
-    }
-    result.actual_session_timeout = static_cast<double>(session.timeout.count());
-    result.max_response_message_size = session.max_response_message_size;
-    result.client_connection_time = session.connection_time;
-    for (const auto& [id, subscription] : core.subscriptions.all()) {
-        if (subscription->session() == &session) {
-            ++result.current_subscriptions_count;
-            result.current_monitored_items_count += count(subscription->item_count());
+    Array<ExtensionObject> all(0);
+    for (const auto& [interval, items] : core.subscriptions.sampler().intervals().all()) {
+        if (items.enabled + items.disabled != 0) {
+            SamplingIntervalDiagnosticsDataType entry;
+            entry.sampling_interval = to_milliseconds(interval);
+            entry.monitored_item_count = count(items.enabled + items.disabled);
+            entry.max_monitored_item_count = count(items.most);
+            entry.disabled_monitored_item_count = count(items.disabled);
+            all.push_back(ExtensionObject::from(std::move(entry)));
         }
     }
-    return result;
-}
-
-String mechanism_of(UserTokenType type)
-{
-    switch (type) {
-    case UserTokenType::UserName:
-        return "UserName";
-    case UserTokenType::Certificate:
-        return "Certificate";
-    case UserTokenType::IssuedToken:
-        return "IssuedToken";
-    default:
-        return "Anonymous";
-    }
-}
-
-/// Part 5, 12.12.
-SessionSecurityDiagnosticsDataType describe_security(const Session& session)
-{
-    SessionSecurityDiagnosticsDataType result;
-    result.session_id = session.id;
-    result.client_user_id_of_session = session.user.name;
-    result.client_user_id_history = {String{session.user.name}};
-    result.authentication_mechanism = mechanism_of(session.user.token_type);
-    result.encoding = "UA Binary";
-    result.transport_protocol = "opc.tcp";
-    result.security_mode = session.security.mode;
-    result.security_policy_uri = String{session.security.policy->uri};
-    if (!session.client_certificate.empty()) {
-        result.client_certificate = ByteString{session.client_certificate.front().der()};
-    }
-    return result;
-}
-
-/// Part 5, 12.15.
-SubscriptionDiagnosticsDataType describe_subscription(const Subscription& subscription)
-{
-    const SubscriptionParameters& parameters = subscription.parameters();
-    SubscriptionDiagnosticsDataType result;
-    result.session_id = subscription.session() != nullptr ? subscription.session()->id : NodeId{};
-    result.subscription_id = subscription.id();
-    result.priority = parameters.priority;
-    result.publishing_interval = to_milliseconds(parameters.publishing_interval);
-    result.max_keep_alive_count = parameters.max_keep_alive_count;
-    result.max_lifetime_count = parameters.lifetime_count;
-    result.max_notifications_per_publish = parameters.max_notifications_per_publish;
-    result.publishing_enabled = subscription.publishing_enabled();
-    result.monitored_item_count = count(subscription.item_count());
-    result.next_sequence_number = subscription.next_sequence_number();
-    return result;
+    return all;
 }
 
 struct SummaryCounter {
@@ -160,18 +99,22 @@ constexpr std::array summary_counters{
 };
 
 /// The structures; fails for a node that is none of them.
-Result<Variant> structure_value(const Core& core, std::uint32_t id, const UserIdentity& user)
+Result<Variant> structure_value(const Core& core, std::uint32_t id, const ValueReader& reader)
 {
     switch (id) {
     case id::Server_ServerDiagnostics_ServerDiagnosticsSummary:
         return ExtensionObject::from(summarise(core));
     case id::Server_ServerDiagnostics_SubscriptionDiagnosticsArray:
-        return structures(core.subscriptions.all(), describe_subscription);
+        return structures(core.subscriptions.all(), [&](const Subscription& subscription) {
+            return describe_subscription(core, subscription);
+        });
+    case id::Server_ServerDiagnostics_SamplingIntervalDiagnosticsArray:
+        return sampling_intervals(core);
     case id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionDiagnosticsArray:
         return structures(core.sessions.all(),
                           [&](const Session& session) { return describe_session(core, session); });
     case id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionSecurityDiagnosticsArray:
-        if (user.token_type == UserTokenType::Anonymous) {
+        if (!reader.may_see_security()) {
             return fail(status::Bad_UserAccessDenied);
         }
         return structures(core.sessions.all(), describe_security);
@@ -182,14 +125,14 @@ Result<Variant> structure_value(const Core& core, std::uint32_t id, const UserId
 
 } // namespace
 
-Result<Variant> diagnostic_value(const Core& core, std::uint32_t id, const UserIdentity& user)
+Result<Variant> diagnostic_value(const Core& core, std::uint32_t id, const ValueReader& reader)
 {
     const auto* const counter =
         std::find_if(summary_counters.begin(), summary_counters.end(),
                      [id](const SummaryCounter& entry) { return entry.id == id; });
     const bool is_counter = counter != summary_counters.end();
     auto value = is_counter ? Result<Variant>{summarise(core).*counter->counter}
-                            : structure_value(core, id, user);
+                            : structure_value(core, id, reader);
     const bool is_ours = value || value.error() != status::Bad_NodeIdUnknown;
     if (is_ours && !core.diagnostics.is_enabled()) {
         return fail(status::Bad_NotReadable); // Part 5, 6.3.3

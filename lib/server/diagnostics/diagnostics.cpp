@@ -113,6 +113,11 @@ SessionDiagnosticsDataType& Diagnostics::counters(Session& session) const
     return session.diagnostics;
 }
 
+SessionDiagnosticsDataType Diagnostics::values(const Session& session) const
+{
+    return session.diagnostics_round == round_ ? session.diagnostics : SessionDiagnosticsDataType{};
+}
+
 void Diagnostics::count_request(Session& session, std::uint32_t encoding_id, DateTime now)
 {
     if (!is_enabled_) {

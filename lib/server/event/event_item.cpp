@@ -25,7 +25,7 @@ std::uint32_t revise_queue_size(std::uint32_t requested, std::uint32_t most)
 StatusCode check_notifier(const ItemContext& context, const ReadValueId& id)
 {
     constexpr std::uint8_t subscribe_to_events = 1; // EventNotifierType (Part 3, 8.59)
-    const ReadPlan plan = plan_sample(context.core, context.subscription.user(), id);
+    const ReadPlan plan = plan_sample(context.core, context.subscription, id);
     if (plan.answer.status.is_bad()) {
         return plan.answer.status;
     }
@@ -123,6 +123,7 @@ void EventItem::tell_of_loss()
 void EventItem::queue_overflow()
 {
     if (queue_.wants_overflow()) {
+        subscription().count(&SubscriptionDiagnosticsDataType::event_queue_overflow_count);
         queue_.push_overflow(filter_.select(*core_.events.overflow_event(), core_.address_space));
     }
 }
@@ -142,6 +143,7 @@ void EventItem::take_notification(binary::Writer& writer)
     encode(writer, client_handle());
     encode(writer, queue_.oldest());
     queue_.pop();
+    subscription().count(&SubscriptionDiagnosticsDataType::event_notifications_count);
 }
 
 void EventItem::modify(const ItemContext&, const MonitoringParameters& parameters,

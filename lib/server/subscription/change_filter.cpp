@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
-#include <busbar/types/data_types.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "value_queue.hpp"
@@ -12,24 +10,6 @@
 namespace busbar::server::detail {
 
 namespace {
-
-/// The EURange of an AnalogItem, if it has one and its value is kept in the address space.
-std::optional<Range> find_eu_range(const model::AddressSpace& space, model::NodeIndex variable,
-                                   const binary::TypeRegistry& types)
-{
-    std::optional<Range> range;
-    const QualifiedName name{0, "EURange"};
-    space.for_each_child(variable, space.find(id::HasProperty), true, name,
-                         [&](model::NodeIndex property) {
-                             const Variant value = space.value(property, &types);
-                             const auto* object = value.get_if<ExtensionObject>();
-                             if (object != nullptr && object->get_if<Range>() != nullptr) {
-                                 range = *object->get_if<Range>();
-                             }
-                             return !range;
-                         });
-    return range;
-}
 
 Result<double> percent_of_range(const DataChangeFilter& filter, const std::optional<Range>& range)
 {
@@ -84,7 +64,7 @@ std::optional<bool> differs_as(const Variant& a, const Variant& b, double deadba
 
 Result<ChangeFilter> ChangeFilter::make(const ExtensionObject& filter,
                                         const model::AddressSpace& space, model::NodeIndex variable,
-                                        const binary::TypeRegistry& types)
+                                        const std::optional<Range>& eu_range)
 {
     ChangeFilter made;
     if (filter.is_null()) {
@@ -111,16 +91,22 @@ Result<ChangeFilter> ChangeFilter::make(const ExtensionObject& filter,
     if (!(change->deadband_value >= 0)) {
         return fail(status::Bad_DeadbandFilterInvalid);
     }
-    const Result<double> deadband =
-        type == DeadbandType::Absolute
-            ? Result<double>{change->deadband_value}
-            : percent_of_range(*change, find_eu_range(space, variable, types));
+    const Result<double> deadband = type == DeadbandType::Absolute
+                                        ? Result<double>{change->deadband_value}
+                                        : percent_of_range(*change, eu_range);
     if (!deadband) {
         return fail(deadband.error());
     }
     made.deadband_ = *deadband;
     made.has_deadband_ = true;
     return made;
+}
+
+bool ChangeFilter::is_percentage(const ExtensionObject& filter)
+{
+    const auto* const change = filter.get_if<DataChangeFilter>();
+    return change != nullptr &&
+           change->deadband_type == static_cast<std::uint32_t>(DeadbandType::Percent);
 }
 
 bool ChangeFilter::is_other_status(StatusCode a, StatusCode b)

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <optional>
+
 #include <busbar/core/data_value.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/model/address_space.hpp>
+#include <busbar/types/data_types.hpp>
 #include <busbar/types/enumerations.hpp>
 #include <busbar/types/filter.hpp>
 
@@ -17,11 +20,13 @@ public:
     /// contradicts itself, Bad_FilterNotAllowed for an EventFilter or a deadband of what is no
     /// number, Bad_MonitoredItemFilterUnsupported for an AggregateFilter, and
     /// Bad_DeadbandFilterInvalid for a deadband that is negative, past 100 % or a percentage where
-    /// there is no EURange (Part 8, 7.2).
+    /// there is no `eu_range` (Part 8, 7.2).
     [[nodiscard]] static Result<ChangeFilter> make(const ExtensionObject& filter,
                                                    const model::AddressSpace& space,
                                                    model::NodeIndex variable,
-                                                   const binary::TypeRegistry& types);
+                                                   const std::optional<Range>& eu_range);
+    /// True for a deadband in percent, which needs the EURange.
+    [[nodiscard]] static bool is_percentage(const ExtensionObject& filter);
 
     /// True if the new value, which is `value` with the rest from `data`, is to be reported after
     /// the last one that was.

@@ -44,6 +44,14 @@ bool is_past_the_end(const NumericRange& range, std::span<const std::uint32_t> d
     return false;
 }
 
+/// Of the Variable whose value is monitored; for all else there is none.
+double minimum_sampling_interval(const model::AddressSpace& space, const ReadValueId& id)
+{
+    const model::NodeIndex node = space.find(id.node_id);
+    return is_value_of_variable(space, id, node) ? space.variable(node).minimum_sampling_interval
+                                                 : 0;
+}
+
 double to_milliseconds(Duration duration)
 {
     return std::chrono::duration<double, std::milli>{duration}.count();
@@ -56,7 +64,7 @@ DataItem::DataItem(const ItemContext& context, const MonitoredItemCreateRequest&
     : MonitoredItem{context.subscription, Kind::Data, request.requested_parameters.client_handle,
                     request.monitoring_mode},
       value_id_{request.item_to_monitor},
-      timestamps_{timestamps}, queue_{context.subscription.memory()}
+      timestamps_{timestamps}, core_{&context.core}, queue_{context.subscription.memory()}
 {
 }
 
@@ -65,6 +73,7 @@ DataItem::~DataItem()
     if (group_ != nullptr) {
         remove_from_group(*this);
     }
+    core_->subscriptions.sampler().intervals().change(counted_, {});
     queue_.clear();
     subscription().memory().release(charged_);
 }
@@ -87,8 +96,8 @@ std::unique_ptr<DataItem> DataItem::make(const ItemContext& context,
     }
     item->filter_ = *filter;
     item->filter_text_ = parameters.filter;
-    const std::size_t cost =
-        sizeof(DataItem) + 2 * sizeof(void*) * 8 + item->value_id_.index_range.size();
+    const std::size_t cost = sizeof(DataItem) + 2 * sizeof(void*) * 8 +
+                             MonitoredHandles::bytes_per_item + item->value_id_.index_range.size();
     if (!context.subscription.memory().charge(cost)) {
         revision.status = status::Bad_TooManyMonitoredItems;
         return nullptr;
@@ -101,7 +110,7 @@ std::unique_ptr<DataItem> DataItem::make(const ItemContext& context,
 StatusCode DataItem::check_target(const ItemContext& context, ReadPlan& plan)
 {
     const Core& core = context.core;
-    plan = plan_sample(context.core, context.subscription.user(), value_id_);
+    plan = plan_sample(context.core, context.subscription, value_id_);
     const StatusCode status = plan.answer.status;
     if (std::find(refusals.begin(), refusals.end(), status) != refusals.end()) {
         return status;
@@ -122,13 +131,53 @@ StatusCode DataItem::check_target(const ItemContext& context, ReadPlan& plan)
     return status::Good;
 }
 
-Result<ChangeFilter> DataItem::make_filter(Core& core, const ExtensionObject& filter) const
+Result<ChangeFilter> DataItem::make_filter(Core& core, const ExtensionObject& filter)
 {
     const model::NodeIndex node = core.address_space.find(value_id_.node_id);
     if (!filter.is_null() && !is_value_of_variable(core.address_space, value_id_, node)) {
         return fail(status::Bad_FilterNotAllowed); // Part 4, 5.13.1.1
     }
-    return ChangeFilter::make(filter, core.address_space, node, core.types);
+    std::optional<Range> eu_range;
+    if (ChangeFilter::is_percentage(filter) && node != model::no_node) {
+        eu_range = look_up_eu_range(core, node);
+    }
+    return ChangeFilter::make(filter, core.address_space, node, eu_range);
+}
+
+/// Until a source has said what it is, a range without width, so that all changes are reported.
+std::optional<Range> DataItem::look_up_eu_range(Core& core, model::NodeIndex variable)
+{
+    const model::AddressSpace& space = core.address_space;
+    const model::NodeIndex property = find_eu_range(space, variable);
+    if (property == model::no_node || space.node_class(property) != NodeClass::Variable) {
+        return std::nullopt;
+    }
+    const model::VariableAttributes attributes = space.variable(property);
+    if (core.sources.find(attributes.source) != nullptr) {
+        eu_range_ = Range{};
+        EuRangeUser& user = *this;
+        eu_range_read_ = std::make_unique<EuRangeRead>(user, core.sources);
+        // Its deadline is not looked at; an answer is welcome at any time.
+        eu_range_read_->start(attributes, TimePoint{});
+        return eu_range_;
+    }
+    const Variant value = space.value(property, &core.types);
+    const auto* const object = value.get_if<ExtensionObject>();
+    const Range* const range = object != nullptr ? object->get_if<Range>() : nullptr;
+    return range != nullptr ? std::optional{*range} : std::nullopt;
+}
+
+void DataItem::eu_range_came(const std::optional<Range>& range)
+{
+    eu_range_ = range;
+    const auto done = std::move(eu_range_read_);
+    const model::NodeIndex node = core_->address_space.find(value_id_.node_id);
+    if (node == model::no_node || !ChangeFilter::is_percentage(filter_text_)) {
+        return;
+    }
+    if (auto filter = ChangeFilter::make(filter_text_, core_->address_space, node, range)) {
+        filter_ = *filter;
+    }
 }
 
 void DataItem::revise(const ItemContext& context, const MonitoringParameters& parameters,
@@ -136,13 +185,21 @@ void DataItem::revise(const ItemContext& context, const MonitoringParameters& pa
 {
     const SubscriptionLimits& limits = context.core.limits().subscriptions;
     timestamps_ = timestamps;
-    interval_ = limits.sampling.revise(parameters.sampling_interval,
-                                       context.subscription.parameters().publishing_interval,
-                                       can_follow_scans(context.core, plan));
+    interval_ = limits.sampling.revise(
+        parameters.sampling_interval, context.subscription.parameters().publishing_interval,
+        can_follow_scans(context.core, plan),
+        minimum_sampling_interval(context.core.address_space, value_id_));
     // 0 and 1 are the same (Part 4, 7.21).
     const std::uint32_t capacity = std::min(parameters.queue_size, limits.max_queue_size);
     revision.queue_size = queue_.set_capacity(capacity, parameters.discard_oldest);
     revision.sampling_interval = to_milliseconds(interval_);
+    count_interval();
+}
+
+void DataItem::count_interval()
+{
+    core_->subscriptions.sampler().intervals().change(
+        counted_, {true, mode() == MonitoringMode::Disabled, interval_});
 }
 
 void DataItem::modify(const ItemContext& context, const MonitoringParameters& parameters,
@@ -157,7 +214,7 @@ void DataItem::modify(const ItemContext& context, const MonitoringParameters& pa
     filter_text_ = parameters.filter;
     set_client_handle(parameters.client_handle);
     const Duration before = interval_;
-    const ReadPlan plan = plan_sample(context.core, context.subscription.user(), value_id_);
+    const ReadPlan plan = plan_sample(context.core, context.subscription, value_id_);
     revise(context, parameters, timestamps, plan, revision);
     if (before != interval_ && group_ != nullptr) {
         remove_from_group(*this);
@@ -167,6 +224,7 @@ void DataItem::modify(const ItemContext& context, const MonitoringParameters& pa
 
 void DataItem::mode_changed(const ItemContext& context, MonitoringMode before)
 {
+    count_interval();
     if (mode() == MonitoringMode::Disabled) {
         remove_from_group(*this);
     } else if (before == MonitoringMode::Disabled) {
@@ -208,9 +266,26 @@ void DataItem::sample(const ReadSlot& slot, StatusCode status, DateTime server_t
     if (last != nullptr && pending_bits_ == 0 && !filter_.passes(*last, slot, value, status)) {
         return;
     }
-    queue_.push(slot, value, StatusCode{status.value() | std::exchange(pending_bits_, 0U)},
-                server_time);
+    const std::uint32_t bits = std::exchange(pending_bits_, 0U) |
+                               (std::exchange(has_lost_, false) ? ValueQueue::overflow_bits : 0U);
+    if (queue_.push(slot, value, StatusCode{status.value() | bits}, server_time)) {
+        subscription().count(&SubscriptionDiagnosticsDataType::monitoring_queue_overflow_count);
+    }
     notify();
+}
+
+void DataItem::note_loss()
+{
+    has_lost_ = queue_.capacity() > 1 && queue_.newest() != nullptr;
+    if (has_lost_) {
+        subscription().count(&SubscriptionDiagnosticsDataType::monitoring_queue_overflow_count);
+    }
+}
+
+void DataItem::clear()
+{
+    queue_.clear();
+    has_lost_ = false;
 }
 
 std::size_t DataItem::notification_size() const
@@ -227,6 +302,7 @@ void DataItem::take_notification(binary::Writer& writer)
     writer.number(client_handle());
     encode_data_value(writer, oldest, oldest.value, {timestamps_, oldest.server_timestamp});
     queue_.pop();
+    subscription().count(&SubscriptionDiagnosticsDataType::data_change_notifications_count);
 }
 
 } // namespace busbar::server::detail

@@ -1,12 +1,16 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include <busbar/core/numeric_range.hpp>
 #include <busbar/server/data_source.hpp>
 
 #include "change_filter.hpp"
+#include "eu_range.hpp"
+#include "monitored_handles.hpp"
 #include "monitored_item.hpp"
+#include "sampling_intervals.hpp"
 #include "server/read_plan.hpp"
 #include "value_queue.hpp"
 
@@ -16,7 +20,7 @@ class SamplingGroup;
 
 /// An item of an attribute, mostly a Variable's Value: samples come from its SamplingGroup, pass
 /// the filter and wait in a queue.
-class DataItem final : public MonitoredItem {
+class DataItem final : public MonitoredItem, private EuRangeUser {
 public:
     /// Null, with the reason in `revision.status`, if there can be no such item. It is sampled from
     /// add_to_sampler() on.
@@ -49,6 +53,10 @@ public:
     /// One sample, whose range is cut already: queues it if it passes the filter.
     void sample(const ReadSlot& slot, StatusCode status, DateTime server_time);
 
+    /// Values may have been lost before they could be queued: the next one that is has the Overflow
+    /// bit, as if they had been lost in the queue (Part 4, 5.13.1.5). Not in a queue of one.
+    void note_loss();
+
     /// The next sample is reported whatever it is, with these bits of its status set (Part 4,
     /// 7.38.1; Part 8, 5.2). A filter in percent looks for the EURange again.
     void announce_change(Core& core, std::uint32_t status_bits);
@@ -59,10 +67,13 @@ private:
     DataItem(const ItemContext& context, const MonitoredItemCreateRequest& request,
              TimestampsToReturn timestamps);
 
-    void clear() override { queue_.clear(); }
+    void clear() override;
     void mode_changed(const ItemContext& context, MonitoringMode before) override;
     [[nodiscard]] StatusCode check_target(const ItemContext& context, ReadPlan& plan);
-    [[nodiscard]] Result<ChangeFilter> make_filter(Core& core, const ExtensionObject& filter) const;
+    [[nodiscard]] Result<ChangeFilter> make_filter(Core& core, const ExtensionObject& filter);
+    [[nodiscard]] std::optional<Range> look_up_eu_range(Core& core, model::NodeIndex variable);
+    void eu_range_came(const std::optional<Range>& range) override;
+    void count_interval();
     /// Queue, interval and timestamps.
     void revise(const ItemContext& context, const MonitoringParameters& parameters,
                 TimestampsToReturn timestamps, const ReadPlan& plan, ItemRevision& revision);
@@ -73,8 +84,14 @@ private:
     ChangeFilter filter_;
     /// As the client gave it, for when the EURange changes.
     ExtensionObject filter_text_;
+    /// Null unless a source is asked for the EURange.
+    std::unique_ptr<EuRangeRead> eu_range_read_;
+    Core* core_;
+    std::optional<Range> eu_range_;
     Duration interval_{0};
+    SamplingIntervals::Use counted_;
     std::uint32_t pending_bits_{0};
+    bool has_lost_{false};
     std::size_t charged_{0};
     ValueQueue queue_;
 
@@ -82,6 +99,7 @@ private:
 
     SamplingGroup* group_{nullptr};
     std::size_t place_{0};
+    MonitoredHandles::Use use_;
 };
 
 } // namespace busbar::server::detail

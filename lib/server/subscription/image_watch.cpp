@@ -59,6 +59,15 @@ void ImageWatch::report(Entry& entry, const Sample& sample)
     entry.is_new = false;
 }
 
+void ImageWatch::note_loss()
+{
+    for (Entry& entry : entries_) {
+        if (entry.item != nullptr) { // one without any value yet has lost none
+            entry.item->note_loss();
+        }
+    }
+}
+
 void ImageWatch::sample(const Sample& sample)
 {
     const bool is_everything = sample.status != last_status_ && !sample.is_only_new;

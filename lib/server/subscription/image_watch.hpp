@@ -34,6 +34,8 @@ public:
         bool is_only_new;
     };
     void sample(const Sample& sample);
+    /// Scans were lost: what comes next tells of it (see DataItem::note_loss).
+    void note_loss();
 
 private:
     struct Entry {

@@ -18,6 +18,7 @@ MonitoredItem::MonitoredItem(Subscription& subscription, Kind kind, std::uint32_
                              MonitoringMode mode)
     : subscription_{&subscription}, client_handle_{client_handle}, mode_{mode}, kind_{kind}
 {
+    subscription.count_disabled(mode == MonitoringMode::Disabled ? 1 : 0);
 }
 
 MonitoredItem::~MonitoredItem()
@@ -29,6 +30,7 @@ MonitoredItem::~MonitoredItem()
         triggers_.back()->forget_link(*this);
     }
     subscription_->ready(kind_).remove(*this);
+    subscription_->count_disabled(mode_ == MonitoringMode::Disabled ? -1 : 0);
 }
 
 std::size_t MonitoredItem::reportable() const
@@ -68,6 +70,8 @@ void MonitoredItem::set_mode(const ItemContext& context, MonitoringMode mode)
         subscription_->ready(kind_).remove(*this);
     }
     if (mode != before) {
+        subscription_->count_disabled((mode == MonitoringMode::Disabled ? 1 : 0) -
+                                      (before == MonitoringMode::Disabled ? 1 : 0));
         mode_changed(context, before);
     }
 }

@@ -72,6 +72,13 @@ void PublishPart::enqueue(PublishOperation& request, std::size_t most)
     requests_.push_back(&request);
 }
 
+std::size_t PublishPart::waiting() const
+{
+    return static_cast<std::size_t>(
+        std::count_if(requests_.begin(), requests_.end(),
+                      [](const PublishOperation* request) { return !request->is_finished(); }));
+}
+
 PublishOperation* PublishPart::next_request()
 {
     while (!requests_.empty() && requests_.front()->is_finished()) {

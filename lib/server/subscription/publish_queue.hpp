@@ -53,6 +53,11 @@ class PublishPart final : public SessionPart {
 public:
     /// That of the session, made when it is not there yet.
     [[nodiscard]] static PublishPart& of(Session& session);
+    /// The same, or null if it was never made.
+    [[nodiscard]] static const PublishPart* find(const Session& session)
+    {
+        return static_cast<const PublishPart*>(session.publishing.get());
+    }
     ~PublishPart() override;
 
     [[nodiscard]] const std::vector<Subscription*>& subscriptions() const { return subscriptions_; }
@@ -74,6 +79,8 @@ public:
     }
     /// Queues the request. Of more than `most` the oldest answers Bad_TooManyPublishRequests.
     void enqueue(PublishOperation& request, std::size_t most);
+    /// How many wait.
+    [[nodiscard]] std::size_t waiting() const;
     /// The request that waits longest; null if there is none. Requests that were answered by
     /// others, for their timeout say, are passed over.
     [[nodiscard]] PublishOperation* next_request();

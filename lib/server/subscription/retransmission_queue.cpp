@@ -10,18 +10,21 @@ void RetransmissionQueue::drop_oldest()
     messages_.pop_front();
 }
 
-void RetransmissionQueue::add(std::uint32_t sequence_number, std::vector<std::byte>& message)
+std::uint32_t RetransmissionQueue::add(std::uint32_t sequence_number,
+                                       std::vector<std::byte>& message)
 {
-    while (messages_.size() >= max_messages_ && !messages_.empty()) {
+    std::uint32_t lost = 0;
+    for (; messages_.size() >= max_messages_ && !messages_.empty(); ++lost) {
         drop_oldest();
     }
-    while (!account_->charge(message.capacity())) {
+    for (; !account_->charge(message.capacity()); ++lost) {
         if (messages_.empty()) {
-            return;
+            return lost + 1;
         }
         drop_oldest();
     }
     messages_.push_back({sequence_number, std::move(message)});
+    return lost;
 }
 
 bool RetransmissionQueue::acknowledge(std::uint32_t sequence_number)

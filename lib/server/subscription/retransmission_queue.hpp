@@ -26,8 +26,8 @@ public:
     ~RetransmissionQueue() { clear(); }
 
     /// Takes the message over. The oldest give way to it; if it cannot be paid for even so, it is
-    /// left as it is and not kept.
-    void add(std::uint32_t sequence_number, std::vector<std::byte>& message);
+    /// left as it is and not kept. How many were lost by that before they were acknowledged.
+    std::uint32_t add(std::uint32_t sequence_number, std::vector<std::byte>& message);
     /// False if there is no such message.
     [[nodiscard]] bool acknowledge(std::uint32_t sequence_number);
     /// Null if it is not there.

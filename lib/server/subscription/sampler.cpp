@@ -10,9 +10,11 @@
 
 namespace busbar::server::detail {
 
-ReadPlan plan_sample(Core& core, const UserIdentity& user, const ReadValueId& id)
+ReadPlan plan_sample(Core& core, const Subscription& subscription, const ReadValueId& id)
 {
-    const auto live_value = [&](const NodeId& node) { return server_value(core, node, user); };
+    const UserIdentity& user = subscription.user();
+    const ValueReader reader{user, subscription.is_encrypted()};
+    const auto live_value = [&](const NodeId& node) { return server_value(core, node, reader); };
     return plan_read({core.address_space,
                       core.sources,
                       {user, core.environment.access},
@@ -28,6 +30,12 @@ bool can_follow_scans(const Core& core, const ReadPlan& plan)
            plan.source->source().process_image() != nullptr;
 }
 
+Sampler::Sampler(Core& core, TimerQueue& timers)
+    : core_{core}, timers_{timers}, intervals_{
+                                        !core.limits().subscriptions.sampling.intervals.empty()}
+{
+}
+
 SamplingGroup& Sampler::follow(ProcessImage& image)
 {
     const auto found = std::find_if(followed_.begin(), followed_.end(),
@@ -36,14 +44,16 @@ SamplingGroup& Sampler::follow(ProcessImage& image)
         return *found->group;
     }
     image.follow_scans(true);
-    followed_.push_back({&image, std::make_unique<SamplingGroup>(*this, Duration::zero())});
+    const ImagePin latest = image.pin();
+    followed_.push_back({&image, std::make_unique<SamplingGroup>(*this, Duration::zero()),
+                         latest ? latest.scan() : 0, image.is_running()});
     return *followed_.back().group;
 }
 
 SamplingGroup& Sampler::group_of(const DataItem& item)
 {
     if (item.interval() == Duration::zero()) {
-        const ReadPlan plan = plan_sample(core_, item.subscription().user(), item.value_id());
+        const ReadPlan plan = plan_sample(core_, item.subscription(), item.value_id());
         if (can_follow_scans(core_, plan)) {
             return follow(*plan.source->source().process_image());
         }
@@ -69,24 +79,65 @@ void Sampler::add(DataItem& item, TimePoint now)
 
 void Sampler::sample_new(TimePoint now)
 {
-    for (SamplingGroup* group : std::exchange(fresh_, {})) {
+    const std::vector<SamplingGroup*> fresh = std::exchange(fresh_, {});
+    for (Followed& one : followed_) {
+        // A new item's first value must not be followed by that of an older scan.
+        if (std::find(fresh.begin(), fresh.end(), one.group.get()) != fresh.end()) {
+            take_scans(one, now);
+        }
+    }
+    for (SamplingGroup* group : fresh) {
+        group->bind_new();
+    }
+    tell_sources();
+    for (SamplingGroup* group : fresh) {
         group->sample_new(now);
     }
 }
 
+void Sampler::tell_sources()
+{
+    monitored_.tell(core_.sources);
+}
+
 void Sampler::handle_scans(TimePoint now)
 {
-    for (const Followed& one : followed_) {
-        // At most as many as may wait: a task that is faster than this must not keep it here.
-        for (std::uint32_t i = 0; i < one.image->options().max_queued_scans; ++i) {
-            const ImagePin pin = one.image->next_scan();
-            if (!pin) {
-                break;
-            }
-            one.group->sample_scan(pin, now);
-        }
+    for (Followed& one : followed_) {
+        take_scans(one, now);
     }
     drop_unfollowed();
+}
+
+void Sampler::take_scans(Followed& one, TimePoint now)
+{
+    // Before the queue is looked at: what it then does not have of the scans up to this one is
+    // lost, because it was full.
+    const ImagePin latest = one.image->pin();
+    // At most as many as may wait: a task that is faster than this must not keep it here.
+    for (std::uint32_t i = 0; i < one.image->options().max_queued_scans; ++i) {
+        const ImagePin pin = one.image->next_scan();
+        if (!pin) {
+            break;
+        }
+        take_scan(one, pin, now);
+    }
+    if (latest) {
+        take_scan(one, latest, now);
+    }
+    const bool is_running = one.image->is_running();
+    if (std::exchange(one.was_running, is_running) != is_running && latest) {
+        one.group->sample_scan(latest, now, false); // for the status
+    }
+}
+
+void Sampler::take_scan(Followed& one, const ImagePin& pin, TimePoint now)
+{
+    if (pin.scan() <= one.last_scan) { // was taken as the latest, before it came to the queue
+        return;
+    }
+    const bool has_lost = one.last_scan != 0 && pin.scan() != one.last_scan + 1;
+    one.last_scan = pin.scan();
+    one.group->sample_scan(pin, now, has_lost);
 }
 
 void Sampler::drop_unfollowed()

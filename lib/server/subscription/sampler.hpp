@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <vector>
 
+#include "monitored_handles.hpp"
 #include "sampling_group.hpp"
 
 namespace busbar::server::detail {
@@ -11,14 +13,16 @@ namespace busbar::server::detail {
 /// The sampling of all data items of a server, in groups of equal intervals.
 class Sampler {
 public:
-    Sampler(Core& core, TimerQueue& timers) : core_{core}, timers_{timers} {}
+    Sampler(Core& core, TimerQueue& timers);
     Sampler(const Sampler&) = delete;
     Sampler& operator=(const Sampler&) = delete;
 
     /// Samples the item from now on; the first time when sample_new() is called.
     void add(DataItem& item, TimePoint now);
-    /// First samples of the items that were added meanwhile, together.
+    /// First samples of the items that were added meanwhile, together. The sources are told before.
     void sample_new(TimePoint now);
+    /// Tells the sources what is monitored otherwise than before.
+    void tell_sources();
     /// Samples the scans that have come in the process images which are followed.
     void handle_scans(TimePoint now);
 
@@ -27,10 +31,14 @@ public:
     /// The shortest interval between the last two samples of a group.
     [[nodiscard]] Duration smallest_actual_interval() const;
 
+    [[nodiscard]] SamplingIntervals& intervals() { return intervals_; }
+    [[nodiscard]] const SamplingIntervals& intervals() const { return intervals_; }
+
     // For groups.
 
     [[nodiscard]] Core& core() { return core_; }
     [[nodiscard]] TimerQueue& timers() { return timers_; }
+    [[nodiscard]] MonitoredHandles& monitored() { return monitored_; }
     [[nodiscard]] bool is_overload(Duration revised, Duration actual) const;
     void remove(SamplingGroup& group);
 
@@ -38,14 +46,21 @@ private:
     struct Followed {
         ProcessImage* image;
         std::unique_ptr<SamplingGroup> group;
+        /// The number of the last one that was sampled.
+        std::uint64_t last_scan;
+        bool was_running;
     };
 
     [[nodiscard]] SamplingGroup& group_of(const DataItem& item);
     [[nodiscard]] SamplingGroup& follow(ProcessImage& image);
+    static void take_scans(Followed& one, TimePoint now);
+    static void take_scan(Followed& one, const ImagePin& pin, TimePoint now);
     void drop_unfollowed();
 
     Core& core_;
     TimerQueue& timers_;
+    MonitoredHandles monitored_;
+    SamplingIntervals intervals_;
     std::map<Duration, std::unique_ptr<SamplingGroup>> groups_;
     std::vector<Followed> followed_;
     /// With items that have no sample yet.

@@ -5,7 +5,8 @@
 namespace busbar::server::detail {
 
 /// Where an item's samples come from, and why if they cannot.
-[[nodiscard]] ReadPlan plan_sample(Core& core, const UserIdentity& user, const ReadValueId& id);
+[[nodiscard]] ReadPlan plan_sample(Core& core, const Subscription& subscription,
+                                   const ReadValueId& id);
 /// True if the value lies in a process image, whose scans can be followed one by one.
 [[nodiscard]] bool can_follow_scans(const Core& core, const ReadPlan& plan);
 

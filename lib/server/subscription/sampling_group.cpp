@@ -50,7 +50,7 @@ void SamplingGroup::add(DataItem& item, TimePoint now)
     }
 }
 
-void SamplingGroup::remove(DataItem& item)
+void SamplingGroup::take_out(DataItem& item)
 {
     if ((item.place_ & image_flag) != 0) {
         const std::size_t index = item.place_ >> image_shift & 0xFFFF;
@@ -59,17 +59,21 @@ void SamplingGroup::remove(DataItem& item)
         members_[item.place_].item = nullptr;
         ++holes_;
     }
+}
+
+void SamplingGroup::remove(DataItem& item)
+{
+    take_out(item);
     item.group_ = nullptr;
     --item_count_;
+    sampler_.monitored().change(item.use_, {});
 }
 
 void SamplingGroup::rebind(DataItem& item)
 {
-    remove(item);
-    item.group_ = this;
+    take_out(item);
     item.place_ = members_.size();
     members_.push_back({&item});
-    ++item_count_;
 }
 
 void SamplingGroup::compact()
@@ -147,10 +151,20 @@ void SamplingGroup::bind(std::size_t first)
     }
 }
 
+void SamplingGroup::note_source(DataItem& item, const ReadPlan& plan)
+{
+    MonitoredHandles::Use use;
+    if (plan.source != nullptr) {
+        use = {plan.source_index, plan.handle, interval_};
+    }
+    sampler_.monitored().change(item.use_, use);
+}
+
 void SamplingGroup::bind(Member& member)
 {
     const ReadPlan plan =
-        plan_sample(sampler_.core(), member.item->subscription().user(), member.item->value_id());
+        plan_sample(sampler_.core(), member.item->subscription(), member.item->value_id());
+    note_source(*member.item, plan);
     member.binding = plan.source == nullptr ? Binding::AddressSpace : Binding::Source;
     if (plan.source == nullptr) {
         return;
@@ -172,8 +186,9 @@ void SamplingGroup::ask(Flight& flight, std::size_t index, Member& member)
         return;
     }
     if (member.binding == Binding::AddressSpace) {
-        ReadPlan plan = plan_sample(sampler_.core(), member.item->subscription().user(),
-                                    member.item->value_id());
+        ReadPlan plan =
+            plan_sample(sampler_.core(), member.item->subscription(), member.item->value_id());
+        note_source(*member.item, plan);
         if (plan.source == nullptr) {
             flight.call.answer(index) = std::move(plan.answer);
         } else { // the user may read it now
@@ -251,12 +266,15 @@ void SamplingGroup::sample_images(bool is_only_new)
     }
 }
 
-void SamplingGroup::sample_scan(const ImagePin& pin, TimePoint now)
+void SamplingGroup::sample_scan(const ImagePin& pin, TimePoint now, bool has_lost)
 {
     notice_changes();
     compact();
     bind(0);
     for (Image& image : images_) {
+        if (has_lost) {
+            image.watch.note_loss();
+        }
         sample_image(image, pin, false);
     }
     if (flights_.empty()) {
@@ -265,14 +283,20 @@ void SamplingGroup::sample_scan(const ImagePin& pin, TimePoint now)
     }
 }
 
+void SamplingGroup::bind_new()
+{
+    if (!is_full_of_holes()) {
+        notice_changes();
+        compact();
+        bind(first_new_);
+    }
+}
+
 void SamplingGroup::sample_new(TimePoint now)
 {
     if (is_full_of_holes()) {
         return;
     }
-    notice_changes();
-    compact();
-    bind(first_new_);
     sample_images(true);
     sample_members(std::exchange(first_new_, members_.size()), now, false);
 }

@@ -34,13 +34,16 @@ public:
     void remove(DataItem& item);
     /// What the item was bound to is looked up again.
     void rebind(DataItem& item);
-    /// Samples what was added since the last sample.
+    /// Finds out where the values of what was added since the last sample come from.
+    void bind_new();
+    /// Samples it; behind bind_new().
     void sample_new(TimePoint now);
     void expire(TimePoint now) override;
     /// Sampling comes before publishing.
     [[nodiscard]] unsigned rank() const override { return 1'000; }
-    /// Samples everything, the items of an image from the scan that is pinned.
-    void sample_scan(const ImagePin& pin, TimePoint now);
+    /// Samples everything, the items of an image from the scan that is pinned. `has_lost`: there
+    /// were scans before it that nobody looked at.
+    void sample_scan(const ImagePin& pin, TimePoint now, bool has_lost);
 
 private:
     enum class Binding : std::uint8_t {
@@ -80,6 +83,9 @@ private:
     void bind(std::size_t first);
     void bind(Member& member);
     void watch(ProcessImage& image, Member& member, std::uint64_t handle);
+    /// Keeps account of what the item monitors, for the source.
+    void note_source(DataItem& item, const ReadPlan& plan);
+    void take_out(DataItem& item);
     void compact();
     [[nodiscard]] bool is_full_of_holes() const;
     void arm();

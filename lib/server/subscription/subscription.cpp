@@ -16,7 +16,7 @@ namespace {
 SubscriptionOwner owner_of(const Session& session)
 {
     return {session.user, session.client_application_uri,
-            session.security.mode != MessageSecurityMode::None};
+            session.security.mode != MessageSecurityMode::None, is_encrypted(session)};
 }
 
 } // namespace
@@ -66,8 +66,19 @@ const SubscriptionRow& Subscription::handle(SubscriptionEvent event, const Input
     for (const SubscriptionAction action : row->actions) {
         perform(action, *row, input);
     }
-    state_ = row->keeps_state ? state_ : row->next;
+    const State before = std::exchange(state_, row->keeps_state ? state_ : row->next);
+    if (state_ == State::Late && before != State::Late) {
+        count(&SubscriptionDiagnosticsDataType::late_publish_request_count);
+    } else if (state_ == State::KeepAlive && before != State::KeepAlive) {
+        count(&SubscriptionDiagnosticsDataType::current_keep_alive_count);
+    }
     return *row;
+}
+
+void Subscription::count(std::uint32_t SubscriptionDiagnosticsDataType::*counter,
+                         std::uint32_t more)
+{
+    core_.diagnostics.count(counters_, counter, more);
 }
 
 void Subscription::perform(SubscriptionAction action, const SubscriptionRow& row,
@@ -111,9 +122,10 @@ void Subscription::perform(SubscriptionAction action, const SubscriptionRow& row
         break;
     case A::UpdateSubscriptionParams:
         update_parameters(*input.parameters, input.now);
+        count(&SubscriptionDiagnosticsDataType::modify_count);
         break;
     case A::SetPublishingEnabled:
-        publishing_enabled_ = input.publishing_enabled;
+        set_publishing_enabled(input.publishing_enabled);
         break;
     case A::ClearMoreNotifications:
         more_notifications_ = false;
@@ -148,6 +160,14 @@ void Subscription::start_publishing_timer(TimePoint now)
     next_publishing_ = in_step > now ? in_step : now + parameters_.publishing_interval;
     core_.subscriptions.timers().set(*this, next_publishing_);
     --lifetime_counter_;
+}
+
+void Subscription::set_publishing_enabled(bool is_enabled)
+{
+    if (std::exchange(publishing_enabled_, is_enabled) != is_enabled) {
+        count(is_enabled ? &SubscriptionDiagnosticsDataType::enable_count
+                         : &SubscriptionDiagnosticsDataType::disable_count);
+    }
 }
 
 /// Part 4, 5.14.3.1: settings apply at once.
@@ -190,6 +210,7 @@ void Subscription::return_notifications()
         if (request == nullptr) {
             return;
         }
+        count(&SubscriptionDiagnosticsDataType::publish_request_count);
         const DateTime now = core_.environment.wall_clock->now();
         auto message = write_notifications(
             next_sequence_number(), now, ready_data_, ready_events_,
@@ -202,7 +223,9 @@ void Subscription::return_notifications()
         }
         sequence_number_ = next_sequence_number();
         const std::span<const std::byte> bytes{*message};
-        retransmission_.add(sequence_number_, *message); // which keeps the bytes where they are
+        // Which keeps the bytes where they are.
+        const std::uint32_t discarded = retransmission_.add(sequence_number_, *message);
+        count(&SubscriptionDiagnosticsDataType::discarded_message_count, discarded);
         request->answer({*this, bytes, more_notifications_});
     } while (more_notifications_);
     last_served_ = core_.subscriptions.next_serial();
@@ -211,6 +234,7 @@ void Subscription::return_notifications()
 void Subscription::return_keep_alive()
 {
     if (PublishOperation* const request = PublishPart::of(*session_).take_request()) {
+        count(&SubscriptionDiagnosticsDataType::publish_request_count);
         const auto message =
             write_keep_alive(next_sequence_number(), core_.environment.wall_clock->now());
         request->answer({*this, message, false});
@@ -248,6 +272,11 @@ SubscriptionOwner Subscription::owner() const
 const UserIdentity& Subscription::user() const
 {
     return session_ != nullptr ? session_->user : owner_.user;
+}
+
+bool Subscription::is_encrypted() const
+{
+    return session_ != nullptr ? detail::is_encrypted(*session_) : owner_.is_encrypted;
 }
 
 void Subscription::detach()

@@ -1,13 +1,17 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include <busbar/server/access_control.hpp>
 #include <busbar/server/subscription_limits.hpp>
+
+#include "server/diagnostics/diagnostics.hpp"
 
 #include "ready_list.hpp"
 #include "retransmission_queue.hpp"
@@ -41,6 +45,7 @@ struct SubscriptionOwner {
     UserIdentity user;
     std::string application_uri;
     bool is_signed{false};
+    bool is_encrypted{false};
 };
 
 /// A Subscription (Part 4, 5.14.1): its items, its state and what it has sent.
@@ -86,6 +91,8 @@ public:
     [[nodiscard]] Session* session() const { return session_; }
     [[nodiscard]] SubscriptionOwner owner() const;
     [[nodiscard]] const UserIdentity& user() const;
+    /// Over the channel of its session, the last one if there is none now.
+    [[nodiscard]] bool is_encrypted() const;
     /// The session ends; the Subscription goes on until its lifetime is over.
     void detach();
     /// The Subscription works with the rights of another user from now on.
@@ -100,11 +107,23 @@ public:
     /// Grows with each message that was sent; what was served least lately comes first.
     [[nodiscard]] std::uint64_t last_served() const { return last_served_; }
     [[nodiscard]] RetransmissionQueue& retransmission() { return retransmission_; }
+    [[nodiscard]] const RetransmissionQueue& retransmission() const { return retransmission_; }
     /// The sequence number of the next message (Part 4, 7.8).
     [[nodiscard]] std::uint32_t next_sequence_number() const;
 
+    // Diagnostics.
+
+    [[nodiscard]] const SubscriptionCounters& counters() const { return counters_; }
+    void count(std::uint32_t SubscriptionDiagnosticsDataType::*counter, std::uint32_t more = 1);
+    [[nodiscard]] std::uint32_t lifetime_counter() const { return lifetime_counter_; }
+
     // Items.
 
+    [[nodiscard]] std::size_t disabled_item_count() const { return disabled_item_count_; }
+    void count_disabled(std::ptrdiff_t more)
+    {
+        disabled_item_count_ += static_cast<std::size_t>(more);
+    }
     [[nodiscard]] std::size_t item_count() const { return items_.size(); }
     [[nodiscard]] MonitoredItem* find_item(std::uint32_t id) const;
     MonitoredItem& add_item(std::unique_ptr<MonitoredItem> item);
@@ -115,7 +134,7 @@ public:
     /// Queues the last value of each data item that reports and has none queued.
     void resend_data(TimePoint now);
     /// See DataItem::announce_change.
-    void announce_change(const NodeId& variable, std::uint32_t status_bits);
+    void announce_change(const std::unordered_set<NodeId>& variables, std::uint32_t status_bits);
     [[nodiscard]] ReadyList& ready(MonitoredItem::Kind kind)
     {
         return kind == MonitoredItem::Kind::Data ? ready_data_ : ready_events_;
@@ -131,6 +150,7 @@ private:
     void perform(SubscriptionAction action, const SubscriptionRow& row, const Input& input);
     void start_publishing_timer(TimePoint now);
     void update_parameters(const SubscriptionParameters& parameters, TimePoint now);
+    void set_publishing_enabled(bool is_enabled);
     void return_notifications();
     void return_keep_alive();
     void issue_status_change(StatusCode status);
@@ -156,6 +176,8 @@ private:
     /// Of the last message; 0 is never sent.
     std::uint32_t sequence_number_{0};
 
+    SubscriptionCounters counters_;
+    std::size_t disabled_item_count_{0};
     TimePoint next_publishing_{no_deadline};
     std::uint64_t last_served_{0};
     MemoryAccount memory_;

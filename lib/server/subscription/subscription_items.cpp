@@ -67,7 +67,8 @@ void Subscription::resend_data(TimePoint now)
     }
 }
 
-void Subscription::announce_change(const NodeId& variable, std::uint32_t status_bits)
+void Subscription::announce_change(const std::unordered_set<NodeId>& variables,
+                                   std::uint32_t status_bits)
 {
     constexpr auto value_attribute = static_cast<std::uint32_t>(AttributeId::Value);
     for (const auto& [id, item] : items_) {
@@ -76,7 +77,7 @@ void Subscription::announce_change(const NodeId& variable, std::uint32_t status_
         }
         auto& data = static_cast<DataItem&>(*item);
         if (data.value_id().attribute_id == value_attribute &&
-            data.value_id().node_id == variable) {
+            variables.contains(data.value_id().node_id)) {
             data.announce_change(core_, status_bits);
         }
     }

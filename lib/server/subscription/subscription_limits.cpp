@@ -25,10 +25,26 @@ double to_milliseconds(Duration duration)
     return std::chrono::duration<double, std::milli>{duration}.count();
 }
 
+/// Whole microseconds: more than a clock keeps, and equal intervals meet in one batch.
+Duration to_duration(double interval_ms)
+{
+    return std::chrono::microseconds{static_cast<std::int64_t>(std::ceil(interval_ms * 1'000))};
+}
+
+/// Of the steps the first that is long enough; past them all the minimum itself.
+Duration not_shorter(const std::vector<milliseconds>& intervals, double minimum)
+{
+    const auto found =
+        std::find_if(intervals.begin(), intervals.end(), [minimum](milliseconds interval) {
+            return static_cast<double>(interval.count()) >= minimum;
+        });
+    return found != intervals.end() ? Duration{*found} : to_duration(minimum);
+}
+
 } // namespace
 
 Duration SamplingPolicy::revise(double requested_milliseconds, Duration publishing_interval,
-                                bool can_follow_scans) const
+                                bool can_follow_scans, double minimum_sampling_interval) const
 {
     if (requested_milliseconds == 0 && can_follow_scans && samples_each_scan) {
         return Duration::zero();
@@ -37,13 +53,18 @@ Duration SamplingPolicy::revise(double requested_milliseconds, Duration publishi
     const bool is_default = !(requested_milliseconds >= 0);
     const double requested =
         is_default ? to_milliseconds(publishing_interval) : requested_milliseconds;
+    // A year is as good as for ever, and clocks can count it. The minimum may be no number either.
+    constexpr double longest = 365.0 * 86'400'000;
+    const double minimum =
+        minimum_sampling_interval > 0 ? std::min(minimum_sampling_interval, longest) : 0;
     if (!intervals.empty()) {
-        return nearest(intervals, std::min(requested, to_milliseconds(intervals.back())));
+        const milliseconds step =
+            nearest(intervals, std::min(requested, to_milliseconds(intervals.back())));
+        return to_milliseconds(step) >= minimum ? step : not_shorter(intervals, minimum);
     }
-    // Whole microseconds: more than a clock keeps, and equal intervals meet in one batch.
     const double clamped = std::clamp(requested, static_cast<double>(min_interval.count()),
                                       static_cast<double>(max_interval.count()));
-    return std::chrono::microseconds{static_cast<std::int64_t>(std::ceil(clamped * 1'000))};
+    return to_duration(std::max(clamped, minimum));
 }
 
 SamplingPolicy stepped_sampling()

@@ -137,11 +137,13 @@ void RepublishOperation::start(ServiceContext& context)
     }
     const std::vector<std::byte>* const message =
         subscription->retransmission().find(request().retransmit_sequence_number);
+    subscription->count(&SubscriptionDiagnosticsDataType::republish_request_count);
     subscription->handle(SubscriptionEvent::Republish,
                          {.now = context.now, .is_message_found = message != nullptr});
     if (message == nullptr) {
         return fault(status::Bad_MessageNotAvailable);
     }
+    subscription->count(&SubscriptionDiagnosticsDataType::republish_message_count);
     respond<RepublishResponse>([&](binary::Writer& writer) { writer.bytes(*message); });
 }
 

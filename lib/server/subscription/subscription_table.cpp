@@ -30,7 +30,11 @@ Subscriptions::Subscriptions(Core& core)
 {
 }
 
-Subscriptions::~Subscriptions() = default;
+Subscriptions::~Subscriptions()
+{
+    subscriptions_.clear();
+    sampler_->tell_sources();
+}
 
 std::uint32_t Subscriptions::new_id()
 {
@@ -103,10 +107,11 @@ void Subscriptions::user_changed(Session& session, TimePoint now)
     }
 }
 
-void Subscriptions::announce_change(const NodeId& variable, std::uint32_t status_bits)
+void Subscriptions::announce_change(const std::unordered_set<NodeId>& variables,
+                                    std::uint32_t status_bits)
 {
     for (const auto& [id, subscription] : subscriptions_) {
-        subscription->announce_change(variable, status_bits);
+        subscription->announce_change(variables, status_bits);
     }
 }
 

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <memory>
 #include <unordered_map>
+#include <unordered_set>
 
+#include <busbar/core/node_id.hpp>
 #include <busbar/core/result.hpp>
 
 #include "timer_queue.hpp"
@@ -42,14 +44,15 @@ public:
     /// The session has another user.
     void user_changed(Session& session, TimePoint now);
 
-    /// Tells all items of the Variable's value; see DataItem::announce_change.
-    void announce_change(const NodeId& variable, std::uint32_t status_bits);
+    /// Tells all items of the Variables' values; see DataItem::announce_change.
+    void announce_change(const std::unordered_set<NodeId>& variables, std::uint32_t status_bits);
 
     [[nodiscard]] TimePoint next_deadline() const { return timers_.next_deadline(); }
     void handle_deadline(TimePoint now) { timers_.expire(now); }
 
     [[nodiscard]] TimerQueue& timers() { return timers_; }
     [[nodiscard]] Sampler& sampler() { return *sampler_; }
+    [[nodiscard]] const Sampler& sampler() const { return *sampler_; }
     [[nodiscard]] MemoryAccount& memory() { return memory_; }
     [[nodiscard]] std::size_t size() const { return subscriptions_.size(); }
     [[nodiscard]] std::size_t item_count() const { return item_count_; }

@@ -26,6 +26,9 @@ StatusCode transfer(ServiceContext& context, Subscription& subscription, bool se
 {
     const SubscriptionLimits& limits = context.core.limits().subscriptions;
     Session& session = *context.session;
+    subscription.count(&SubscriptionDiagnosticsDataType::transfer_request_count);
+    const bool is_same_application =
+        subscription.owner().application_uri == session.client_application_uri;
     const bool is_validated = is_same_client(subscription.owner(), session);
     if (is_validated && subscription.session() != &session &&
         PublishPart::of(session).subscriptions().size() >= limits.max_subscriptions_per_session) {
@@ -38,6 +41,9 @@ StatusCode transfer(ServiceContext& context, Subscription& subscription, bool se
         return subscription.session() == &session ? status::Bad_NothingToDo
                                                   : status::Bad_UserAccessDenied;
     }
+    subscription.count(is_same_application
+                           ? &SubscriptionDiagnosticsDataType::transferred_to_same_client_count
+                           : &SubscriptionDiagnosticsDataType::transferred_to_alt_client_count);
     if (sends_initial_values) {
         subscription.resend_data(context.now);
     }

@@ -141,9 +141,10 @@ void ValueQueue::set(DataValue& to, const DataValue& data, const Variant& value)
     to.source_picoseconds = data.source_picoseconds;
 }
 
-void ValueQueue::push(const DataValue& data, const Variant& value, StatusCode status,
+bool ValueQueue::push(const DataValue& data, const Variant& value, StatusCode status,
                       DateTime server_timestamp)
 {
+    const bool has_lost = size_ == capacity_ && capacity_ > 1;
     bool is_overflow = false;
     newest_ = make_place(is_overflow);
     DataValue& to = at(newest_);
@@ -152,6 +153,7 @@ void ValueQueue::push(const DataValue& data, const Variant& value, StatusCode st
     to.server_timestamp = server_timestamp;
     size_ += size_ < capacity_ && !is_overflow ? 1 : 0;
     has_newest_ = true;
+    return has_lost;
 }
 
 void ValueQueue::clear()

@@ -74,8 +74,8 @@ public:
     /// The newest value, queued or taken; null if there was none since clear().
     [[nodiscard]] const DataValue* newest() const { return has_newest_ ? &at(newest_) : nullptr; }
     /// Queues a copy; `value` may stand for `data.value`. What the account cannot pay is queued as
-    /// Bad_OutOfMemory.
-    void push(const DataValue& data, const Variant& value, StatusCode status,
+    /// Bad_OutOfMemory. True if another one was lost to make place, but not in a queue of one.
+    bool push(const DataValue& data, const Variant& value, StatusCode status,
               DateTime server_timestamp);
     [[nodiscard]] const DataValue& oldest() const { return at(oldest_index()); }
     void pop() { --size_; }

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include <busbar/core/variant.hpp>
+#include <busbar/types/data_types.hpp>
+
+/// Sessions and Subscriptions as the diagnostics' structures.
+namespace busbar::server::detail {
+
+struct Core;
+class Session;
+class Subscription;
+
+[[nodiscard]] inline std::uint32_t count(std::size_t value)
+{
+    return static_cast<std::uint32_t>(std::min<std::size_t>(value, UINT32_MAX));
+}
+
+[[nodiscard]] SessionDiagnosticsDataType describe_session(const Core& core, const Session& session);
+[[nodiscard]] SessionSecurityDiagnosticsDataType describe_security(const Session& session);
+[[nodiscard]] SubscriptionDiagnosticsDataType
+describe_subscription(const Core& core, const Subscription& subscription);
+/// An array of those that the session has.
+[[nodiscard]] Variant describe_subscriptions(const Core& core, const Session& session);
+
+} // namespace busbar::server::detail

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include <busbar/binary/type_registry.hpp>
+#include <busbar/core/function_ref.hpp>
+#include <busbar/model/address_space.hpp>
+#include <busbar/types/data_types.hpp>
+
+#include "server/data_call.hpp"
+
+namespace busbar::server::detail {
+
+/// Who wants to know an EURange that a data source has.
+class EuRangeUser {
+public:
+    /// Nothing if the source has none. The read may be destroyed from here.
+    virtual void eu_range_came(const std::optional<Range>& range) = 0;
+
+protected:
+    ~EuRangeUser() = default;
+};
+
+/// The property EURange of a Variable (Part 8, 5.3.2.2), no_node if it has none.
+[[nodiscard]] model::NodeIndex find_eu_range(const model::AddressSpace& space,
+                                             model::NodeIndex variable);
+
+/// Asks a data source for the value of an EURange. Nobody waits for it: as long as the source does
+/// not answer nothing happens. Destroying it ends that.
+class EuRangeRead final : private CallOwner {
+public:
+    EuRangeRead(EuRangeUser& user, DataSources& sources) : user_{&user}, call_{sources, 1} {}
+
+    /// Tells the user at once, or when the answer comes.
+    void start(const model::VariableAttributes& property, TimePoint now);
+
+private:
+    void call_completed() override;
+
+    EuRangeUser* user_;
+    ReadCall call_;
+};
+
+} // namespace busbar::server::detail

@@ -1,0 +1,81 @@
+#include "monitored_handles.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <busbar/server/data_source.hpp>
+
+#include "server/data_sources.hpp"
+
+namespace busbar::server::detail {
+
+void MonitoredHandles::change(Use& use, const Use& next)
+{
+    if (use == next) {
+        return;
+    }
+    add(next);
+    remove(std::exchange(use, next));
+}
+
+void MonitoredHandles::add(const Use& use)
+{
+    if (use.source == model::no_source) {
+        return;
+    }
+    const Key key{use.source, use.handle};
+    Entry& entry = entries_[key];
+    ++entry.items[use.interval];
+    note_change(key, entry);
+}
+
+void MonitoredHandles::remove(const Use& use)
+{
+    if (use.source == model::no_source) {
+        return;
+    }
+    const Key key{use.source, use.handle};
+    Entry& entry = entries_.find(key)->second;
+    const auto items = entry.items.find(use.interval);
+    if (--items->second == 0) {
+        entry.items.erase(items);
+    }
+    note_change(key, entry);
+}
+
+void MonitoredHandles::note_change(const Key& key, Entry& entry)
+{
+    if (!std::exchange(entry.is_changed, true)) {
+        changed_.push_back(key);
+    }
+}
+
+void MonitoredHandles::tell(DataSources& sources)
+{
+    if (changed_.empty()) {
+        return;
+    }
+    std::vector<Key> changed = std::exchange(changed_, {});
+    std::sort(changed.begin(), changed.end());
+    std::vector<Monitoring> batch;
+    for (std::size_t i = 0; i < changed.size(); ++i) {
+        const auto found = entries_.find(changed[i]);
+        Entry& entry = found->second;
+        entry.is_changed = false;
+        const std::optional<Duration> now =
+            entry.items.empty() ? std::nullopt : std::optional{entry.items.begin()->first};
+        if (std::exchange(entry.told, now) != now) {
+            batch.push_back({changed[i].handle, now});
+        }
+        if (!now) {
+            entries_.erase(found);
+        }
+        const bool is_last = i + 1 == changed.size() || changed[i + 1].source != changed[i].source;
+        if (is_last && !batch.empty()) {
+            (*sources.find(changed[i].source))->source().monitoring_changed(batch);
+            batch.clear();
+        }
+    }
+}
+
+} // namespace busbar::server::detail

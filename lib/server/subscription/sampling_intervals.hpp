@@ -1,0 +1,60 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <map>
+#include <utility>
+
+#include <busbar/core/clock.hpp>
+
+namespace busbar::server::detail {
+
+/// How many items have each sampling interval, for the diagnostics (Part 5, 12.8). Nothing is
+/// counted where clients may have any interval.
+class SamplingIntervals {
+public:
+    struct Items {
+        std::size_t enabled{0};
+        std::size_t disabled{0};
+        /// That there ever were at the same time.
+        std::size_t most{0};
+    };
+    /// Where one item is counted.
+    struct Use {
+        bool is_counted{false};
+        bool is_disabled{false};
+        Duration interval{0};
+    };
+
+    /// `is_fixed`: there are only a few intervals.
+    explicit SamplingIntervals(bool is_fixed) : is_fixed_{is_fixed} {}
+
+    void change(Use& use, const Use& next)
+    {
+        if (!is_fixed_) {
+            return;
+        }
+        if (use.is_counted) {
+            --place(use);
+        }
+        if (next.is_counted) {
+            ++place(next);
+            Items& items = items_[next.interval];
+            items.most = std::max(items.most, items.enabled + items.disabled);
+        }
+        use = next;
+    }
+    [[nodiscard]] const std::map<Duration, Items>& all() const { return items_; }
+
+private:
+    [[nodiscard]] std::size_t& place(const Use& use)
+    {
+        Items& items = items_[use.interval];
+        return use.is_disabled ? items.disabled : items.enabled;
+    }
+
+    bool is_fixed_;
+    std::map<Duration, Items> items_;
+};
+
+} // namespace busbar::server::detail
