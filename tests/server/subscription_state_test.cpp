@@ -163,6 +163,28 @@ TEST_CASE("row 5: in NORMAL with more Notifications a Publish request is answere
     CHECK(rest->notification_message.sequence_number == 2);
 }
 
+TEST_CASE("row 4: what there was more of and has gone with its items is not sent")
+{
+    OneSubscription one{one_at_a_time()};
+    one.add_item();
+    const auto second = one.monitor(one.client, one.id, one.item_request(one.level));
+    const auto first = one.publish(one.client);
+    one.advance(cycle);
+    CHECK(one.data_count(first) == 1);
+    DeleteMonitoredItemsRequest remove;
+    remove.subscription_id = one.id;
+    remove.monitored_item_ids = {second.monitored_item_id};
+    CHECK(one.client.status_of<DeleteMonitoredItemsResponse>(remove) == status::Good);
+    const auto request = one.publish(one.client);
+    CHECK(one.waits(request));
+    // The sequence goes on without a gap.
+    one.set(0, 2);
+    one.advance(cycle);
+    const auto response = one.take(one.client, request);
+    REQUIRE(response);
+    CHECK(response->notification_message.sequence_number == 2);
+}
+
 TEST_CASE("row 6: in NORMAL the timer sends Notifications with the queued request")
 {
     OneSubscription one;

@@ -41,10 +41,12 @@ SubscriptionVariables Subscription::variables(const Input& input) const
     v.publishing_enabled = publishing_enabled_;
     v.publishing_req_queued =
         session_ != nullptr && PublishPart::of(*session_).next_request() != nullptr;
-    v.more_notifications = more_notifications_;
+    // What there was more of may have gone with its items.
+    v.more_notifications = more_notifications_ && notifications_available();
     v.notifications_available = notifications_available();
     v.message_sent = message_sent_;
     v.keep_alive_counter = keep_alive_counter_;
+    v.lifetime_counter = lifetime_counter_;
     v.lifetime_counter = lifetime_counter_;
     v.max_keep_alive_count = parameters_.max_keep_alive_count;
     v.requested_message_found = input.is_message_found;
