@@ -170,6 +170,24 @@ TEST_CASE("Publish requests end with their timeout, by Cancel and with the sessi
     CHECK(fixture.status_of(client, last) == status::Bad_SessionClosed);
 }
 
+TEST_CASE("a Publish request that has timed out is not used, whoever notices it first")
+{
+    SubscriptionFixture fixture;
+    const NodeId level = fixture.add_variable("level", 1);
+    auto client = fixture.log_in();
+    const auto id = fixture.subscribe(client);
+    fixture.monitor(client, id, fixture.item_request(level));
+    client.timeout_hint = 50;
+    const auto late = fixture.publish(client);
+    client.timeout_hint = 0;
+    const auto waiting = fixture.publish(client);
+    fixture.advance(cycle); // time has not passed for the connection yet
+    CHECK(fixture.status_of(client, late) == status::Bad_Timeout);
+    const auto response = fixture.take(client, waiting);
+    REQUIRE(response);
+    CHECK(fixture.data(response->notification_message).size() == 1);
+}
+
 TEST_CASE("the highest priority is served first, then the one that waits longest")
 {
     SubscriptionFixture fixture;

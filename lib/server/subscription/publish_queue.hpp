@@ -74,6 +74,9 @@ public:
     }
     /// Queues the request. Of more than `most` the oldest answers Bad_TooManyPublishRequests.
     void enqueue(PublishOperation& request, std::size_t most);
+    /// Those whose timeoutHint has passed answer Bad_Timeout: to be called before requests are
+    /// taken (Part 4, 5.14.1.4, DequeuePublishReq).
+    void refuse_overdue(TimePoint now);
     /// The request that waits longest; null if there is none. Requests that were answered by
     /// others, for their timeout say, are passed over.
     [[nodiscard]] PublishOperation* next_request();

@@ -46,8 +46,6 @@ SubscriptionVariables Subscription::variables(const Input& input) const
     v.notifications_available = notifications_available();
     v.message_sent = message_sent_;
     v.keep_alive_counter = keep_alive_counter_;
-    v.lifetime_counter = lifetime_counter_;
-    v.lifetime_counter = lifetime_counter_;
     v.max_keep_alive_count = parameters_.max_keep_alive_count;
     v.requested_message_found = input.is_message_found;
     v.session_changed = input.session != session_;
