@@ -408,11 +408,11 @@ TEST_CASE("GetMonitoredItems and ResendData are there as functions")
     auto& ready = subscription.ready(server::detail::MonitoredItem::Kind::Data);
     binary::VectorSink sink;
     binary::Writer writer{sink};
-    ready.take_notification(writer);
+    ready.take_notification(writer, 1'000);
     CHECK_FALSE(ready.empty()); // the other item's first value
     CHECK(resend_data(core, session, subscription.id(), {}) == status::Good);
-    ready.take_notification(writer);
-    ready.take_notification(writer);
+    ready.take_notification(writer, 1'000);
+    ready.take_notification(writer, 1'000);
     CHECK(ready.empty());
     CHECK(resend_data(core, other, subscription.id(), {}) == status::Bad_UserAccessDenied);
     CHECK(resend_data(core, session, 0, {}) == status::Bad_SubscriptionIdInvalid);

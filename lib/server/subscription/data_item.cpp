@@ -221,11 +221,17 @@ std::size_t DataItem::notification_size() const
     return held_bytes(value) == 0 ? most_flat : most_flat + encoded_size(value);
 }
 
-void DataItem::take_notification(binary::Writer& writer)
+void DataItem::take_notification(binary::Writer& writer, std::size_t most)
 {
     const DataValue& oldest = queue_.oldest();
     writer.number(client_handle());
-    encode_data_value(writer, oldest, oldest.value, {timestamps_, oldest.server_timestamp});
+    if (notification_size() <= most) {
+        encode_data_value(writer, oldest, oldest.value, {timestamps_, oldest.server_timestamp});
+    } else {
+        DataValue reason{status::Bad_EncodingLimitsExceeded};
+        reason.source_timestamp = oldest.source_timestamp;
+        encode_data_value(writer, reason, reason.value, {timestamps_, oldest.server_timestamp});
+    }
     queue_.pop();
 }
 
