@@ -174,8 +174,14 @@ void DataItem::mode_changed(const ItemContext& context, MonitoringMode before)
     }
 }
 
-void DataItem::user_changed(const ItemContext&)
+void DataItem::user_changed(const ItemContext& context)
 {
+    const ReadPlan plan = plan_sample(context.core, subscription().user(), value_id_);
+    if (plan.source == nullptr && plan.answer.status.is_bad()) {
+        // What the user before was allowed to know is not this one's.
+        queue_.clear();
+        subscription().ready(Kind::Data).remove(*this);
+    }
     if (group_ != nullptr) {
         rebind_in_group(*this);
     }
