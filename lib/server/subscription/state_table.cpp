@@ -117,7 +117,8 @@ constexpr std::array rows{
         [](const Variables& v) {
             return !v.publishing_enabled || (!v.notifications_available && !v.more_notifications);
         },
-        // Without a new count the next cycle would send one more.
+        // The new count is not the table's: without it what row 17 left would send one more with
+        // the next cycle, and 5.14.1.1 counts cycles between messages.
         {A::ResetLifetimeCounter, A::ReturnKeepAlive, A::SetMessageSent, A::ResetKeepAliveCounter},
         State::KeepAlive),
     stay(12, {State::Late}, Event::PublishingTimer, always, {A::StartPublishingTimer}),
