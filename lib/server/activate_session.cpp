@@ -316,7 +316,8 @@ void ActivateSession::accept(UserIdentity user, TimePoint now)
             }
         }
     }
-    const bool is_other_user = !is_same_user(session.user, user);
+    // Also the same user, with other rights than before.
+    const bool is_other_user = !(session.user == user);
     session.server_nonce = *std::move(nonce);
     session.is_activated = true;
     session.link = link_;

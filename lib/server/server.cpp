@@ -9,6 +9,7 @@
 #include "core.hpp"
 #include "link.hpp"
 #include "subscription/sampler.hpp"
+#include "user_expiry.hpp"
 
 namespace busbar::server {
 
@@ -141,9 +142,10 @@ bool Server::Impl::make_place()
 
 TimePoint Server::next_deadline() const
 {
-    const detail::Session* first = impl_->sessions.next_to_expire();
-    return std::min({first != nullptr ? first->deadline : no_deadline, impl_->shutdown_deadline,
-                     impl_->certificate_check, impl_->subscriptions.next_deadline()});
+    const detail::Session* first = impl_->sessions.next_due();
+    return std::min({first != nullptr ? first->next_deadline() : no_deadline,
+                     impl_->shutdown_deadline, impl_->certificate_check,
+                     impl_->subscriptions.next_deadline()});
 }
 
 void Server::start(TimePoint now)
@@ -166,11 +168,15 @@ void Server::handle_deadline(TimePoint now)
 
 void Server::Impl::expire_sessions(TimePoint now)
 {
-    detail::Session* session = sessions.next_to_expire();
-    while (session != nullptr && session->deadline <= now) {
-        ++diagnostics.summary.session_timeout_count;
-        close_session(*session, status::Bad_SessionClosed);
-        session = sessions.next_to_expire();
+    detail::Session* session = sessions.next_due();
+    while (session != nullptr && session->next_deadline() <= now) {
+        if (session->deadline <= now) {
+            ++diagnostics.summary.session_timeout_count;
+            close_session(*session, status::Bad_SessionClosed);
+        } else {
+            detail::expire_user(*this, *session, now);
+        }
+        session = sessions.next_due();
     }
 }
 
@@ -252,6 +258,11 @@ void Server::announce_semantics_change(const NodeId& variable)
 void Server::announce_structure_change(const NodeId& variable)
 {
     impl_->subscriptions.announce_change({variable}, detail::ValueQueue::structure_changed_bit);
+}
+
+void Server::announce_access_change(TimePoint now)
+{
+    impl_->subscriptions.access_changed(now);
 }
 
 Server::SamplingState Server::sampling_state() const

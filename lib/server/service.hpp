@@ -55,6 +55,8 @@ public:
     virtual void handle_deadline(TimePoint) {}
 
     [[nodiscard]] bool is_finished() const { return link_ == nullptr; }
+    /// The client does not wait for it any more.
+    [[nodiscard]] bool is_overdue(TimePoint now) const { return client_deadline_ <= now; }
     [[nodiscard]] Session* session() const { return session_; }
 
 protected:

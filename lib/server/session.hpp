@@ -45,6 +45,8 @@ public:
     void release(std::size_t bytes) { memory_left_ += bytes; }
     /// A request has come.
     void touch(TimePoint now) { deadline = std::min(now + timeout, ends_at); }
+    /// When it ends or loses its user, if no request comes.
+    [[nodiscard]] TimePoint next_deadline() const { return std::min(deadline, user_deadline); }
 
     NodeId id;
     NodeId authentication_token;

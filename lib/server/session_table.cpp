@@ -49,11 +49,11 @@ Session* SessionTable::oldest_unactivated()
     return oldest;
 }
 
-Session* SessionTable::next_to_expire() const
+Session* SessionTable::next_due() const
 {
     Session* first = nullptr;
     for (const auto& [token, session] : sessions_) {
-        if (first == nullptr || session->deadline < first->deadline) {
+        if (first == nullptr || session->next_deadline() < first->next_deadline()) {
             first = session.get();
         }
     }

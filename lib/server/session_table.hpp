@@ -22,8 +22,8 @@ public:
     [[nodiscard]] bool has_activated(const Link& link) const;
     /// The oldest that was never activated, or null (Part 4, 5.7.2.1).
     [[nodiscard]] Session* oldest_unactivated();
-    /// The session that is overdue first, or null if there is none at all.
-    [[nodiscard]] Session* next_to_expire() const;
+    /// The session with the first deadline, or null if there is none at all.
+    [[nodiscard]] Session* next_due() const;
     [[nodiscard]] Session* any() const
     {
         return empty() ? nullptr : sessions_.begin()->second.get();

@@ -61,6 +61,7 @@ void expire_user(Core& core, Session& session, TimePoint now)
     UserStore* users = core.environment.users;
     session.user = users != nullptr ? users->anonymous() : anonymous_reader();
     session.user_deadline = no_deadline;
+    core.subscriptions.user_changed(session, now);
 }
 
 } // namespace busbar::server::detail

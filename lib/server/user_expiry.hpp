@@ -14,7 +14,8 @@ class Session;
 void set_user(Core& core, const EndpointConfig& endpoint, Session& session, UserIdentity user,
               TimePoint now);
 
-/// Before the session is used: takes a user away whose time is over.
+/// In time, and before the session is used: takes a user away whose time is over. What the
+/// session's Subscriptions may see is looked at again.
 void expire_user(Core& core, Session& session, TimePoint now);
 
 } // namespace busbar::server::detail

@@ -355,3 +355,35 @@ TEST_CASE_METHOD(EventFixture, "items that fail cost nothing that lasts")
     CHECK(server.monitored_item_count() == 0);
     CHECK(monitor(client, id, event_request()).status_code == status::Good);
 }
+
+// Part 4, 7.22.3.
+TEST_CASE_METHOD(EventFixture, "fields that no response can take give way to a reason")
+{
+    auto small = connect();
+    auto create = small.create_request();
+    create.max_response_message_size = 10'000;
+    REQUIRE(small.create_session(create));
+    REQUIRE(small.activate(small.anonymous()) == status::Good);
+    const auto subscription = subscribe(small);
+    monitor(small, subscription, event_request(selecting({"SourceName", "Message", "Severity"})));
+    server::Event event;
+    event.source_name = String{std::string(6'000, 's')};
+    event.message = LocalizedText{String{std::string(7'000, 'm')}};
+    event.severity = 300;
+    CHECK(server.raise_event(event));
+    event.message = LocalizedText{"fits"};
+    CHECK(server.raise_event(event));
+    server.handle_completions(now);
+
+    auto events = next_events(small);
+    REQUIRE(events.size() == 1);
+    REQUIRE(events[0].event_fields.size() == 3);
+    // The largest, and no more than has to be.
+    CHECK(events[0].event_fields[0] == Variant{event.source_name});
+    CHECK(events[0].event_fields[1] == Variant{status::Bad_EncodingLimitsExceeded});
+    CHECK(events[0].event_fields[2] == Variant{std::uint16_t{300}});
+    events = next_events(small);
+    REQUIRE(events.size() == 1);
+    CHECK(events[0].event_fields[0] == Variant{event.source_name});
+    CHECK(events[0].event_fields[1] == Variant{event.message});
+}

@@ -170,6 +170,24 @@ TEST_CASE("Publish requests end with their timeout, by Cancel and with the sessi
     CHECK(fixture.status_of(client, last) == status::Bad_SessionClosed);
 }
 
+TEST_CASE("a Publish request that has timed out is not used, whoever notices it first")
+{
+    SubscriptionFixture fixture;
+    const NodeId level = fixture.add_variable("level", 1);
+    auto client = fixture.log_in();
+    const auto id = fixture.subscribe(client);
+    fixture.monitor(client, id, fixture.item_request(level));
+    client.timeout_hint = 50;
+    const auto late = fixture.publish(client);
+    client.timeout_hint = 0;
+    const auto waiting = fixture.publish(client);
+    fixture.advance(cycle); // time has not passed for the connection yet
+    CHECK(fixture.status_of(client, late) == status::Bad_Timeout);
+    const auto response = fixture.take(client, waiting);
+    REQUIRE(response);
+    CHECK(fixture.data(response->notification_message).size() == 1);
+}
+
 TEST_CASE("the highest priority is served first, then the one that waits longest")
 {
     SubscriptionFixture fixture;
@@ -390,11 +408,11 @@ TEST_CASE("GetMonitoredItems and ResendData are there as functions")
     auto& ready = subscription.ready(server::detail::MonitoredItem::Kind::Data);
     binary::VectorSink sink;
     binary::Writer writer{sink};
-    ready.take_notification(writer);
+    ready.take_notification(writer, 1'000);
     CHECK_FALSE(ready.empty()); // the other item's first value
     CHECK(resend_data(core, session, subscription.id(), {}) == status::Good);
-    ready.take_notification(writer);
-    ready.take_notification(writer);
+    ready.take_notification(writer, 1'000);
+    ready.take_notification(writer, 1'000);
     CHECK(ready.empty());
     CHECK(resend_data(core, other, subscription.id(), {}) == status::Bad_UserAccessDenied);
     CHECK(resend_data(core, session, 0, {}) == status::Bad_SubscriptionIdInvalid);

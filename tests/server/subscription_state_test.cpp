@@ -24,7 +24,7 @@ struct OneSubscription : SubscriptionFixture {
     {
     }
     void add_item() { CHECK(monitor(client, id, item_request(level)).status_code == status::Good); }
-    /// Brings the Subscription from its first message to state KEEPALIVE.
+    /// Brings the Subscription from its first message to state KEEPALIVE, one cycle counted.
     void go_to_keep_alive()
     {
         const auto first = publish(client);
@@ -68,12 +68,15 @@ TEST_CASE("the table has all 27 rows, and one and only one for each situation")
         numbers.push_back(row.number);
     }
     std::sort(numbers.begin(), numbers.end());
+    CHECK(std::count(numbers.begin(), numbers.end(), 9U) == 3); // for a counter that comes to 0
+    REQUIRE(numbers.size() == 29);
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
     REQUIRE(numbers.size() == 27);
     CHECK(numbers.front() == 1);
     CHECK(std::adjacent_find(numbers.begin(), numbers.end(),
                              [](unsigned a, unsigned b) { return b != a + 1; }) == numbers.end());
 
-    for (unsigned bits = 0; bits < 1U << 11U; ++bits) {
+    for (unsigned bits = 0; bits < 1U << 12U; ++bits) {
         const auto bit = [bits](unsigned i) { return (bits >> i & 1U) != 0; };
         SubscriptionVariables v;
         v.publishing_enabled = bit(0);
@@ -87,6 +90,7 @@ TEST_CASE("the table has all 27 rows, and one and only one for each situation")
         v.session_changed = bit(8);
         v.client_validated = bit(9);
         v.subscription_assigned_to_client = bit(10);
+        v.max_keep_alive_count = bit(11) ? 1 : 2;
         for (const auto state :
              {SubscriptionState::Normal, SubscriptionState::Late, SubscriptionState::KeepAlive}) {
             for (const auto event :
@@ -159,6 +163,28 @@ TEST_CASE("row 5: in NORMAL with more Notifications a Publish request is answere
     CHECK(rest->notification_message.sequence_number == 2);
 }
 
+TEST_CASE("row 4: what there was more of and has gone with its items is not sent")
+{
+    OneSubscription one{one_at_a_time()};
+    one.add_item();
+    const auto second = one.monitor(one.client, one.id, one.item_request(one.level));
+    const auto first = one.publish(one.client);
+    one.advance(cycle);
+    CHECK(one.data_count(first) == 1);
+    DeleteMonitoredItemsRequest remove;
+    remove.subscription_id = one.id;
+    remove.monitored_item_ids = {second.monitored_item_id};
+    CHECK(one.client.status_of<DeleteMonitoredItemsResponse>(remove) == status::Good);
+    const auto request = one.publish(one.client);
+    CHECK(one.waits(request));
+    // The sequence goes on without a gap.
+    one.set(0, 2);
+    one.advance(cycle);
+    const auto response = one.take(one.client, request);
+    REQUIRE(response);
+    CHECK(response->notification_message.sequence_number == 2);
+}
+
 TEST_CASE("row 6: in NORMAL the timer sends Notifications with the queued request")
 {
     OneSubscription one;
@@ -210,10 +236,33 @@ TEST_CASE("row 9: with a message sent and nothing to report KEEPALIVE begins")
     one.go_to_keep_alive();
     const auto request = one.publish(one.client);
     one.advance(cycle); // row 16
-    one.advance(cycle); // row 16
     CHECK(one.waits(request));
-    one.advance(cycle); // row 15
+    one.advance(cycle); // row 15: the third cycle without a message
     CHECK(one.is_keep_alive(request));
+}
+
+TEST_CASE("row 9: a keep-alive count of 1 means one in each cycle without a message")
+{
+    auto request = SubscriptionFixture::subscription_request();
+    request.requested_max_keep_alive_count = 1;
+    OneSubscription one{request};
+    one.add_item();
+    const auto first = one.publish(one.client);
+    one.advance(cycle);
+    CHECK(one.data_count(first) == 1);
+    SECTION("with a request")
+    {
+        for (int i = 0; i < 3; ++i) {
+            const auto next = one.publish(one.client);
+            one.advance(cycle);
+            CHECK(one.is_keep_alive(next));
+        }
+    }
+    SECTION("without one it is late")
+    {
+        one.advance(cycle);
+        CHECK(one.is_keep_alive(one.publish(one.client)));
+    }
 }
 
 TEST_CASE("row 10: in LATE a Publish request gets the Notifications, and NORMAL goes on")
@@ -272,6 +321,10 @@ TEST_CASE("row 15: at the end of the keep-alive count a keep-alive is sent, agai
 {
     OneSubscription one;
     one.go_to_keep_alive();
+    const auto first = one.publish(one.client);
+    one.advance(cycle);
+    one.advance(cycle);
+    CHECK(one.is_keep_alive(first));
     for (int i = 0; i < 3; ++i) {
         const auto request = one.publish(one.client);
         one.advance(cycle);
@@ -290,7 +343,6 @@ TEST_CASE("row 16: in KEEPALIVE the timer counts, also while publishing is disab
     CHECK(one.set_publishing(one.client, one.id, false) == status::Good);
     const auto request = one.publish(one.client);
     one.advance(cycle);
-    one.advance(cycle);
     CHECK(one.waits(request));
     one.advance(cycle);
     CHECK(one.is_keep_alive(request));
@@ -308,7 +360,6 @@ TEST_CASE("row 17: in KEEPALIVE without a request Notifications, or the count, m
     }
     SECTION("the count")
     {
-        one.advance(cycle);
         one.advance(cycle);
         one.advance(cycle);
         CHECK(one.is_keep_alive(one.publish(one.client)));

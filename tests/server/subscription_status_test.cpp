@@ -2,9 +2,8 @@
 
 #include "subscription_fixture.hpp"
 
-// Every StatusCode that the tables of Part 4, 5.13 and 5.14 list is provoked here or, where a case
-// says so, in the state test. Two cannot be: Good_RetransmissionQueueNotSupported, since there is
-// a queue, and Bad_InsufficientClientProfile, since no Subscription needs any profile of a client.
+// How requests are refused in combinations, and what that leaves behind; that no StatusCode is
+// missing is for the table in subscription_codes_test.cpp.
 
 using namespace busbar;
 using namespace busbar::test;

@@ -99,6 +99,10 @@ public:
     void announce_semantics_change(const NodeId& variable);
     /// The same with the StructureChanged bit (Part 4, 7.38.1).
     void announce_structure_change(const NodeId& variable);
+    /// The AccessControl decides otherwise than before: what MonitoredItems may see is looked at
+    /// again, and an item that lost or got its rights reports that (Part 4, 5.13.2.1). Requests ask
+    /// anew in any case.
+    void announce_access_change(TimePoint now);
 
     struct SamplingState {
         /// The shortest interval that an item was given; zero if there is none.

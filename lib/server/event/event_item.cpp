@@ -1,6 +1,9 @@
 #include "event_item.hpp"
 
 #include <algorithm>
+#include <functional>
+#include <utility>
+#include <vector>
 
 #include <busbar/binary/codec.hpp>
 #include <busbar/types/subscription.hpp>
@@ -35,6 +38,27 @@ StatusCode check_notifier(const ItemContext& context, const ReadValueId& id)
     }
     const auto notifier = plan.answer.value.value_or<std::uint8_t>(0);
     return (notifier & subscribe_to_events) != 0 ? status::Good : status::Bad_NotSupported;
+}
+
+/// The fields with Bad_EncodingLimitsExceeded in place of as many of the largest as take `excess`
+/// bytes (Part 4, 7.22.3).
+EventItemQueue::Fields without_largest(EventItemQueue::Fields fields, std::size_t excess)
+{
+    const Variant reason{status::Bad_EncodingLimitsExceeded};
+    const std::size_t reason_size = encoded_size(reason);
+    std::vector<std::pair<std::size_t, Variant*>> by_size;
+    for (Variant& field : fields) {
+        by_size.emplace_back(encoded_size(field), &field);
+    }
+    std::sort(by_size.begin(), by_size.end(), std::greater{});
+    for (const auto& [size, field] : by_size) {
+        if (excess == 0 || size <= reason_size) {
+            break;
+        }
+        *field = reason;
+        excess -= std::min(excess, size - reason_size);
+    }
+    return fields;
 }
 
 } // namespace
@@ -137,11 +161,16 @@ std::size_t EventItem::notification_size() const
     return writer.written();
 }
 
-void EventItem::take_notification(binary::Writer& writer)
+void EventItem::take_notification(binary::Writer& writer, std::size_t most)
 {
     // An EventFieldList (Part 4, 7.25.3), encoded from where the fields lie.
     encode(writer, client_handle());
-    encode(writer, queue_.oldest());
+    const std::size_t size = notification_size();
+    if (size <= most) {
+        encode(writer, queue_.oldest());
+    } else {
+        encode(writer, without_largest(queue_.oldest(), size - most));
+    }
     queue_.pop();
     subscription().count(&SubscriptionDiagnosticsDataType::event_notifications_count);
 }

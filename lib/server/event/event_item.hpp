@@ -31,7 +31,7 @@ public:
 
     [[nodiscard]] std::size_t queued() const override { return queue_.size(); }
     [[nodiscard]] std::size_t notification_size() const override;
-    void take_notification(binary::Writer& writer) override;
+    void take_notification(binary::Writer& writer, std::size_t most) override;
     void modify(const ItemContext& context, const MonitoringParameters& parameters,
                 TimestampsToReturn timestamps, ItemRevision& revision) override;
     void user_changed(const ItemContext& context) override;

@@ -232,8 +232,14 @@ void DataItem::mode_changed(const ItemContext& context, MonitoringMode before)
     }
 }
 
-void DataItem::user_changed(const ItemContext&)
+void DataItem::user_changed(const ItemContext& context)
 {
+    const ReadPlan plan = plan_sample(context.core, subscription(), value_id_);
+    if (plan.source == nullptr && plan.answer.status.is_bad()) {
+        // What the user before was allowed to know is not this one's.
+        queue_.clear();
+        subscription().ready(Kind::Data).remove(*this);
+    }
     if (group_ != nullptr) {
         rebind_in_group(*this);
     }
@@ -296,11 +302,17 @@ std::size_t DataItem::notification_size() const
     return held_bytes(value) == 0 ? most_flat : most_flat + encoded_size(value);
 }
 
-void DataItem::take_notification(binary::Writer& writer)
+void DataItem::take_notification(binary::Writer& writer, std::size_t most)
 {
     const DataValue& oldest = queue_.oldest();
     writer.number(client_handle());
-    encode_data_value(writer, oldest, oldest.value, {timestamps_, oldest.server_timestamp});
+    if (notification_size() <= most) {
+        encode_data_value(writer, oldest, oldest.value, {timestamps_, oldest.server_timestamp});
+    } else {
+        DataValue reason{status::Bad_EncodingLimitsExceeded};
+        reason.source_timestamp = oldest.source_timestamp;
+        encode_data_value(writer, reason, reason.value, {timestamps_, oldest.server_timestamp});
+    }
     queue_.pop();
     subscription().count(&SubscriptionDiagnosticsDataType::data_change_notifications_count);
 }

@@ -60,8 +60,9 @@ public:
     /// Bytes that the oldest Notification takes at most.
     [[nodiscard]] virtual std::size_t notification_size() const { return 0; }
     /// Writes the oldest Notification, a MonitoredItemNotification or an EventFieldList, and
-    /// removes it. Not with an empty queue.
-    virtual void take_notification(binary::Writer& writer) = 0;
+    /// removes it. Not with an empty queue. Of one that takes more than `most` bytes
+    /// Bad_EncodingLimitsExceeded stands for what is too large (Part 4, 7.22.3).
+    virtual void take_notification(binary::Writer& writer, std::size_t most) = 0;
     /// Takes new parameters (Part 4, 5.13.3); changes nothing if `revision.status` turns out bad.
     virtual void modify(const ItemContext& context, const MonitoringParameters& parameters,
                         TimestampsToReturn timestamps, ItemRevision& revision) = 0;

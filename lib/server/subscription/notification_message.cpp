@@ -33,7 +33,7 @@ public:
         const std::size_t count_place = reserve();
         const std::size_t before = notifications_;
         do {
-            list.take_notification(writer_);
+            list.take_notification(writer_, room(limits));
             ++notifications_;
         } while (!list.empty() && !is_full(list, limits));
         if (has_diagnostics) {
@@ -59,6 +59,8 @@ public:
     }
 
 private:
+    static constexpr std::size_t frame = 32; // of a part that begins
+
     struct Patch {
         std::size_t place;
         std::size_t number;
@@ -69,10 +71,15 @@ private:
         if (notifications_ == 0) {
             return false;
         }
-        constexpr std::size_t frame = 32; // of a part that begins
         return !writer_.ok() ||
                writer_.written() + frame + list.front().notification_size() > limits.bytes ||
                (limits.notifications != 0 && notifications_ >= limits.notifications);
+    }
+    /// Bytes that one more Notification may have.
+    [[nodiscard]] std::size_t room(const MessageLimits& limits) const
+    {
+        const std::size_t used = writer_.written() + frame;
+        return limits.most_bytes > used ? limits.most_bytes - used : 0;
     }
     std::size_t reserve()
     {

@@ -17,6 +17,9 @@ struct MessageLimits {
     std::size_t notifications;
     /// What does not fit goes into the next message, but one Notification goes in for certain.
     std::size_t bytes;
+    /// What the client takes at all: a Notification that alone has more is made smaller, see
+    /// MonitoredItem::take_notification.
+    std::size_t most_bytes;
 };
 
 /// Takes Notifications of the items that are ready, data first.

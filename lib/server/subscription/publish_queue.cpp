@@ -79,6 +79,15 @@ std::size_t PublishPart::waiting() const
                       [](const PublishOperation* request) { return !request->is_finished(); }));
 }
 
+void PublishPart::refuse_overdue(TimePoint now)
+{
+    for (PublishOperation* request : requests_) {
+        if (!request->is_finished() && request->is_overdue(now)) {
+            request->refuse(status::Bad_Timeout);
+        }
+    }
+}
+
 PublishOperation* PublishPart::next_request()
 {
     while (!requests_.empty() && requests_.front()->is_finished()) {
@@ -117,6 +126,7 @@ Subscription* PublishPart::next_subscription() const
 
 void PublishPart::serve(TimePoint now)
 {
+    refuse_overdue(now);
     serve_status_changes();
     while (next_request() != nullptr) {
         Subscription* const subscription = next_subscription();

@@ -81,6 +81,9 @@ public:
     void enqueue(PublishOperation& request, std::size_t most);
     /// How many wait.
     [[nodiscard]] std::size_t waiting() const;
+    /// Those whose timeoutHint has passed answer Bad_Timeout: to be called before requests are
+    /// taken (Part 4, 5.14.1.4, DequeuePublishReq).
+    void refuse_overdue(TimePoint now);
     /// The request that waits longest; null if there is none. Requests that were answered by
     /// others, for their timeout say, are passed over.
     [[nodiscard]] PublishOperation* next_request();

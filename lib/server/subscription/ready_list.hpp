@@ -36,11 +36,11 @@ public:
         (item.next_ != nullptr ? item.next_->previous_ : last_) = item.previous_;
         item.previous_ = item.next_ = nullptr;
     }
-    /// Writes the first item's oldest Notification and removes it.
-    void take_notification(binary::Writer& writer)
+    /// Writes the first item's oldest Notification, of at most so many bytes, and removes it.
+    void take_notification(binary::Writer& writer, std::size_t most)
     {
         MonitoredItem& item = *first_;
-        item.take_notification(writer);
+        item.take_notification(writer, most);
         if (item.mode_ != MonitoringMode::Reporting) {
             --item.released_;
         }

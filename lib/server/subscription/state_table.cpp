@@ -79,10 +79,32 @@ constexpr std::array rows{
             return !v.publishing_req_queued && (!v.message_sent || has_something_to_report(v));
         },
         {A::StartPublishingTimer}, State::Late),
+    // This cycle is the first without a message, and counted (Errata 1.04.8 and 1.05).
     go(
         9, {State::Normal}, Event::PublishingTimer,
-        [](const Variables& v) { return v.message_sent && has_nothing_to_report(v); },
-        {A::StartPublishingTimer, A::ResetKeepAliveCounter}, State::KeepAlive),
+        [](const Variables& v) {
+            return v.message_sent && has_nothing_to_report(v) && v.max_keep_alive_count != 1;
+        },
+        {A::StartPublishingTimer, A::ResetKeepAliveCounter, A::DecrementKeepAliveCounter},
+        State::KeepAlive),
+    // A count of 1 is over with that, and no row of KEEPALIVE knows a counter of 0: what rows 15
+    // and 17 do is due at once.
+    go(
+        9, {State::Normal}, Event::PublishingTimer,
+        [](const Variables& v) {
+            return v.message_sent && has_nothing_to_report(v) && v.max_keep_alive_count == 1 &&
+                   v.publishing_req_queued;
+        },
+        {A::ResetLifetimeCounter, A::StartPublishingTimer, A::ReturnKeepAlive,
+         A::ResetKeepAliveCounter},
+        State::KeepAlive),
+    go(
+        9, {State::Normal}, Event::PublishingTimer,
+        [](const Variables& v) {
+            return v.message_sent && has_nothing_to_report(v) && v.max_keep_alive_count == 1 &&
+                   !v.publishing_req_queued;
+        },
+        {A::StartPublishingTimer}, State::Late),
 
     go(
         10, {State::Late}, Event::PublishRequest,
@@ -95,7 +117,8 @@ constexpr std::array rows{
         [](const Variables& v) {
             return !v.publishing_enabled || (!v.notifications_available && !v.more_notifications);
         },
-        // Without a new count the next cycle would send one more.
+        // The new count is not the table's: without it what row 17 left would send one more with
+        // the next cycle, and 5.14.1.1 counts cycles between messages.
         {A::ResetLifetimeCounter, A::ReturnKeepAlive, A::SetMessageSent, A::ResetKeepAliveCounter},
         State::KeepAlive),
     stay(12, {State::Late}, Event::PublishingTimer, always, {A::StartPublishingTimer}),

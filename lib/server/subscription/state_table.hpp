@@ -33,6 +33,7 @@ struct SubscriptionVariables {
     bool notifications_available{false};
     bool message_sent{false};
     std::uint32_t keep_alive_counter{0};
+    std::uint32_t max_keep_alive_count{0};
     std::uint32_t lifetime_counter{0};
     bool requested_message_found{false};
     bool session_changed{false};
@@ -82,7 +83,7 @@ private:
 };
 
 struct SubscriptionRow {
-    /// Its number in the specification's table.
+    /// Its number in the specification's table. Row 9 is three, by what the counter comes to.
     unsigned number;
     StateSet states;
     SubscriptionEvent event;

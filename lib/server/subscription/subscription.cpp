@@ -41,10 +41,12 @@ SubscriptionVariables Subscription::variables(const Input& input) const
     v.publishing_enabled = publishing_enabled_;
     v.publishing_req_queued =
         session_ != nullptr && PublishPart::of(*session_).next_request() != nullptr;
-    v.more_notifications = more_notifications_;
+    // What there was more of may have gone with its items.
+    v.more_notifications = more_notifications_ && notifications_available();
     v.notifications_available = notifications_available();
     v.message_sent = message_sent_;
     v.keep_alive_counter = keep_alive_counter_;
+    v.max_keep_alive_count = parameters_.max_keep_alive_count;
     v.lifetime_counter = lifetime_counter_;
     v.requested_message_found = input.is_message_found;
     v.session_changed = input.session != session_;
@@ -146,6 +148,9 @@ void Subscription::perform(SubscriptionAction action, const SubscriptionRow& row
 
 void Subscription::expire(TimePoint now)
 {
+    if (session_ != nullptr) {
+        PublishPart::of(*session_).refuse_overdue(now);
+    }
     handle(SubscriptionEvent::PublishingTimer, {.now = now});
     if (state_ == State::Closed) {
         core_.subscriptions.remove(*this);
@@ -191,8 +196,8 @@ std::uint32_t Subscription::next_sequence_number() const
 
 bool Subscription::wants_publish_request() const
 {
-    return state_ == State::Late ||
-           (state_ == State::Normal && publishing_enabled_ && more_notifications_);
+    return state_ == State::Late || (state_ == State::Normal && publishing_enabled_ &&
+                                     more_notifications_ && notifications_available());
 }
 
 /// Part 4, 5.14.1.4: goes on while there are Notifications and requests.
@@ -212,10 +217,11 @@ void Subscription::return_notifications()
         }
         count(&SubscriptionDiagnosticsDataType::publish_request_count);
         const DateTime now = core_.environment.wall_clock->now();
-        auto message = write_notifications(
-            next_sequence_number(), now, ready_data_, ready_events_,
-            {parameters_.max_notifications_per_publish,
-             std::min(most_bytes, request->room_for_message(retransmission_.size() + 1))});
+        const std::size_t room = request->room_for_message(retransmission_.size() + 1);
+        auto message = write_notifications(next_sequence_number(), now, ready_data_, ready_events_,
+                                           {parameters_.max_notifications_per_publish,
+                                            std::min(most_bytes, room),
+                                            std::min(room, limits.max_send_queue / 2)});
         more_notifications_ = notifications_available();
         if (!message) {
             request->refuse(message.error());

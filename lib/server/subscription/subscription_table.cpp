@@ -107,6 +107,13 @@ void Subscriptions::user_changed(Session& session, TimePoint now)
     }
 }
 
+void Subscriptions::access_changed(TimePoint now)
+{
+    for (const auto& [id, subscription] : subscriptions_) {
+        subscription->user_changed(now);
+    }
+}
+
 void Subscriptions::announce_change(const std::unordered_set<NodeId>& variables,
                                     std::uint32_t status_bits)
 {

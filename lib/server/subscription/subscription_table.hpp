@@ -43,6 +43,8 @@ public:
     void session_ends(Session& session, bool deletes_subscriptions);
     /// The session has another user.
     void user_changed(Session& session, TimePoint now);
+    /// See Server::announce_access_change.
+    void access_changed(TimePoint now);
 
     /// Tells all items of the Variables' values; see DataItem::announce_change.
     void announce_change(const std::unordered_set<NodeId>& variables, std::uint32_t status_bits);

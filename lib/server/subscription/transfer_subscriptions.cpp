@@ -12,7 +12,7 @@ namespace {
 /// that says who it is (Part 4, 5.14.7.1).
 bool is_same_client(const SubscriptionOwner& owner, const Session& session)
 {
-    if (owner.user.token_type != session.user.token_type || owner.user.name != session.user.name) {
+    if (!is_same_user(owner.user, session.user)) {
         return false;
     }
     if (session.user.token_type != UserTokenType::Anonymous) {

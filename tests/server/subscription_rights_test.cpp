@@ -1,0 +1,198 @@
+#include <catch2/catch.hpp>
+
+#include "subscription_fixture.hpp"
+
+using namespace busbar;
+using namespace busbar::test;
+using namespace std::chrono_literals;
+
+// What a user may read, and who the user is, can change while items are sampled: Bad_NotReadable
+// or Bad_UserAccessDenied comes with a Publish response then (Part 4, 5.13.2.1).
+
+namespace {
+
+constexpr Duration cycle = 100ms;
+
+/// Lets in whom a test wants.
+class NextUser final : public server::UserStore {
+public:
+    [[nodiscard]] Result<server::UserIdentity> log_in(std::string_view, std::string_view) override
+    {
+        return next;
+    }
+
+    server::UserIdentity next{UserTokenType::UserName, "operator"};
+};
+
+/// Only one user may read anything.
+class OneReader final : public server::AccessControl {
+public:
+    [[nodiscard]] bool may_browse(const server::UserIdentity&, const NodeId&) const override
+    {
+        return true;
+    }
+    [[nodiscard]] std::uint8_t user_access_level(const server::UserIdentity& user, const NodeId&,
+                                                 std::uint8_t access_level) const override
+    {
+        return user.name == reader ? access_level : std::uint8_t{0};
+    }
+
+    std::string reader{"operator"};
+};
+
+struct Rights {
+    NextUser store;
+    OneReader access;
+};
+
+struct RightsFixture : Rights, SubscriptionParts, ServerFixture {
+    RightsFixture()
+    {
+        server = server::Server::create(insecure_config(), {&random, &wall_clock, &log, &validator,
+                                                            &store, &access, nullptr})
+                     .value();
+        model::NewVariable variable;
+        variable.source = server.add_source(memory);
+        variable.handle = handle = memory.add(Variant{1});
+        variable.data_type = NodeId{0, id::Int32};
+        variable.value_rank = -1;
+        model::NewNode node;
+        node.id = level;
+        node.browse_name = QualifiedName{1, "level"};
+        node.parent = server.address_space().find(id::ObjectsFolder);
+        REQUIRE(server.address_space().add_variable(node, variable));
+        client.emplace(connect());
+        REQUIRE(client->create_session());
+        activate();
+        id = client->call<CreateSubscriptionResponse>(SubscriptionFixture::subscription_request())
+                 .value()
+                 .subscription_id;
+        auto item = SubscriptionFixture::item_request(level);
+        item.requested_parameters.queue_size = 10;
+        CHECK(SubscriptionFixture::monitor(*client, id, item).status_code == status::Good);
+    }
+    /// The session gets the user whom the store has next.
+    void activate()
+    {
+        REQUIRE(client->activate(client->user("any", "any-secret")) == status::Good);
+    }
+    void set(int value) { memory.set(handle, Variant{value}); }
+    /// What comes in the next cycle.
+    std::vector<DataValue> next()
+    {
+        SubscriptionFixture::publish(*client);
+        advance(cycle);
+        client->run();
+        std::vector<DataValue> values;
+        while (!client->messages.empty()) {
+            const auto id_of_next = client->messages.front().request_id;
+            if (const auto response = SubscriptionFixture::take(*client, id_of_next)) {
+                for (const auto& one : SubscriptionFixture::data(response->notification_message)) {
+                    values.push_back(one.value);
+                }
+            }
+        }
+        return values;
+    }
+
+    NodeId level{1, "level"};
+    std::uint64_t handle{0};
+    std::optional<TestClient> client;
+    std::uint32_t id{0};
+};
+
+using Values = std::vector<DataValue>;
+const Values denied{DataValue{status::Bad_UserAccessDenied}};
+
+} // namespace
+
+TEST_CASE_METHOD(RightsFixture, "an item of a user whose token has expired is not readable")
+{
+    store.next.valid_until = {wall_clock.time.ticks + DateTime::ticks_per_second};
+    activate();
+    CHECK(next() == Values{Variant{1}});
+    // In time, without any request.
+    const auto request = SubscriptionFixture::publish(*client);
+    advance(900ms);
+    CHECK(log.text.find("has expired") != std::string::npos);
+    advance(cycle);
+    const auto response = SubscriptionFixture::take(*client, request);
+    REQUIRE(response);
+    const auto values = SubscriptionFixture::data(response->notification_message);
+    REQUIRE(values.size() == 1);
+    CHECK(values[0].value == denied[0]);
+    set(5);
+    CHECK(next().empty());
+}
+
+TEST_CASE_METHOD(RightsFixture, "a user who expires loses what nobody has fetched")
+{
+    store.next.valid_until = {wall_clock.time.ticks + DateTime::ticks_per_second};
+    activate();
+    CHECK(next() == Values{Variant{1}});
+    for (int i = 2; i < 8; ++i) {
+        set(i);
+        advance(cycle);
+    }
+    advance(500ms);
+    CHECK(next() == denied);
+}
+
+TEST_CASE_METHOD(RightsFixture, "another user does not get what was queued for the one before")
+{
+    CHECK(next() == Values{Variant{1}});
+    set(2);
+    advance(cycle);
+    store.next.name = "guest";
+    activate();
+    CHECK(next().empty()); // the Subscription was late: a keep-alive
+    CHECK(next() == denied);
+    set(3);
+    CHECK(next().empty());
+    store.next.name = "operator";
+    activate();
+    CHECK(next() == Values{Variant{3}});
+}
+
+TEST_CASE_METHOD(RightsFixture, "another user with the same rights gets what is queued")
+{
+    CHECK(next() == Values{Variant{1}});
+    set(2);
+    advance(cycle);
+    store.next.roles = {"Observer"};
+    activate();
+    CHECK(next() == Values{Variant{2}});
+}
+
+TEST_CASE_METHOD(RightsFixture, "the same user with fewer rights")
+{
+    CHECK(next() == Values{Variant{1}});
+    store.next.access_level_mask = 0;
+    activate();
+    CHECK(next() == denied);
+}
+
+TEST_CASE_METHOD(RightsFixture, "rights that the AccessControl takes and gives back")
+{
+    CHECK(next() == Values{Variant{1}});
+    access.reader = "nobody";
+    server.announce_access_change(now);
+    CHECK(next() == denied);
+    access.reader = "operator";
+    server.announce_access_change(now);
+    CHECK(next() == Values{Variant{1}});
+}
+
+TEST_CASE_METHOD(RightsFixture, "users of one name that others vouch for are not the same")
+{
+    store.next = {UserTokenType::IssuedToken, "maria", 0xFF, {}, "https://one"};
+    activate();
+    auto other = connect();
+    REQUIRE(other.create_session());
+    store.next.issuer = "https://other";
+    REQUIRE(other.activate(other.user("any", "any-secret")) == status::Good);
+    CHECK(SubscriptionFixture::transfer(other, id).status_code == status::Bad_UserAccessDenied);
+    store.next.issuer = "https://one";
+    REQUIRE(other.activate(other.user("any", "any-secret")) == status::Good);
+    CHECK(SubscriptionFixture::transfer(other, id).status_code == status::Good);
+}
