@@ -70,21 +70,37 @@ void Sampler::add(DataItem& item, TimePoint now)
 void Sampler::sample_new(TimePoint now)
 {
     for (SamplingGroup* group : std::exchange(fresh_, {})) {
-        group->sample_new(now);
+        const auto followed =
+            std::find_if(followed_.begin(), followed_.end(),
+                         [&](const Followed& one) { return one.group.get() == group; });
+        if (followed == followed_.end()) {
+            group->sample_new(now);
+            continue;
+        }
+        // Scans that wait must not come after a later one. What is pinned before they are taken is
+        // not later than those that follow.
+        const ImagePin pin = followed->image->pin();
+        take_scans(*followed, now);
+        group->sample_new(pin, now);
+    }
+}
+
+/// At most as many as may wait: a task that is faster than this must not keep the server here.
+void Sampler::take_scans(const Followed& followed, TimePoint now)
+{
+    for (std::uint32_t i = 0; i < followed.image->options().max_queued_scans; ++i) {
+        const ImagePin pin = followed.image->next_scan();
+        if (!pin) {
+            break;
+        }
+        followed.group->sample_scan(pin, now);
     }
 }
 
 void Sampler::handle_scans(TimePoint now)
 {
     for (const Followed& one : followed_) {
-        // At most as many as may wait: a task that is faster than this must not keep it here.
-        for (std::uint32_t i = 0; i < one.image->options().max_queued_scans; ++i) {
-            const ImagePin pin = one.image->next_scan();
-            if (!pin) {
-                break;
-            }
-            one.group->sample_scan(pin, now);
-        }
+        take_scans(one, now);
     }
     drop_unfollowed();
 }

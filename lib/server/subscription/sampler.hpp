@@ -42,6 +42,7 @@ private:
 
     [[nodiscard]] SamplingGroup& group_of(const DataItem& item);
     [[nodiscard]] SamplingGroup& follow(ProcessImage& image);
+    void take_scans(const Followed& followed, TimePoint now);
     void drop_unfollowed();
 
     Core& core_;

@@ -265,16 +265,39 @@ void SamplingGroup::sample_scan(const ImagePin& pin, TimePoint now)
     }
 }
 
-void SamplingGroup::sample_new(TimePoint now)
+bool SamplingGroup::bind_new()
 {
     if (is_full_of_holes()) {
-        return;
+        return false;
     }
     notice_changes();
     compact();
     bind(first_new_);
-    sample_images(true);
+    return true;
+}
+
+void SamplingGroup::sample_new_members(TimePoint now)
+{
     sample_members(std::exchange(first_new_, members_.size()), now, false);
+}
+
+void SamplingGroup::sample_new(TimePoint now)
+{
+    if (bind_new()) {
+        sample_images(true);
+        sample_new_members(now);
+    }
+}
+
+void SamplingGroup::sample_new(const ImagePin& pin, TimePoint now)
+{
+    if (!bind_new()) {
+        return;
+    }
+    for (Image& image : images_) {
+        sample_image(image, pin, true);
+    }
+    sample_new_members(now);
 }
 
 void SamplingGroup::sample(TimePoint now)
