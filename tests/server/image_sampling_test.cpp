@@ -267,6 +267,20 @@ TEST_CASE_METHOD(ImageFixture, "an item that is new begins with the latest scan"
     CHECK(next_values() == std::vector<Variant>{4, 4});
 }
 
+TEST_CASE_METHOD(ImageFixture, "an item that is created while scans wait does not go back to them")
+{
+    scan();
+    monitor(button, 0);
+    CHECK(next_values() == std::vector<Variant>{false});
+    for (const int value : {1, 2}) {
+        image->memory().value<std::int32_t>(level) = value;
+        scan();
+    }
+    monitor(level, 0);
+    server.handle_completions(now);
+    CHECK(next_values() == std::vector<Variant>{1, 2});
+}
+
 TEST_CASE_METHOD(ImageFixture, "an interval samples the latest scan, without a call of the source")
 {
     monitor(level, 50);

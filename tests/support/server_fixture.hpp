@@ -7,13 +7,13 @@
 #include <vector>
 
 #include <busbar/channel/client_channel.hpp>
-#include <busbar/crypto/asymmetric.hpp>
 #include <busbar/server/server.hpp>
-#include <busbar/types/registry.hpp>
 #include <busbar/types/session.hpp>
 
 #include "support/byte_pipe.hpp"
 #include "support/channel_pair.hpp"
+#include "support/login.hpp"
+#include "support/response.hpp"
 
 namespace busbar::test {
 
@@ -112,25 +112,7 @@ public:
         }
         const auto body = std::move(found->body);
         messages.erase(found);
-        binary::Reader reader{body, binary::Strings::Own, &types_};
-        NodeId id;
-        decode(reader, id);
-        if (id.is(ServiceFault::binary_encoding_id)) {
-            ServiceFault fault;
-            decode(reader, fault);
-            handle_of_answer = fault.response_header.request_handle;
-            return fail(fault.response_header.service_result);
-        }
-        Response response;
-        if (!id.is(Response::binary_encoding_id)) {
-            return fail(status::Bad_UnknownResponse);
-        }
-        decode(reader, response);
-        handle_of_answer = response.response_header.request_handle;
-        if (!reader.ok() || reader.remaining() != 0) {
-            return fail(status::Bad_DecodingError);
-        }
-        return response;
+        return decode_response<Response>(body, &handle_of_answer);
     }
     template <typename Response, typename Request>
     Result<Response> call(Request request)
@@ -172,17 +154,7 @@ public:
 
     [[nodiscard]] SignatureData signature() const
     {
-        SignatureData data;
-        if (is_secure()) {
-            const auto der = server_identity().certificates.front().der();
-            std::vector<std::byte> text{der.begin(), der.end()};
-            text.insert(text.end(), server_nonce.span().begin(), server_nonce.span().end());
-            const auto& policy = *channel.security().policy;
-            data.algorithm = policy.signature_uri;
-            data.signature =
-                ByteString{crypto::asymmetric_sign(policy, identity_->key, text).value()};
-        }
-        return data;
+        return sign_session(*channel.security().policy, *identity_, server_nonce);
     }
     [[nodiscard]] static ExtensionObject anonymous()
     {
@@ -193,17 +165,8 @@ public:
     /// A user name token whose password is encrypted with the last nonce.
     [[nodiscard]] ExtensionObject user(std::string_view name, std::string_view password) const
     {
-        const auto& policy = *crypto::find_policy_by_name("Basic256Sha256");
-        UserNameIdentityToken token;
-        token.policy_id = "username_Basic256Sha256";
-        token.user_name = name;
-        token.encryption_algorithm = policy.encryption_uri;
-        const auto secret = std::as_bytes(std::span{password});
-        token.password =
-            ByteString{crypto::encrypt_secret(policy, server_identity().certificates.front(),
-                                              secret, server_nonce.span())
-                           .value()};
-        return ExtensionObject::from(token);
+        return user_token(*crypto::find_policy_by_name("Basic256Sha256"), name, password,
+                          server_nonce);
     }
     std::uint32_t send_activate(ExtensionObject token)
     {
@@ -270,7 +233,6 @@ private:
 
     const channel::ApplicationIdentity* identity_;
     TimePoint* now_;
-    binary::TypeRegistry types_{binary::namespace0_types()};
 };
 
 /// A server in virtual time and its clients.

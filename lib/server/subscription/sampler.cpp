@@ -1,6 +1,7 @@
 #include "sampler.hpp"
 
 #include <algorithm>
+#include <unordered_map>
 #include <utility>
 
 #include "sampling_context.hpp"
@@ -80,10 +81,11 @@ void Sampler::add(DataItem& item, TimePoint now)
 void Sampler::sample_new(TimePoint now)
 {
     const std::vector<SamplingGroup*> fresh = std::exchange(fresh_, {});
+    std::unordered_map<const SamplingGroup*, ImagePin> latest;
     for (Followed& one : followed_) {
         // A new item's first value must not be followed by that of an older scan.
         if (std::find(fresh.begin(), fresh.end(), one.group.get()) != fresh.end()) {
-            take_scans(one, now);
+            latest.emplace(one.group.get(), take_scans(one, now));
         }
     }
     for (SamplingGroup* group : fresh) {
@@ -91,7 +93,12 @@ void Sampler::sample_new(TimePoint now)
     }
     tell_sources();
     for (SamplingGroup* group : fresh) {
-        group->sample_new(now);
+        const auto taken = latest.find(group);
+        if (taken != latest.end()) {
+            group->sample_new(taken->second, now);
+        } else {
+            group->sample_new(now);
+        }
     }
 }
 
@@ -103,16 +110,17 @@ void Sampler::tell_sources()
 void Sampler::handle_scans(TimePoint now)
 {
     for (Followed& one : followed_) {
-        take_scans(one, now);
+        static_cast<void>(take_scans(one, now));
     }
     drop_unfollowed();
 }
 
-void Sampler::take_scans(Followed& one, TimePoint now)
+/// Gives the latest scan, which is the last that was taken.
+ImagePin Sampler::take_scans(Followed& one, TimePoint now)
 {
     // Before the queue is looked at: what it then does not have of the scans up to this one is
     // lost, because it was full.
-    const ImagePin latest = one.image->pin();
+    ImagePin latest = one.image->pin();
     // At most as many as may wait: a task that is faster than this must not keep it here.
     for (std::uint32_t i = 0; i < one.image->options().max_queued_scans; ++i) {
         const ImagePin pin = one.image->next_scan();
@@ -128,6 +136,7 @@ void Sampler::take_scans(Followed& one, TimePoint now)
     if (std::exchange(one.was_running, is_running) != is_running && latest) {
         one.group->sample_scan(latest, now, false); // for the status
     }
+    return latest;
 }
 
 void Sampler::take_scan(Followed& one, const ImagePin& pin, TimePoint now)

@@ -53,7 +53,7 @@ private:
 
     [[nodiscard]] SamplingGroup& group_of(const DataItem& item);
     [[nodiscard]] SamplingGroup& follow(ProcessImage& image);
-    static void take_scans(Followed& one, TimePoint now);
+    static ImagePin take_scans(Followed& one, TimePoint now);
     static void take_scan(Followed& one, const ImagePin& pin, TimePoint now);
     void drop_unfollowed();
 

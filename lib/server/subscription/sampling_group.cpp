@@ -294,10 +294,24 @@ void SamplingGroup::bind_new()
 
 void SamplingGroup::sample_new(TimePoint now)
 {
-    if (is_full_of_holes()) {
-        return;
+    if (!is_full_of_holes()) {
+        sample_images(true);
+        sample_new_members(now);
     }
-    sample_images(true);
+}
+
+void SamplingGroup::sample_new(const ImagePin& pin, TimePoint now)
+{
+    if (!is_full_of_holes()) {
+        for (Image& image : images_) {
+            sample_image(image, pin, true);
+        }
+        sample_new_members(now);
+    }
+}
+
+void SamplingGroup::sample_new_members(TimePoint now)
+{
     sample_members(std::exchange(first_new_, members_.size()), now, false);
 }
 

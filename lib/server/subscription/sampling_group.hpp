@@ -38,6 +38,8 @@ public:
     void bind_new();
     /// Samples it; behind bind_new().
     void sample_new(TimePoint now);
+    /// The same, the items of an image from the scan that is pinned.
+    void sample_new(const ImagePin& pin, TimePoint now);
     void expire(TimePoint now) override;
     /// Sampling comes before publishing.
     [[nodiscard]] unsigned rank() const override { return 1'000; }
@@ -69,6 +71,7 @@ private:
     static constexpr unsigned image_shift = 40;
 
     void sample(TimePoint now);
+    void sample_new_members(TimePoint now);
     void sample_images(bool is_only_new);
     void sample_image(Image& image, const ImagePin& pin, bool is_only_new);
     /// One batch for each source, of the members from `first` on.

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+
+#include <busbar/core/clock.hpp>
+
+namespace busbar::test {
+
+/// Where a simulation's randomness comes from: the same numbers on every machine, and a stream of
+/// its own for each actor, so that what one of them draws does not move the others.
+class Chance {
+public:
+    Chance(std::uint64_t seed, std::uint64_t stream)
+        : state_{seed * 0x9E37'79B9'7F4A'7C15U + stream * 0xD1B5'4A32'D192'ED03U}
+    {
+        next();
+    }
+
+    /// SplitMix64.
+    std::uint64_t next()
+    {
+        std::uint64_t z = state_ += 0x9E37'79B9'7F4A'7C15U;
+        z = (z ^ (z >> 30U)) * 0xBF58'476D'1CE4'E5B9U;
+        z = (z ^ (z >> 27U)) * 0x94D0'49BB'1331'11EBU;
+        return z ^ (z >> 31U);
+    }
+    /// 0 to `count` - 1.
+    [[nodiscard]] std::size_t below(std::size_t count) { return next() % count; }
+    [[nodiscard]] bool one_in(std::size_t count) { return below(count) == 0; }
+    /// Both included.
+    [[nodiscard]] Duration between(Duration least, Duration most)
+    {
+        const auto range = static_cast<std::uint64_t>((most - least).count()) + 1;
+        return least + Duration{static_cast<std::int64_t>(next() % range)};
+    }
+    template <typename T>
+    [[nodiscard]] T pick(std::initializer_list<T> values)
+    {
+        return values.begin()[below(values.size())];
+    }
+
+private:
+    std::uint64_t state_;
+};
+
+} // namespace busbar::test

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <busbar/server/memory_source.hpp>
+#include <busbar/server/process_image.hpp>
+#include <busbar/server/server.hpp>
+
+#include "chance.hpp"
+#include "scheduler.hpp"
+
+namespace busbar::test {
+
+/// What the clients of a simulation watch: variables that only count, so that whoever misses a
+/// value sees it, and events with numbers. Most of the time little happens; then much at once.
+class Plant {
+public:
+    /// A counter of the process image counts at most once in a scan and one of the memory source
+    /// at most once in `memory_pause`, so that items that are sampled often enough miss nothing.
+    enum class Kind : std::uint8_t { Scan, Memory, Event };
+    static constexpr std::size_t counters = 8;
+    static constexpr Duration memory_pause{std::chrono::seconds{21}};
+    static constexpr Duration scan_cycle{std::chrono::milliseconds{100}};
+
+    Plant(Scheduler& scheduler, const WallClock& clock, Chance chance);
+
+    /// Once, before start(). The server must outlive what happens, the plant the server.
+    void serve(server::Server& server);
+    void start();
+    void stop();
+
+    [[nodiscard]] NodeId node(Kind kind, std::size_t index) const;
+    /// What was counted up to now; of events the last number.
+    [[nodiscard]] std::int64_t count(Kind kind, std::size_t index) const;
+
+private:
+    void add_variable(Kind kind, std::size_t index, std::uint32_t source, std::uint64_t handle);
+    void scan();
+    void count_memory();
+    void raise();
+
+    Scheduler* scheduler_;
+    const WallClock* clock_;
+    Chance chance_;
+    server::MemorySource memory_;
+    std::vector<std::uint32_t> scanned_;
+    std::shared_ptr<server::ProcessImage> image_;
+    server::ImageSource image_source_;
+    std::vector<std::int32_t> remembered_;
+    std::vector<TimePoint> next_count_;
+    std::int64_t raised_{0};
+    int burst_{0};
+    server::Server* server_{nullptr};
+    Alarm scan_alarm_;
+    Alarm memory_alarm_;
+    Alarm event_alarm_;
+};
+
+} // namespace busbar::test

@@ -1,0 +1,129 @@
+#include "simulation.hpp"
+
+#include <malloc.h>
+
+namespace busbar::test {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+Habits draw_habits(std::size_t number, Chance& chance)
+{
+    using enum Habits::Acknowledging;
+    Habits habits;
+    habits.acknowledging = chance.pick({AtOnce, AtOnce, Late, Never, Wrongly});
+    habits.publish_requests = chance.pick<std::size_t>({1, 2, 3, 8, 8});
+    habits.subscriptions = chance.pick<std::size_t>({1, 1, 2});
+    habits.asks_after_return = chance.one_in(2);
+    habits.is_secure = number % 25 == 1; // RSA takes most of the time
+    return habits;
+}
+
+} // namespace
+
+server::ServerConfig Simulation::config()
+{
+    server::ServerConfig config = ServerFixture::secure_config();
+    config.endpoints.resize(1);
+    server::EndpointConfig& open = config.endpoints.emplace_back();
+    open.password_policy = &crypto::policy_none();
+    open.allows_plain_passwords = true;
+    config.limits.max_sessions = 400;
+    config.limits.max_connections = 400;
+    config.limits.max_log_lines_per_minute = 0;
+    config.limits.subscriptions.max_publish_requests = 8;
+    // Fewer than the specification wants, so that messages are lost for good now and then.
+    config.limits.subscriptions.max_retransmission_messages = 6;
+    return config;
+}
+
+Simulation::Simulation(const SimulationOptions& options)
+    : chance_{options.seed, 1}, plant_{scheduler_, clock_, Chance{options.seed, 2}},
+      host_{scheduler_, clock_, Chance{options.seed, 3}, config()}, jump_{scheduler_,
+                                                                          [this] { jump(); }}
+{
+    plant_.serve(host_.server());
+    const SimulationParts parts{scheduler_, clock_, weather_, plant_, host_, trace_};
+    for (std::size_t i = 1; i <= options.clients; ++i) {
+        clients_.push_back(std::make_unique<Subscriber>(parts, i, draw_habits(i, chance_),
+                                                        Chance{options.seed, 100 + i}));
+    }
+}
+
+void Simulation::jump()
+{
+    const Duration by = chance_.pick<Duration>(
+        {chance_.between(-5s, 5s), chance_.between(-10min, 10min), chance_.between(-6h, 6h)});
+    clock_.jump(by);
+    jump_.set_after(chance_.between(1min, 30min));
+}
+
+void Simulation::run(std::chrono::hours time)
+{
+    weather_.has_resets = true;
+    plant_.start();
+    jump_.set_after(1min);
+    for (const auto& client : clients_) {
+        client->start();
+    }
+    for (std::chrono::hours hour{0}; hour < time; ++hour) {
+        scheduler_.run_for(1h);
+        check_counts();
+    }
+}
+
+/// Beside what clients use there is what they have lost, for as long as the server must keep it.
+void Simulation::check_counts()
+{
+    const server::Server& server = host_.server();
+    const std::size_t clients = clients_.size();
+    const bool is_bounded =
+        server.session_count() <= 3 * clients && server.connection_count() <= 2 * clients &&
+        server.subscription_count() <= 6 * clients && server.monitored_item_count() <= 24 * clients;
+    if (!is_bounded) {
+        trace_.violation(0, "growth: " + std::to_string(server.session_count()) + " sessions, " +
+                                std::to_string(server.connection_count()) + " connections, " +
+                                std::to_string(server.subscription_count()) + " subscriptions, " +
+                                std::to_string(server.monitored_item_count()) + " items");
+    }
+}
+
+void Simulation::finish()
+{
+    weather_.has_resets = false;
+    jump_.cancel();
+    for (const auto& client : clients_) {
+        client->calm();
+    }
+    plant_.stop();
+    scheduler_.run_for(20min);
+    for (const auto& client : clients_) {
+        client->check_arrivals();
+        client->leave();
+    }
+    // The longest that sessions and Subscriptions which were lost live on.
+    scheduler_.run_for(2h);
+    check_empty();
+}
+
+void Simulation::check_empty()
+{
+    const server::Server& server = host_.server();
+    if (server.session_count() != 0 || server.connection_count() != 0 ||
+        server.subscription_count() != 0 || server.monitored_item_count() != 0) {
+        trace_.violation(0, "something stays when all clients have left");
+    }
+}
+
+std::size_t Simulation::heap_in_use()
+{
+#if defined(__SANITIZE_ADDRESS__)
+    return 0;
+#else
+    const auto info = ::mallinfo2();
+    return info.uordblks + info.hblkhd;
+#endif
+}
+
+} // namespace busbar::test

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "subscriber.hpp"
+
+namespace busbar::test {
+
+struct SimulationOptions {
+    std::uint64_t seed{1};
+    std::size_t clients{50};
+};
+
+/// One server, its plant and its clients on a bad network, in virtual time. The same options make
+/// the same things happen, in every process.
+class Simulation {
+public:
+    explicit Simulation(const SimulationOptions& options);
+
+    /// All clients come, and things happen for so long.
+    void run(std::chrono::hours time);
+    /// Everything becomes quiet and good; when what was lost has been made good, all has to have
+    /// arrived. Then the clients leave, and the server has to forget them.
+    void finish();
+
+    [[nodiscard]] const Trace& trace() const { return trace_; }
+    /// Bytes of the heap that are in use; 0 where nobody counts them.
+    [[nodiscard]] static std::size_t heap_in_use();
+
+private:
+    [[nodiscard]] static server::ServerConfig config();
+    void jump();
+    void check_counts();
+    void check_empty();
+
+    Scheduler scheduler_;
+    JumpingClock clock_{scheduler_};
+    Trace trace_{scheduler_};
+    Weather weather_;
+    Chance chance_;
+    Plant plant_;
+    ServerHost host_;
+    std::vector<std::unique_ptr<Subscriber>> clients_;
+    Alarm jump_;
+};
+
+} // namespace busbar::test

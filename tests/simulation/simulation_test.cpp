@@ -1,0 +1,55 @@
+#include <catch2/catch.hpp>
+
+#include <cstdlib>
+#include <string>
+
+#include "simulation.hpp"
+
+using namespace busbar::test;
+
+namespace {
+
+std::uint64_t number_from(const char* variable, std::uint64_t otherwise)
+{
+    const char* const text = std::getenv(variable);
+    return text != nullptr ? std::stoull(text) : otherwise;
+}
+
+/// The hash of what happened.
+std::uint64_t replay(std::uint64_t seed)
+{
+    Simulation simulation{{seed, 6}};
+    simulation.run(std::chrono::hours{1});
+    return simulation.trace().hash();
+}
+
+} // namespace
+
+TEST_CASE("a simulation's seed replays it")
+{
+    const std::uint64_t seed = number_from("BUSBAR_SIMULATION_SEED", 1);
+    CAPTURE(seed);
+    CHECK(replay(seed) == replay(seed));
+    CHECK(replay(seed) != replay(seed + 1));
+}
+
+TEST_CASE("no notification is lost in a day of 50 clients over links that break, and nothing grows")
+{
+    const std::uint64_t seed = number_from("BUSBAR_SIMULATION_SEED", 1);
+    const std::uint64_t hours = number_from("BUSBAR_SIMULATION_HOURS", BUSBAR_SIMULATION_HOURS);
+    CAPTURE(seed, hours);
+    Simulation simulation{{seed, 50}};
+    // Warms up: buffers and tables that stay have their size afterwards.
+    simulation.run(std::chrono::hours{1});
+    simulation.finish();
+    const std::size_t heap_before = Simulation::heap_in_use();
+    simulation.run(std::chrono::hours{hours > 1 ? hours - 1 : 1});
+    simulation.finish();
+    const std::size_t heap_after = Simulation::heap_in_use();
+
+    INFO(simulation.trace().violations());
+    CHECK(simulation.trace().violation_count() == 0);
+    CHECK(simulation.trace().notes() > 1'000 * hours);
+    // Tables keep the size of their fullest moment.
+    CHECK(heap_after <= heap_before + 256 * 1'024);
+}

@@ -1,0 +1,212 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+
+#include <busbar/types/session.hpp>
+
+#include "client_port.hpp"
+#include "server_host.hpp"
+#include "trace.hpp"
+#include "watched_subscription.hpp"
+
+namespace busbar::test {
+
+/// What all clients of a simulation share.
+struct SimulationParts {
+    Scheduler& scheduler;
+    const WallClock& clock;
+    const Weather& weather;
+    const Plant& plant;
+    ServerHost& host;
+    Trace& trace;
+};
+
+/// How one client behaves, as chance has it.
+struct Habits {
+    enum class Acknowledging : std::uint8_t { AtOnce, Late, Never, Wrongly };
+
+    Acknowledging acknowledging{Acknowledging::AtOnce};
+    /// That it keeps in flight.
+    std::size_t publish_requests{2};
+    std::size_t subscriptions{1};
+    /// Asks for lost messages as soon as it is back, not only when it notices that some are lost.
+    bool asks_after_return{false};
+    bool is_secure{false};
+};
+
+/// A client that wants to see every change, over a network that does not let it: comes back after
+/// resets, re-activates its session or takes its Subscriptions over with a new one, asks for lost
+/// messages, and checks what comes. It changes its mind now and then, and goes away without a word.
+class Subscriber final : private ClientPort::Owner {
+public:
+    static constexpr std::chrono::milliseconds session_timeout{15 * 60'000};
+
+    Subscriber(const SimulationParts& parts, std::size_t number, Habits habits, Chance chance);
+
+    void start();
+    /// Wants nothing new any more and comes back, if it is away.
+    void calm();
+    /// Closes its session with its Subscriptions, and goes.
+    void leave();
+    /// Whether all that was counted has arrived. After calm(), with the plant and network quiet.
+    void check_arrivals();
+
+private:
+    using Violation = std::function<void(const std::string&)>;
+
+    // subscriber_session.cpp
+
+    void connect();
+    void channel_opened() override;
+    void channel_closed() override;
+    void create_session();
+    void activate_session();
+    void forget_session();
+    /// The server does not know the session any more, which has to be for its timeout.
+    void session_lost(StatusCode status);
+    void become_ready();
+    void go_away(Duration time);
+    void change_session();
+    void transfer();
+    void transferred(std::uint32_t id, const TransferResult& result);
+    /// Sends a request within the session.
+    template <typename Response, typename Request>
+    void call(Request request, std::function<void(Result<Response>)> then);
+    /// The same, with nothing else but Publish meanwhile; `then` is not called if the connection
+    /// is lost.
+    template <typename Response, typename Request>
+    void step(Request request, std::function<void(Result<Response>)> then);
+
+    // subscriber_publish.cpp
+
+    struct Acknowledged {
+        std::uint32_t subscription_id;
+        std::uint32_t number;
+        bool is_certain;
+    };
+    void fill_publish_queue();
+    void publish();
+    void published(Result<PublishResponse> response, TimePoint sent,
+                   const std::vector<Acknowledged>& acknowledged);
+    void publish_failed(StatusCode status, const std::vector<Acknowledged>& acknowledged);
+    [[nodiscard]] std::vector<Acknowledged> take_acknowledgements();
+    void check_acknowledgements(const Array<StatusCode>& results,
+                                const std::vector<Acknowledged>& acknowledged);
+    void receive(WatchedSubscription& subscription, const PublishResponse& response);
+    void deliver(WatchedSubscription& subscription);
+    [[nodiscard]] bool republish();
+    void republished(std::uint32_t id, bool had_gap, std::uint32_t number,
+                     const Result<RepublishResponse>& response);
+
+    // subscriber_wishes.cpp
+
+    /// Does the next thing there is to do.
+    void next_step();
+    [[nodiscard]] bool adjust(WatchedSubscription& subscription);
+    [[nodiscard]] bool adjust(WatchedSubscription& subscription, std::uint32_t handle);
+    void create_subscription();
+    [[nodiscard]] bool create_items(WatchedSubscription& subscription);
+    void items_created(std::uint32_t id, const std::vector<std::uint32_t>& handles,
+                       const Result<CreateMonitoredItemsResponse>& response);
+    void modify_subscription(WatchedSubscription& subscription);
+    void set_publishing(WatchedSubscription& subscription);
+    void set_mode(WatchedSubscription& subscription, std::uint32_t handle);
+    void modify_item(WatchedSubscription& subscription, std::uint32_t handle);
+    void delete_item(WatchedSubscription& subscription, std::uint32_t handle);
+    void delete_subscription(std::uint32_t id);
+    void change_mind();
+    void change_item(WatchedSubscription& subscription);
+    void wish_for_items(WatchedSubscription& subscription);
+
+    // subscriber_checks.cpp
+
+    [[nodiscard]] WatchedSubscription* find(std::uint32_t id);
+    [[nodiscard]] Watch* find(std::uint32_t id, std::uint32_t handle);
+    /// The server does not know the Subscription any more, which has to be for its lifetime.
+    void subscription_lost(std::uint32_t id);
+    /// The server knows the Subscription still, when the client has come back.
+    void check_lifetime(const WatchedSubscription& subscription);
+    /// True, and handled, if the response says that.
+    [[nodiscard]] bool is_subscription_lost(std::uint32_t id, StatusCode status);
+    void violation(const std::string& what) { parts_.trace.violation(number_, what); }
+    void expect(bool condition, const std::string& what, StatusCode status);
+
+    SimulationParts parts_;
+    std::size_t number_;
+    Habits habits_;
+    Chance chance_;
+    SeededRandom random_;
+    LogBook log_;
+    crypto::InsecureAcceptAnyCertificate validator_;
+    std::unique_ptr<ClientPort> port_;
+
+    // The session.
+
+    NodeId token_;
+    ByteString server_nonce_;
+    bool has_session_{false};
+    /// An ActivateSession has got no answer: the nonce may be an old one.
+    bool is_nonce_old_{false};
+    bool is_closing_{false};
+    bool is_ready_{false};
+    bool is_busy_{false};
+    bool is_calm_{false};
+    bool has_left_{false};
+    /// When a request of the session was sent that the server has answered.
+    TimePoint last_use_;
+    /// When the connection before this one ended.
+    TimePoint left_at_;
+    bool was_used_{false};
+    std::uint32_t last_request_{0};
+
+    // Subscriptions.
+
+    std::size_t publish_requests_{0};
+    std::map<std::uint32_t, WatchedSubscription> subscriptions_;
+    /// Of which nobody wants to know any more, and which are being deleted.
+    std::set<std::uint32_t> orphans_;
+
+    Alarm reconnect_;
+    Alarm mind_;
+};
+
+template <typename Response, typename Request>
+void Subscriber::call(Request request, std::function<void(Result<Response>)> then)
+{
+    request.request_header.authentication_token = token_;
+    request.request_header.request_handle = ++last_request_;
+    const TimePoint sent = parts_.scheduler.now();
+    port_->call<Response>(request, [this, sent, then = std::move(then)](Result<Response> response) {
+        const StatusCode status = response ? StatusCode{} : response.error();
+        if (status == status::Bad_SessionIdInvalid || status == status::Bad_SessionClosed ||
+            status == status::Bad_SecureChannelIdInvalid ||
+            status == status::Bad_SessionNotActivated) {
+            session_lost(status);
+            response = fail(status::Bad_ConnectionClosed);
+        } else if (status != status::Bad_ConnectionClosed) {
+            last_use_ = std::max(last_use_, sent);
+            was_used_ = true;
+        }
+        then(std::move(response));
+    });
+}
+
+template <typename Response, typename Request>
+void Subscriber::step(Request request, std::function<void(Result<Response>)> then)
+{
+    is_busy_ = true;
+    call<Response>(std::move(request), [this, then = std::move(then)](Result<Response> response) {
+        is_busy_ = false;
+        if (response || response.error() != status::Bad_ConnectionClosed) {
+            then(std::move(response));
+            next_step();
+        }
+    });
+}
+
+} // namespace busbar::test

@@ -1,0 +1,82 @@
+#include "subscriber.hpp"
+
+namespace busbar::test {
+
+WatchedSubscription* Subscriber::find(std::uint32_t id)
+{
+    const auto found = subscriptions_.find(id);
+    return found == subscriptions_.end() ? nullptr : &found->second;
+}
+
+Watch* Subscriber::find(std::uint32_t id, std::uint32_t handle)
+{
+    WatchedSubscription* const subscription = find(id);
+    if (subscription == nullptr) {
+        return nullptr;
+    }
+    const auto found = subscription->watches.find(handle);
+    return found == subscription->watches.end() ? nullptr : &found->second;
+}
+
+bool Subscriber::is_subscription_lost(std::uint32_t id, StatusCode status)
+{
+    if (status != status::Bad_SubscriptionIdInvalid) {
+        return false;
+    }
+    subscription_lost(id);
+    return true;
+}
+
+void Subscriber::subscription_lost(std::uint32_t id)
+{
+    const WatchedSubscription& subscription = *find(id);
+    // The interval in which the counter was set takes one off it (Part 4, 5.14.1.2).
+    const std::chrono::duration<double, std::milli> lifetime{subscription.shortest_interval *
+                                                             (subscription.lifetime_count - 1)};
+    if (parts_.scheduler.now() - subscription.last_use < lifetime) {
+        violation("subscription " + std::to_string(id) + " was lost before its lifetime");
+    }
+    parts_.trace.note(number_, "subscription lost", id);
+    subscriptions_.erase(id);
+}
+
+void Subscriber::check_lifetime(const WatchedSubscription& subscription)
+{
+    const std::chrono::duration<double, std::milli> lifetime{subscription.longest_interval *
+                                                             (subscription.lifetime_count + 1)};
+    // So long the server may have answered to nobody, who seemed to be there.
+    const Duration late = parts_.weather.max_notice + parts_.weather.max_stall;
+    if (parts_.scheduler.now() - left_at_ > lifetime + late) {
+        violation("subscription " + std::to_string(subscription.id) + " outlived its lifetime");
+    }
+}
+
+void Subscriber::check_arrivals()
+{
+    if (!is_ready_) {
+        return violation("is not back");
+    }
+    for (const auto& [id, subscription] : subscriptions_) {
+        for (const auto& [handle, watch] : subscription.watches) {
+            const std::int64_t count = parts_.plant.count(watch.kind, watch.counter);
+            // A value is sampled anew after a gap; an event that was missed does not come back.
+            const bool has_news = watch.kind != Plant::Kind::Event ||
+                                  (count > watch.first_count && !watch.check.may_miss());
+            if (watch.state == Watch::State::Live && watch.mode == MonitoringMode::Reporting &&
+                has_news && watch.check.last() != count) {
+                violation("subscription " + std::to_string(id) + ", item " +
+                          std::to_string(handle) + " did not bring the last of " +
+                          std::to_string(count));
+            }
+        }
+    }
+}
+
+void Subscriber::expect(bool condition, const std::string& what, StatusCode status)
+{
+    if (!condition) {
+        violation(what + ": " + std::string{name(status)});
+    }
+}
+
+} // namespace busbar::test

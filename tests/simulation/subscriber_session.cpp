@@ -1,0 +1,274 @@
+#include <algorithm>
+#include <utility>
+
+#include "subscriber.hpp"
+#include "support/login.hpp"
+
+namespace busbar::test {
+
+using namespace std::chrono_literals;
+
+Subscriber::Subscriber(const SimulationParts& parts, std::size_t number, Habits habits,
+                       Chance chance)
+    : parts_{parts}, number_{number}, habits_{habits}, chance_{chance}, random_{chance_.next()},
+      reconnect_{parts.scheduler, [this] { connect(); }}, mind_{parts.scheduler,
+                                                                [this] { change_mind(); }}
+{
+}
+
+void Subscriber::start()
+{
+    is_calm_ = false;
+    has_left_ = false;
+    reconnect_.set_after(chance_.between(0s, 20s));
+    mind_.set_after(chance_.between(1min, 10min));
+}
+
+void Subscriber::calm()
+{
+    is_calm_ = true;
+    mind_.cancel();
+    for (auto& [id, subscription] : subscriptions_) {
+        subscription.wants_publishing = true;
+    }
+    if (reconnect_.is_set()) {
+        reconnect_.set_after(1s);
+    }
+    next_step();
+}
+
+void Subscriber::connect()
+{
+    const auto link = std::make_shared<SimulatedLink>(parts_.scheduler, parts_.weather,
+                                                      Chance{chance_.next(), number_});
+    channel::ClientChannelConfig config;
+    config.endpoint_url = "opc.tcp://localhost:4840";
+    config.requested_lifetime = 15min;
+    if (habits_.is_secure) {
+        config.security = setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt);
+        config.server_certificate = server_identity().certificates.front();
+    }
+    const channel::ChannelEnvironment environment{&random_, &parts_.clock, &log_, &validator_,
+                                                  &client_identity()};
+    log_.text.clear();
+    ClientPort::Owner& owner = *this;
+    port_ =
+        std::make_unique<ClientPort>(parts_.scheduler, std::move(config), environment, link, owner);
+    link->attach(SimulatedLink::Client, *port_);
+    parts_.trace.note(number_, "connects");
+    if (!parts_.host.accept(link, "192.0.2." + std::to_string(number_))) {
+        violation("no place for a connection");
+        return port_->close(false);
+    }
+    port_->update();
+}
+
+void Subscriber::channel_opened()
+{
+    if (has_session_) {
+        activate_session();
+    } else {
+        create_session();
+    }
+}
+
+void Subscriber::channel_closed()
+{
+    parts_.trace.note(number_, "disconnected");
+    left_at_ = parts_.scheduler.now();
+    is_ready_ = false;
+    is_busy_ = false;
+    if (std::exchange(is_closing_, false)) {
+        forget_session(); // whether or not the answer has come
+    }
+    publish_requests_ = 0;
+    orphans_.clear();
+    for (auto& [id, subscription] : subscriptions_) {
+        for (auto& acknowledgement : subscription.acknowledgements) {
+            acknowledgement.is_certain = false;
+        }
+        for (auto& [handle, watch] : subscription.watches) {
+            if (watch.state == Watch::State::Asked) { // under a handle that is not used again
+                watch.state = Watch::State::Gone;
+            }
+        }
+    }
+    if (!has_left_ && !reconnect_.is_set()) {
+        reconnect_.set_after(chance_.between(10ms, 5s));
+    }
+}
+
+void Subscriber::create_session()
+{
+    CreateSessionRequest request;
+    request.client_description.application_uri = "urn:busbar:test:client";
+    request.client_description.application_type = ApplicationType::Client;
+    request.endpoint_url = "opc.tcp://localhost:4840";
+    request.session_name = "simulated";
+    request.client_nonce = ByteString{std::vector<std::byte>(32, std::byte{7})};
+    request.requested_session_timeout = static_cast<double>(session_timeout.count());
+    if (habits_.is_secure) {
+        request.client_certificate = ByteString{client_identity().certificates.front().der()};
+    }
+    port_->call<CreateSessionResponse>(request, [this](Result<CreateSessionResponse> response) {
+        if (!response) {
+            return expect(response.error() == status::Bad_ConnectionClosed, "CreateSession",
+                          response.error());
+        }
+        token_ = response->authentication_token;
+        server_nonce_ = response->server_nonce;
+        has_session_ = true;
+        is_nonce_old_ = false;
+        was_used_ = false;
+        last_use_ = parts_.scheduler.now();
+        activate_session();
+    });
+}
+
+void Subscriber::activate_session()
+{
+    const crypto::SecurityPolicy& policy = *port_->security().policy;
+    const std::string name = "user" + std::to_string(number_);
+    ActivateSessionRequest request;
+    request.request_header.authentication_token = token_;
+    request.client_signature = sign_session(policy, client_identity(), server_nonce_);
+    request.user_identity_token = user_token(policy, name, name + "-secret", server_nonce_);
+    const bool may_fail = std::exchange(is_nonce_old_, true) || !was_used_;
+    port_->call<ActivateSessionResponse>(request, [this, may_fail](auto response) {
+        if (!response) {
+            if (response.error() == status::Bad_ConnectionClosed) {
+                return;
+            }
+            if (!may_fail) {
+                expect(parts_.scheduler.now() - last_use_ >= session_timeout,
+                       "a session was lost before its timeout", response.error());
+            }
+            forget_session();
+            return create_session();
+        }
+        server_nonce_ = response->server_nonce;
+        is_nonce_old_ = false;
+        become_ready();
+    });
+}
+
+void Subscriber::forget_session()
+{
+    parts_.trace.note(number_, "has no session");
+    has_session_ = false;
+    for (auto& [id, subscription] : subscriptions_) {
+        subscription.needs_transfer = true;
+    }
+}
+
+void Subscriber::session_lost(StatusCode status)
+{
+    if (is_closing_) {
+        return; // the answer to CloseSession is on its way
+    }
+    expect(!was_used_ || parts_.scheduler.now() - last_use_ >= session_timeout,
+           "a session was lost before its timeout", status);
+    forget_session();
+    port_->close(true);
+}
+
+void Subscriber::become_ready()
+{
+    parts_.trace.note(number_, "ready");
+    is_ready_ = true;
+    for (auto& [id, subscription] : subscriptions_) {
+        subscription.asks_for_more = habits_.asks_after_return;
+    }
+    next_step();
+}
+
+void Subscriber::go_away(Duration time)
+{
+    parts_.trace.note(number_, "goes away");
+    reconnect_.set_after(time);
+    if (port_ != nullptr) {
+        port_->close(false);
+    }
+    if (chance_.one_in(2)) {
+        forget_session(); // as a program that starts again with what it knew of its Subscriptions
+    }
+}
+
+void Subscriber::change_session()
+{
+    is_closing_ = true;
+    CloseSessionRequest request;
+    request.delete_subscriptions = false;
+    step<CloseSessionResponse>(request, [this](Result<CloseSessionResponse> response) {
+        expect(response.has_value(), "CloseSession", response ? StatusCode{} : response.error());
+        port_->close(true);
+    });
+}
+
+void Subscriber::leave()
+{
+    has_left_ = true;
+    reconnect_.cancel();
+    if (!is_ready_) {
+        if (port_ != nullptr) {
+            port_->close(false);
+        }
+    } else {
+        is_closing_ = true;
+        CloseSessionRequest request;
+        request.delete_subscriptions = true;
+        call<CloseSessionResponse>(request, [this](Result<CloseSessionResponse> response) {
+            expect(response.has_value(), "CloseSession",
+                   response ? StatusCode{} : response.error());
+            port_->close(true);
+        });
+    }
+    has_session_ = false;
+    subscriptions_.clear();
+}
+
+void Subscriber::transfer()
+{
+    TransferSubscriptionsRequest request;
+    request.send_initial_values = chance_.one_in(2);
+    for (auto& [id, subscription] : subscriptions_) {
+        if (subscription.needs_transfer) {
+            request.subscription_ids.push_back(id);
+            if (request.send_initial_values) {
+                subscription.allow_gaps();
+            }
+        }
+    }
+    const auto ids = request.subscription_ids;
+    step<TransferSubscriptionsResponse>(
+        request, [this, ids](Result<TransferSubscriptionsResponse> response) {
+            expect(response && response->results.size() == ids.size(), "TransferSubscriptions",
+                   response ? StatusCode{} : response.error());
+            for (std::size_t i = 0; response && i < response->results.size(); ++i) {
+                transferred(ids[i], response->results[i]);
+            }
+        });
+    for (const std::uint32_t id : ids) {
+        if (WatchedSubscription* const subscription = find(id)) {
+            subscription->is_transfer_open = true;
+        }
+    }
+}
+
+void Subscriber::transferred(std::uint32_t id, const TransferResult& result)
+{
+    WatchedSubscription* const subscription = find(id);
+    if (subscription == nullptr || is_subscription_lost(id, result.status_code)) {
+        return;
+    }
+    expect(result.status_code == status::Good || result.status_code == status::Bad_NothingToDo,
+           "a Subscription was not transferred", result.status_code);
+    parts_.trace.note(number_, "transferred", id);
+    check_lifetime(*subscription);
+    subscription->sequence.receive_available(result.available_sequence_numbers);
+    subscription->needs_transfer = false;
+    subscription->is_transfer_open = false;
+    subscription->last_use = std::max(subscription->last_use, last_use_);
+}
+
+} // namespace busbar::test

@@ -1,0 +1,144 @@
+#include "watched_subscription.hpp"
+
+#include <charconv>
+
+#include <busbar/types/filter.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "server/event_fixture.hpp"
+
+namespace busbar::test {
+
+namespace {
+
+/// InfoType DataValue and Overflow (Part 4, 7.38.1).
+constexpr std::uint32_t overflow_bits = 0x0480;
+/// Watches that have gone and may still bring what is late.
+constexpr std::size_t max_gone = 16;
+
+std::int64_t to_number(std::string_view text)
+{
+    std::int64_t number = -1;
+    std::from_chars(text.data(), text.data() + text.size(), number);
+    return number;
+}
+
+std::string describe(std::uint32_t handle, const Watch& watch, std::int64_t number)
+{
+    const auto last = watch.check.last();
+    return "item " + std::to_string(handle) + ": " + std::to_string(number) + " after " +
+           (last ? std::to_string(*last) : "nothing");
+}
+
+} // namespace
+
+MonitoringParameters parameters_of(const Watch& watch, std::uint32_t client_handle)
+{
+    MonitoringParameters parameters;
+    parameters.client_handle = client_handle;
+    parameters.queue_size = watch.wanted_queue_size;
+    parameters.discard_oldest = watch.kind == Plant::Kind::Event || client_handle % 2 == 0;
+    if (watch.kind == Plant::Kind::Memory) {
+        parameters.sampling_interval = client_handle % 4 == 0 ? 5'000 : 20'000;
+    }
+    if (watch.kind == Plant::Kind::Event) {
+        parameters.filter = ExtensionObject::from(selecting({"EventType", "Message"}));
+    }
+    return parameters;
+}
+
+void WatchedSubscription::add_watch(Plant::Kind kind, std::size_t counter, std::uint32_t queue_size)
+{
+    Watch watch;
+    watch.kind = kind;
+    watch.counter = counter;
+    watch.wanted_queue_size = queue_size;
+    watches.emplace(++last_handle_, watch);
+    std::size_t gone = 0;
+    for (auto at = watches.end(); at != watches.begin();) {
+        --at;
+        if (at->second.state == Watch::State::Gone && ++gone > max_gone) {
+            watches.erase(at);
+            return;
+        }
+    }
+}
+
+void WatchedSubscription::allow_gaps()
+{
+    for (auto& [handle, watch] : watches) {
+        watch.check.allow_gap();
+    }
+}
+
+Watch* WatchedSubscription::find(std::uint32_t handle,
+                                 const std::function<void(const std::string&)>& violation)
+{
+    const auto found = watches.find(handle);
+    if (found != watches.end()) {
+        return &found->second;
+    }
+    if (handle == 0 || handle > last_handle_) {
+        violation("a notification of an item that was never asked for");
+    }
+    return nullptr;
+}
+
+void WatchedSubscription::deliver_value(const MonitoredItemNotification& item,
+                                        const std::function<void(const std::string&)>& violation)
+{
+    Watch* const watch = find(item.client_handle, violation);
+    if (watch == nullptr) {
+        return;
+    }
+    const std::uint32_t status = item.value.status.value();
+    const std::int64_t number = item.value.value.value_or<std::int32_t>(-1);
+    const std::string what = describe(item.client_handle, *watch, number);
+    if ((status & overflow_bits) == overflow_bits) {
+        watch->check.tell_overflow();
+    } else if (status != 0) {
+        violation(what + ", status " + std::to_string(status));
+    }
+    if (number < 0 || !watch->check.receive(number)) {
+        violation(what);
+    }
+}
+
+void WatchedSubscription::deliver_event(const EventFieldList& event,
+                                        const std::function<void(const std::string&)>& violation)
+{
+    Watch* const watch = find(event.client_handle, violation);
+    if (watch == nullptr || event.event_fields.size() != 2) {
+        return;
+    }
+    if (event.event_fields[0].value_or<NodeId>({}).is(id::EventQueueOverflowEventType)) {
+        watch->check.tell_overflow();
+        return;
+    }
+    const LocalizedText text = event.event_fields[1].value_or<LocalizedText>({});
+    const std::int64_t number = to_number(text.text.view());
+    const std::string what = describe(event.client_handle, *watch, number);
+    if (number >= 0 && !watch->check.receive(number)) { // others are the server's own
+        violation("event " + what);
+    }
+}
+
+void WatchedSubscription::deliver(const NotificationMessage& message,
+                                  const std::function<void(const std::string&)>& violation)
+{
+    for (const ExtensionObject& part : message.notification_data) {
+        if (const auto* changes = part.get_if<DataChangeNotification>()) {
+            for (const MonitoredItemNotification& item : changes->monitored_items) {
+                deliver_value(item, violation);
+            }
+        } else if (const auto* list = part.get_if<EventNotificationList>()) {
+            for (const EventFieldList& event : list->events) {
+                deliver_event(event, violation);
+            }
+        } else {
+            violation("a part of a message that nobody asked for");
+        }
+    }
+}
+
+} // namespace busbar::test

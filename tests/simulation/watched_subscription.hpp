@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+
+#include <busbar/types/monitored_item.hpp>
+#include <busbar/types/subscription.hpp>
+
+#include "notification_check.hpp"
+#include "plant.hpp"
+
+namespace busbar::test {
+
+/// One item of a simulated client: what it is to be, and what the server has confirmed. What a
+/// lost response leaves open has no value.
+struct Watch {
+    enum class State : std::uint8_t {
+        Wanted,   // not created yet
+        Asked,    // CreateMonitoredItems is under way
+        Live,     // created
+        Unwanted, // to be deleted
+        Gone,     // deleted, or nobody knows: kept for a while for what comes late
+    };
+
+    Plant::Kind kind{Plant::Kind::Scan};
+    std::size_t counter{0};
+    State state{State::Wanted};
+    std::uint32_t item_id{0};
+    std::uint32_t wanted_queue_size{10};
+    std::optional<std::uint32_t> queue_size;
+    MonitoringMode wanted_mode{MonitoringMode::Reporting};
+    std::optional<MonitoringMode> mode;
+    /// What the plant had counted when the item was asked for.
+    std::int64_t first_count{0};
+    CountCheck check;
+};
+
+[[nodiscard]] MonitoringParameters parameters_of(const Watch& watch, std::uint32_t client_handle);
+
+/// What a simulated client knows of one of its Subscriptions, and expects of it.
+class WatchedSubscription {
+public:
+    WatchedSubscription(std::uint32_t subscription_id, std::uint32_t kept_messages)
+        : id{subscription_id}, sequence{kept_messages}
+    {
+    }
+
+    /// Looks at what a message brings. Calls `violation` for what must not be there.
+    void deliver(const NotificationMessage& message,
+                 const std::function<void(const std::string&)>& violation);
+    void add_watch(Plant::Kind kind, std::size_t counter, std::uint32_t queue_size);
+    /// Notifications may be missing, or come twice, for a reason.
+    void allow_gaps();
+
+    std::uint32_t id;
+    SequenceCheck sequence;
+
+    double wanted_interval{0};
+    std::optional<double> interval;
+    /// The shortest and the longest that it ever had.
+    double shortest_interval{0};
+    double longest_interval{0};
+    std::uint32_t keep_alive_count{0};
+    std::uint32_t lifetime_count{0};
+    std::uint32_t max_notifications{0};
+    bool wants_publishing{true};
+    std::optional<bool> publishing{true};
+
+    /// It may belong to a session that is lost.
+    bool needs_transfer{false};
+    bool is_transfer_open{false};
+    /// Republish until there is nothing more, whether or not something is known to be missing.
+    bool asks_for_more{false};
+    /// When a request was sent that the server has answered and that kept the Subscription alive.
+    TimePoint last_use;
+
+    struct Acknowledgement {
+        std::uint32_t number;
+        /// False if the server may know it already, or never did.
+        bool is_certain;
+    };
+    std::deque<Acknowledgement> acknowledgements;
+
+    /// By client handle.
+    std::map<std::uint32_t, Watch> watches;
+
+private:
+    void deliver_value(const MonitoredItemNotification& item,
+                       const std::function<void(const std::string&)>& violation);
+    void deliver_event(const EventFieldList& event,
+                       const std::function<void(const std::string&)>& violation);
+    [[nodiscard]] Watch* find(std::uint32_t handle,
+                              const std::function<void(const std::string&)>& violation);
+
+    std::uint32_t last_handle_{0};
+};
+
+} // namespace busbar::test
