@@ -321,6 +321,7 @@ void ActivateSession::accept(UserIdentity user, TimePoint now)
     session.server_nonce = *std::move(nonce);
     session.is_activated = true;
     session.link = link_;
+    Subscriptions::session_moved(session);
     set_user(*core_, *find_endpoint(*core_, session), session, std::move(user), now);
     core_->session_nodes.add(*core_, session);
     if (is_other_user) {

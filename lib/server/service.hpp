@@ -58,6 +58,7 @@ public:
     /// The client does not wait for it any more.
     [[nodiscard]] bool is_overdue(TimePoint now) const { return client_deadline_ <= now; }
     [[nodiscard]] Session* session() const { return session_; }
+    [[nodiscard]] bool is_of(const Link& link) const { return link_ == &link; }
 
 protected:
     /// Sends the response: `encode` writes what follows its ResponseHeader. If that does not fit

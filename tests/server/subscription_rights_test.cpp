@@ -196,3 +196,22 @@ TEST_CASE_METHOD(RightsFixture, "users of one name that others vouch for are not
     REQUIRE(other.activate(other.user("any", "any-secret")) == status::Good);
     CHECK(SubscriptionFixture::transfer(other, id).status_code == status::Good);
 }
+
+TEST_CASE_METHOD(SubscriptionFixture, "a session that moves leaves no Publish request behind")
+{
+    const NodeId level = add_variable("level", 1);
+    auto old = log_in();
+    const std::uint32_t id = subscribe(old);
+    CHECK(monitor(old, id, item_request(level)).status_code == status::Good);
+    const std::uint32_t left = publish(old);
+    auto client = connect();
+    client.adopt(old);
+    CHECK(client.activate(TestClient::anonymous()) == status::Good);
+    // Nobody listens there any more.
+    CHECK(take(old, left).error() == status::Bad_SecureChannelClosed);
+    const std::uint32_t next = publish(client);
+    advance(100ms);
+    const auto response = take(client, next);
+    REQUIRE(response);
+    CHECK(data(response->notification_message).size() == 1);
+}

@@ -88,6 +88,15 @@ void PublishPart::refuse_overdue(TimePoint now)
     }
 }
 
+void PublishPart::refuse_others(const Link& link)
+{
+    for (PublishOperation* request : requests_) {
+        if (!request->is_finished() && !request->is_of(link)) {
+            request->refuse(status::Bad_SecureChannelClosed);
+        }
+    }
+}
+
 PublishOperation* PublishPart::next_request()
 {
     while (!requests_.empty() && requests_.front()->is_finished()) {

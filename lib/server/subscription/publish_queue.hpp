@@ -84,6 +84,9 @@ public:
     /// Those whose timeoutHint has passed answer Bad_Timeout: to be called before requests are
     /// taken (Part 4, 5.14.1.4, DequeuePublishReq).
     void refuse_overdue(TimePoint now);
+    /// The session has moved to the channel of `link`: what came by another one answers
+    /// Bad_SecureChannelClosed, so that it takes no message with it.
+    void refuse_others(const Link& link);
     /// The request that waits longest; null if there is none. Requests that were answered by
     /// others, for their timeout say, are passed over.
     [[nodiscard]] PublishOperation* next_request();

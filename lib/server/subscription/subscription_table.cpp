@@ -100,6 +100,13 @@ void Subscriptions::session_ends(Session& session, bool deletes_subscriptions)
     }
 }
 
+void Subscriptions::session_moved(Session& session)
+{
+    if (session.publishing != nullptr) {
+        PublishPart::of(session).refuse_others(*session.link);
+    }
+}
+
 void Subscriptions::user_changed(Session& session, TimePoint now)
 {
     for (Subscription* subscription : PublishPart::of(session).subscriptions()) {

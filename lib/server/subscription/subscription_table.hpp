@@ -41,6 +41,8 @@ public:
     /// The session ends: its Subscriptions with it if `deletes_subscriptions`, else they live on
     /// for as long as their lifetime says (Part 4, 5.6.4).
     void session_ends(Session& session, bool deletes_subscriptions);
+    /// The session may have another link.
+    static void session_moved(Session& session);
     /// The session has another user.
     void user_changed(Session& session, TimePoint now);
     /// See Server::announce_access_change.
