@@ -124,9 +124,11 @@ struct Name {
     std::string function;
 };
 
+/// The library's own namespace 0 is what AddressSpace begins with.
 Name function_name(const Options& options)
 {
-    return options.namespace_uri == "http://opcfoundation.org/UA/"
+    return options.namespace_uri == "http://opcfoundation.org/UA/" &&
+                   options.cpp_namespace == "busbar"
                ? Name{"busbar::model", "namespace0_nodes"}
                : Name{options.cpp_namespace, "nodes"};
 }

@@ -1,0 +1,200 @@
+#include "services.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include <busbar/client/client.hpp>
+#include <busbar/crypto/random.hpp>
+#include <busbar/server/server.hpp>
+#include <busbar/types/ids.hpp>
+#include <busbar/types/view.hpp>
+
+#include "spaces.hpp"
+
+namespace busbar::bench {
+
+namespace {
+
+constexpr int rounds = 10;
+
+class FixedClock final : public WallClock {
+public:
+    [[nodiscard]] DateTime now() const override
+    {
+        return DateTime::from_unix_seconds(1'800'000'000);
+    }
+};
+
+[[noreturn]] void give_up(StatusCode status)
+{
+    std::fprintf(stderr, "busbar-model-bench: %s\n", std::string{name(status)}.c_str());
+    std::exit(1);
+}
+
+template <typename T>
+T expect(Result<T> result)
+{
+    if (!result) {
+        give_up(result.error());
+    }
+    return *std::move(result);
+}
+
+binary::DecodeLimits generous()
+{
+    binary::DecodeLimits limits;
+    limits.max_array_length = 1'000'000;
+    return limits;
+}
+
+RelativePathElement element(std::string name)
+{
+    RelativePathElement result;
+    result.reference_type_id = NodeId{0, id::HierarchicalReferences};
+    result.include_subtypes = true;
+    result.target_name = QualifiedName{1, String{std::move(name)}};
+    return result;
+}
+
+} // namespace
+
+struct Services::Impl {
+    FixedClock clock;
+    crypto::SystemRandom random;
+    NullLog log;
+    TimePoint now{};
+    std::optional<server::Server> server;
+    std::optional<server::Connection> connection;
+    std::optional<client::Client> client;
+    double server_us{0};
+    /// What the last response borrows from.
+    client::ClientEvent last_event;
+
+    void open(model::AddressSpace space);
+    /// Carries bytes until the client has something to tell.
+    client::ClientEvent wait();
+
+    template <typename Response, typename Request>
+    Response call(Request& request)
+    {
+        static_cast<void>(expect(client->send(request)));
+        last_event = wait();
+        return expect(last_event.response<Response>(generous()));
+    }
+};
+
+void Services::Impl::open(model::AddressSpace space)
+{
+    server::ServerConfig config;
+    config.endpoints = {{{}, true}};
+    server::ServerEnvironment environment;
+    environment.random = &random;
+    environment.wall_clock = &clock;
+    environment.log = &log;
+    server.emplace(
+        expect(server::Server::create(std::move(config), environment, std::move(space))));
+    connection.emplace(expect(server->connect("192.0.2.1", now)));
+    client::ClientConfig wishes;
+    wishes.channel.endpoint_url = "opc.tcp://localhost:4840";
+    client.emplace(std::move(wishes),
+                   channel::ChannelEnvironment{&random, &clock, &log, nullptr, nullptr}, now);
+    if (const auto ready = wait(); ready.kind != client::ClientEvent::Kind::Ready) {
+        give_up(ready.status);
+    }
+}
+
+client::ClientEvent Services::Impl::wait()
+{
+    for (;;) {
+        if (auto event = client->next_event()) {
+            return *std::move(event);
+        }
+        const std::vector<std::byte> request{client->output().begin(), client->output().end()};
+        client->consume(request.size());
+        const auto begin = Clock::now();
+        static_cast<void>(connection->feed(request, now));
+        server_us += elapsed_us(begin);
+        if (request.empty() && connection->output().empty()) {
+            give_up(status::Bad_Timeout);
+        }
+        static_cast<void>(client->feed(connection->output(), now));
+        connection->consume(connection->output().size());
+    }
+}
+
+Services::Services(model::AddressSpace space) : impl_{std::make_unique<Impl>()}
+{
+    impl_->open(std::move(space));
+}
+
+Services::~Services() = default;
+
+const model::AddressSpace& Services::space() const
+{
+    return impl_->server->address_space();
+}
+
+Services::Cost Services::browse(const NodeId& node, const NodeId& type)
+{
+    return browse_pages(node, type, 0);
+}
+
+Services::Cost Services::browse_pages(const NodeId& node, const NodeId& type, std::uint32_t page)
+{
+    Cost best{std::numeric_limits<double>::max(), 0};
+    for (int i = 0; i < rounds; ++i) {
+        impl_->server_us = 0;
+        BrowseRequest request;
+        request.requested_max_references_per_node = page;
+        BrowseDescription& wanted = request.nodes_to_browse.emplace_back();
+        wanted.node_id = node;
+        wanted.reference_type_id = type;
+        wanted.include_subtypes = true;
+        wanted.result_mask = 63;
+        const auto first = impl_->call<BrowseResponse>(request);
+        std::size_t found = first.results[0].references.size();
+        ByteString more{first.results[0].continuation_point.span()};
+        while (!more.empty()) {
+            BrowseNextRequest next;
+            next.continuation_points.push_back(more);
+            const auto response = impl_->call<BrowseNextResponse>(next);
+            found += response.results[0].references.size();
+            more = ByteString{response.results[0].continuation_point.span()};
+        }
+        best = {std::min(best.microseconds, impl_->server_us), found};
+    }
+    return best;
+}
+
+Services::Cost Services::translate(std::uint32_t count, std::uint32_t variables)
+{
+    TranslateBrowsePathsToNodeIdsRequest request;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const auto number = static_cast<std::uint32_t>(std::uint64_t{i} * variables / count);
+        const std::string id = machine_variable(number).string().str();
+        BrowsePath& path = request.browse_paths.emplace_back();
+        path.starting_node = NodeId{0, id::ObjectsFolder};
+        for (std::size_t begin = 0; begin < id.size();) {
+            const std::size_t end = std::min(id.find('.', begin), id.size());
+            path.relative_path.elements.push_back(element(id.substr(begin, end - begin)));
+            begin = end + 1;
+        }
+    }
+    Cost best{std::numeric_limits<double>::max(), 0};
+    for (int i = 0; i < rounds; ++i) {
+        impl_->server_us = 0;
+        const auto response = impl_->call<TranslateBrowsePathsToNodeIdsResponse>(request);
+        std::size_t found = 0;
+        for (const BrowsePathResult& result : response.results) {
+            found += result.targets.size();
+        }
+        best = {std::min(best.microseconds, impl_->server_us), found};
+    }
+    return best;
+}
+
+} // namespace busbar::bench
