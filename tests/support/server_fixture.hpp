@@ -154,7 +154,9 @@ public:
 
     [[nodiscard]] SignatureData signature() const
     {
-        return sign_session(*channel.security().policy, *identity_, server_nonce);
+        // A client without security may have no identity.
+        return is_secure() ? sign_session(*channel.security().policy, *identity_, server_nonce)
+                           : SignatureData{};
     }
     [[nodiscard]] static ExtensionObject anonymous()
     {
