@@ -23,7 +23,7 @@ struct DynamicContent;
 /// field always has content that fits its definition, because every set checks it: a built-in
 /// value, enumeration or option set of any shape is a Variant, a structure a DynamicValue, an array
 /// or matrix of structures a DynamicArray. Fields that may hold subtypes are ExtensionObjects or
-/// Variants in a Variant. Thread-compatible.
+/// Variants in a Variant. What was moved from can only be assigned or destroyed. Thread-compatible.
 class DynamicValue {
 public:
     /// Of zeros, nulls, absent optional fields; a union that holds none of its fields. `type` must
@@ -147,6 +147,12 @@ decode_dynamic(std::span<const std::byte> body, const DynamicType& type,
 [[nodiscard]] Result<DynamicValue>
 decode_dynamic(const ExtensionObject& object, const DynamicTypes& types,
                const DecodeLimits& limits = dynamic_decode_limits());
+
+/// Good, or why a structure of one of the `types` that `value` holds, also in an array or within
+/// another, is none: the errors of decode_dynamic, and Bad_TypeMismatch where a field that allows
+/// subtypes holds something else. Structures of other types are not looked at.
+[[nodiscard]] StatusCode check_dynamic(const Variant& value, const DynamicTypes& types,
+                                       const DecodeLimits& limits = dynamic_decode_limits());
 
 /// The value with the encoding id of its type. Bad_EncodingError for a type that has none.
 [[nodiscard]] Result<ExtensionObject> to_extension_object(const DynamicValue& value);
