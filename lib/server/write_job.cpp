@@ -68,7 +68,8 @@ StatusCode check_structures(const WriteContext& context, const Variant& value)
     const bool may_hold_structures =
         value.type() == BuiltInType::ExtensionObject || value.type() == BuiltInType::Variant;
     return context.data_types != nullptr && may_hold_structures
-               ? binary::check_dynamic(value, context.data_types->of(context.space))
+               ? binary::check_dynamic(value, context.data_types->of(context.space),
+                                       binary::dynamic_decode_limits(context.limits))
                : status::Good;
 }
 

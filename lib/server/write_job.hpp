@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include <busbar/binary/reader.hpp>
 #include <busbar/binary/writer.hpp>
 #include <busbar/model/address_space.hpp>
 #include <busbar/model/data_types.hpp>
@@ -22,6 +23,7 @@ struct WriteContext {
     UserRights rights;
     /// Null: bodies of structures without generated type are taken as they come.
     model::DataTypes* data_types{nullptr};
+    binary::DecodeLimits limits{};
 };
 
 /// Good, or why the whole request is refused (Part 4, 5.11.4.3).

@@ -128,10 +128,9 @@ struct DynamicContent : std::variant<std::monostate, Variant, DynamicValue, Dyna
     [[nodiscard]] const Base& base() const { return *this; }
 };
 
-/// A value's C++ objects take more room than those of generated types.
-[[nodiscard]] constexpr DecodeLimits dynamic_decode_limits()
+/// `limits` with room for a value's C++ objects, which are larger than those of generated types.
+[[nodiscard]] constexpr DecodeLimits dynamic_decode_limits(DecodeLimits limits = {})
 {
-    DecodeLimits limits;
     limits.max_expansion = 400;
     return limits;
 }

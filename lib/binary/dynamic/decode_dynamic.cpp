@@ -68,6 +68,9 @@ Variant decode_built_in(Reader& reader, const DynamicField& field)
         decode(reader, values);
         return Variant{std::move(values)};
     }
+    if (sizeof(T) > sizeof(Variant) && !reader.charge(sizeof(T))) {
+        return {}; // the Variant would box it
+    }
     T value{};
     decode(reader, value);
     return Variant{std::move(value)};

@@ -214,7 +214,7 @@ private:
     }
     void print(const DataValue& value, const DynamicType* type)
     {
-        print(static_cast<const Variant&>(value.value), type);
+        print(value.value, type);
         add(" ");
         print(value.status, nullptr);
     }
