@@ -131,7 +131,7 @@ struct DynamicContent : std::variant<std::monostate, Variant, DynamicValue, Dyna
 /// `limits` with room for a value's C++ objects, which are larger than those of generated types.
 [[nodiscard]] constexpr DecodeLimits dynamic_decode_limits(DecodeLimits limits = {})
 {
-    limits.max_expansion = 400;
+    limits.max_expansion = 200;
     return limits;
 }
 
