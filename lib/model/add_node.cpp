@@ -56,6 +56,10 @@ StatusCode check_reference(const AddressSpace& space, const NewNode& node, NodeI
         space.is_abstract(reference)) {
         return status::Bad_ReferenceTypeIdInvalid;
     }
+    if (reference == space.find(detail::id_has_encoding) && node_class == NodeClass::Object &&
+        space.node_class(node.parent) == NodeClass::DataType) {
+        return status::Good; // an encoding has nothing else that it could be below (Part 3, 5.8.4)
+    }
     if (!space.is_subtype_of(reference, detail::id_hierarchical_references)) {
         return status::Bad_ReferenceNotAllowed;
     }

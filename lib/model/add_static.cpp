@@ -1,6 +1,7 @@
 #include <busbar/model/address_space.hpp>
 
 #include <busbar/binary/codec.hpp>
+#include <busbar/types/data_types.hpp>
 
 #include "tables.hpp"
 
@@ -32,6 +33,8 @@ private:
     [[nodiscard]] Result<void> find_externals();
     [[nodiscard]] Result<void> check_ids() const;
     void create_nodes();
+    void map(NodeId& id) const;
+    [[nodiscard]] ExtensionObject mapped(const ExtensionObject& definition) const;
     void set_details(const StaticNode& node, Record& record);
     void set_variable(const StaticVariable& variable, Record& record);
     void set_texts();
@@ -162,6 +165,28 @@ void StaticCopy::create_nodes()
     }
 }
 
+void StaticCopy::map(NodeId& id) const
+{
+    if (id.namespace_index() < namespaces_.size()) {
+        id.set_namespace_index(namespaces_[id.namespace_index()]);
+    }
+}
+
+/// A StructureDefinition names types and encodings, which have other namespace indices here.
+ExtensionObject StaticCopy::mapped(const ExtensionObject& object) const
+{
+    auto definition = binary::from_bytes<StructureDefinition>(object.binary().span());
+    if (!object.encoding_id().is(StructureDefinition::binary_encoding_id) || !definition) {
+        return object;
+    }
+    map(definition->default_encoding_id);
+    map(definition->base_data_type);
+    for (StructureField& field : definition->fields) {
+        map(field.data_type);
+    }
+    return ExtensionObject::from(std::move(*definition));
+}
+
 void StaticCopy::set_details(const StaticNode& node, Record& record)
 {
     record.flags = node.flags;
@@ -181,7 +206,7 @@ void StaticCopy::set_details(const StaticNode& node, Record& record)
         const StaticText& at = from_.texts[node.details];
         const Variant value = decoded(from_.values.substr(at.offset, at.size));
         if (const auto* const definition = value.get_if<ExtensionObject>()) {
-            record.make_extra().definition = *definition;
+            record.make_extra().definition = mapped(*definition);
         }
         break;
     }

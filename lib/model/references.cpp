@@ -79,6 +79,11 @@ std::uint64_t AddressSpace::change_count() const
     return tables_->change_count;
 }
 
+std::uint64_t AddressSpace::type_count() const
+{
+    return tables_->type_count;
+}
+
 NodeIndex AddressSpace::type_definition(NodeIndex node) const
 {
     if (!tables_->is_constant(node)) {

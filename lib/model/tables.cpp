@@ -139,6 +139,7 @@ void Tables::place_type(NodeIndex type, NodeIndex supertype)
         extra.chain = above.chain;
     }
     extra.chain.push_back(type);
+    ++type_count;
 }
 
 void Tables::unlink(NodeIndex child)

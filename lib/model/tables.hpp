@@ -48,6 +48,7 @@ struct Tables {
     std::unordered_map<std::uint32_t, std::unique_ptr<Overlay>> overlays;
     std::uint64_t epoch{0};
     std::uint64_t change_count{0};
+    std::uint64_t type_count{0};
     std::uint32_t next_generation{0};
     std::vector<std::uint32_t> next_numeric_ids;
     // Looked up once, since each new node asks for them.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <busbar/crypto/certificate_notices.hpp>
+#include <busbar/model/data_types.hpp>
 #include <busbar/server/server.hpp>
 #include <busbar/types/enumerations.hpp>
 
@@ -27,6 +28,7 @@ struct Core {
     ServerConfig config;
     ServerEnvironment environment;
     model::AddressSpace address_space;
+    model::DataTypes data_types;
     binary::TypeRegistry types;
     Diagnostics diagnostics;
     DataSources sources;

@@ -28,7 +28,9 @@ void WriteOperation::start(ServiceContext& context)
     }
     job_.emplace(WriteContext{core.address_space,
                               core.sources,
-                              {context.session->user, core.environment.access}},
+                              {context.session->user, core.environment.access},
+                              &core.data_types,
+                              core.limits().decode},
                  request());
     const bool is_complete = job_->start(*this, context.now);
     core.diagnostics.take_flag(core.address_space);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <busbar/binary/codec.hpp>
+#include <busbar/binary/dynamic_value.hpp>
 #include <busbar/core/attribute_id.hpp>
 
 namespace busbar::server::detail {
@@ -50,10 +51,26 @@ StatusCode check_type(const model::AddressSpace& space, const model::VariableAtt
         return space.check_value(value, variable.data_type, variable.value_rank,
                                  variable.array_dimensions);
     }
+    if (value.type() == BuiltInType::ExtensionObject) {
+        constexpr std::int32_t any_rank = -2;
+        return space.check_value(value, variable.data_type, any_rank, {});
+    }
     const std::uint32_t types = space.built_in_types_of(variable.data_type);
     const bool fits =
         !value.is_null() && ((types >> static_cast<unsigned>(value.type())) & 1U) != 0;
     return fits ? status::Good : status::Bad_TypeMismatch;
+}
+
+/// A structure that is known from its DataTypeDefinition only has not been decoded yet. What a
+/// client may write by its type is still refused if it is no value of that type.
+StatusCode check_structures(const WriteContext& context, const Variant& value)
+{
+    const bool may_hold_structures =
+        value.type() == BuiltInType::ExtensionObject || value.type() == BuiltInType::Variant;
+    return context.data_types != nullptr && may_hold_structures
+               ? binary::check_dynamic(value, context.data_types->of(context.space),
+                                       binary::dynamic_decode_limits(context.limits))
+               : status::Good;
 }
 
 /// Part 4, 5.11.4.2: a ByteString is taken where an array of Byte is expected.
@@ -142,6 +159,9 @@ std::optional<StatusCode> WriteJob::plan_value(const WriteContext& context, std:
     const auto mismatch = check_type(context.space, variable, data->value, is_part);
     if (mismatch.is_bad()) {
         return mismatch;
+    }
+    if (const auto bad = check_structures(context, data->value); bad.is_bad()) {
+        return bad;
     }
     if (variable.source == model::no_source) {
         return replace_kept(context.space, target.node, *range, data->value);

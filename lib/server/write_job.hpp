@@ -5,8 +5,10 @@
 #include <optional>
 #include <vector>
 
+#include <busbar/binary/reader.hpp>
 #include <busbar/binary/writer.hpp>
 #include <busbar/model/address_space.hpp>
+#include <busbar/model/data_types.hpp>
 #include <busbar/types/attribute.hpp>
 
 #include "data_call.hpp"
@@ -19,6 +21,9 @@ struct WriteContext {
     model::AddressSpace& space;
     DataSources& sources;
     UserRights rights;
+    /// Null: bodies of structures without generated type are taken as they come.
+    model::DataTypes* data_types{nullptr};
+    binary::DecodeLimits limits{};
 };
 
 /// Good, or why the whole request is refused (Part 4, 5.11.4.3).

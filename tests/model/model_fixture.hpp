@@ -50,6 +50,12 @@ struct ModelFixture {
     }
 };
 
+/// True if all of namespace 0 was built in.
+[[nodiscard]] inline bool is_full(const AddressSpace& space)
+{
+    return space.node_count() > 4'000;
+}
+
 template <typename T>
 [[nodiscard]] StatusCode status_of(const Result<T>& result)
 {

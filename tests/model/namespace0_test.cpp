@@ -22,12 +22,6 @@ bool has_reference(const AddressSpace& space, NodeIndex from, const Reference& s
     return false;
 }
 
-/// The size of namespace 0 that was built in.
-bool is_full(const AddressSpace& space)
-{
-    return space.node_count() > 4000;
-}
-
 } // namespace
 
 TEST_CASE("Every constant node is whole")

@@ -132,7 +132,7 @@ public:
     std::vector<StatusCode> write(const WriteRequest& request)
     {
         REQUIRE(server::detail::check_write(request, 1'000) == status::Good);
-        server::detail::WriteJob job{{space, sources, {user, control}}, request};
+        server::detail::WriteJob job{{space, sources, {user, control}, &data_types}, request};
         REQUIRE(job.start(owner, TimePoint{}));
         return results(job);
     }
@@ -171,6 +171,7 @@ public:
     std::vector<std::unique_ptr<server::DataSource>> owned_sources;
     server::detail::DataSources sources{nullptr};
     model::AddressSpace space;
+    model::DataTypes data_types;
     std::uint16_t namespace_index{0};
     server::UserIdentity user;
     const server::AccessControl* control{nullptr};

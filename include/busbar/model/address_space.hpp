@@ -112,6 +112,8 @@ public:
     /// Changes whenever a reference was added or removed, be it with a node, and when a Variable
     /// got another source or access level.
     [[nodiscard]] std::uint64_t change_count() const;
+    /// Changes whenever a type was added; types are never removed.
+    [[nodiscard]] std::uint64_t type_count() const;
     /// The target of HasTypeDefinition of an Object or Variable, else no_node.
     [[nodiscard]] NodeIndex type_definition(NodeIndex node) const;
     /// The IsAbstract attribute of a type.

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <optional>
+
+#include <busbar/binary/dynamic_types.hpp>
+
+namespace busbar::binary::detail {
+
+/// What the DataTypes at which the way up the hierarchy ends say of those below them.
+struct DataTypeRoot {
+    DynamicType::Kind kind{DynamicType::Kind::Simple};
+    BuiltInType built_in{BuiltInType::Null};
+    /// The bits (by BuiltInType) of what a value may be; all for BaseDataType.
+    std::uint32_t variant_types{UINT32_MAX};
+    /// Structured option sets (Part 3, 8.40): Value and ValidBits, whatever the bits are called.
+    bool is_option_set_structure{false};
+};
+
+/// Nothing for an id that is not one of the types of Part 6, 5.1.2 or of the structures' bases.
+[[nodiscard]] std::optional<DataTypeRoot> data_type_root(const NodeId& data_type);
+
+/// Structure, Union and OptionSet themselves stand for any subtype (Part 6, 5.1.7).
+[[nodiscard]] bool is_open_structure(const NodeId& data_type);
+
+} // namespace busbar::binary::detail

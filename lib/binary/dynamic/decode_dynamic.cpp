@@ -1,0 +1,243 @@
+#include <busbar/binary/dynamic_value.hpp>
+
+#include "content_check.hpp"
+#include "core/visit_built_in.hpp"
+
+namespace busbar::binary {
+
+namespace {
+
+/// The dimensions in front of a matrix (Part 6, 5.2.5). None for a matrix without elements, null or
+/// empty as it came.
+Array<std::uint32_t> decode_dimensions(Reader& reader, const DynamicField& field)
+{
+    Array<std::uint32_t> dimensions;
+    decode(reader, dimensions);
+    bool fits =
+        dimensions.empty() || dimensions.size() == static_cast<std::size_t>(field.value_rank);
+    for (const std::uint32_t dimension : dimensions) {
+        fits = fits && dimension <= INT32_MAX;
+    }
+    if (!fits) {
+        reader.fail(status::Bad_DecodingError);
+    }
+    return dimensions;
+}
+
+/// How many elements a matrix has, after the same checks as of an array's count.
+std::size_t decode_matrix_size(Reader& reader, const Array<std::uint32_t>& dimensions,
+                               std::size_t min_element_size, std::size_t object_size)
+{
+    const std::size_t limit = reader.limits().max_array_length;
+    const std::size_t count =
+        dimensions.empty() ? 0 : detail::element_count(dimensions.span(), limit);
+    if (count > limit) {
+        reader.fail(status::Bad_EncodingLimitsExceeded);
+    } else if (min_element_size != 0 && count > reader.remaining() / min_element_size) {
+        reader.fail(status::Bad_DecodingError);
+    } else if (reader.charge(count * object_size)) {
+        return count;
+    }
+    return 0;
+}
+
+template <typename T>
+Variant decode_matrix(Reader& reader, const DynamicField& field)
+{
+    Array<std::uint32_t> dimensions = decode_dimensions(reader, field);
+    Array<T> values;
+    if (dimensions.is_null()) {
+        return Variant{std::move(values)};
+    }
+    values.resize(
+        decode_matrix_size(reader, dimensions, busbar::detail::min_wire_size<T>(), sizeof(T)));
+    for (T& value : values) {
+        decode(reader, value);
+    }
+    return Variant::matrix(std::move(values), std::move(dimensions));
+}
+
+template <typename T>
+Variant decode_built_in(Reader& reader, const DynamicField& field)
+{
+    if (field.is_matrix()) {
+        return decode_matrix<T>(reader, field);
+    }
+    if (!field.is_scalar()) {
+        Array<T> values;
+        decode(reader, values);
+        return Variant{std::move(values)};
+    }
+    if (sizeof(T) > sizeof(Variant) && !reader.charge(sizeof(T))) {
+        return {}; // the Variant would box it
+    }
+    T value{};
+    decode(reader, value);
+    return Variant{std::move(value)};
+}
+
+} // namespace
+
+/// Reads what a definition describes; errors stay in the Reader. What comes back after an error is
+/// of no use.
+class DynamicDecoder {
+public:
+    explicit DynamicDecoder(Reader& reader) : reader_{reader} {}
+
+    [[nodiscard]] DynamicValue structure(const DynamicType& type)
+    {
+        const bool is_union = type.kind == DynamicType::Kind::Union;
+        const std::size_t most = is_union ? 1 : type.fields.size();
+        std::vector<DynamicContent> contents;
+        std::uint32_t selected = 0;
+        if (reader_.enter()) {
+            if (reader_.charge(most * sizeof(DynamicContent))) {
+                contents.reserve(most);
+                if (is_union) {
+                    selected = union_field(type, contents);
+                } else {
+                    fields(type, contents);
+                }
+            }
+            reader_.leave();
+        }
+        return {type, std::move(contents), selected};
+    }
+
+private:
+    std::uint32_t union_field(const DynamicType& type, std::vector<DynamicContent>& contents)
+    {
+        const auto selected = reader_.number<std::uint32_t>();
+        if (selected > type.fields.size()) { // Part 6, 5.2.8
+            reader_.fail(status::Bad_DecodingError);
+            return 0;
+        }
+        if (selected != 0) {
+            contents.push_back(content(type.fields[selected - 1]));
+        }
+        return selected;
+    }
+    void fields(const DynamicType& type, std::vector<DynamicContent>& contents)
+    {
+        std::uint32_t mask = type.has_optional_fields ? reader_.number<std::uint32_t>() : 0;
+        for (const DynamicField& field : type.fields) {
+            if (!reader_.ok()) {
+                return;
+            }
+            const bool is_absent = field.is_optional && (mask & 1U) == 0;
+            mask >>= field.is_optional ? 1U : 0U;
+            contents.push_back(is_absent ? DynamicContent{} : content(field));
+        }
+        if (mask != 0) { // Part 6, 5.2.7
+            reader_.fail(status::Bad_DecodingError);
+        }
+    }
+    [[nodiscard]] DynamicContent content(const DynamicField& field)
+    {
+        if (!field.is_structure) {
+            return built_in(field);
+        }
+        if (field.is_scalar()) {
+            return structure(*field.type);
+        }
+        return array(field);
+    }
+    [[nodiscard]] DynamicContent built_in(const DynamicField& field)
+    {
+        if (field.built_in == BuiltInType::Variant && field.is_scalar()) {
+            Variant value;
+            decode(reader_, value);
+            return checked(field, std::move(value));
+        }
+        return checked(field, busbar::detail::visit_built_in(field.built_in, [&](auto tag) {
+                           using T = typename decltype(tag)::type;
+                           if constexpr (std::is_same_v<T, Variant>) {
+                               return field.is_matrix() ? decode_matrix<T>(reader_, field)
+                                                        : variants();
+                           } else {
+                               return decode_built_in<T>(reader_, field);
+                           }
+                       }));
+    }
+    [[nodiscard]] Variant variants()
+    {
+        Array<Variant> values;
+        decode(reader_, values);
+        return Variant{std::move(values)};
+    }
+    /// A Variant may hold what the field's DataType does not allow.
+    [[nodiscard]] DynamicContent checked(const DynamicField& field, Variant value)
+    {
+        if (reader_.ok() && !detail::fits(field, value)) {
+            reader_.fail(status::Bad_DecodingError);
+        }
+        return value;
+    }
+    [[nodiscard]] DynamicArray array(const DynamicField& field)
+    {
+        DynamicArray result;
+        const std::size_t least = field.type->min_wire_size;
+        std::size_t count = 0;
+        if (field.is_matrix()) {
+            result.dimensions = decode_dimensions(reader_, field);
+            if (result.dimensions.is_null()) {
+                return result;
+            }
+            count = decode_matrix_size(reader_, result.dimensions, least, sizeof(DynamicValue));
+        } else {
+            const std::int32_t length = reader_.array_length(least, sizeof(DynamicValue));
+            if (length < 0) {
+                return result;
+            }
+            count = static_cast<std::size_t>(length);
+        }
+        result.values.reserve(count);
+        for (std::size_t i = 0; i < count && reader_.ok(); ++i) {
+            result.values.push_back(structure(*field.type));
+        }
+        return result;
+    }
+
+    Reader& reader_;
+};
+
+Result<DynamicValue> decode_dynamic(std::span<const std::byte> body, const DynamicType& type,
+                                    const DecodeLimits& limits)
+{
+    if (!type.is_structure()) {
+        return busbar::fail(status::Bad_DecodingError);
+    }
+    Reader reader{body, Strings::Own, nullptr, limits};
+    DynamicValue value = DynamicDecoder{reader}.structure(type);
+    if (reader.ok() && reader.remaining() != 0) {
+        reader.fail(status::Bad_DecodingError);
+    }
+    if (!reader.ok()) {
+        return busbar::fail(reader.status());
+    }
+    return value;
+}
+
+Result<DynamicValue> decode_dynamic(const ExtensionObject& object, const DynamicTypes& types,
+                                    const DecodeLimits& limits)
+{
+    const DynamicType* const type = types.find_encoding(object.encoding_id());
+    if (type == nullptr) {
+        return busbar::fail(status::Bad_DecodingError);
+    }
+    if (object.body() == ExtensionObject::Body::Binary) {
+        return decode_dynamic(object.binary().span(), *type, limits);
+    }
+    if (object.body() != ExtensionObject::Body::Object) {
+        return busbar::fail(status::Bad_DecodingError);
+    }
+    VectorSink sink;
+    Writer writer{sink};
+    object.type()->encode(writer, object.object());
+    if (!writer.ok()) {
+        return busbar::fail(writer.status());
+    }
+    return decode_dynamic(sink.take(writer.written()), *type, limits);
+}
+
+} // namespace busbar::binary
