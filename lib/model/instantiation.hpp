@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/model/instance.hpp>
+
+#include "declarations.hpp"
+
+namespace busbar::model::detail {
+
+/// The child that a hierarchical reference leads to, no_node if there is none of the name.
+[[nodiscard]] NodeIndex child_of(const AddressSpace& space, NodeIndex parent,
+                                 const QualifiedName& name);
+
+/// The NodeId of a new child of that name.
+[[nodiscard]] NodeId id_below(AddressSpace& space, NodeIndex parent, const QualifiedName& name,
+                              InstanceIds ids);
+
+/// One call of instantiate or add_interface.
+class Instantiation {
+public:
+    Instantiation(AddressSpace& space, const InstanceOptions& options)
+        : space_{space}, options_{options}, used_(options.optional.size(), false)
+    {
+    }
+
+    [[nodiscard]] Result<NodeIndex> create(const NewNode& node, NodeIndex type);
+    [[nodiscard]] Result<void> extend(NodeIndex object, NodeIndex interface_type);
+
+private:
+    struct AddedReference {
+        NodeIndex source{no_node};
+        NodeId type;
+        NodeIndex target{no_node};
+    };
+
+    [[nodiscard]] Result<NodeIndex> create_root(const NewNode& node, NodeIndex type);
+    [[nodiscard]] Result<NodeIndex> create_variable(const NewNode& node, NodeIndex type);
+    [[nodiscard]] Result<void> add_members(NodeIndex parent,
+                                           std::span<const DeclarationSource> sources,
+                                           const std::string& path, std::size_t depth);
+    [[nodiscard]] Result<void> add_member(NodeIndex parent, const DeclaredMember& member,
+                                          const std::string& path, std::size_t depth);
+    [[nodiscard]] Result<NodeIndex> copy(NodeIndex parent, const DeclaredMember& member);
+    [[nodiscard]] Result<void> copy_arguments(NodeIndex method, const DeclaredMember& member);
+    [[nodiscard]] Result<void> copy_node(NodeIndex parent, NodeIndex declaration,
+                                         NodeIndex reference_type, NodeIndex& created);
+    [[nodiscard]] Result<void> add_other_references();
+    [[nodiscard]] Result<void> reference(NodeIndex source, NodeIndex type, NodeIndex target);
+    [[nodiscard]] std::vector<DeclarationSource> with_types(std::vector<DeclarationSource> sources,
+                                                            NodeIndex type);
+    [[nodiscard]] bool is_wanted(const DeclaredMember& member, const std::string& path);
+    [[nodiscard]] NodeIndex instance_of(const DeclaredMember& member) const;
+    [[nodiscard]] Result<void> check_paths() const;
+    void undo();
+
+    AddressSpace& space_;
+    const InstanceOptions& options_;
+    /// For each entry of InstanceOptions::optional, whether the type has it.
+    std::vector<bool> used_;
+    std::map<DeclarationSource, NodeIndex> instances_;
+    std::vector<NodeIndex> created_;
+    std::vector<AddedReference> references_;
+    std::uint32_t last_scope_{0};
+};
+
+} // namespace busbar::model::detail
