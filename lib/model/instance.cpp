@@ -35,6 +35,15 @@ Result<NodeIndex> instantiate(AddressSpace& space, const NewNode& node, NodeInde
     return detail::Instantiation{space, options}.create(node, type);
 }
 
+Result<void> add_optional(AddressSpace& space, NodeIndex instance, const InstanceOptions& options)
+{
+    const NodeIndex type = space.exists(instance) ? space.type_definition(instance) : no_node;
+    if (type == no_node) {
+        return fail(status::Bad_TypeDefinitionInvalid);
+    }
+    return detail::Instantiation{space, options}.complete(instance, type);
+}
+
 Result<void> add_interface(AddressSpace& space, NodeIndex object, NodeIndex interface_type,
                            const InstanceOptions& options)
 {

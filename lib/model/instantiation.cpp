@@ -24,15 +24,7 @@ Result<NodeIndex> Instantiation::create(const NewNode& node, NodeIndex type)
         return root;
     }
     created_.push_back(*root);
-    Result<void> done = add_members(*root, with_types({}, type), {}, 1);
-    if (done) {
-        done = add_other_references();
-    }
-    if (done) {
-        done = check_paths();
-    }
-    if (!done) {
-        undo();
+    if (const auto done = complete(*root, type); !done) {
         return fail(done.error());
     }
     return root;
@@ -40,10 +32,15 @@ Result<NodeIndex> Instantiation::create(const NewNode& node, NodeIndex type)
 
 Result<void> Instantiation::extend(NodeIndex object, NodeIndex interface_type)
 {
-    Result<void> done = reference(object, space_.find(id::HasInterface), interface_type);
-    if (done) {
-        done = add_members(object, with_types({}, interface_type), {}, 1);
+    if (auto done = reference(object, space_.find(id::HasInterface), interface_type); !done) {
+        return done;
     }
+    return complete(object, interface_type);
+}
+
+Result<void> Instantiation::complete(NodeIndex instance, NodeIndex type)
+{
+    Result<void> done = add_members(instance, with_types({}, type), {}, 1);
     if (done) {
         done = add_other_references();
     }

@@ -22,6 +22,13 @@ namespace busbar::model::detail {
 [[nodiscard]] NodeId id_below(AddressSpace& space, NodeIndex parent, const QualifiedName& name,
                               InstanceIds ids);
 
+/// A new child with that name and an id_below the parent.
+[[nodiscard]] NewNode child_node(AddressSpace& space, NodeIndex parent, const QualifiedName& name);
+
+/// The instance's member with that name, which is added if its type has it as Optional.
+[[nodiscard]] Result<NodeIndex> optional_member(AddressSpace& space, NodeIndex instance,
+                                                const char* name);
+
 /// One call of instantiate or add_interface.
 class Instantiation {
 public:
@@ -31,6 +38,8 @@ public:
     }
 
     [[nodiscard]] Result<NodeIndex> create(const NewNode& node, NodeIndex type);
+    /// Adds the members of `type`, an Interface or that of the instance, that are not there.
+    [[nodiscard]] Result<void> complete(NodeIndex instance, NodeIndex type);
     [[nodiscard]] Result<void> extend(NodeIndex object, NodeIndex interface_type);
 
 private:

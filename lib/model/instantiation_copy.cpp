@@ -176,6 +176,28 @@ NodeId id_below(AddressSpace& space, NodeIndex parent, const QualifiedName& name
     return space.free_node_id(above.namespace_index());
 }
 
+NewNode child_node(AddressSpace& space, NodeIndex parent, const QualifiedName& name)
+{
+    NewNode node;
+    node.id = id_below(space, parent, name, InstanceIds::Path);
+    node.browse_name = name;
+    node.parent = parent;
+    return node;
+}
+
+Result<NodeIndex> optional_member(AddressSpace& space, NodeIndex instance, const char* name)
+{
+    if (const NodeIndex found = find_by_path(space, instance, name); found != no_node) {
+        return found;
+    }
+    InstanceOptions options;
+    options.optional.emplace_back(name);
+    if (auto added = add_optional(space, instance, options); !added) {
+        return fail(added.error());
+    }
+    return find_by_path(space, instance, name);
+}
+
 /// Copies the references between InstanceDeclarations that are not hierarchical, as Part 3, 6.4.4.1
 /// allows.
 Result<void> Instantiation::add_other_references()

@@ -75,6 +75,10 @@ struct InstanceOptions {
 Result<NodeIndex> instantiate(AddressSpace& space, const NewNode& node, NodeIndex type,
                               const InstanceOptions& options = {});
 
+/// Adds what `options` chooses of the Optional members of `instance`'s type and is not there yet,
+/// and whatever Mandatory one is missing. Bad_NotFound and Bad_TooManyOperations as above.
+Result<void> add_optional(AddressSpace& space, NodeIndex instance, const InstanceOptions& options);
+
 /// Makes `object` implement `interface_type`: adds HasInterface and the members that it does not
 /// have yet (Part 3, 4.10.2). Bad_TypeDefinitionInvalid if it is no subtype of BaseInterfaceType.
 Result<void> add_interface(AddressSpace& space, NodeIndex object, NodeIndex interface_type,
