@@ -257,9 +257,6 @@ TEST_CASE_METHOD(MachineFixture, "An instance may have part of the states")
 TEST_CASE_METHOD(MachineFixture, "Methods cause the transitions of a program")
 {
     const NodeIndex type = space.find(id::ProgramStateMachineType);
-    if (type == no_node) {
-        return; // A small namespace 0.
-    }
     const auto machine = attach(instantiate(type));
     CHECK(machine->states().size() == 4);
     CHECK(machine->transitions().size() == 9);
