@@ -99,30 +99,40 @@ void StateMachine::raise(const MachineTransition& transition, DateTime time)
     if (context_.events == nullptr) {
         return;
     }
+    bool is_raised = false;
     for (const NodeId& effect : transition.effects) {
-        if (!context_.space->is_subtype_of(context_.space->find(effect), id::TransitionEventType)) {
-            continue;
+        if (context_.space->is_subtype_of(context_.space->find(effect), id::TransitionEventType)) {
+            raise(transition, effect, time);
+            is_raised = true;
         }
-        Event event;
-        event.event_type = effect;
-        event.source_node = object_;
-        event.source_name = source_name_;
-        event.message = transition.display_name;
-        event.time = time;
-        const auto add = [&](const char* field, const LocalizedText& text, const NodeId& id,
-                             std::uint32_t number) {
-            event.set({0, field}, text);
-            event.set({{0, field}, {0, "Id"}}, id);
-            event.set({{0, field}, {0, "Number"}}, number);
-        };
-        const MachineState& from = states_[transition.from];
-        const MachineState& to = states_[transition.to];
-        add("Transition", transition.display_name, transition.id, transition.number);
-        add("FromState", from.display_name, from.id, from.number);
-        add("ToState", to.display_name, to.id, to.number);
-        // A full queue counts what it drops.
-        static_cast<void>(context_.events->raise(std::move(event)));
     }
+    if (!is_raised && !context_.default_event_type.is_null()) {
+        raise(transition, context_.default_event_type, time);
+    }
+}
+
+void StateMachine::raise(const MachineTransition& transition, const NodeId& event_type,
+                         DateTime time)
+{
+    Event event;
+    event.event_type = event_type;
+    event.source_node = object_;
+    event.source_name = source_name_;
+    event.message = transition.display_name;
+    event.time = time;
+    const auto add = [&](const char* field, const LocalizedText& text, const NodeId& id,
+                         std::uint32_t number) {
+        event.set({0, field}, text);
+        event.set({{0, field}, {0, "Id"}}, id);
+        event.set({{0, field}, {0, "Number"}}, number);
+    };
+    const MachineState& from = states_[transition.from];
+    const MachineState& to = states_[transition.to];
+    add("Transition", transition.display_name, transition.id, transition.number);
+    add("FromState", from.display_name, from.id, from.number);
+    add("ToState", to.display_name, to.id, to.number);
+    // A full queue counts what it drops.
+    static_cast<void>(context_.events->raise(std::move(event)));
 }
 
 } // namespace busbar::server

@@ -59,15 +59,18 @@ struct MachineFixture {
         add_number(id, state, "StateNumber", number);
         return state;
     }
-    void add_transition(NodeIndex type, const std::string& id, NodeIndex from, NodeIndex to)
+    void add_transition(NodeIndex type, const std::string& id, NodeIndex from, NodeIndex to,
+                        bool has_effect = true)
     {
         const NodeIndex node =
             space.add_object(named(id, type), {NodeId{0, id::TransitionType}, 0}).value();
         add_number(id, node, "TransitionNumber", 12);
         REQUIRE(space.add_reference(node, NodeId{0, id::FromState}, from));
         REQUIRE(space.add_reference(node, NodeId{0, id::ToState}, to));
-        REQUIRE(space.add_reference(node, NodeId{0, id::HasEffect},
-                                    space.find(id::TransitionEventType)));
+        if (has_effect) {
+            REQUIRE(space.add_reference(node, NodeId{0, id::HasEffect},
+                                        space.find(id::TransitionEventType)));
+        }
     }
     /// MachineType, and its Object "Machine".
     NodeId add_machine()
@@ -99,7 +102,7 @@ struct MachineFixture {
         REQUIRE(made);
         return space.node_id(*made);
     }
-    [[nodiscard]] StateMachineContext context() { return {&space, &memory, 0, &events}; }
+    [[nodiscard]] StateMachineContext context() { return {&space, &memory, 0, &events, {}}; }
     std::unique_ptr<StateMachine> attach(const NodeId& object)
     {
         auto machine = StateMachine::attach(context(), object);
@@ -198,6 +201,29 @@ TEST_CASE_METHOD(MachineFixture, "A transition raises its event")
     CHECK(field({{0, "FromState"}}) == Variant{LocalizedText{"Stopped"}});
     CHECK(field({{0, "ToState"}}) == Variant{LocalizedText{"Running"}});
     CHECK(field({{0, "ToState"}, {0, "Id"}}) == Variant{NodeId{ns, "MachineType.Running"}});
+}
+
+TEST_CASE_METHOD(MachineFixture, "A transition without effect raises what the application says")
+{
+    const NodeIndex type = add_type("QuietType");
+    const NodeIndex a = add_state(type, "QuietType.A", 1, true);
+    const NodeIndex b = add_state(type, "QuietType.B", 2);
+    add_transition(type, "QuietType.AToB", a, b, false);
+    StateMachineContext with = context();
+    SECTION("nothing") {}
+    SECTION("an event")
+    {
+        with.default_event_type = NodeId{0, id::TransitionEventType};
+    }
+    const auto machine = StateMachine::attach(with, instantiate(type));
+    REQUIRE(machine);
+    REQUIRE((*machine)->activate());
+    REQUIRE((*machine)->set_state("B", time_of_change));
+    const auto events_raised = raised();
+    REQUIRE(events_raised.size() == (with.default_event_type.is_null() ? 0 : 1));
+    for (const Event& event : events_raised) {
+        CHECK(event.event_type == with.default_event_type);
+    }
 }
 
 TEST_CASE_METHOD(MachineFixture, "States that no transition leads to are refused")

@@ -52,6 +52,9 @@ struct StateMachineContext {
     std::uint32_t source{model::no_source};
     /// Null: no events.
     EventQueue* events{nullptr};
+    /// TransitionEventType or a subtype, for a transition whose type does not say what it has for
+    /// an effect, as in PackML (Part 16, 4.4.2); null: no event for these.
+    NodeId default_event_type;
 };
 
 /// One Object of a subtype of FiniteStateMachineType, made by model::instantiate.
@@ -153,6 +156,7 @@ private:
     [[nodiscard]] bool is_available(const MachineTransition& transition) const;
     [[nodiscard]] Result<void> try_transition(const MachineTransition& transition, DateTime time);
     void raise(const MachineTransition& transition, DateTime time);
+    void raise(const MachineTransition& transition, const NodeId& event_type, DateTime time);
     [[nodiscard]] std::optional<std::size_t> find_state(std::string_view name) const;
     [[nodiscard]] LocalizedText effective_name() const;
 
