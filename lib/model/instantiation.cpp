@@ -92,7 +92,7 @@ Result<void> Instantiation::add_member(NodeIndex parent, const DeclaredMember& m
     }
     NodeIndex node = child_of(space_, parent, space_.browse_name(member.declaration()));
     if (node == no_node) {
-        const auto copied = copy(parent, member);
+        const auto copied = copy(parent, member, path);
         if (!copied) {
             return fail(copied.error());
         }
@@ -128,7 +128,8 @@ bool Instantiation::is_wanted(const DeclaredMember& member, const std::string& p
                    (sought.size() > path.size() && sought[path.size()] == '/' &&
                     sought.substr(0, path.size()) == path);
     }
-    return member.rule == ModellingRule::Mandatory || is_named || options_.all_optional ||
+    return member.rule == ModellingRule::Mandatory || is_named ||
+           (options_.all_optional && can_be_made(member, path)) ||
            (options_.is_wanted && options_.is_wanted(path, member.declaration()));
 }
 

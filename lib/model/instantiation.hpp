@@ -56,10 +56,15 @@ private:
                                            const std::string& path, std::size_t depth);
     [[nodiscard]] Result<void> add_member(NodeIndex parent, const DeclaredMember& member,
                                           const std::string& path, std::size_t depth);
-    [[nodiscard]] Result<NodeIndex> copy(NodeIndex parent, const DeclaredMember& member);
+    [[nodiscard]] Result<NodeIndex> copy(NodeIndex parent, const DeclaredMember& member,
+                                         const std::string& path);
     [[nodiscard]] Result<void> copy_arguments(NodeIndex method, const DeclaredMember& member);
-    [[nodiscard]] Result<void> copy_node(NodeIndex parent, NodeIndex declaration,
+    /// `type` is the new node's, no_node for a Method.
+    [[nodiscard]] Result<void> copy_node(NodeIndex parent, NodeIndex declaration, NodeIndex type,
                                          NodeIndex reference_type, NodeIndex& created);
+    /// The type of the member at that BrowsePath, or no_node if none fits.
+    [[nodiscard]] NodeIndex type_of(NodeIndex declaration, const std::string& path) const;
+    [[nodiscard]] bool can_be_made(const DeclaredMember& member, const std::string& path) const;
     [[nodiscard]] Result<void> add_other_references();
     [[nodiscard]] Result<void> reference(NodeIndex source, NodeIndex type, NodeIndex target);
     [[nodiscard]] std::vector<DeclarationSource> with_types(std::vector<DeclarationSource> sources,

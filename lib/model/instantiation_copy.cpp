@@ -92,7 +92,8 @@ Result<NodeIndex> Instantiation::create_variable(const NewNode& node, NodeIndex 
 }
 
 /// Creates what the member declares below `parent`, or has it share a Method.
-Result<NodeIndex> Instantiation::copy(NodeIndex parent, const DeclaredMember& member)
+Result<NodeIndex> Instantiation::copy(NodeIndex parent, const DeclaredMember& member,
+                                      const std::string& path)
 {
     const NodeIndex declaration = member.declaration();
     const bool is_method = space_.node_class(declaration) == NodeClass::Method;
@@ -100,15 +101,41 @@ Result<NodeIndex> Instantiation::copy(NodeIndex parent, const DeclaredMember& me
         const auto shared = reference(parent, member.reference_type, declaration);
         return shared ? Result<NodeIndex>{declaration} : fail(shared.error());
     }
+    const NodeIndex type = is_method ? no_node : type_of(declaration, path);
+    if (type == no_node && !is_method) {
+        return fail(status::Bad_TypeDefinitionInvalid);
+    }
     NodeIndex created = no_node;
-    Result<void> done = copy_node(parent, declaration, member.reference_type, created);
+    Result<void> done = copy_node(parent, declaration, type, member.reference_type, created);
     if (done && is_method) {
         done = copy_arguments(created, member);
     }
     return done ? Result<NodeIndex>{created} : fail(done.error());
 }
 
-Result<void> Instantiation::copy_node(NodeIndex parent, NodeIndex declaration,
+NodeIndex Instantiation::type_of(NodeIndex declaration, const std::string& path) const
+{
+    const NodeIndex declared = space_.type_definition(declaration);
+    for (const auto& [sought, type] : options_.types) {
+        if (sought == path) {
+            const NodeIndex chosen = space_.find(type);
+            return space_.is_subtype_of(chosen, declared) ? chosen : no_node;
+        }
+    }
+    return declared;
+}
+
+/// False for a member of an abstract type that the caller chose no other for.
+bool Instantiation::can_be_made(const DeclaredMember& member, const std::string& path) const
+{
+    if (space_.node_class(member.declaration()) == NodeClass::Method) {
+        return true;
+    }
+    const NodeIndex type = type_of(member.declaration(), path);
+    return type != no_node && !space_.is_abstract(type);
+}
+
+Result<void> Instantiation::copy_node(NodeIndex parent, NodeIndex declaration, NodeIndex type,
                                       NodeIndex reference_type, NodeIndex& created)
 {
     if (created_.size() >= options_.limits.max_nodes) {
@@ -123,12 +150,12 @@ Result<void> Instantiation::copy_node(NodeIndex parent, NodeIndex declaration,
     Result<NodeIndex> added = fail(status::Bad_NodeClassInvalid);
     switch (space_.node_class(declaration)) {
     case NodeClass::Object:
-        added = space_.add_object(node, {space_.node_id(space_.type_definition(declaration)),
-                                         event_notifier_of(space_, declaration)});
+        added =
+            space_.add_object(node, {space_.node_id(type), event_notifier_of(space_, declaration)});
         break;
     case NodeClass::Variable: {
         NewVariable variable = variable_like(space_, declaration);
-        variable.type_definition = space_.node_id(space_.type_definition(declaration));
+        variable.type_definition = space_.node_id(type);
         added = space_.add_variable(node, variable);
         break;
     }
@@ -160,7 +187,9 @@ Result<void> Instantiation::copy_arguments(NodeIndex method, const DeclaredMembe
     }
     for (const NodeIndex property : properties) {
         NodeIndex created = no_node;
-        if (auto done = copy_node(method, property, space_.find(id::HasProperty), created); !done) {
+        if (auto done = copy_node(method, property, space_.find(id::PropertyType),
+                                  space_.find(id::HasProperty), created);
+            !done) {
             return done;
         }
     }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <busbar/model/address_space.hpp>
@@ -47,7 +48,12 @@ struct InstanceOptions {
     /// The BrowsePaths of InstanceDeclarations with ModellingRule Optional that the instance has,
     /// together with what lies on the way to them. Bad_NotFound if the type has no such path.
     std::vector<std::string> optional;
-    /// Has every Optional one, or those for which the function, which may be empty, is true.
+    /// The types of members in place of those that the InstanceDeclarations have, by BrowsePath: a
+    /// declaration may have an abstract type and leave the choice to the instance. Each must be the
+    /// declared type or below it, Bad_TypeDefinitionInvalid if not.
+    std::vector<std::pair<std::string, NodeId>> types;
+    /// Has every Optional one whose type is not abstract, or those for which the function, which
+    /// may be empty, is true.
     bool all_optional{false};
     std::function<bool(std::string_view path, NodeIndex declaration)> is_wanted;
     InstanceIds ids{InstanceIds::Path};
@@ -69,7 +75,8 @@ struct InstanceOptions {
 ///
 /// Placeholders are left to the caller, who adds nodes of the placeholder's type.
 ///
-/// Bad_TypeDefinitionInvalid if `type` is abstract or not of these NodeClasses,
+/// Bad_TypeDefinitionInvalid if `type` or the type of a member is abstract or not of these
+/// NodeClasses,
 /// Bad_NodeAttributesInvalid if a Variable is not what its type allows, Bad_NotFound and
 /// Bad_TooManyOperations as above, or what AddressSpace answers.
 Result<NodeIndex> instantiate(AddressSpace& space, const NewNode& node, NodeIndex type,
