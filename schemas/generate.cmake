@@ -7,6 +7,7 @@
 #     [INCLUDE_PATH <path>]         by default <target>: #include <path/types.hpp>
 #     [DEPENDS <target>...]         targets of busbar_generate whose types are used
 #     [GROUPS <file>] [IDS <file>]  see busbar-generate
+#     [NODES]                       also <path/nodes.hpp>, for AddressSpace::add; links busbar::model
 #   )
 #
 # makes the static library <target>, which links busbar::binary. The namespace of OPC UA itself is
@@ -119,7 +120,7 @@ function(busbar_generate_nodes name sources_variable)
 endfunction()
 
 function(busbar_generate target)
-  cmake_parse_arguments(ARG "" "NAMESPACE_URI;CPP_NAMESPACE;INCLUDE_PATH;GROUPS;IDS"
+  cmake_parse_arguments(ARG "NODES" "NAMESPACE_URI;CPP_NAMESPACE;INCLUDE_PATH;GROUPS;IDS"
     "NODESETS;DEPENDS" ${ARGN})
   foreach(option CPP_NAMESPACE INCLUDE_PATH)
     if(NOT ARG_${option})
@@ -139,8 +140,19 @@ function(busbar_generate target)
     NODESETS ${ARG_NODESETS} DEPENDENCIES ${dependencies} ROOT ${root}
     NAMESPACE_URI ${ARG_NAMESPACE_URI} CPP_NAMESPACE ${ARG_CPP_NAMESPACE}
     INCLUDE_PATH ${ARG_INCLUDE_PATH} GROUPS ${ARG_GROUPS} IDS ${ARG_IDS})
+  if(ARG_NODES)
+    busbar_generate_nodes(${target}_nodes nodes_source
+      NODESETS ${ARG_NODESETS} DEPENDENCIES ${dependencies} ROOT ${root}
+      NAMESPACE_URI ${ARG_NAMESPACE_URI} CPP_NAMESPACE ${ARG_CPP_NAMESPACE}
+      INCLUDE_PATH ${ARG_INCLUDE_PATH})
+    list(APPEND sources ${nodes_source})
+  endif()
   add_library(${target} STATIC ${sources})
   add_dependencies(${target} ${target}_types)
+  if(ARG_NODES)
+    add_dependencies(${target} ${target}_nodes)
+    target_link_libraries(${target} PUBLIC busbar::model)
+  endif()
   target_include_directories(${target} PUBLIC ${root})
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_link_libraries(${target} PUBLIC busbar::binary ${ARG_DEPENDS})

@@ -25,6 +25,8 @@ install(DIRECTORY ${BUSBAR_GENERATED_DIR}/busbar/types
 # A vendor's project generates from its own models with these.
 install(FILES ${BUSBAR_NAMESPACE0_NODESETS} ${CMAKE_CURRENT_LIST_DIR}/generate.cmake
   DESTINATION ${CMAKE_INSTALL_DATADIR}/busbar/schemas)
+install(DIRECTORY ${CMAKE_CURRENT_LIST_DIR}/companion
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/busbar/schemas FILES_MATCHING PATTERN "*.xml")
 if(NOT BUSBAR_GENERATOR)
   install(TARGETS busbar-generate DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()

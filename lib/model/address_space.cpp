@@ -114,6 +114,11 @@ QualifiedName AddressSpace::browse_name(NodeIndex node) const
     return {record.browse_namespace, String::borrow(record.name())};
 }
 
+NodeId AddressSpace::free_node_id(std::uint16_t namespace_index)
+{
+    return tables_->free_id(namespace_index);
+}
+
 void AddressSpace::reserve(std::size_t node_count)
 {
     tables_->blocks.reserve(tables_->blocks.size() + node_count / detail::Tables::block_size + 1);

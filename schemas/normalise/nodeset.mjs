@@ -34,14 +34,18 @@ const deprecatedTypes = new Set([
   dataTypeSystemType,
 ]);
 
-const numberOf = (id) => Number(/^i=(\d+)$/.exec(id)?.[1] ?? NaN);
+/** The number of a node of namespace 0; of any other the text of its NodeId. */
+const keyOf = (id) => {
+  const number = /^i=(\d+)$/.exec(id)?.[1];
+  return number === undefined ? id : Number(number);
+};
 
 function readReferences(element, resolve) {
   return childrenOf(childOf(element, "References") ?? { children: [] }, "Reference").map(
     (reference) => ({
-      type: numberOf(resolve(reference.attributes.ReferenceType)),
+      type: keyOf(resolve(reference.attributes.ReferenceType)),
       forward: reference.attributes.IsForward !== "false",
-      target: numberOf(resolve(reference.text.trim())),
+      target: keyOf(resolve(reference.text.trim())),
     }),
   );
 }
@@ -74,7 +78,7 @@ function readNode(element, resolve) {
   }
   return {
     element: element.name,
-    id: numberOf(attributes.NodeId),
+    id: keyOf(attributes.NodeId),
     browseName: attributes.BrowseName,
     displayName: textOf(element, "DisplayName"),
     inverseName: textOf(element, "InverseName"),
@@ -103,14 +107,23 @@ export function readNodeSet(file, modules) {
     }
   }
   const model = childOf(childOf(root, "Models") ?? { children: [] }, "Model")?.attributes ?? {};
-  return { nodes, model };
+  const texts = (parent, name) =>
+    childrenOf(childOf(root, parent) ?? { children: [] }, name).map((e) => e.text.trim());
+  const required = childrenOf(
+    childOf(childOf(root, "Models") ?? { children: [] }, "Model") ?? { children: [] },
+    "RequiredModel",
+  ).map((e) => e.attributes);
+  return { nodes, model, required, namespaces: texts("NamespaceUris", "Uri") };
 }
 
 export const typeDefinitionOf = (node) =>
   node.references.find((r) => r.forward && r.type === 40)?.target;
 
-/** Without the encodings other than Default Binary and without the deprecated type dictionaries. */
-export function withoutDictionaries(nodes) {
+/**
+ * Without the encodings other than Default Binary and without the deprecated type dictionaries.
+ * References to nodes of other files, for which `isForeign` is true, stay.
+ */
+export function withoutDictionaries(nodes, isForeign = () => false) {
   const dropped = new Set();
   for (const node of nodes.values()) {
     const type = typeDefinitionOf(node);
@@ -124,6 +137,6 @@ export function withoutDictionaries(nodes) {
   }
   const kept = new Map([...nodes].filter(([id]) => !dropped.has(id)));
   for (const node of kept.values())
-    node.references = node.references.filter((r) => kept.has(r.target));
+    node.references = node.references.filter((r) => kept.has(r.target) || isForeign(r.target));
   return kept;
 }

@@ -1,10 +1,11 @@
 // A reader of the XML that write.mjs writes, without dependencies, so that check.mjs runs wherever
-// Node.js is. It knows elements, attributes, text and the five named entities; nothing else occurs.
+// Node.js is. It knows elements, attributes, text, comments and the five named entities; nothing else
+// occurs.
 import { readFileSync } from "node:fs";
 
 const entities = { amp: "&", lt: "<", gt: ">", quot: '"', apos: "'" };
 const unescape = (text) => text.replace(/&(\w+);/g, (whole, name) => entities[name] ?? whole);
-const token = /<\?[^>]*\?>|<(\/?)([\w:.-]+)((?:\s+[\w:.-]+="[^"]*")*)\s*(\/?)>|([^<]+)/gy;
+const token = /<\?[^>]*\?>|<!--.*?-->|<(\/?)([\w:.-]+)((?:\s+[\w:.-]+="[^"]*")*)\s*(\/?)>|([^<]+)/gsy;
 
 const lineOf = (text, offset) => text.slice(0, offset).split("\n").length;
 

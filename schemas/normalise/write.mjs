@@ -4,6 +4,8 @@ import { attributes, escape } from "./xml.mjs";
 const typesNamespace = "http://opcfoundation.org/UA/2008/02/Types.xsd";
 const descriptive = new Set(["Description", "Documentation"]);
 
+const idText = (id) => (typeof id === "number" ? `i=${id}` : id);
+
 function valueXml(element, isRoot) {
   const open = `<${element.name}${isRoot ? ` xmlns="${typesNamespace}"` : ""}`;
   const inner = element.children
@@ -43,16 +45,16 @@ function referencesXml(node) {
   const lines = node.references.map(
     ({ type, forward, target }) =>
       `   <Reference${attributes([
-        ["ReferenceType", `i=${type}`],
+        ["ReferenceType", idText(type)],
         ["IsForward", forward ? "" : "false"],
-      ])}>i=${target}</Reference>\n`,
+      ])}>${escape(idText(target))}</Reference>\n`,
   );
   return lines.length === 0 ? "" : `  <References>\n${lines.join("")}  </References>\n`;
 }
 
 function nodeXml(node) {
   const list = attributes([
-    ["NodeId", `i=${node.id}`],
+    ["NodeId", idText(node.id)],
     ["BrowseName", node.browseName],
     ...Object.entries(node.attributes),
   ]);
@@ -69,16 +71,41 @@ function nodeXml(node) {
   return ` <${node.element}${list}>\n${content} </${node.element}>\n`;
 }
 
+/** By namespace, numbers by their value, texts after them. */
+function compareIds(a, b) {
+  const parts = (id) => {
+    const [, ns = 0, number = Infinity] = /^(?:ns=(\d+);)?(?:i=(\d+))?/.exec(idText(id));
+    return [Number(ns), Number(number)];
+  };
+  const [x, y] = [parts(a), parts(b)];
+  const difference = x[0] - y[0] || (x[1] === y[1] ? 0 : x[1] - y[1]);
+  return difference || (idText(a) < idText(b) ? -1 : 1);
+}
+
+const modelAttributes = (model) =>
+  attributes(
+    ["ModelUri", "Version", "PublicationDate", "ModelVersion"].map((name) => [name, model[name]]),
+  );
+
+function namespacesXml(namespaces) {
+  if (namespaces.length === 0) return "";
+  const uris = namespaces.map((uri) => `  <Uri>${escape(uri)}</Uri>\n`).join("");
+  return ` <NamespaceUris>\n${uris} </NamespaceUris>\n`;
+}
+
+function modelXml(model, required) {
+  if (required.length === 0) return `  <Model${modelAttributes(model)}/>\n`;
+  const models = required.map((each) => `   <RequiredModel${modelAttributes(each)}/>\n`).join("");
+  return `  <Model${modelAttributes(model)}>\n${models}  </Model>\n`;
+}
+
 /** One NodeSet2 document of `model` with `nodes` in the order of their ids. */
-export function nodeSetXml(nodes, model) {
-  const facts = ["ModelUri", "Version", "PublicationDate", "ModelVersion"];
-  const modelAttributes = attributes(facts.map((name) => [name, model[name]]));
-  const sorted = [...nodes].sort((a, b) => a.id - b.id);
+export function nodeSetXml(nodes, model, required = [], namespaces = []) {
+  const sorted = [...nodes].sort((a, b) => compareIds(a.id, b.id));
   return `<?xml version="1.0" encoding="utf-8"?>
 <UANodeSet xmlns="http://opcfoundation.org/UA/2011/03/UANodeSet.xsd">
- <Models>
-  <Model${modelAttributes}/>
- </Models>
+${namespacesXml(namespaces)} <Models>
+${modelXml(model, required)} </Models>
 ${sorted.map(nodeXml).join("")}</UANodeSet>
 `;
 }

@@ -9,10 +9,6 @@
 #include <acme/types.hpp>
 #include <acme_line/registry.hpp>
 #include <acme_line/types.hpp>
-#if BUSBAR_HAS_PLCOPEN
-#include <plcopen/ids.hpp>
-#include <plcopen/registry.hpp>
-#endif
 
 // A vendor's companion model goes through the same generator as the types of OPC UA.
 namespace {
@@ -197,11 +193,3 @@ TEST_CASE("Unknown enumeration values are kept")
     check_round_trip(value);
     CHECK(static_cast<int>(acme::DriveMode::default_) == -1);
 }
-
-#if BUSBAR_HAS_PLCOPEN
-TEST_CASE("A published companion specification has its constants")
-{
-    CHECK(busbar::plcopen::id::CtrlConfigurationType == 1001);
-    CHECK(busbar::plcopen::types().empty());
-}
-#endif

@@ -152,6 +152,9 @@ public:
 
     /// Makes room for that many more dynamic nodes; only saves time.
     void reserve(std::size_t node_count);
+    /// A numeric NodeId of the namespace that no node has, for the next node that is added. The
+    /// namespace must exist.
+    [[nodiscard]] NodeId free_node_id(std::uint16_t namespace_index);
     Result<NodeIndex> add_object(const NewNode& node, const NewObject& object = {});
     /// An Object of FolderType.
     Result<NodeIndex> add_folder(const NewNode& node);

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <optional>
+
+#include <busbar/model/instance.hpp>
+#include <busbar/model/units.hpp>
+#include <busbar/types/ids.hpp>
+
+/// Variables of Data Access (Part 8, 5.3) in one call each:
+///
+///     AnalogItem level;
+///     level.variable.data_type = NodeId{0, id::Double};
+///     level.eu_range = Range{0, 400};
+///     level.engineering_units = engineering_units("CMT");
+///     add_analog_item(space, node, level);
+///
+/// Each creates an instance of its VariableType (instance.hpp has the errors and where the
+/// Properties' NodeIds come from) and gives the Properties their values. `variable` says what a
+/// Variable always has; its type_definition is not looked at, and a null data_type and a value_rank
+/// of -2 in it stand for what the function says. They need a namespace 0 that has the types:
+/// Bad_TypeDefinitionInvalid if not.
+namespace busbar::model {
+
+/// What every DataItemType has (Part 8, 5.3.1.2).
+struct DataItem {
+    NewVariable variable;
+    /// How the value is computed, as text; null: the Property is left out.
+    String definition;
+    std::optional<double> value_precision;
+};
+
+/// AnalogItemType, AnalogUnitType or AnalogUnitRangeType (Part 8, 5.3.2).
+struct AnalogItem : DataItem {
+    /// Needed but for AnalogUnitType.
+    std::optional<Range> eu_range;
+    /// Needed but for AnalogItemType.
+    std::optional<EUInformation> engineering_units;
+    std::optional<Range> instrument_range;
+    NodeId type{0, id::AnalogItemType};
+};
+
+/// Bad_NodeAttributesInvalid for a DataType that is no Number, a range whose low is above its
+/// high, or without a Property that `type` demands.
+Result<NodeIndex> add_analog_item(AddressSpace& space, const NewNode& node, const AnalogItem& item);
+
+/// TwoStateDiscreteType (Part 8, 5.3.3.2): a Boolean.
+struct TwoStateItem : DataItem {
+    LocalizedText false_state;
+    LocalizedText true_state;
+};
+
+Result<NodeIndex> add_two_state(AddressSpace& space, const NewNode& node, const TwoStateItem& item);
+
+/// MultiStateDiscreteType (Part 8, 5.3.3.3): the value, an unsigned integer and UInt32 unless
+/// `variable` says otherwise, is the index of a text.
+struct MultiStateItem : DataItem {
+    Array<LocalizedText> enum_strings;
+};
+
+Result<NodeIndex> add_multi_state(AddressSpace& space, const NewNode& node,
+                                  const MultiStateItem& item);
+
+/// MultiStateValueDiscreteType (Part 8, 5.3.3.4): values with gaps; Int32 unless `variable` says
+/// otherwise. ValueAsText begins with the text of `variable.value`.
+struct MultiStateValueItem : DataItem {
+    Array<EnumValueType> enum_values;
+};
+
+Result<NodeIndex> add_multi_state_value(AddressSpace& space, const NewNode& node,
+                                        const MultiStateValueItem& item);
+
+/// Gives the Variable a value and its ValueAsText the text that EnumValues has for it, a null text
+/// if there is none. Bad_TypeMismatch as AddressSpace::set_value; Bad_NotFound if the Variable does
+/// not have the Properties.
+Result<void> set_multi_state_value(AddressSpace& space, NodeIndex node, Variant value);
+
+/// What the ArrayItemTypes have in common (Part 8, 5.3.4.2).
+struct ArrayItem : DataItem {
+    Range eu_range;
+    EUInformation engineering_units;
+    LocalizedText title;
+    AxisScaleEnumeration axis_scale_type{};
+    std::optional<Range> instrument_range;
+    /// One for YArrayItemType and XYArrayItemType, two for ImageItemType, three for CubeItemType
+    /// (x, y, z), any number, which is then the ValueRank, for NDimensionArrayItemType.
+    Array<AxisInformation> axes;
+    /// Any concrete subtype of ArrayItemType that Part 8 has.
+    NodeId type{0, id::YArrayItemType};
+};
+
+/// The ValueRank follows from the type, the DataType of an XYArrayItemType is XVType.
+/// Bad_NodeAttributesInvalid if the number of axes is not that of the type or a range has its low
+/// above its high.
+Result<NodeIndex> add_array_item(AddressSpace& space, const NewNode& node, const ArrayItem& item);
+
+} // namespace busbar::model

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include <busbar/model/instance.hpp>
+
+/// Devices of OPC UA for Devices (Part 100): Objects with a nameplate in the DeviceSet.
+///
+///     space.add(busbar::di::nodes());          // or the NodeSet2 file
+///     Nameplate nameplate;
+///     nameplate.manufacturer = LocalizedText{"Acme"};
+///     nameplate.serial_number = "4711";
+///     add_device(space, press, press_type, nameplate);
+///
+/// All of it answers Bad_TypeDefinitionInvalid if the AddressSpace has no nodes of DI; other errors
+/// and the NodeIds of what is created are those of instance.hpp.
+namespace busbar::model {
+
+inline constexpr std::string_view di_uri = "http://opcfoundation.org/UA/DI/";
+
+/// Nodes of DI by their number.
+namespace di_id {
+inline constexpr std::uint32_t TopologyElementType = 1001;
+inline constexpr std::uint32_t DeviceType = 1002;
+inline constexpr std::uint32_t FunctionalGroupType = 1005;
+inline constexpr std::uint32_t DeviceSet = 5001;
+} // namespace di_id
+
+/// The Properties of a DeviceType (Part 100, 4.5.2). Those up to revision_counter are always there;
+/// of the others those whose text is not null.
+struct Nameplate {
+    LocalizedText manufacturer;
+    LocalizedText model;
+    String hardware_revision;
+    String software_revision;
+    String device_revision;
+    /// Where the manual is, a path or an URL.
+    String device_manual;
+    String serial_number;
+    /// How often what the device is configured with was changed; -1: not counted.
+    std::int32_t revision_counter{-1};
+    String manufacturer_uri;
+    String product_code;
+    String product_instance_uri;
+    String device_class;
+};
+
+/// The node of DI with that number, no_node if there is none.
+[[nodiscard]] NodeIndex find_di(const AddressSpace& space, std::uint32_t number);
+
+/// Creates a device of `type`, a concrete subtype of DeviceType. Without a parent it goes to the
+/// DeviceSet.
+Result<NodeIndex> add_device(AddressSpace& space, NewNode node, NodeIndex type,
+                             const Nameplate& nameplate, InstanceOptions options = {});
+
+/// Creates a FunctionalGroup below a device or another group (Part 100, 4.4).
+Result<NodeIndex> add_functional_group(AddressSpace& space, NodeIndex parent,
+                                       const QualifiedName& name);
+
+/// Creates a parameter in the device's ParameterSet, which is made if need be, and has `group`,
+/// unless it is no_node, organize it (Part 100, 4.3).
+Result<NodeIndex> add_parameter(AddressSpace& space, NodeIndex device, NodeIndex group,
+                                const QualifiedName& name, const NewVariable& variable);
+
+} // namespace busbar::model

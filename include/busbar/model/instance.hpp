@@ -1,0 +1,105 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <busbar/model/address_space.hpp>
+
+/// Instances of ObjectTypes and VariableTypes with everything that their ModellingRules ask for
+/// (Part 3, 6.4).
+///
+/// A BrowsePath is written as the names of its nodes with '/' between them and without namespaces:
+/// "Identification/SerialNumber". All functions run on the thread that may change the AddressSpace,
+/// and one that fails leaves nothing behind.
+namespace busbar::model {
+
+/// Where the NodeIds of an instance's nodes come from. They have the namespace of the instance
+/// itself, whatever that of their BrowseNames.
+enum class InstanceIds : std::uint8_t {
+    /// Of a node with a String identifier: that, '/' and the child's name; of others as Numeric.
+    Path,
+    /// A number that is free.
+    Numeric,
+};
+
+/// What becomes of the Methods of a type (Part 3, 6.4.2 leaves it to the server).
+enum class InstanceMethods : std::uint8_t {
+    /// Instances have the very Methods of their type; a Call says which Object it is for.
+    Shared,
+    /// Each instance has its own, so that Executable and what carries them out may differ. They
+    /// begin with the source and handle of the type's.
+    Copied,
+};
+
+/// How much one call creates at most; a type that contains itself needs an end. Past either
+/// Bad_TooManyOperations.
+struct InstanceLimits {
+    std::size_t max_depth{16};
+    std::size_t max_nodes{10'000};
+};
+
+struct InstanceOptions {
+    /// The BrowsePaths of InstanceDeclarations with ModellingRule Optional that the instance has,
+    /// together with what lies on the way to them. Bad_NotFound if the type has no such path.
+    std::vector<std::string> optional;
+    /// The types of members in place of those that the InstanceDeclarations have, by BrowsePath: a
+    /// declaration may have an abstract type and leave the choice to the instance. Each must be the
+    /// declared type or below it, Bad_TypeDefinitionInvalid if not.
+    std::vector<std::pair<std::string, NodeId>> types;
+    /// Has every Optional one whose type is not abstract, or those for which the function, which
+    /// may be empty, is true.
+    bool all_optional{false};
+    std::function<bool(std::string_view path, NodeIndex declaration)> is_wanted;
+    InstanceIds ids{InstanceIds::Path};
+    InstanceMethods methods{InstanceMethods::Shared};
+    /// The EventNotifier of an Object.
+    std::uint8_t event_notifier{0};
+    /// What an instance of a VariableType has in place of the type's attributes; its
+    /// type_definition is not looked at.
+    std::optional<NewVariable> variable;
+    InstanceLimits limits;
+};
+
+/// Creates an Object or Variable of `type`, which must be concrete. It gets each
+/// InstanceDeclaration of the type, its supertypes and its Interfaces that is Mandatory or was
+/// chosen, once for each BrowsePath and as the most derived type has it (Part 3, 6.3.3), with a
+/// copy of its value. What is declared again below an InstanceDeclaration overrides what the type
+/// of that says. A node that several paths of the type lead to is one node of the instance too, and
+/// references that are not hierarchical are copied where both ends are.
+///
+/// Placeholders are left to the caller, who adds nodes of the placeholder's type.
+///
+/// Bad_TypeDefinitionInvalid if `type` or the type of a member is abstract or not of these
+/// NodeClasses,
+/// Bad_NodeAttributesInvalid if a Variable is not what its type allows, Bad_NotFound and
+/// Bad_TooManyOperations as above, or what AddressSpace answers.
+Result<NodeIndex> instantiate(AddressSpace& space, const NewNode& node, NodeIndex type,
+                              const InstanceOptions& options = {});
+
+/// Adds what `options` chooses of the Optional members of `instance`'s type and is not there yet,
+/// and whatever Mandatory one is missing. Bad_NotFound and Bad_TooManyOperations as above.
+Result<void> add_optional(AddressSpace& space, NodeIndex instance, const InstanceOptions& options);
+
+/// Makes `object` implement `interface_type`: adds HasInterface and the members that it does not
+/// have yet (Part 3, 4.10.2). Bad_TypeDefinitionInvalid if it is no subtype of BaseInterfaceType.
+Result<void> add_interface(AddressSpace& space, NodeIndex object, NodeIndex interface_type,
+                           const InstanceOptions& options = {});
+
+/// Adds an instance of `type` to `parent` by HasAddIn (Part 3, 4.10.3). It has the BrowseName of
+/// the type's DefaultInstanceBrowseName; Bad_BrowseNameInvalid if the type says none. A null `id`
+/// follows InstanceOptions::ids.
+Result<NodeIndex> add_add_in(AddressSpace& space, NodeIndex parent, NodeIndex type,
+                             const NodeId& id = {}, const InstanceOptions& options = {});
+
+/// The node that hierarchical references lead to along the names of `path`, in whatever namespace
+/// each name is; no_node if there is none.
+[[nodiscard]] NodeIndex find_by_path(const AddressSpace& space, NodeIndex from,
+                                     std::string_view path);
+
+} // namespace busbar::model

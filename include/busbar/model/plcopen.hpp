@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include <busbar/model/device.hpp>
+
+/// The parts of an IEC 61131-3 controller as OPC 30000 shows them: a Configuration has Resources,
+/// these have Tasks and Programs, which have FunctionBlocks and Variables.
+///
+///     const auto plc = add_ctrl_configuration(space, node).value();
+///     const auto cpu = add_ctrl_resource(space, plc, {ns, "Cpu"}, nameplate).value();
+///     const auto fast = add_ctrl_task(space, cpu, {ns, "Fast"}, {.priority = 1,
+///                                     .interval = "T#1ms"}).value();
+///     const auto main_type = add_program_type(space, {ns, "Main"}).value();
+///     add_pou_variable(space, main_type, PouVariable::Input, {ns, "Start"}, start);
+///     const auto main = add_program(space, cpu, {ns, "Main1"}, main_type, fast).value();
+///
+/// Names the nodes of PLCopen and DI that must be in the AddressSpace: busbar::plcopen::nodes() or
+/// the NodeSet2 files; Bad_TypeDefinitionInvalid if they are not or a node is of another type than
+/// is said. Other errors and the NodeIds of what is created are those of instance.hpp.
+namespace busbar::model {
+
+inline constexpr std::string_view plcopen_uri = "http://PLCopen.org/OpcUa/IEC61131-3/";
+
+/// Nodes of PLCopen by their number.
+namespace plcopen_id {
+inline constexpr std::uint32_t CtrlConfigurationType = 1001;
+inline constexpr std::uint32_t CtrlResourceType = 1002;
+inline constexpr std::uint32_t CtrlProgramOrganizationUnitType = 1003;
+inline constexpr std::uint32_t CtrlProgramType = 1004;
+inline constexpr std::uint32_t CtrlFunctionBlockType = 1005;
+inline constexpr std::uint32_t CtrlTaskType = 1006;
+inline constexpr std::uint32_t HasInputVar = 4001;
+inline constexpr std::uint32_t HasOutputVar = 4002;
+inline constexpr std::uint32_t HasInOutVar = 4003;
+inline constexpr std::uint32_t HasLocalVar = 4004;
+inline constexpr std::uint32_t HasExternalVar = 4005;
+inline constexpr std::uint32_t With = 4006;
+} // namespace plcopen_id
+
+/// The section of a program organization unit that a Variable is declared in.
+enum class PouVariable : std::uint32_t {
+    Input = plcopen_id::HasInputVar,
+    Output = plcopen_id::HasOutputVar,
+    InOut = plcopen_id::HasInOutVar,
+    Local = plcopen_id::HasLocalVar,
+};
+
+struct CtrlTask {
+    std::uint32_t priority{0};
+    /// As IEC 61131-3 writes it, "T#10ms", and the trigger of a task that is run by an event. Null:
+    /// the Property is left out.
+    String interval;
+    String single;
+};
+
+/// The node of PLCopen with that number, no_node if there is none.
+[[nodiscard]] NodeIndex find_plcopen(const AddressSpace& space, std::uint32_t number);
+
+/// The controller as a whole, a TopologyElement; without a parent in the DeviceSet.
+Result<NodeIndex> add_ctrl_configuration(AddressSpace& space, NewNode node,
+                                         const InstanceOptions& options = {});
+/// Something that runs programs, a device below the configuration's Resources.
+Result<NodeIndex> add_ctrl_resource(AddressSpace& space, NodeIndex configuration,
+                                    const QualifiedName& name, const Nameplate& nameplate,
+                                    const InstanceOptions& options = {});
+/// Below the resource's Tasks.
+Result<NodeIndex> add_ctrl_task(AddressSpace& space, NodeIndex resource, const QualifiedName& name,
+                                const CtrlTask& task);
+
+/// A type of programs or of function blocks, with a NodeId that is a number.
+Result<NodeIndex> add_program_type(AddressSpace& space, const QualifiedName& name);
+Result<NodeIndex> add_function_block_type(AddressSpace& space, const QualifiedName& name);
+
+/// Declares a Variable of a program or function block. One that a type has is Mandatory: instances
+/// made later have it too.
+Result<NodeIndex> add_pou_variable(AddressSpace& space, NodeIndex unit, PouVariable section,
+                                   const QualifiedName& name, const NewVariable& variable);
+/// Has the unit use a global Variable that is there.
+Result<void> add_external_variable(AddressSpace& space, NodeIndex unit, NodeIndex global);
+
+/// A program below the resource's Programs; `task`, unless it is no_node, runs it.
+Result<NodeIndex> add_program(AddressSpace& space, NodeIndex resource, const QualifiedName& name,
+                              NodeIndex type, NodeIndex task = no_node);
+/// A function block that is a local variable of a program or function block; Mandatory in a type.
+Result<NodeIndex> add_function_block(AddressSpace& space, NodeIndex unit, const QualifiedName& name,
+                                     NodeIndex type);
+
+/// A Variable in the GlobalVars of a configuration or resource, which are made if need be.
+Result<NodeIndex> add_global_variable(AddressSpace& space, NodeIndex owner,
+                                      const QualifiedName& name, const NewVariable& variable);
+
+} // namespace busbar::model

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <busbar/model/address_space.hpp>
+
+/// The InstanceDeclarations of types as Part 3, 6.3.3 has them inherited and overridden.
+namespace busbar::model::detail {
+
+enum class ModellingRule : std::uint8_t { None, Mandatory, Optional };
+
+/// A type or InstanceDeclaration whose members are wanted. One node may be reached in several
+/// places of an instance, once for each Object of its type: `scope` tells these apart.
+struct DeclarationSource {
+    NodeIndex node{no_node};
+    std::uint32_t scope{0};
+
+    friend auto operator<=>(const DeclarationSource&, const DeclarationSource&) = default;
+};
+
+/// What an instance has at one BrowseName.
+struct DeclaredMember {
+    /// The one that counts comes first; then those that it overrides.
+    std::vector<DeclarationSource> declarations;
+    NodeIndex reference_type{no_node};
+    ModellingRule rule{ModellingRule::None};
+
+    [[nodiscard]] NodeIndex declaration() const { return declarations.front().node; }
+};
+
+/// Mandatory and Optional; None for a placeholder and any other.
+[[nodiscard]] ModellingRule modelling_rule_of(const AddressSpace& space, NodeIndex node);
+
+/// The type, its supertypes and the Interfaces of all of these, the most derived first.
+[[nodiscard]] std::vector<NodeIndex> types_above(const AddressSpace& space, NodeIndex type);
+
+/// The Interfaces that the node references (Part 3, 4.10.2).
+[[nodiscard]] std::vector<NodeIndex> interfaces_of(const AddressSpace& space, NodeIndex node);
+
+/// The Mandatory and Optional members of `sources`, of which earlier ones override later ones.
+[[nodiscard]] std::vector<DeclaredMember> members_of(const AddressSpace& space,
+                                                     std::span<const DeclarationSource> sources);
+
+} // namespace busbar::model::detail

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/model/instance.hpp>
+
+#include "declarations.hpp"
+
+namespace busbar::model::detail {
+
+/// The child that a hierarchical reference leads to, no_node if there is none of the name.
+[[nodiscard]] NodeIndex child_of(const AddressSpace& space, NodeIndex parent,
+                                 const QualifiedName& name);
+
+/// The NodeId of a new child of that name.
+[[nodiscard]] NodeId id_below(AddressSpace& space, NodeIndex parent, const QualifiedName& name,
+                              InstanceIds ids);
+
+/// A new child with that name and an id_below the parent.
+[[nodiscard]] NewNode child_node(AddressSpace& space, NodeIndex parent, const QualifiedName& name);
+
+/// The instance's member with that name, which is added if its type has it as Optional.
+[[nodiscard]] Result<NodeIndex> optional_member(AddressSpace& space, NodeIndex instance,
+                                                const char* name);
+
+/// One call of instantiate or add_interface.
+class Instantiation {
+public:
+    Instantiation(AddressSpace& space, const InstanceOptions& options)
+        : space_{space}, options_{options}, used_(options.optional.size(), false)
+    {
+    }
+
+    [[nodiscard]] Result<NodeIndex> create(const NewNode& node, NodeIndex type);
+    /// Adds the members of `type`, an Interface or that of the instance, that are not there.
+    [[nodiscard]] Result<void> complete(NodeIndex instance, NodeIndex type);
+    [[nodiscard]] Result<void> extend(NodeIndex object, NodeIndex interface_type);
+
+private:
+    struct AddedReference {
+        NodeIndex source{no_node};
+        NodeId type;
+        NodeIndex target{no_node};
+    };
+
+    [[nodiscard]] Result<NodeIndex> create_root(const NewNode& node, NodeIndex type);
+    [[nodiscard]] Result<NodeIndex> create_variable(const NewNode& node, NodeIndex type);
+    [[nodiscard]] Result<void> add_members(NodeIndex parent,
+                                           std::span<const DeclarationSource> sources,
+                                           const std::string& path, std::size_t depth);
+    [[nodiscard]] Result<void> add_member(NodeIndex parent, const DeclaredMember& member,
+                                          const std::string& path, std::size_t depth);
+    [[nodiscard]] Result<NodeIndex> copy(NodeIndex parent, const DeclaredMember& member,
+                                         const std::string& path);
+    [[nodiscard]] Result<void> copy_arguments(NodeIndex method, const DeclaredMember& member);
+    /// `type` is the new node's, no_node for a Method.
+    [[nodiscard]] Result<void> copy_node(NodeIndex parent, NodeIndex declaration, NodeIndex type,
+                                         NodeIndex reference_type, NodeIndex& created);
+    /// The type of the member at that BrowsePath, or no_node if none fits.
+    [[nodiscard]] NodeIndex type_of(NodeIndex declaration, const std::string& path) const;
+    [[nodiscard]] bool can_be_made(const DeclaredMember& member, const std::string& path) const;
+    [[nodiscard]] Result<void> add_other_references();
+    [[nodiscard]] Result<void> reference(NodeIndex source, NodeIndex type, NodeIndex target);
+    [[nodiscard]] std::vector<DeclarationSource> with_types(std::vector<DeclarationSource> sources,
+                                                            NodeIndex type);
+    [[nodiscard]] bool is_wanted(const DeclaredMember& member, const std::string& path);
+    [[nodiscard]] NodeIndex instance_of(const DeclaredMember& member) const;
+    [[nodiscard]] Result<void> check_paths() const;
+    void undo();
+
+    AddressSpace& space_;
+    const InstanceOptions& options_;
+    /// For each entry of InstanceOptions::optional, whether the type has it.
+    std::vector<bool> used_;
+    std::map<DeclarationSource, NodeIndex> instances_;
+    std::vector<NodeIndex> created_;
+    std::vector<AddedReference> references_;
+    std::uint32_t last_scope_{0};
+};
+
+} // namespace busbar::model::detail
