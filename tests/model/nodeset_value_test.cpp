@@ -1,0 +1,1 @@
+#include "nodeset_fixture.hpp"
