@@ -1,5 +1,6 @@
 #include "space_hash.hpp"
 
+#include <unordered_map>
 #include <vector>
 
 #include <busbar/binary/codec.hpp>
@@ -38,9 +39,9 @@ public:
         }
     }
 
-    [[nodiscard]] std::uint64_t of(NodeIndex node) const
+    [[nodiscard]] std::uint64_t of(NodeIndex node)
     {
-        std::uint64_t hash = of(Variant{space_.node_id(node)});
+        std::uint64_t hash = of_id(node);
         for (std::uint32_t id = 1; id <= static_cast<std::uint32_t>(AttributeId::AccessLevelEx);
              ++id) {
             if (id == static_cast<std::uint32_t>(AttributeId::Value)) {
@@ -59,27 +60,36 @@ private:
         const auto bytes = binary::to_bytes(value);
         return bytes ? hash_of(*bytes) : 0;
     }
-    [[nodiscard]] std::uint64_t references(NodeIndex node) const
+    /// Asked for again with each reference.
+    [[nodiscard]] std::uint64_t of_id(NodeIndex node)
+    {
+        const auto [known, is_new] = ids_.try_emplace(node, 0);
+        if (is_new) {
+            known->second = of(Variant{space_.node_id(node)});
+        }
+        return known->second;
+    }
+    [[nodiscard]] std::uint64_t references(NodeIndex node)
     {
         std::uint64_t sum = 0;
         ReferenceCursor cursor = space_.references(node);
         while (const auto reference = cursor.next()) {
-            const std::uint64_t type = of(Variant{space_.node_id(reference->type)});
-            const std::uint64_t target = of(Variant{space_.node_id(reference->target)});
-            sum += mixed(mixed(type) + target * 3 + (reference->is_forward ? 1 : 0));
+            sum += mixed(mixed(of_id(reference->type)) + of_id(reference->target) * 3 +
+                         (reference->is_forward ? 1 : 0));
         }
         return sum;
     }
 
     const AddressSpace& space_;
     std::vector<std::uint16_t> map_;
+    std::unordered_map<NodeIndex, std::uint64_t> ids_;
 };
 
 } // namespace
 
 std::uint64_t space_hash(const AddressSpace& space, std::optional<std::uint16_t> only)
 {
-    const SpaceHash hash{space};
+    SpaceHash hash{space};
     std::uint64_t sum = only ? 0 : space.namespace_count();
     space.for_each([&](NodeIndex node) {
         if (!only || space.node_id(node).namespace_index() == *only) {

@@ -33,6 +33,7 @@ constexpr std::array<std::string_view, 8> known_elements = {
     "DisplayName", "Description", "InverseName",     "References",
     "Value",       "Definition",  "RolePermissions", "UserRolePermissions",
 };
+constexpr const char* node_set_namespace = "http://opcfoundation.org/UA/2011/03/UANodeSet.xsd";
 /// Elements of which all but the first are in further locales.
 constexpr std::size_t localized_elements = 3;
 
@@ -62,12 +63,15 @@ bool is_namespace_declaration(std::string_view attribute)
     return attribute == "xmlns" || attribute.starts_with("xmlns:");
 }
 
-/// Gives `xml` the declarations of the elements around it, so that it can stand alone.
+/// Gives `xml` the declarations of the elements around it, so that it can stand in any NodeSet2
+/// file, whose own namespace is the default there.
 void declare_namespaces(pugi::xml_node xml)
 {
     for (pugi::xml_node above = xml.parent(); above; above = above.parent()) {
         for (const pugi::xml_attribute& attribute : above.attributes()) {
-            if (is_namespace_declaration(attribute.name()) && !xml.attribute(attribute.name())) {
+            const bool is_default = attribute.value() == std::string_view{node_set_namespace};
+            if (is_namespace_declaration(attribute.name()) && !is_default &&
+                !xml.attribute(attribute.name())) {
                 xml.append_copy(attribute);
             }
         }

@@ -95,7 +95,9 @@ void NodeWriter::model(XmlOut& out, const char* element, const model::NodeSetMod
     attribute("ModelVersion", from.model_version);
     attribute("PublicationDate", from.publication_date);
     for (const model::NodeSetAttribute& more : from.attributes) {
-        out.attribute(more.name, more.value);
+        if (is_xml_name(more.name)) {
+            out.attribute(more.name, more.value);
+        }
     }
     permissions(out, from.role_permissions);
     for (const model::NodeSetModel& required : from.required) {

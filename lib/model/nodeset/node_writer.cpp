@@ -80,7 +80,9 @@ void NodeWriter::attributes(model::NodeIndex index, const model::NodeSetNodeExtr
         out_.attribute("MethodDeclarationId", text(extras.method_declaration));
     }
     for (const model::NodeSetAttribute& attribute : extras.attributes) {
-        out_.attribute(attribute.name, attribute.value);
+        if (is_xml_name(attribute.name)) {
+            out_.attribute(attribute.name, attribute.value);
+        }
     }
 }
 

@@ -96,7 +96,7 @@ bool ValueWriter::structure_body(const DataType& type, const ByteString& bytes)
 
 void ValueWriter::structure(binary::Reader& reader, std::string_view name, const DataType& type)
 {
-    if (depth_ == max_depth) {
+    if (depth_ == max_depth || !is_xml_name(name)) {
         reader.fail(status::Bad_EncodingLimitsExceeded);
         return;
     }
@@ -155,12 +155,19 @@ void ValueWriter::union_field(binary::Reader& reader, const std::vector<const Fi
 
 void ValueWriter::field(binary::Reader& reader, const Field& field)
 {
+    const DataType* const type = types_.find(field.data_type);
+    const std::string_view element_name = type == nullptr ? "Element" : type->name;
+    if (!is_xml_name(field.name) || !is_xml_name(element_name)) {
+        // Then the structure is written as bytes.
+        reader.fail(status::Bad_EncodingError);
+        return;
+    }
     if (field.value_rank < 0) {
         scalar(reader, field.name, field);
         return;
     }
     if (field.value_rank > 1) {
-        matrix_field(reader, field);
+        matrix_field(reader, field, element_name);
         return;
     }
     const std::int32_t count = reader.array_length(1, 1);
@@ -171,14 +178,14 @@ void ValueWriter::field(binary::Reader& reader, const Field& field)
     if (count == 0) {
         out_.text("");
     }
-    const DataType* const type = types_.find(field.data_type);
     for (std::int32_t i = 0; i < count && reader.ok(); ++i) {
-        scalar(reader, type == nullptr ? "Element" : type->name, field);
+        scalar(reader, element_name, field);
     }
     out_.end();
 }
 
-void ValueWriter::matrix_field(binary::Reader& reader, const Field& field)
+void ValueWriter::matrix_field(binary::Reader& reader, const Field& field,
+                               std::string_view element_name)
 {
     Array<std::int32_t> dimensions;
     decode(reader, dimensions);
@@ -198,9 +205,8 @@ void ValueWriter::matrix_field(binary::Reader& reader, const Field& field)
         reader.fail(status::Bad_DecodingError);
     }
     out_.begin("Elements");
-    const DataType* const type = types_.find(field.data_type);
     for (std::uint64_t i = 0; i < count && reader.ok(); ++i) {
-        scalar(reader, type == nullptr ? "Element" : type->name, field);
+        scalar(reader, element_name, field);
     }
     out_.end();
     out_.end();

@@ -66,7 +66,7 @@ private:
     void fields(binary::Reader& reader, const DataType& type);
     void union_field(binary::Reader& reader, const std::vector<const Field*>& fields);
     void field(binary::Reader& reader, const Field& field);
-    void matrix_field(binary::Reader& reader, const Field& field);
+    void matrix_field(binary::Reader& reader, const Field& field, std::string_view element_name);
     void scalar(binary::Reader& reader, std::string_view name, const Field& field);
 
     const DataTypes& types_;

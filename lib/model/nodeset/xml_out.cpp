@@ -1,5 +1,7 @@
 #include "xml_out.hpp"
 
+#include <algorithm>
+
 #include <pugixml.hpp>
 
 namespace busbar::nodeset {
@@ -49,7 +51,21 @@ private:
     std::string& to_;
 };
 
+bool is_name_start(char c)
+{
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' ||
+           static_cast<unsigned char>(c) >= 0x80U;
+}
+
 } // namespace
+
+bool is_xml_name(std::string_view text)
+{
+    return !text.empty() && is_name_start(text.front()) &&
+           std::all_of(text.begin(), text.end(), [](char c) {
+               return is_name_start(c) || (c >= '0' && c <= '9') || c == '-' || c == '.';
+           });
+}
 
 void XmlOut::close_tag()
 {

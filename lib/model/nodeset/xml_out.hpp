@@ -6,6 +6,9 @@
 
 namespace busbar::nodeset {
 
+/// True for what may be the name of an element or attribute; of letters beyond ASCII any.
+[[nodiscard]] bool is_xml_name(std::string_view text);
+
 /// Writes XML, indented by levels; what it is given is escaped as needed.
 class XmlOut {
 public:
