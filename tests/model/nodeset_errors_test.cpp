@@ -43,6 +43,9 @@ TEST_CASE_METHOD(NodeSetFixture, "A file with a fault changes nothing and says w
     const std::string nowhere = ", which is in no file and not in the address space";
     CHECK(error(object("s=B", below_objects)) ==
           "t.xml:4: ns=1;s=B: found an Object without HasTypeDefinition");
+    CHECK(error(object("s=B", below_objects + reference("i=40", "i=99999"))) ==
+          "t.xml:4: ns=1;s=B: found the type definition i=99999, which is in no file and not in "
+          "the address space, whose namespace 0 may be of too small a size");
     CHECK(error(object("s=B", reference("i=35", "ns=1;i=9", false) + base_object)) ==
           "t.xml:4: ns=1;s=B: found a reference to nsu=urn:t;i=9" + nowhere);
     CHECK(error(object("s=B", below_objects + reference("i=40", "ns=1;i=9"))) ==

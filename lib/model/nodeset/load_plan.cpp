@@ -37,6 +37,16 @@ std::string a(NodeClass node_class)
     return (text.front() == 'O' ? "an " : "a ") + std::string{text};
 }
 
+/// Of a node that is missing; a server may be built with less than all of namespace 0.
+std::string nowhere(const NodeId& id)
+{
+    std::string text = "in no file and not in the address space";
+    if (id.namespace_index() == 0) {
+        text += ", whose namespace 0 may be of too small a size";
+    }
+    return text;
+}
+
 } // namespace
 
 LoadPlan::LoadPlan(const Document& document, const model::AddressSpace& space)
@@ -158,9 +168,8 @@ void LoadPlan::check_data_type(const Node& node)
 {
     const Target type = find(node.data_type);
     if (!type.exists() || class_of(type) != NodeClass::DataType) {
-        fail(node,
-             "found the DataType " + text(node.data_type) + ", which is " +
-                 (type.exists() ? a(class_of(type)) : "in no file and not in the address space"));
+        fail(node, "found the DataType " + text(node.data_type) + ", which is " +
+                       (type.exists() ? a(class_of(type)) : nowhere(node.data_type)));
     }
     if (node.value_rank < -3) {
         fail(node, "found ValueRank=" + std::to_string(node.value_rank) + ", expected -3 or more");
@@ -176,8 +185,8 @@ void LoadPlan::check_supertype(const Node& node, const Reference& reference)
     const Target supertype = find(supertype_id);
     if (!subtype.exists() || !supertype.exists()) {
         fail(node,
-             "found a HasSubtype reference to " + text(reference.target) +
-                 ", which is in no file and not in the address space",
+             "found a HasSubtype reference to " + text(reference.target) + ", which is " +
+                 nowhere(reference.target),
              reference.line);
         return;
     }
@@ -227,7 +236,7 @@ void LoadPlan::check_type_definition(const Node& node, const Reference& referenc
         fail(node,
              "found the type definition " + text(type_id) + ", which is " +
                  (type.exists() ? a(class_of(type)) + ", expected " + a(expected)
-                                : "in no file and not in the address space"),
+                                : nowhere(type_id)),
              reference.line);
         return;
     }
@@ -260,7 +269,7 @@ void LoadPlan::check_reference(const Node& node, const Reference& reference)
     if (!type.exists() || class_of(type) != NodeClass::ReferenceType) {
         fail(node,
              "found the ReferenceType " + text(reference.type) + ", which is " +
-                 (type.exists() ? a(class_of(type)) : "in no file and not in the address space"),
+                 (type.exists() ? a(class_of(type)) : nowhere(reference.type)),
              reference.line);
         return;
     }
@@ -272,7 +281,7 @@ void LoadPlan::check_reference(const Node& node, const Reference& reference)
     const bool is_hierarchical = is_below(reference.type, 33);
     if (!find(reference.target).exists()) {
         const std::string message = "found a reference to " + text(reference.target) +
-                                    ", which is in no file and not in the address space";
+                                    ", which is " + nowhere(reference.target);
         if (is_hierarchical) {
             fail(node, message, reference.line);
         } else {
