@@ -25,7 +25,8 @@ tl::expected<std::string, Failure> NodeValues::value(const nodeset::Node& node) 
     if (!node.value) {
         return std::string{};
     }
-    nodeset::ValueReader reader{types_, document_.files()[node.file].namespaces};
+    std::size_t fields_left = document_.limits().max_value_fields;
+    nodeset::ValueReader reader{types_, document_.files()[node.file].namespaces, fields_left};
     const Variant value = reader.variant(*node.value);
     if (!reader.error().empty()) {
         return tl::make_unexpected(

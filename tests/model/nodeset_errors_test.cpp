@@ -160,6 +160,19 @@ TEST_CASE_METHOD(NodeSetFixture, "XML that means harm is refused")
                                            "<Int32>1</Int32>" +
                                            repeated(40, "</Value></Variant></ListOfVariant>")))
                     .empty());
+    // Each type has the one before twice: 2^20 fields, all of which the value leaves out.
+    std::string types = type_text("UADataType", "i=1", "i=22");
+    for (int i = 2; i <= 22; ++i) {
+        const std::string field = "DataType=\"ns=1;i=" + std::to_string(i - 1) + "\"/>";
+        types += type_text("UADataType", "i=" + std::to_string(i), "i=22",
+                           "<Definition Name=\"T\"><Field Name=\"A\" " + field +
+                               "<Field Name=\"B\" " + field + "</Definition>");
+    }
+    CHECK(error_of(types + variable_text("s=V", "DataType=\"i=22\"",
+                                         "<ExtensionObject><TypeId><Identifier>ns=1;i=22"
+                                         "</Identifier></TypeId><Body><T22/></Body>"
+                                         "</ExtensionObject>"))
+              .ends_with("expected structures of fewer fields in all"));
     NodeSetLimits limits;
     limits.max_kept_xml = 50;
     CHECK_FALSE(

@@ -16,12 +16,15 @@ struct NodeSetLimits {
     std::size_t max_nodes{1'000'000};
     std::size_t max_references{8'000'000};
     std::size_t max_aliases{100'000};
+    /// Also models, and models that are required.
     std::size_t max_namespaces{1'000};
     std::size_t max_fields{4'096};
     /// Levels of elements in a <Value>.
     std::size_t max_value_depth{64};
     /// Elements below all <Value>s of a file.
     std::size_t max_value_elements{4'000'000};
+    /// Fields of the structures in all values, with those that a file leaves out.
+    std::size_t max_value_fields{4'000'000};
     /// Bytes of XML that are kept as they are: <Extensions>, XmlElements and the like.
     std::size_t max_kept_xml{64U << 20U};
     /// Levels of HasSubtype above a type.

@@ -107,6 +107,10 @@ void FileReader::read_models(const pugi::xml_node& parent, std::vector<Model>& m
             models.size() >= limits_.max_namespaces) {
             continue;
         }
+        if (depth != 0 &&
+            !count(xml, required_models_, limits_.max_namespaces, "required models")) {
+            return;
+        }
         Model model;
         for (const pugi::xml_attribute& attribute : xml.attributes()) {
             read_model_attribute(attribute, model);

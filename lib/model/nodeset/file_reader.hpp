@@ -76,6 +76,7 @@ private:
     std::vector<std::ptrdiff_t> line_ends_;
     std::unordered_map<std::string, NodeId> aliases_;
     std::size_t references_{0};
+    std::size_t required_models_{0};
     std::size_t value_elements_{0};
     std::uint32_t file_{0};
     std::string current_node_;

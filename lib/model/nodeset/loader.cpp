@@ -68,6 +68,7 @@ private:
     LoadPlan& plan_;
     Graft graft_;
     DataTypes types_;
+    std::size_t fields_left_{document_.limits().max_value_fields};
     /// By position in the document.
     std::vector<NodeIndex> indices_;
 };
@@ -160,7 +161,7 @@ void Loader::fill_variable(const Node& node, Record& record)
     if (!node.value) {
         return;
     }
-    ValueReader reader{types_, document_.files()[node.file].namespaces};
+    ValueReader reader{types_, document_.files()[node.file].namespaces, fields_left_};
     Variant value = reader.variant(*node.value);
     if (!reader.error().empty()) {
         fail(node, reader.error(), reader.error_line());

@@ -114,6 +114,13 @@ void ValueReader::encode_structure(binary::Writer& writer, const Element& xml, c
         return;
     }
     const auto fields = types_.fields(type.id);
+    const std::size_t count = fields.size() + 1;
+    if (count > fields_left_) {
+        fields_left_ = 0;
+        fail(xml, "structures of fewer fields in all");
+        return;
+    }
+    fields_left_ -= count;
     if (types_.is_union(type.id)) {
         encode_union(writer, xml, fields, depth);
         return;

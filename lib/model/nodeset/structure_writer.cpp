@@ -12,6 +12,7 @@ namespace busbar::nodeset {
 namespace {
 
 constexpr unsigned max_depth = 32;
+constexpr std::size_t max_value_fields = 4'000'000;
 
 struct XmlEncoding {
     std::uint32_t data_type;
@@ -79,6 +80,9 @@ bool ValueWriter::structure_body(const DataType& type, const ByteString& bytes)
     if (kind != Kind::Structure && kind != Kind::Union && kind != Kind::OptionSetStructure) {
         return false;
     }
+    if (depth_ == 0) {
+        fields_left_ = max_value_fields;
+    }
     const XmlOut::Mark mark = out_.mark();
     out_.begin("TypeId");
     contents(xml_type_id(type));
@@ -119,6 +123,11 @@ void ValueWriter::fields(binary::Reader& reader, const DataType& type)
         return;
     }
     const auto all = types_.fields(type.id);
+    if (!reader.ok() || all.size() >= fields_left_) {
+        reader.fail(status::Bad_EncodingLimitsExceeded);
+        return;
+    }
+    fields_left_ -= all.size() + 1;
     if (types_.is_union(type.id)) {
         union_field(reader, all);
         return;

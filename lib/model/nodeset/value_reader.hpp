@@ -17,9 +17,11 @@ namespace busbar::nodeset {
 /// not know stays the XML it is.
 class ValueReader {
 public:
-    /// `namespaces` has the index in the result for each namespace index in the text.
-    ValueReader(const DataTypes& types, const std::vector<std::uint16_t>& namespaces)
-        : types_{types}, namespaces_{namespaces}
+    /// `namespaces` has the index in the result for each namespace index in the text. `fields_left`
+    /// counts down the fields of structures: types may nest so that few bytes stand for very many.
+    ValueReader(const DataTypes& types, const std::vector<std::uint16_t>& namespaces,
+                std::size_t& fields_left)
+        : types_{types}, namespaces_{namespaces}, fields_left_{fields_left}
     {
     }
 
@@ -89,6 +91,7 @@ private:
 
     const DataTypes& types_;
     const std::vector<std::uint16_t>& namespaces_;
+    std::size_t& fields_left_;
     std::string error_;
     std::uint32_t error_line_{0};
 };

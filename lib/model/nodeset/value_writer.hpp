@@ -73,6 +73,8 @@ private:
     FileNamespaces& namespaces_;
     XmlOut& out_;
     unsigned depth_{0};
+    /// Of the outermost structure; types may nest so that few bytes stand for very many fields.
+    std::size_t fields_left_{0};
 };
 
 } // namespace busbar::nodeset
