@@ -68,6 +68,8 @@ TEST_CASE_METHOD(NodeSetFixture, "Published NodeSets load together and re-read e
     }
     const NodeSetSummary second = again.load(written);
     CHECK(second.node_count == summary.node_count);
+    CHECK((second.extras.nodes == summary.extras.nodes));
+    CHECK((second.extras.file_extensions == summary.extras.file_extensions));
     for (const std::uint16_t index : summary.namespaces) {
         const std::string uri{space.namespace_uri(index)};
         INFO(uri);

@@ -106,7 +106,7 @@ struct NodeSetExtras {
     std::vector<NodeSetModel> models;
     /// Only nodes that have something.
     std::unordered_map<NodeId, NodeSetNodeExtras> nodes;
-    /// The <Extensions> of each file, as XML, by the URI of the file's first model.
+    /// What is in the <Extensions> of each file, as XML, by the URI of the file's first model.
     std::unordered_map<std::string, std::string> file_extensions;
 
     friend bool operator==(const NodeSetExtras&, const NodeSetExtras&) = default;

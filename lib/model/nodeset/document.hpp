@@ -138,7 +138,7 @@ struct File {
     std::string name;
     /// The Document's index of each namespace index of the file.
     std::vector<std::uint16_t> namespaces{0};
-    /// The <Extensions> of the file, as XML.
+    /// What is in the <Extensions> of the file, as XML.
     std::string extensions;
 };
 

@@ -107,7 +107,7 @@ void FileReader::keep_xml(const pugi::xml_node& xml, bool with_tag, std::string&
 void FileReader::read_file_extensions(const pugi::xml_node& root)
 {
     if (const pugi::xml_node extensions = child(root, "Extensions")) {
-        keep_xml(extensions, true, document_.files_[file_].extensions);
+        keep_xml(extensions, false, document_.files_[file_].extensions);
     }
 }
 

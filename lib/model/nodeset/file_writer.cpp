@@ -79,7 +79,11 @@ void NodeWriter::models(XmlOut& out)
         extensions += found == extras_.file_extensions.end() ? std::string{} : found->second;
     }
     out.end();
-    out.xml(extensions);
+    if (!extensions.empty()) {
+        out.begin("Extensions");
+        out.xml(extensions);
+        out.end();
+    }
 }
 
 void NodeWriter::model(XmlOut& out, const char* element, const model::NodeSetModel& from)

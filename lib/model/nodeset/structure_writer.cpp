@@ -165,7 +165,8 @@ void ValueWriter::union_field(binary::Reader& reader, const std::vector<const Fi
 void ValueWriter::field(binary::Reader& reader, const Field& field)
 {
     const DataType* const type = types_.find(field.data_type);
-    const std::string_view element_name = type == nullptr ? "Element" : type->name;
+    const std::string_view element_name =
+        type == nullptr ? std::string_view{"Element"} : std::string_view{type->name};
     if (!is_xml_name(field.name) || !is_xml_name(element_name)) {
         // Then the structure is written as bytes.
         reader.fail(status::Bad_EncodingError);
