@@ -1,37 +1,11 @@
 #include "value_writer.hpp"
 
-#include <charconv>
-#include <cmath>
-
 #include <core/base64.hpp>
 
 #include "built_in_visit.hpp"
 #include "date_time_text.hpp"
 
 namespace busbar::nodeset {
-
-namespace {
-
-template <typename T>
-std::string number_text(T value)
-{
-    if constexpr (std::is_same_v<T, bool>) {
-        return value ? "true" : "false";
-    } else {
-        if constexpr (std::is_floating_point_v<T>) {
-            if (std::isnan(value)) {
-                return "NaN";
-            }
-            if (std::isinf(value)) {
-                return value < 0 ? "-INF" : "INF";
-            }
-        }
-        char text[64];
-        return {text, std::to_chars(text, text + sizeof text, value).ptr};
-    }
-}
-
-} // namespace
 
 std::uint16_t FileNamespaces::operator()(std::uint16_t index)
 {
@@ -67,21 +41,10 @@ void ValueWriter::variant(const Variant& value)
     });
 }
 
-template <typename T>
-void ValueWriter::element(std::string_view name, const T& value)
+void ValueWriter::say_nil()
 {
-    out_.begin(name);
-    bool is_null = false;
-    if constexpr (std::is_base_of_v<String, T> || std::is_same_v<T, ByteString>) {
-        is_null = value.is_null();
-    }
-    if (is_null) {
-        out_.attribute("xmlns:xsi", "http://www.w3.org/2001/XMLSchema-instance");
-        out_.attribute("xsi:nil", "true");
-    } else {
-        contents(value);
-    }
-    out_.end();
+    out_.attribute("xmlns:xsi", "http://www.w3.org/2001/XMLSchema-instance");
+    out_.attribute("xsi:nil", "true");
 }
 
 template <typename T>
@@ -89,8 +52,7 @@ void ValueWriter::list(std::string_view name, const Array<T>& values)
 {
     out_.begin(name);
     if (values.is_null()) {
-        out_.attribute("xmlns:xsi", "http://www.w3.org/2001/XMLSchema-instance");
-        out_.attribute("xsi:nil", "true");
+        say_nil();
     }
     for (const T& value : values) {
         element(busbar::name(built_in_type_of<T>), value);
@@ -116,13 +78,6 @@ void ValueWriter::matrix(const Variant& value)
     });
     out_.end();
     out_.end();
-}
-
-template <typename T>
-requires std::is_arithmetic_v<T>
-void ValueWriter::contents(const T& value)
-{
-    out_.text(number_text(value));
 }
 
 void ValueWriter::contents(const XmlElement& value)

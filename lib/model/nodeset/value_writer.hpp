@@ -1,6 +1,10 @@
 #pragma once
 
+#include <charconv>
+#include <cmath>
 #include <string>
+#include <type_traits>
+#include <unordered_map>
 #include <vector>
 
 #include <busbar/binary/codec.hpp>
@@ -10,6 +14,26 @@
 #include "xml_out.hpp"
 
 namespace busbar::nodeset {
+
+/// xs:boolean, integers, xs:float and xs:double; the fewest digits that give the number again.
+template <typename T>
+[[nodiscard]] std::string number_text(T value)
+{
+    if constexpr (std::is_same_v<T, bool>) {
+        return value ? "true" : "false";
+    } else {
+        if constexpr (std::is_floating_point_v<T>) {
+            if (std::isnan(value)) {
+                return "NaN";
+            }
+            if (std::isinf(value)) {
+                return value < 0 ? "-INF" : "INF";
+            }
+        }
+        char text[64];
+        return {text, std::to_chars(text, text + sizeof text, value).ptr};
+    }
+}
 
 /// Gives the namespaces of a server the indices of a file, in the order of their first use.
 class FileNamespaces {
@@ -37,14 +61,28 @@ public:
 
 private:
     template <typename T>
-    void element(std::string_view name, const T& value);
+    void element(std::string_view name, const T& value)
+    {
+        out_.begin(name);
+        bool is_null = false;
+        if constexpr (std::is_base_of_v<String, T> || std::is_same_v<T, ByteString>) {
+            is_null = value.is_null();
+        }
+        if (is_null) {
+            say_nil();
+        } else {
+            contents(value);
+        }
+        out_.end();
+    }
+    void say_nil();
     template <typename T>
     void list(std::string_view name, const Array<T>& values);
     void matrix(const Variant& value);
 
     template <typename T>
     requires std::is_arithmetic_v<T>
-    void contents(const T& value);
+    void contents(T value) { out_.text(number_text(value)); }
     void contents(const String& value) { out_.text(value.view()); }
     void contents(const XmlElement& value);
     void contents(const DateTime& value);
