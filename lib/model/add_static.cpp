@@ -1,23 +1,21 @@
 #include <busbar/model/address_space.hpp>
 
 #include <busbar/binary/codec.hpp>
-#include <busbar/types/data_types.hpp>
 
-#include "tables.hpp"
+#include "graft.hpp"
+#include "namespace_map.hpp"
 
 namespace busbar::model {
 
-using detail::Entry;
 using detail::Record;
-using detail::Tables;
 
 namespace {
 
 /// Copies the nodes of one StaticNodes into an AddressSpace.
 class StaticCopy {
 public:
-    StaticCopy(AddressSpace& space, Tables& tables, const StaticNodes& nodes)
-        : space_{space}, tables_{tables}, from_{nodes}
+    StaticCopy(AddressSpace& space, const StaticNodes& nodes)
+        : space_{space}, graft_{space}, from_{nodes}
     {
     }
 
@@ -30,29 +28,19 @@ private:
     }
     [[nodiscard]] Result<NodeId> node_id(const StaticIdentifier& id) const;
     [[nodiscard]] Result<void> map_namespaces();
-    [[nodiscard]] Result<void> find_externals();
-    [[nodiscard]] Result<void> check_ids() const;
-    void create_nodes();
-    void map(NodeId& id) const;
-    [[nodiscard]] ExtensionObject mapped(const ExtensionObject& definition) const;
+    void find_externals();
+    [[nodiscard]] Result<void> create_nodes();
     void set_details(const StaticNode& node, Record& record);
     void set_variable(const StaticVariable& variable, Record& record);
+    [[nodiscard]] Variant value(const StaticText& at) const;
     void set_texts();
-    void link(std::uint32_t index);
-    [[nodiscard]] NodeIndex choose_parent(std::uint32_t index, StaticReference& chosen) const;
-    [[nodiscard]] bool is_above(NodeIndex node, NodeIndex other) const;
-    [[nodiscard]] bool is_parent_link(const Reference& reference, NodeIndex source) const;
     void add_references(std::uint32_t index);
 
     /// A node of this copy, or an external one.
     [[nodiscard]] NodeIndex target(std::uint32_t index) const
     {
-        return index < created_.size() ? created_[index] : externals_[index - created_.size()];
-    }
-    [[nodiscard]] Reference resolve(StaticReference reference) const
-    {
-        return {target(from_.reference_types[reference.type()]), target(reference.target()),
-                reference.is_forward()};
+        const auto& created = graft_.created();
+        return index < created.size() ? created[index] : externals_[index - created.size()];
     }
     [[nodiscard]] std::span<const StaticReference> references(std::uint32_t index) const
     {
@@ -64,47 +52,34 @@ private:
     }
 
     AddressSpace& space_;
-    Tables& tables_;
+    detail::Graft graft_;
     const StaticNodes& from_;
     std::vector<std::uint16_t> namespaces_;
     std::vector<NodeIndex> externals_;
-    std::vector<NodeIndex> created_;
 };
-
-Variant decoded(std::string_view bytes)
-{
-    binary::Reader reader{std::as_bytes(std::span{bytes.data(), bytes.size()})};
-    Variant value;
-    decode(reader, value);
-    return value;
-}
 
 Result<void> StaticCopy::run()
 {
     if (auto mapped = map_namespaces(); !mapped) {
         return mapped;
     }
-    if (auto found = find_externals(); !found) {
-        return found;
+    find_externals();
+    if (auto created = create_nodes(); !created) {
+        return created;
     }
-    if (auto checked = check_ids(); !checked) {
-        return checked;
-    }
-    create_nodes();
     set_texts();
-    for (std::uint32_t i = 0; i < from_.nodes.size(); ++i) {
-        link(i);
-    }
     for (std::uint32_t i = 0; i < from_.nodes.size(); ++i) {
         add_references(i);
     }
+    graft_.link();
+    graft_.keep();
     return {};
 }
 
 Result<void> StaticCopy::map_namespaces()
 {
     for (const StaticText& uri : from_.namespaces) {
-        const auto index = space_.add_namespace(text(uri));
+        const auto index = graft_.add_namespace(text(uri));
         if (!index) {
             return fail(index.error());
         }
@@ -126,65 +101,43 @@ Result<NodeId> StaticCopy::node_id(const StaticIdentifier& id) const
     return parsed;
 }
 
-Result<void> StaticCopy::find_externals()
+void StaticCopy::find_externals()
 {
     for (const StaticIdentifier& external : from_.externals) {
         const auto id = node_id(external);
         // A small namespace 0 lacks nodes; whatever refers to them is left out.
         externals_.push_back(id ? space_.find(*id) : no_node);
     }
-    return {};
 }
 
-Result<void> StaticCopy::check_ids() const
+Result<void> StaticCopy::create_nodes()
 {
-    if (tables_.record_count + from_.nodes.size() >= detail::IndexTable::max_records) {
-        return fail(status::Bad_OutOfMemory);
-    }
-    for (const StaticNode& node : from_.nodes) {
-        const auto id = node_id(node.id);
-        if (!id || space_.find(*id) != no_node) {
-            return fail(id ? status::Bad_NodeIdExists : id.error());
-        }
-    }
-    return {};
-}
-
-void StaticCopy::create_nodes()
-{
-    created_.reserve(from_.nodes.size());
-    space_.reserve(from_.nodes.size());
+    graft_.reserve(from_.nodes.size());
     for (const StaticNode& node : from_.nodes) {
         const QualifiedName name{namespaces_[node.browse_namespace],
                                  String::borrow(text(node.browse_name))};
-        created_.push_back(
-            tables_.create(node_id(node.id).value_or(NodeId{}), name, NodeClass{node.node_class}));
+        const auto id = node_id(node.id);
+        const auto created =
+            id ? graft_.create(*id, name, NodeClass{node.node_class}) : fail(id.error());
+        if (!created) {
+            return fail(created.error());
+        }
     }
-    for (std::size_t i = 0; i < created_.size(); ++i) {
-        set_details(from_.nodes[i], tables_.record(created_[i]));
+    for (std::size_t i = 0; i < from_.nodes.size(); ++i) {
+        set_details(from_.nodes[i], graft_.record(graft_.created()[i]));
     }
+    return {};
 }
 
-void StaticCopy::map(NodeId& id) const
+/// The decoded value with this server's namespace indices.
+Variant StaticCopy::value(const StaticText& at) const
 {
-    if (id.namespace_index() < namespaces_.size()) {
-        id.set_namespace_index(namespaces_[id.namespace_index()]);
-    }
-}
-
-/// A StructureDefinition names types and encodings, which have other namespace indices here.
-ExtensionObject StaticCopy::mapped(const ExtensionObject& object) const
-{
-    auto definition = binary::from_bytes<StructureDefinition>(object.binary().span());
-    if (!object.encoding_id().is(StructureDefinition::binary_encoding_id) || !definition) {
-        return object;
-    }
-    map(definition->default_encoding_id);
-    map(definition->base_data_type);
-    for (StructureField& field : definition->fields) {
-        map(field.data_type);
-    }
-    return ExtensionObject::from(std::move(*definition));
+    const std::string_view bytes = from_.values.substr(at.offset, at.size);
+    binary::Reader reader{std::as_bytes(std::span{bytes.data(), bytes.size()})};
+    Variant value;
+    decode(reader, value);
+    detail::map_namespaces(value, namespaces_);
+    return value;
 }
 
 void StaticCopy::set_details(const StaticNode& node, Record& record)
@@ -203,10 +156,9 @@ void StaticCopy::set_details(const StaticNode& node, Record& record)
         record.make_extra().inverse_name = LocalizedText{String{text(from_.texts[node.details])}};
         break;
     case NodeClass::DataType: {
-        const StaticText& at = from_.texts[node.details];
-        const Variant value = decoded(from_.values.substr(at.offset, at.size));
-        if (const auto* const definition = value.get_if<ExtensionObject>()) {
-            record.make_extra().definition = mapped(*definition);
+        const Variant decoded = value(from_.texts[node.details]);
+        if (const auto* const definition = decoded.get_if<ExtensionObject>()) {
+            record.make_extra().definition = *definition;
         }
         break;
     }
@@ -219,7 +171,7 @@ void StaticCopy::set_variable(const StaticVariable& variable, Record& record)
 {
     record.data_type = target(variable.data_type);
     if (record.data_type == no_node) {
-        record.data_type = tables_.find_constant(detail::id_base_data_type);
+        record.data_type = space_.find(detail::id_base_data_type);
     }
     record.value_rank = variable.value_rank;
     record.minimum_sampling_interval = static_cast<double>(variable.minimum_sampling_interval);
@@ -229,92 +181,44 @@ void StaticCopy::set_variable(const StaticVariable& variable, Record& record)
             variable.array_dimensions.offset, variable.array_dimensions.size)};
     }
     if (variable.value.size != 0) {
-        record.make_extra().value =
-            decoded(from_.values.substr(variable.value.offset, variable.value.size));
+        record.make_extra().value = value(variable.value);
     }
 }
 
 void StaticCopy::set_texts()
 {
     for (const StaticExtra& extra : from_.extras) {
-        detail::Extra& to = tables_.record(created_[extra.node]).make_extra();
-        LocalizedText& place =
-            extra.kind == StaticExtra::Kind::DisplayName ? to.display_name : to.description;
-        place = LocalizedText{String{text(extra.text)}};
-    }
-}
-
-bool StaticCopy::is_above(NodeIndex node, NodeIndex other) const
-{
-    NodeIndex at = other;
-    while (at != no_node && at != node) {
-        at = tables_.is_constant(at) ? no_node : tables_.record(at).parent;
-    }
-    return at == node;
-}
-
-/// The source of the first hierarchical reference to the node; of a type, its supertype.
-NodeIndex StaticCopy::choose_parent(std::uint32_t index, StaticReference& chosen) const
-{
-    const bool is_type = index < from_.types.size();
-    for (const StaticReference& reference : references(index)) {
-        const Reference resolved = resolve(reference);
-        if (resolved.is_forward || resolved.target == no_node ||
-            (is_type ? resolved.type != tables_.has_subtype
-                     : !space_.is_subtype_of(resolved.type, detail::id_hierarchical_references))) {
-            continue;
-        }
-        if (!is_above(created_[index], resolved.target)) {
-            chosen = reference;
-            return resolved.target;
+        detail::Extra& to = graft_.record(graft_.created()[extra.node]).make_extra();
+        String found{text(extra.text)};
+        switch (extra.kind) {
+        case StaticExtra::Kind::DisplayName:
+            to.display_name.text = std::move(found);
+            break;
+        case StaticExtra::Kind::Description:
+            to.description.text = std::move(found);
+            break;
+        case StaticExtra::Kind::DisplayNameLocale:
+            to.display_name.locale = std::move(found);
+            break;
+        case StaticExtra::Kind::DescriptionLocale:
+            to.description.locale = std::move(found);
+            break;
+        case StaticExtra::Kind::InverseNameLocale:
+            to.inverse_name.locale = std::move(found);
+            break;
         }
     }
-    return no_node;
-}
-
-void StaticCopy::link(std::uint32_t index)
-{
-    const NodeIndex node = created_[index];
-    StaticReference chosen;
-    const NodeIndex parent = choose_parent(index, chosen);
-    if (parent != no_node) {
-        tables_.link(parent, resolve(chosen).type, node);
-    }
-    if (index < from_.types.size()) {
-        tables_.place_type(node, parent);
-    }
-    for (const StaticReference& reference : references(index)) {
-        const Reference resolved = resolve(reference);
-        if (resolved.is_forward && resolved.type == tables_.has_type_definition) {
-            tables_.record(node).type_definition = resolved.target;
-        }
-    }
-}
-
-/// True if the reference is the one that `link` made, seen from either end.
-bool StaticCopy::is_parent_link(const Reference& reference, NodeIndex source) const
-{
-    const NodeIndex child = reference.is_forward ? reference.target : source;
-    const NodeIndex parent = reference.is_forward ? source : reference.target;
-    return !tables_.is_constant(child) && tables_.record(child).parent == parent &&
-           tables_.record(child).parent_reference == reference.type;
 }
 
 void StaticCopy::add_references(std::uint32_t index)
 {
-    const NodeIndex node = created_[index];
-    const NodeIndex has_modelling_rule = tables_.find_constant(detail::id_has_modelling_rule);
-    for (const StaticReference& from : references(index)) {
-        const Reference reference = resolve(from);
-        const bool is_own = from.target() < created_.size();
-        if (reference.type == no_node || reference.target == no_node ||
-            reference.type == tables_.has_type_definition || is_parent_link(reference, node)) {
-            continue;
-        }
-        // One between two nodes of the copy is listed at both; one that leads out only here.
-        tables_.add_entry(node, Entry{reference.type, reference.target, reference.is_forward});
-        if (!is_own && reference.type != has_modelling_rule) {
-            tables_.add_entry(reference.target, Entry{reference.type, node, !reference.is_forward});
+    const NodeIndex node = graft_.created()[index];
+    for (const StaticReference& reference : references(index)) {
+        const NodeIndex type = target(from_.reference_types[reference.type()]);
+        const NodeIndex other = target(reference.target());
+        if (type != no_node && other != no_node) {
+            graft_.add_reference(reference.is_forward() ? node : other, type,
+                                 reference.is_forward() ? other : node);
         }
     }
 }
@@ -323,7 +227,7 @@ void StaticCopy::add_references(std::uint32_t index)
 
 Result<void> AddressSpace::add(const StaticNodes& nodes)
 {
-    return StaticCopy{*this, *tables_, nodes}.run();
+    return StaticCopy{*this, nodes}.run();
 }
 
 } // namespace busbar::model

@@ -26,7 +26,8 @@ LocalizedText borrowed(const LocalizedText& text)
     return {borrowed(text.locale), borrowed(text.text)};
 }
 
-LocalizedText static_extra(const Tables& tables, NodeIndex node, StaticExtra::Kind kind)
+/// Null if the node has none.
+String static_piece(const Tables& tables, NodeIndex node, StaticExtra::Kind kind)
 {
     const auto extras = tables.constants->extras;
     const auto comes_before = [&](const StaticExtra& extra, std::uint32_t sought) {
@@ -35,8 +36,16 @@ LocalizedText static_extra(const Tables& tables, NodeIndex node, StaticExtra::Ki
     const auto found =
         std::lower_bound(extras.begin(), extras.end(), detail::number(node), comes_before);
     return found != extras.end() && found->node == detail::number(node) && found->kind == kind
-               ? LocalizedText{String::borrow(tables.text(found->text))}
-               : LocalizedText{};
+               ? String::borrow(tables.text(found->text))
+               : String{};
+}
+
+LocalizedText static_extra(const Tables& tables, NodeIndex node, StaticExtra::Kind text,
+                           StaticExtra::Kind locale)
+{
+    String found = static_piece(tables, node, text);
+    return found.is_null() ? LocalizedText{}
+                           : LocalizedText{static_piece(tables, node, locale), std::move(found)};
 }
 
 Variant decoded(std::string_view bytes, const binary::TypeRegistry* types)
@@ -130,7 +139,8 @@ LocalizedText description(const Tables& tables, NodeIndex node)
     const Overlay* const overlay = tables.overlay(node);
     return overlay != nullptr && !overlay->description.text.is_null()
                ? borrowed(overlay->description)
-               : static_extra(tables, node, StaticExtra::Kind::Description);
+               : static_extra(tables, node, StaticExtra::Kind::Description,
+                              StaticExtra::Kind::DescriptionLocale);
 }
 
 LocalizedText inverse_name(const Tables& tables, NodeIndex node)
@@ -140,10 +150,11 @@ LocalizedText inverse_name(const Tables& tables, NodeIndex node)
         return extra == nullptr ? LocalizedText{} : borrowed(extra->inverse_name);
     }
     const StaticNode& constant = tables.constant(node);
-    return constant.details == no_details
-               ? LocalizedText{}
-               : LocalizedText{
-                     String::borrow(tables.text(tables.constants->texts[constant.details]))};
+    if (constant.details == no_details) {
+        return {};
+    }
+    return {static_piece(tables, node, StaticExtra::Kind::InverseNameLocale),
+            String::borrow(tables.text(tables.constants->texts[constant.details]))};
 }
 
 Variant definition(const Tables& tables, NodeIndex node)
@@ -197,7 +208,8 @@ LocalizedText AddressSpace::display_name(NodeIndex node) const
             return borrowed(overlay->display_name);
         }
     }
-    LocalizedText text = static_extra(*tables_, node, StaticExtra::Kind::DisplayName);
+    LocalizedText text = static_extra(*tables_, node, StaticExtra::Kind::DisplayName,
+                                      StaticExtra::Kind::DisplayNameLocale);
     return text.text.is_null() ? LocalizedText{browse_name(node).name} : std::move(text);
 }
 

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <fstream>
 
+#include <busbar/core/built_in_type.hpp>
+#include <model/nodeset/node_flags.hpp>
+
 namespace busbar::generator {
 
 namespace {
@@ -11,17 +14,12 @@ using model::StaticIdentifier;
 using model::StaticNode;
 using model::StaticReference;
 using model::StaticText;
+using nodeset::is_type;
 using nodeset::Node;
 using nodeset::NodeClass;
 
 constexpr std::uint32_t has_modelling_rule = 37;
 constexpr std::uint32_t has_type_definition = 40;
-
-bool is_type(const Node& node)
-{
-    return node.node_class == NodeClass::ObjectType || node.node_class == NodeClass::VariableType ||
-           node.node_class == NodeClass::ReferenceType || node.node_class == NodeClass::DataType;
-}
 
 /// The id of the built-in type of a DataType; 26, 27 and 28 for Number, Integer and UInteger.
 std::uint8_t built_in_id(const Hierarchy& hierarchy, const Node& node)
@@ -50,17 +48,6 @@ std::uint8_t built_in_id(const Hierarchy& hierarchy, const Node& node)
     return 0;
 }
 
-std::uint8_t flags(const Node& node)
-{
-    using namespace model::static_flag;
-    const auto flag = [](bool is_set, std::uint8_t bit) { return is_set ? bit : 0; };
-    const bool is_method = node.node_class == NodeClass::Method;
-    return static_cast<std::uint8_t>(
-        flag(is_type(node) && node.is_abstract, is_abstract) | flag(node.symmetric, symmetric) |
-        flag(node.contains_no_loops, contains_no_loops) |
-        flag(is_method && node.executable, executable) | flag(node.historizing, historizing));
-}
-
 } // namespace
 
 StaticText Pool::add(const std::string& piece)
@@ -75,7 +62,8 @@ StaticText Pool::add(const std::string& piece)
 }
 
 NodeTableBuilder::NodeTableBuilder(const nodeset::Document& document, const Options& options)
-    : document_{document}, options_{options}, hierarchy_{document}, values_{document, hierarchy_}
+    : document_{document}, options_{options}, hierarchy_{document}, values_{document,
+                                                                            hierarchy_.data_types()}
 {
 }
 
@@ -239,7 +227,7 @@ tl::expected<void, Failure> NodeTableBuilder::add_node(const Node& node)
     entry.browse_name = tables_.text.add(node.browse_name);
     entry.browse_namespace = node.browse_namespace;
     entry.node_class = static_cast<std::uint8_t>(node.node_class);
-    entry.flags = flags(node);
+    entry.flags = nodeset::flags(node);
     entry.event_notifier = node.event_notifier;
     entry.first_reference = static_cast<std::uint32_t>(tables_.references.size());
     const auto at = details(node);
@@ -320,13 +308,19 @@ void NodeTableBuilder::add_extras(const Node& node)
 {
     using ExtraKind = model::StaticExtra::Kind;
     const auto own = static_cast<std::uint32_t>(tables_.nodes.size());
-    const std::string& display = node.display_name.text;
-    if (!display.empty() && display != node.browse_name) {
-        tables_.extras.push_back({own, ExtraKind::DisplayName, tables_.text.add(display)});
-    }
-    if (!node.description.text.empty()) {
-        tables_.extras.push_back(
-            {own, ExtraKind::Description, tables_.text.add(node.description.text)});
+    const auto add = [&](ExtraKind kind, const std::string& text) {
+        if (!text.empty()) {
+            tables_.extras.push_back({own, kind, tables_.text.add(text)});
+        }
+    };
+    const nodeset::LocalizedText& display = node.display_name;
+    const bool is_plain = display.locale.empty() && display.text == node.browse_name;
+    add(ExtraKind::DisplayName, is_plain ? std::string{} : display.text);
+    add(ExtraKind::Description, node.description.text);
+    add(ExtraKind::DisplayNameLocale, display.locale);
+    add(ExtraKind::DescriptionLocale, node.description.locale);
+    if (node.node_class == NodeClass::ReferenceType) {
+        add(ExtraKind::InverseNameLocale, node.inverse_name.locale);
     }
 }
 

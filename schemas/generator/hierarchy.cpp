@@ -7,7 +7,6 @@ namespace busbar::generator {
 
 namespace {
 
-constexpr std::uint32_t has_encoding = 38;
 constexpr std::uint32_t has_subtype = 45;
 
 // In the order of the built-in type ids, from Boolean on.
@@ -23,30 +22,6 @@ constexpr std::array<BuiltInName, 25> names = {{
     {"DiagnosticInfo", 1, true},
 }};
 
-/// The kinds at which the way up the hierarchy ends.
-Kind final_kind(const NodeId& id)
-{
-    if (!id.is_numeric() || id.namespace_index() != 0) {
-        return Kind::Unknown;
-    }
-    switch (id.numeric()) {
-    case 26: // Number
-    case 27: // Integer
-    case 28: // UInteger
-    case 50: // Decimal
-        return Kind::Variant;
-    case 29:
-        return Kind::Enumeration;
-    case 12755:
-        return Kind::OptionSetStructure;
-    case 12756:
-        return Kind::Union;
-    default:
-        return id.numeric() >= 1 && id.numeric() <= names.size() ? static_cast<Kind>(id.numeric())
-                                                                 : Kind::Unknown;
-    }
-}
-
 } // namespace
 
 const BuiltInName& built_in(Kind kind)
@@ -60,19 +35,13 @@ std::int64_t built_in_bits(const std::string& underlying)
     return std::strtol(underlying.c_str() + prefix, nullptr, 10);
 }
 
-Hierarchy::Hierarchy(const nodeset::Document& document) : document_{document}
+Hierarchy::Hierarchy(const nodeset::Document& document) : document_{document}, types_{document}
 {
     for (const nodeset::Node& node : document.nodes()) {
         for (const nodeset::Reference& reference : node.references) {
-            const NodeId& source = reference.is_forward ? node.id : reference.target;
-            const NodeId& target = reference.is_forward ? reference.target : node.id;
             if (reference.type.is(has_subtype)) {
-                supertype_.emplace(target, source);
-            } else if (reference.type.is(has_encoding)) {
-                const nodeset::Node* const encoding = document.find(target);
-                if (encoding != nullptr && encoding->browse_name == "Default Binary") {
-                    encoding_.emplace(source, target);
-                }
+                const NodeId& source = reference.is_forward ? node.id : reference.target;
+                supertypes_.emplace(reference.is_forward ? reference.target : node.id, source);
             }
         }
     }
@@ -80,31 +49,8 @@ Hierarchy::Hierarchy(const nodeset::Document& document) : document_{document}
 
 const nodeset::Node* Hierarchy::supertype(const NodeId& id) const
 {
-    const auto found = supertype_.find(id);
-    return found == supertype_.end() ? nullptr : document_.find(found->second);
-}
-
-Kind Hierarchy::kind(const NodeId& id) const
-{
-    constexpr unsigned most_levels = 100;
-    NodeId at = id;
-    for (unsigned level = 0; level < most_levels; ++level) {
-        if (const Kind kind = final_kind(at); kind != Kind::Unknown) {
-            return kind;
-        }
-        const auto above = supertype_.find(at);
-        if (above == supertype_.end()) {
-            break;
-        }
-        at = above->second;
-    }
-    return Kind::Unknown;
-}
-
-NodeId Hierarchy::binary_encoding(const NodeId& data_type) const
-{
-    const auto found = encoding_.find(data_type);
-    return found == encoding_.end() ? NodeId{} : found->second;
+    const auto found = supertypes_.find(id);
+    return found == supertypes_.end() ? nullptr : document_.find(found->second);
 }
 
 bool Hierarchy::is_number_option_set(const nodeset::Node& node) const

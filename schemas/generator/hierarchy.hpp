@@ -4,20 +4,12 @@
 #include <unordered_map>
 #include <vector>
 
+#include <model/nodeset/data_types.hpp>
 #include <model/nodeset/document.hpp>
 
 namespace busbar::generator {
 
-/// What a DataType is on the wire: a built-in type by its id, or one of the kinds behind them.
-enum class Kind : std::uint8_t {
-    Unknown = 0,
-    // 1 to 25: BuiltInType
-    Structure = 22,
-    Variant = 24,
-    Enumeration = 29,
-    OptionSetStructure = 100,
-    Union = 101,
-};
+using nodeset::Kind;
 
 struct BuiltInName {
     const char* cpp;
@@ -37,9 +29,13 @@ public:
 
     [[nodiscard]] const nodeset::Node* supertype(const NodeId& id) const;
     /// Resolved along HasSubtype (Part 6, 5.1.2).
-    [[nodiscard]] Kind kind(const NodeId& id) const;
+    [[nodiscard]] Kind kind(const NodeId& id) const { return types_.kind(id); }
+    [[nodiscard]] const nodeset::DataTypes& data_types() const { return types_; }
     /// The object named "Default Binary" that HasEncoding leads to; null if there is none.
-    [[nodiscard]] NodeId binary_encoding(const NodeId& data_type) const;
+    [[nodiscard]] NodeId binary_encoding(const NodeId& data_type) const
+    {
+        return types_.binary_encoding(data_type);
+    }
     /// An unsigned number whose bits have names (Part 3, 8.40).
     [[nodiscard]] bool is_number_option_set(const nodeset::Node& node) const;
     /// The abstract structure OptionSet of Part 5, 12.2.21.
@@ -47,15 +43,15 @@ public:
     /// Structure and Union themselves, which stand for any subtype.
     [[nodiscard]] bool is_open_structure(const NodeId& id) const
     {
-        return id.is(22) || id.is(12756) || is_option_set_base(id);
+        return nodeset::DataTypes::is_open_structure(id);
     }
     /// Names and values of an enumeration or option set: those of its Definition.
     [[nodiscard]] std::vector<nodeset::Field> enumeration_fields(const nodeset::Node& node) const;
 
 private:
     const nodeset::Document& document_;
-    std::unordered_map<NodeId, NodeId> supertype_;
-    std::unordered_map<NodeId, NodeId> encoding_;
+    nodeset::DataTypes types_;
+    std::unordered_map<NodeId, NodeId> supertypes_;
 };
 
 } // namespace busbar::generator

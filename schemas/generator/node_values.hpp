@@ -1,12 +1,10 @@
 #pragma once
 
 #include <string>
-#include <unordered_map>
 
-#include <busbar/core/types.hpp>
+#include <model/nodeset/data_types.hpp>
 #include <tl/expected.hpp>
 
-#include "hierarchy.hpp"
 #include "options.hpp"
 
 namespace busbar::generator {
@@ -14,7 +12,10 @@ namespace busbar::generator {
 /// Values of NodeSet2 files in OPC UA Binary.
 class NodeValues {
 public:
-    NodeValues(const nodeset::Document& document, const Hierarchy& hierarchy);
+    NodeValues(const nodeset::Document& document, const nodeset::DataTypes& types)
+        : document_{document}, types_{types}
+    {
+    }
 
     /// The Variant that the <Value> of `node` stands for, encoded.
     [[nodiscard]] tl::expected<std::string, Failure> value(const nodeset::Node& node) const;
@@ -22,11 +23,8 @@ public:
     [[nodiscard]] tl::expected<std::string, Failure> definition(const nodeset::Node& node) const;
 
 private:
-    [[nodiscard]] const nodeset::Node* data_type(std::string_view name) const;
-
     const nodeset::Document& document_;
-    const Hierarchy& hierarchy_;
-    std::unordered_map<std::string, const nodeset::Node*> data_types_;
+    const nodeset::DataTypes& types_;
 };
 
 } // namespace busbar::generator

@@ -283,7 +283,7 @@ std::string SchemaMaker::qualified(const Node& node, const std::string& name) co
     if (node.id.namespace_index() == schema_.namespace_index) {
         return name;
     }
-    const std::string& file = document_.files()[node.file];
+    const std::string& file = document_.files()[node.file].name;
     for (const Options::Dependency& dependency : options_.dependencies) {
         if (dependency.path == file) {
             return dependency.cpp_namespace + "::" + name;
@@ -326,7 +326,7 @@ std::size_t SchemaMaker::min_wire_size(Type& type)
 
 std::string place(const Document& document, const Node& node, std::uint32_t line)
 {
-    return document.files()[node.file] + ":" + std::to_string(line) + ": ";
+    return document.files()[node.file].name + ":" + std::to_string(line) + ": ";
 }
 
 tl::expected<Schema, Failure> make_schema(const Document& document, const Options& options)

@@ -142,18 +142,19 @@ TEST_CASE_METHOD(ModelFixture, "Definitions of generated nodes have the namespac
     const std::uint16_t line = space.add_namespace("urn:line").value();
     REQUIRE(line != 1);
     DataTypes data_types;
-    const DynamicType* const load = data_types.of(space).find(NodeId{line, 5U});
+    const DynamicType* const load = data_types.of(space).find(NodeId{line, 7U});
     REQUIRE(load != nullptr);
-    CHECK(load == data_types.of(space).find_encoding(NodeId{line, 6U}));
+    CHECK(load == data_types.of(space).find_encoding(NodeId{line, 8U}));
     CHECK(load->fields[0].data_type == NodeId{line, 4U});
     CHECK(load->fields[0].type->values[1].name == "Closed");
     const auto attribute =
-        space.attribute(space.find(NodeId{line, 5U}), AttributeId::DataTypeDefinition);
+        space.attribute(space.find(NodeId{line, 7U}), AttributeId::DataTypeDefinition);
     REQUIRE(attribute);
-    const auto* const definition =
-        attribute->get_if<ExtensionObject>()->get_if<StructureDefinition>();
-    REQUIRE(definition != nullptr);
-    CHECK(definition->default_encoding_id == NodeId{line, 6U});
+    // What is generated is kept as its bytes.
+    const auto definition = binary::from_bytes<StructureDefinition>(
+        attribute->get_if<ExtensionObject>()->binary().span());
+    REQUIRE(definition);
+    CHECK(definition->default_encoding_id == NodeId{line, 8U});
 }
 
 TEST_CASE_METHOD(ModelFixture, "Structures and enumerations are added with all their nodes")

@@ -84,21 +84,23 @@ TEST_CASE("Errors name file, line, what was found and what was expected")
     CHECK(error_of("<UAObjekt/>") ==
           "f.xml:4: found <UAObjekt>, expected <UAObject>, <UAVariable> or another NodeClass");
     CHECK(error_of(object("ParentNodeId=\"x=1\"")) ==
-          "f.xml:4: found \"x=1\", expected a NodeId such as \"ns=1;i=42\"");
+          "f.xml:4: ns=1;i=1: found \"x=1\", expected a NodeId such as \"ns=1;i=42\"");
     CHECK(error_of(object("ParentNodeId=\"HasNothing\"")) ==
-          "f.xml:4: found \"HasNothing\", expected a NodeId or one of the <Aliases>");
+          "f.xml:4: ns=1;i=1: found \"HasNothing\", expected a NodeId or one of the <Aliases>");
     CHECK(error_of(object("ParentNodeId=\"ns=2;i=1\"")) ==
-          "f.xml:4: found the namespace index 2, the file lists 1 in <NamespaceUris>");
+          "f.xml:4: ns=1;i=1: found the namespace index 2, the file lists 1 in <NamespaceUris>");
     CHECK(error_of(object("EventNotifier=\"256\"")) ==
-          "f.xml:4: found EventNotifier=\"256\", expected a number in the range of the attribute");
+          "f.xml:4: ns=1;i=1: found EventNotifier=\"256\", expected a number in the range of the "
+          "attribute");
     CHECK(error_of("<UAMethod NodeId=\"i=1\" BrowseName=\"A\" Executable=\"yes\"/>") ==
-          "f.xml:4: found Executable=\"yes\", expected true or false");
+          "f.xml:4: i=1: found Executable=\"yes\", expected true or false");
     CHECK(error_of(object("") + "\n" + object("")) ==
-          "f.xml:5: the node ns=1;i=1 is already at f.xml:4");
+          "f.xml:5: ns=1;i=1: the node is already at f.xml:4");
     CHECK(error_of("<UAObject BrowseName=\"A\"/>") == "f.xml:4: found a node without NodeId");
-    CHECK(error_of("<UAObject NodeId=\"i=1\"/>") == "f.xml:4: found a node without BrowseName");
+    CHECK(error_of("<UAObject NodeId=\"i=1\"/>") ==
+          "f.xml:4: i=1: found a node without BrowseName");
     CHECK(error_of(object("", "<References><Reference>i=1</Reference></References>")) ==
-          "f.xml:4: found a reference without ReferenceType");
+          "f.xml:4: ns=1;i=1: found a reference without ReferenceType");
 
     Document document;
     CHECK(document.load_text("<html/>", "f.xml").front().text() ==
@@ -121,16 +123,16 @@ TEST_CASE("Files are limited in size, count and depth")
           "f.xml:4: there are more than 1 nodes");
     const std::string reference = "<Reference ReferenceType=\"i=35\">i=1</Reference>";
     CHECK(error_of(object("", "<References>" + repeated(3, reference) + "</References>"), limits) ==
-          "f.xml:4: there are more than 2 references");
+          "f.xml:4: ns=1;i=1: there are more than 2 references");
     const auto variable = [](const std::string& value) {
         return "<UAVariable NodeId=\"i=3\" BrowseName=\"B\"><Value>" + value +
                "</Value></UAVariable>";
     };
     CHECK(error_of(variable("<a><b><c/></b></a>"), limits).empty());
     CHECK(error_of(variable("<a><b><c><d/></c></b></a>"), limits) ==
-          "f.xml:4: a <Value> is more than 3 elements deep");
+          "f.xml:4: i=3: a <Value> is more than 3 elements deep");
     CHECK(error_of(variable("<a>" + repeated(6, "<b/>") + "</a>"), limits) ==
-          "f.xml:4: there are more than 5 value elements");
+          "f.xml:4: i=3: there are more than 5 value elements");
 
     Document document{limits};
     CHECK(document.load_text(nodeset(repeated(9, "<UANothing/>")), "f.xml").size() == 2);

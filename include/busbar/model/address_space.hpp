@@ -16,6 +16,7 @@
 namespace busbar::model {
 
 namespace detail {
+class Graft;
 struct Tables;
 struct Entry;
 } // namespace detail
@@ -170,8 +171,9 @@ public:
     Result<NodeIndex> add_reference_type(const NewNode& node, const NewReferenceType& type);
     Result<NodeIndex> add_data_type(const NewNode& node, const NewDataType& type);
     /// Copies generated nodes of another namespace, whose namespaces are added as needed. What they
-    /// refer to must be there already. Bad_NodeIdExists if one of them is. Values are taken over as
-    /// they are: namespace indices within them are those of the generator's files.
+    /// refer to must be there already. Bad_NodeIdExists if one of them is. Namespace indices in
+    /// values become those of this AddressSpace, but for bodies of structures that are not
+    /// Argument: those are taken over as they are.
     Result<void> add(const StaticNodes& nodes);
 
     /// Adds the reference in both directions. Bad_DuplicateReferenceNotAllowed if it is there,
@@ -197,6 +199,8 @@ public:
     void set_description(NodeIndex node, LocalizedText text);
 
 private:
+    friend class detail::Graft;
+
     Result<NodeIndex> create(const NewNode& node, NodeClass node_class);
     Result<void> add_arguments(NodeIndex method, const NewMethod& from);
     [[nodiscard]] Result<Variant> variable_attribute(NodeIndex node, AttributeId id) const;

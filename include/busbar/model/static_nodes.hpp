@@ -69,7 +69,13 @@ struct StaticVariable {
 
 /// A text that most nodes do not have.
 struct StaticExtra {
-    enum class Kind : std::uint32_t { DisplayName, Description };
+    enum class Kind : std::uint32_t {
+        DisplayName,
+        Description,
+        DisplayNameLocale,
+        DescriptionLocale,
+        InverseNameLocale,
+    };
 
     std::uint32_t node{0};
     Kind kind{Kind::DisplayName};

@@ -6,7 +6,25 @@
 #include <cstring>
 #include <memory>
 
+#include <busbar/core/text.hpp>
+
 #include "file_reader.hpp"
+
+namespace busbar::model {
+
+std::string NodeSetError::text() const
+{
+    std::string result = file + ':';
+    if (line != 0) {
+        result += std::to_string(line) + ':';
+    }
+    if (!node.empty()) {
+        result += ' ' + printable(node, 80) + ':';
+    }
+    return result + ' ' + message;
+}
+
+} // namespace busbar::model
 
 namespace busbar::nodeset {
 
@@ -69,11 +87,6 @@ const Element* Element::child(std::string_view local_name) const
     return found == children.end() ? nullptr : &*found;
 }
 
-std::string Error::text() const
-{
-    return line == 0 ? file + ": " + message : file + ":" + std::to_string(line) + ": " + message;
-}
-
 std::vector<Error> Document::load_file(const std::string& path)
 {
     const auto text = read_bytes(path, limits_.max_file_size);
@@ -106,6 +119,16 @@ const Node* Document::find(const NodeId& id) const
 {
     const auto found = by_id_.find(id);
     return found == by_id_.end() ? nullptr : &nodes_[found->second];
+}
+
+Error Document::error(const Node& node, std::string message, std::uint32_t line) const
+{
+    const File& file = files_[node.file];
+    NodeId local = node.id;
+    const auto& map = file.namespaces;
+    const auto found = std::find(map.begin(), map.end(), local.namespace_index());
+    local.set_namespace_index(static_cast<std::uint16_t>(found - map.begin()));
+    return {file.name, line == 0 ? node.line : line, std::move(message), to_string(local)};
 }
 
 } // namespace busbar::nodeset

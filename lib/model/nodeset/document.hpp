@@ -2,15 +2,18 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include <tl/expected.hpp>
 
 #include <busbar/core/node_id.hpp>
+#include <busbar/model/nodeset_types.hpp>
 
 /// NodeSet2 files (Part 6, Annex F) as plain data. Used by the generator and by the model layer.
 namespace busbar::nodeset {
@@ -34,6 +37,12 @@ struct Reference {
     NodeId type;
     NodeId target;
     bool is_forward{true};
+    std::uint32_t line{0};
+};
+
+struct LocalizedText {
+    std::string locale;
+    std::string text;
 };
 
 /// One field of a DataType's Definition (Part 6, F.13). Of an enumeration or an option set, `value`
@@ -41,6 +50,8 @@ struct Reference {
 struct Field {
     std::string name;
     std::string symbolic_name;
+    LocalizedText display_name;
+    LocalizedText description;
     NodeId data_type{0, 24U};
     std::int32_t value_rank{-1};
     std::vector<std::uint32_t> array_dimensions;
@@ -54,6 +65,7 @@ struct Field {
 /// The Definition of a DataType (Part 6, F.12).
 struct Definition {
     std::string name;
+    std::string symbolic_name;
     std::vector<Field> fields;
     bool is_union{false};
     bool is_option_set{false};
@@ -67,14 +79,13 @@ struct Element {
     std::uint32_t line{0};
     /// xsi:nil="true", or no child nodes at all.
     bool is_nil{false};
+    /// xsi:nil="true".
+    bool says_nil{false};
+    /// Of <XmlElement> and <Body>: the XML in it.
+    std::string raw;
 
     /// The first child of that local name, or null.
     [[nodiscard]] const Element* child(std::string_view local_name) const;
-};
-
-struct LocalizedText {
-    std::string locale;
-    std::string text;
 };
 
 /// One node with the attributes of every NodeClass; those that do not apply have their defaults
@@ -91,7 +102,8 @@ struct Node {
     LocalizedText inverse_name;
     std::vector<Reference> references;
     NodeId parent;
-    std::uint32_t write_mask{0};
+    /// Null if the node has none.
+    std::unique_ptr<model::NodeSetNodeExtras> extras;
 
     // Variable and VariableType
     NodeId data_type{0, 24U};
@@ -111,51 +123,34 @@ struct Node {
     std::uint8_t event_notifier{0};
     bool contains_no_loops{false};
     bool executable{true};
-    NodeId method_declaration;
 
     /// Where the file has it.
     std::uint32_t file{0};
     std::uint32_t line{0};
 };
 
-/// What went wrong, for a person: "tags.xml:17: found NodeId \"i=x\", expected ...".
-struct Error {
-    std::string file;
-    /// 0 when the file as a whole is meant.
-    std::uint32_t line{0};
-    std::string message;
+using Error = model::NodeSetError;
+using Limits = model::NodeSetLimits;
+using Model = model::NodeSetModel;
 
-    [[nodiscard]] std::string text() const;
-};
-
-/// What a file may contain. Files come from users.
-struct Limits {
-    std::size_t max_file_size{64U << 20U};
-    std::size_t max_nodes{1'000'000};
-    std::size_t max_references{8'000'000};
-    std::size_t max_aliases{100'000};
-    std::size_t max_namespaces{1'000};
-    std::size_t max_fields{4'096};
-    /// Levels of elements in a <Value>.
-    std::size_t max_value_depth{64};
-    /// Elements below all <Value>s of a file.
-    std::size_t max_value_elements{4'000'000};
-    /// Errors of one load that are kept.
-    std::size_t max_errors{100};
-};
-
-/// A <Model> of a file with what it says it requires.
-struct Model {
-    std::string uri;
-    std::string version;
-    std::string publication_date;
-    std::vector<Model> required;
+/// One file of a Document.
+struct File {
+    std::string name;
+    /// The Document's index of each namespace index of the file.
+    std::vector<std::uint16_t> namespaces{0};
+    /// What is in the <Extensions> of the file, as XML.
+    std::string extensions;
 };
 
 /// Any number of NodeSet2 files, with one table of namespaces. Thread-compatible.
 class Document {
 public:
     explicit Document(const Limits& limits = {}) : limits_{limits} {}
+    /// Starts with these namespaces, of which the first is OPC UA's own.
+    Document(const Limits& limits, std::vector<std::string> namespaces)
+        : limits_{limits}, namespaces_{std::move(namespaces)}
+    {
+    }
 
     /// Adds the nodes of the file at `path`. With errors the document keeps what it understood
     /// and must not be used.
@@ -169,8 +164,11 @@ public:
     /// In the order of the files.
     [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
     [[nodiscard]] const std::vector<Model>& models() const { return models_; }
-    [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
+    [[nodiscard]] const std::vector<File>& files() const { return files_; }
     [[nodiscard]] const Node* find(const NodeId& id) const;
+    [[nodiscard]] const Limits& limits() const { return limits_; }
+    /// An Error about `node`, at a line of its file or, with 0, where it begins.
+    [[nodiscard]] Error error(const Node& node, std::string message, std::uint32_t line = 0) const;
 
 private:
     friend class FileReader;
@@ -179,7 +177,8 @@ private:
     std::vector<std::string> namespaces_{"http://opcfoundation.org/UA/"};
     std::vector<Node> nodes_;
     std::vector<Model> models_;
-    std::vector<std::string> files_;
+    std::vector<File> files_;
+    std::size_t kept_xml_{0};
     std::unordered_map<NodeId, std::size_t> by_id_;
 };
 

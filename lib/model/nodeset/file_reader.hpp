@@ -8,6 +8,7 @@
 #include <pugixml.hpp>
 
 #include "document.hpp"
+#include "xml_text.hpp"
 
 namespace busbar::nodeset {
 
@@ -19,18 +20,30 @@ public:
     [[nodiscard]] std::vector<Error> read(std::string_view text);
 
 private:
+    [[nodiscard]] bool parse(std::string_view text);
     void read_namespaces(const pugi::xml_node& root);
     void read_models(const pugi::xml_node& parent, std::vector<Model>& models, unsigned depth);
+    static void read_model_attribute(const pugi::xml_attribute& attribute, Model& model);
+    void read_file_extensions(const pugi::xml_node& root);
     void read_aliases(const pugi::xml_node& root);
     void read_nodes(const pugi::xml_node& root);
     void read_node(const pugi::xml_node& xml, NodeClass node_class);
     void read_names(const pugi::xml_node& xml, Node& node);
+    static void read_text(const pugi::xml_node& xml, const char* element, LocalizedText& text);
     void read_attributes(const pugi::xml_node& xml, Node& node);
     void read_references(const pugi::xml_node& xml, Node& node);
     void read_definition(const pugi::xml_node& xml, Node& node);
     Field read_field(const pugi::xml_node& xml);
     void read_value(const pugi::xml_node& xml, Node& node);
     void read_element(const pugi::xml_node& xml, Element& element, std::size_t depth);
+    // What only the file's writer needs again.
+    void read_extras(const pugi::xml_node& xml, Node& node);
+    void read_kept_attributes(const pugi::xml_node& xml, const Node& node,
+                              model::NodeSetNodeExtras& extras);
+    void read_kept_elements(const pugi::xml_node& xml, model::NodeSetNodeExtras& extras);
+    [[nodiscard]] std::vector<model::NodeSetPermission> read_permissions(const pugi::xml_node& xml);
+    /// Appends the element, or only what is in it, with the prefixes declared that it uses.
+    void keep_xml(const pugi::xml_node& xml, bool with_tag, std::string& to);
 
     [[nodiscard]] NodeId node_id(const pugi::xml_node& where, std::string_view text);
     /// The attribute as a NodeId, `otherwise` when there is none.
@@ -38,7 +51,14 @@ private:
                                            const NodeId& otherwise);
     [[nodiscard]] std::uint16_t namespace_of(const pugi::xml_node& where, std::size_t local);
     template <typename Number>
-    void number_attribute(const pugi::xml_node& xml, const char* attribute, Number& value);
+    void number_attribute(const pugi::xml_node& xml, const char* attribute, Number& value)
+    {
+        const pugi::xml_attribute found = xml.attribute(attribute);
+        if (found && !to_number(trimmed(found.value()), value)) {
+            fail(xml, std::string{"found "} + attribute + "=" + quoted(found.value()) +
+                          ", expected a number in the range of the attribute");
+        }
+    }
     void bool_attribute(const pugi::xml_node& xml, const char* attribute, bool& value);
     void dimensions_attribute(const pugi::xml_node& xml, std::vector<std::uint32_t>& value);
 
@@ -54,11 +74,12 @@ private:
     std::string name_;
     pugi::xml_document xml_;
     std::vector<std::ptrdiff_t> line_ends_;
-    std::vector<std::uint16_t> namespace_map_{0};
     std::unordered_map<std::string, NodeId> aliases_;
     std::size_t references_{0};
+    std::size_t required_models_{0};
     std::size_t value_elements_{0};
     std::uint32_t file_{0};
+    std::string current_node_;
     std::vector<Error> errors_;
 };
 

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/core/text.hpp>
 #include <pugixml.hpp>
 
 /// Small pieces of text as NodeSet2 files have them.
@@ -20,6 +21,15 @@ namespace busbar::nodeset {
     }
     return text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
+
+/// For messages.
+[[nodiscard]] inline std::string quoted(std::string_view text)
+{
+    return '"' + printable(text, 80) + '"';
+}
+
+/// Text in UTF-16 (with a byte order mark) as UTF-8; nothing for any other text.
+[[nodiscard]] std::string from_utf16(std::string_view text);
 
 /// The element's name without its namespace prefix.
 [[nodiscard]] inline std::string_view local_name(const pugi::xml_node& xml)

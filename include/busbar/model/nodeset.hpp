@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include <busbar/model/address_space.hpp>
+#include <busbar/model/nodeset_types.hpp>
+
+/// NodeSet2 files (Part 6, Annex F) at run time. In the target busbar::nodeset, which needs
+/// pugixml; a server whose nodes are constant data alone links busbar::model without it.
+namespace busbar::model {
+
+/// One file, or text in memory that is called by a name in messages.
+struct NodeSetSource {
+    /// The path, unless there is a text.
+    std::string name;
+    std::optional<std::string> text{};
+};
+
+/// What was loaded.
+struct NodeSetSummary {
+    std::size_t node_count{0};
+    /// Nodes of namespace 0 that the files have and the AddressSpace had already.
+    std::size_t skipped_count{0};
+    /// Indices of the namespaces that got nodes.
+    std::vector<std::uint16_t> namespaces;
+    /// What is wrong and no error: references of no hierarchical type that lead nowhere, which were
+    /// left out, and values that are not of their Variable's DataType, which were kept. At most
+    /// NodeSetLimits::max_errors.
+    std::vector<NodeSetError> notes;
+    /// What write_nodeset needs beside the AddressSpace.
+    NodeSetExtras extras;
+};
+
+/// Adds the nodes of NodeSet2 files to `space`. The files may be given in any order and may refer
+/// to one another; one file may have several namespaces, which are added as needed.
+///
+/// Every type, target of a hierarchical reference, type definition and DataType must be in the
+/// files or in `space`; so must every RequiredModel, in the version that is asked for or a later
+/// one (Part 6, F.5). XML with a DOCTYPE is refused.
+///
+/// With errors, of which there is at least one then, `space` is as it was before.
+[[nodiscard]] tl::expected<NodeSetSummary, std::vector<NodeSetError>>
+load_nodesets(AddressSpace& space, std::span<const NodeSetSource> sources,
+              const NodeSetLimits& limits = {});
+
+/// The nodes of these namespaces as one NodeSet2 file, which load_nodesets reads as the same nodes.
+///
+/// References to nodes of other namespaces are part of it, but for those of namespaces whose model
+/// requires one that is written: they are in the file of that other model. Structures whose
+/// DataType is not known are written as bytes. Bad_NotFound for a namespace index without
+/// namespace.
+[[nodiscard]] Result<std::string> write_nodeset(const AddressSpace& space,
+                                                std::span<const std::uint16_t> namespaces,
+                                                const NodeSetExtras& extras = {});
+
+} // namespace busbar::model

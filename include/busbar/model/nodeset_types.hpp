@@ -1,0 +1,115 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <busbar/core/node_id.hpp>
+
+namespace busbar::model {
+
+/// What NodeSet2 files may contain. Files come from users.
+struct NodeSetLimits {
+    std::size_t max_file_size{64U << 20U};
+    std::size_t max_nodes{1'000'000};
+    std::size_t max_references{8'000'000};
+    std::size_t max_aliases{100'000};
+    /// Also models, and models that are required.
+    std::size_t max_namespaces{1'000};
+    std::size_t max_fields{4'096};
+    /// Levels of elements in a <Value>.
+    std::size_t max_value_depth{64};
+    /// Elements below all <Value>s of a file.
+    std::size_t max_value_elements{4'000'000};
+    /// Fields of the structures in all values, with those that a file leaves out.
+    std::size_t max_value_fields{4'000'000};
+    /// Bytes of XML that are kept as they are: <Extensions>, XmlElements and the like.
+    std::size_t max_kept_xml{64U << 20U};
+    /// Levels of HasSubtype above a type.
+    std::size_t max_type_levels{100};
+    /// Errors, and notes, of one load that are kept.
+    std::size_t max_errors{100};
+};
+
+/// What went wrong, for a person: "tags.xml:17: ns=1;i=5: found NodeId \"i=x\", expected ...".
+struct NodeSetError {
+    std::string file;
+    /// 0 when the file as a whole is meant.
+    std::uint32_t line{0};
+    std::string message;
+    /// The NodeId of the node in question, as the file writes it; empty if it is none.
+    std::string node{};
+
+    [[nodiscard]] std::string text() const;
+};
+
+/// <RolePermission> (Part 3, 8.55).
+struct NodeSetPermission {
+    NodeId role;
+    std::uint32_t permissions{0};
+
+    friend bool operator==(const NodeSetPermission&, const NodeSetPermission&) = default;
+};
+
+/// An XML attribute as the file has it.
+struct NodeSetAttribute {
+    std::string name;
+    std::string value;
+
+    friend bool operator==(const NodeSetAttribute&, const NodeSetAttribute&) = default;
+};
+
+/// Of one node. Namespace indices are those of the server.
+struct NodeSetNodeExtras {
+    /// SymbolicName, ReleaseStatus, WriteMask, AccessRestrictions and whatever else is no attribute
+    /// of the AddressSpace; AccessLevel if it has more than 8 bits.
+    std::vector<NodeSetAttribute> attributes;
+    /// <Category>, <Documentation>, <Extensions> and texts in further locales, as XML.
+    std::string elements;
+    std::vector<NodeSetPermission> role_permissions;
+    NodeId method_declaration;
+    /// Name and SymbolicName of a DataType's Definition, and the SymbolicNames of its fields.
+    std::string definition_name;
+    std::string definition_symbolic_name;
+    std::vector<std::string> field_symbolic_names;
+
+    friend bool operator==(const NodeSetNodeExtras&, const NodeSetNodeExtras&) = default;
+};
+
+/// A <Model> or <RequiredModel> (Part 6, F.5).
+struct NodeSetModel {
+    std::string uri;
+    std::string version;
+    std::string model_version;
+    std::string publication_date;
+    /// XmlSchemaUri, AccessRestrictions and what later versions add.
+    std::vector<NodeSetAttribute> attributes;
+    std::vector<NodeSetPermission> role_permissions;
+    std::vector<NodeSetModel> required;
+    /// Where the file has it; not part of comparisons.
+    std::uint32_t file{0};
+    std::uint32_t line{0};
+
+    friend bool operator==(const NodeSetModel& a, const NodeSetModel& b)
+    {
+        return a.uri == b.uri && a.version == b.version && a.model_version == b.model_version &&
+               a.publication_date == b.publication_date && a.attributes == b.attributes &&
+               a.role_permissions == b.role_permissions && a.required == b.required;
+    }
+};
+
+/// What NodeSet2 files have and an AddressSpace has no place for (Part 6, Annex F): the loader
+/// returns it and the writer puts it back.
+struct NodeSetExtras {
+    std::vector<NodeSetModel> models;
+    /// Only nodes that have something.
+    std::unordered_map<NodeId, NodeSetNodeExtras> nodes;
+    /// What is in the <Extensions> of each file, as XML, by the URI of the file's first model.
+    std::unordered_map<std::string, std::string> file_extensions;
+
+    friend bool operator==(const NodeSetExtras&, const NodeSetExtras&) = default;
+};
+
+} // namespace busbar::model

@@ -1,0 +1,115 @@
+#include "namespace_map.hpp"
+
+#include <busbar/binary/codec.hpp>
+#include <busbar/types/data_types.hpp>
+
+namespace busbar::model::detail {
+
+namespace {
+
+constexpr std::uint32_t argument_encoding = 298;
+constexpr std::uint32_t structure_definition_encoding = 122;
+
+/// The overloads call each other: a Variant may hold any of the others.
+class NamespaceMap {
+public:
+    explicit NamespaceMap(std::span<const std::uint16_t> map) : map_{map} {}
+
+    void apply(Variant& value) const
+    {
+        apply_to<NodeId>(value);
+        apply_to<ExpandedNodeId>(value);
+        apply_to<QualifiedName>(value);
+        apply_to<ExtensionObject>(value);
+        apply_to<DataValue>(value);
+        apply_to<Variant>(value);
+    }
+
+private:
+    [[nodiscard]] std::uint16_t at(std::uint16_t index) const
+    {
+        return index < map_.size() ? map_[index] : index;
+    }
+    void apply(NodeId& id) const { id.set_namespace_index(at(id.namespace_index())); }
+    void apply(ExpandedNodeId& id) const
+    {
+        if (id.is_local()) {
+            apply(id.node_id);
+        }
+    }
+    void apply(QualifiedName& name) const { name.namespace_index = at(name.namespace_index); }
+    void apply(DataValue& value) const { apply(value.value); }
+    void apply(ExtensionObject& object) const;
+    void apply(Argument& argument) const { apply(argument.data_type); }
+    void apply(StructureDefinition& definition) const
+    {
+        apply(definition.default_encoding_id);
+        apply(definition.base_data_type);
+        for (StructureField& field : definition.fields) {
+            apply(field.data_type);
+        }
+    }
+    /// The structure in a binary body, with its indices replaced.
+    template <typename T>
+    void apply_inside(ExtensionObject& object) const
+    {
+        auto structure = binary::from_bytes<T>(object.binary().span());
+        if (!structure) {
+            return;
+        }
+        apply(*structure);
+        if (const auto bytes = binary::to_bytes(*structure)) {
+            object =
+                ExtensionObject::from_binary(object.encoding_id(), ByteString{std::span{*bytes}});
+        }
+    }
+    template <typename T>
+    void apply_to(Variant& value) const
+    {
+        if constexpr (!std::is_same_v<T, Variant>) {
+            if (auto* const scalar = value.get_if<T>()) {
+                apply(*scalar);
+            }
+        }
+        if (auto* const array = value.array_if<T>()) {
+            for (T& element : *array) {
+                apply(element);
+            }
+        }
+    }
+
+    std::span<const std::uint16_t> map_;
+};
+
+void NamespaceMap::apply(ExtensionObject& object) const
+{
+    NodeId id = object.encoding_id();
+    if (object.body() == ExtensionObject::Body::Binary && id.is(argument_encoding)) {
+        apply_inside<Argument>(object);
+        return;
+    }
+    if (object.body() == ExtensionObject::Body::Binary && id.is(structure_definition_encoding)) {
+        apply_inside<StructureDefinition>(object);
+        return;
+    }
+    apply(id);
+    if (id == object.encoding_id()) {
+        return;
+    }
+    if (object.body() == ExtensionObject::Body::Binary) {
+        object = ExtensionObject::from_binary(std::move(id), object.binary());
+    } else if (object.body() == ExtensionObject::Body::Xml) {
+        object = ExtensionObject::from_xml(std::move(id), object.xml());
+    } else if (object.body() == ExtensionObject::Body::None) {
+        object = ExtensionObject::from_id(std::move(id));
+    }
+}
+
+} // namespace
+
+void map_namespaces(Variant& value, std::span<const std::uint16_t> map)
+{
+    NamespaceMap{map}.apply(value);
+}
+
+} // namespace busbar::model::detail

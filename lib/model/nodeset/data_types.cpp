@@ -1,0 +1,209 @@
+#include "data_types.hpp"
+
+#include <utility>
+
+namespace busbar::nodeset {
+
+namespace {
+
+constexpr std::uint32_t has_encoding = 38;
+constexpr std::uint32_t has_subtype = 45;
+constexpr std::uint32_t last_built_in = 25;
+
+/// The kinds at which the way up the hierarchy ends.
+Kind final_kind(const NodeId& id)
+{
+    if (!id.is_numeric() || id.namespace_index() != 0) {
+        return Kind::Unknown;
+    }
+    switch (id.numeric()) {
+    case 26: // Number
+    case 27: // Integer
+    case 28: // UInteger
+    case 50: // Decimal
+        return Kind::Variant;
+    case 29:
+        return Kind::Enumeration;
+    case 12755:
+        return Kind::OptionSetStructure;
+    case 12756:
+        return Kind::Union;
+    default:
+        return id.numeric() >= 1 && id.numeric() <= last_built_in ? static_cast<Kind>(id.numeric())
+                                                                  : Kind::Unknown;
+    }
+}
+
+std::string name_key(std::uint16_t name_space, std::string_view name)
+{
+    return std::to_string(name_space) + ':' + std::string{name};
+}
+
+} // namespace
+
+DataTypes::DataTypes(const Document& document)
+{
+    for (const Node& node : document.nodes()) {
+        if (node.node_class == NodeClass::DataType) {
+            add({node.id,
+                 node.browse_namespace,
+                 node.browse_name,
+                 {},
+                 {},
+                 {},
+                 node.is_abstract,
+                 false,
+                 node.definition});
+        }
+    }
+    for (const Node& node : document.nodes()) {
+        add_references(document, node);
+    }
+}
+
+void DataTypes::add_references(const Document& document, const Node& node)
+{
+    for (const Reference& reference : node.references) {
+        const NodeId& source = reference.is_forward ? node.id : reference.target;
+        const NodeId& target = reference.is_forward ? reference.target : node.id;
+        if (reference.type.is(has_subtype)) {
+            if (const auto subtype = types_.find(target); subtype != types_.end()) {
+                subtype->second.supertype = source;
+            }
+        } else if (reference.type.is(has_encoding)) {
+            add_encoding(source, target);
+            const Node* const encoding = document.find(target);
+            const auto type = types_.find(source);
+            if (encoding == nullptr || type == types_.end()) {
+                continue;
+            }
+            if (encoding->browse_name == "Default Binary") {
+                type->second.binary_encoding = target;
+            } else if (encoding->browse_name == "Default XML") {
+                type->second.xml_encoding = target;
+            }
+        }
+    }
+}
+
+void DataTypes::add(DataType type)
+{
+    names_.emplace(name_key(type.name_space, type.name), type.id);
+    if (!type.binary_encoding.is_null()) {
+        add_encoding(type.id, type.binary_encoding);
+    }
+    NodeId id = type.id;
+    types_.emplace(std::move(id), std::move(type));
+}
+
+void DataTypes::add_encoding(const NodeId& type, const NodeId& encoding)
+{
+    encoded_.emplace(encoding, type);
+}
+
+const DataType* DataTypes::find(const NodeId& id) const
+{
+    const auto found = types_.find(id);
+    return found == types_.end() ? nullptr : &found->second;
+}
+
+const DataType* DataTypes::find_encoded(const NodeId& encoding) const
+{
+    const auto found = encoded_.find(encoding);
+    return find(found == encoded_.end() ? encoding : found->second);
+}
+
+const DataType* DataTypes::find_named(std::uint16_t name_space, std::string_view name) const
+{
+    const auto found = names_.find(name_key(name_space, name));
+    return found == names_.end() ? nullptr : find(found->second);
+}
+
+const DataType* DataTypes::supertype(const NodeId& id) const
+{
+    const DataType* const type = find(id);
+    return type == nullptr ? nullptr : find(type->supertype);
+}
+
+Kind DataTypes::kind(const NodeId& id) const
+{
+    NodeId at = id;
+    for (unsigned level = 0; level < max_levels; ++level) {
+        if (const Kind kind = final_kind(at); kind != Kind::Unknown) {
+            return kind;
+        }
+        const DataType* const type = find(at);
+        if (type == nullptr) {
+            break;
+        }
+        at = type->supertype;
+    }
+    return Kind::Unknown;
+}
+
+NodeId DataTypes::binary_encoding(const NodeId& id) const
+{
+    const DataType* const type = find(id);
+    return type == nullptr ? NodeId{} : type->binary_encoding;
+}
+
+std::vector<const Field*> DataTypes::fields(const NodeId& id) const
+{
+    std::vector<const DataType*> levels;
+    for (const DataType* at = find(id); at != nullptr && levels.size() < max_levels;
+         at = find(at->supertype)) {
+        levels.push_back(at);
+        if (at->is_complete) {
+            break;
+        }
+    }
+    std::vector<const Field*> all;
+    for (auto level = levels.rbegin(); level != levels.rend(); ++level) {
+        if ((*level)->definition) {
+            for (const Field& field : (*level)->definition->fields) {
+                all.push_back(&field);
+            }
+        }
+    }
+    return all;
+}
+
+FieldForm DataTypes::form(const Field& field) const
+{
+    const Kind of_type = kind(field.data_type);
+    switch (of_type) {
+    case Kind::Unknown:
+        return {};
+    case Kind::Enumeration:
+        return {FieldForm::Class::Enumeration, BuiltInType::Int32, nullptr};
+    case Kind::Structure:
+    case Kind::Union:
+    case Kind::OptionSetStructure: {
+        // An abstract structure, or one whose subtypes are allowed, says what it is (Part
+        // 6, 5.2.6).
+        const DataType* const type = find(field.data_type);
+        const bool is_open = is_open_structure(field.data_type) || field.allow_sub_types ||
+                             type == nullptr || type->is_abstract;
+        return {is_open ? FieldForm::Class::BuiltIn : FieldForm::Class::Structure,
+                BuiltInType::ExtensionObject, is_open ? nullptr : type};
+    }
+    default:
+        return {FieldForm::Class::BuiltIn,
+                field.allow_sub_types ? BuiltInType::Variant : static_cast<BuiltInType>(of_type),
+                nullptr};
+    }
+}
+
+bool DataTypes::is_union(const NodeId& id) const
+{
+    const DataType* const type = find(id);
+    return kind(id) == Kind::Union ||
+           (type != nullptr && type->definition && type->definition->is_union);
+}
+
+bool DataTypes::is_open_structure(const NodeId& id)
+{
+    return id.is(22) || id.is(12755) || id.is(12756);
+}
+
+} // namespace busbar::nodeset

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include <busbar/core/built_in_type.hpp>
+
+#include "document.hpp"
+
+namespace busbar::nodeset {
+
+/// What a DataType is on the wire: a built-in type by its id, or one of the kinds behind them.
+enum class Kind : std::uint8_t {
+    Unknown = 0,
+    // 1 to 25: BuiltInType
+    Structure = 22,
+    Variant = 24,
+    Enumeration = 29,
+    OptionSetStructure = 100,
+    Union = 101,
+};
+
+/// What values of a DataType are made of.
+struct DataType {
+    NodeId id;
+    std::uint16_t name_space{0};
+    std::string name;
+    NodeId supertype;
+    NodeId binary_encoding;
+    NodeId xml_encoding;
+    bool is_abstract{false};
+    /// The fields are those of the supertypes, too.
+    bool is_complete{false};
+    std::optional<Definition> definition;
+};
+
+/// How a field, or an element of it, is encoded.
+struct FieldForm {
+    enum class Class : std::uint8_t { Unknown, BuiltIn, Enumeration, Structure };
+
+    Class form{Class::Unknown};
+    BuiltInType built_in{BuiltInType::Null};
+    const DataType* structure{nullptr};
+};
+
+/// The DataTypes of a Document, and others that are known from elsewhere.
+class DataTypes {
+public:
+    DataTypes() = default;
+    explicit DataTypes(const Document& document);
+
+    /// Adds a DataType from elsewhere; one that is known already stays.
+    void add(DataType type);
+    /// Says that values of `type` are encoded with `encoding`, be it in XML.
+    void add_encoding(const NodeId& type, const NodeId& encoding);
+
+    [[nodiscard]] const DataType* find(const NodeId& id) const;
+    /// The DataType that the id of an encoding, or of the DataType itself, stands for.
+    [[nodiscard]] const DataType* find_encoded(const NodeId& encoding) const;
+    /// By BrowseName, where nothing better tells which.
+    [[nodiscard]] const DataType* find_named(std::uint16_t name_space, std::string_view name) const;
+    [[nodiscard]] const DataType* supertype(const NodeId& id) const;
+    /// Resolved along HasSubtype (Part 6, 5.1.2).
+    [[nodiscard]] Kind kind(const NodeId& id) const;
+    /// The binary encoding; null if there is none.
+    [[nodiscard]] NodeId binary_encoding(const NodeId& id) const;
+    /// Of a structure: the supertypes' fields first (Part 3, 8.48). Of anything else its own.
+    [[nodiscard]] std::vector<const Field*> fields(const NodeId& id) const;
+    [[nodiscard]] FieldForm form(const Field& field) const;
+    /// True for a structure whose Definition says Union, or that is below Union.
+    [[nodiscard]] bool is_union(const NodeId& id) const;
+    /// True for Structure, Union and OptionSet themselves, which stand for any subtype.
+    [[nodiscard]] static bool is_open_structure(const NodeId& id);
+
+    /// How many levels of supertypes are looked at.
+    static constexpr unsigned max_levels = 100;
+
+private:
+    void add_references(const Document& document, const Node& node);
+
+    std::unordered_map<NodeId, DataType> types_;
+    std::unordered_map<NodeId, NodeId> encoded_;
+    std::unordered_map<std::string, NodeId> names_;
+};
+
+} // namespace busbar::nodeset

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <busbar/core/date_time.hpp>
+
+namespace busbar::nodeset {
+
+/// xs:dateTime or xs:date, with or without fraction and offset; without offset it is UTC (Part 6,
+/// 5.3.1.6). What lies outside the range of DateTime becomes its ends.
+[[nodiscard]] std::optional<DateTime> parse_date_time(std::string_view text);
+
+/// What parse_date_time reads as the same time.
+[[nodiscard]] std::string date_time_text(DateTime time);
+
+} // namespace busbar::nodeset

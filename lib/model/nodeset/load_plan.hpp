@@ -1,0 +1,73 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <busbar/model/nodeset.hpp>
+
+#include "document.hpp"
+
+namespace busbar::nodeset {
+
+/// What a NodeId of a document leads to: one of its nodes, or one of the AddressSpace.
+struct Target {
+    const Node* node{nullptr};
+    model::NodeIndex index{model::no_node};
+
+    [[nodiscard]] bool exists() const { return node != nullptr || index != model::no_node; }
+};
+
+/// Checks that the nodes of a Document can be added to an AddressSpace, whose namespaces come first
+/// in the Document. Finds everything but unreadable values.
+class LoadPlan {
+public:
+    LoadPlan(const Document& document, const model::AddressSpace& space);
+
+    void check();
+    [[nodiscard]] const std::vector<Error>& errors() const { return errors_; }
+    [[nodiscard]] const std::vector<Error>& notes() const { return notes_; }
+    void add_error(Error error);
+    void add_note(Error note);
+    /// True for a node of namespace 0 that the AddressSpace has.
+    [[nodiscard]] bool is_skipped(const Node& node) const;
+    [[nodiscard]] Target find(const NodeId& id) const;
+    [[nodiscard]] std::string text(const NodeId& id) const;
+
+private:
+    [[nodiscard]] std::size_t position(const Node& node) const
+    {
+        return static_cast<std::size_t>(&node - document_.nodes().data());
+    }
+    [[nodiscard]] NodeClass class_of(const Target& target) const;
+    [[nodiscard]] bool is_abstract(const Target& target) const;
+
+    void fail(const Node& node, std::string message, std::uint32_t line = 0);
+    void check_names(const Node& node);
+    void check_data_type(const Node& node);
+    void check_reference(const Node& node, const Reference& reference);
+    void check_type_definition(const Node& node, const Reference& reference);
+    void check_supertype(const Node& node, const Reference& reference);
+    void check_definitions();
+
+    // Shapes (load_plan_shape.cpp)
+    [[nodiscard]] bool is_below(const NodeId& reference_type, std::uint32_t base);
+    void check_type_levels();
+    [[nodiscard]] const Node* type_above(const Node& node) const;
+    void check_circles();
+    void collect_children(std::vector<std::vector<std::uint32_t>>& children,
+                          std::vector<std::uint32_t>& parent_counts);
+
+    const Document& document_;
+    const model::AddressSpace& space_;
+    std::vector<Error> errors_;
+    std::vector<Error> notes_;
+    /// By position of the node; null where there is none yet.
+    std::vector<NodeId> supertypes_;
+    std::vector<NodeId> type_definitions_;
+    std::unordered_map<NodeId, bool> is_hierarchical_;
+    std::unordered_map<NodeId, bool> is_has_child_;
+};
+
+} // namespace busbar::nodeset

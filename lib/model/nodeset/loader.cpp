@@ -1,0 +1,276 @@
+#include <algorithm>
+
+#include <busbar/model/nodeset.hpp>
+#include <model/graft.hpp>
+
+#include "definition.hpp"
+#include "load_plan.hpp"
+#include "model_check.hpp"
+#include "node_flags.hpp"
+#include "space_types.hpp"
+#include "value_reader.hpp"
+
+namespace busbar::nodeset {
+
+namespace {
+
+using model::NodeIndex;
+using model::NodeSetSummary;
+using model::detail::Graft;
+using model::detail::Record;
+
+std::vector<std::string> namespaces_of(const model::AddressSpace& space)
+{
+    std::vector<std::string> uris;
+    for (std::size_t i = 0; i < space.namespace_count(); ++i) {
+        uris.emplace_back(space.namespace_uri(static_cast<std::uint16_t>(i)));
+    }
+    return uris;
+}
+
+busbar::LocalizedText localized(const LocalizedText& text)
+{
+    return {text.locale.empty() ? String{} : String{text.locale}, String{text.text}};
+}
+
+/// Adds the checked nodes of a Document to an AddressSpace, all or none.
+class Loader {
+public:
+    Loader(const Document& document, model::AddressSpace& space, LoadPlan& plan)
+        : document_{document}, space_{space}, plan_{plan}, graft_{space}, types_{document},
+          indices_(document.nodes().size(), model::no_node)
+    {
+        add_data_types(space, types_);
+    }
+
+    /// False, with errors in the plan, if nothing was added.
+    [[nodiscard]] bool run();
+    [[nodiscard]] NodeSetSummary summary() const;
+
+private:
+    [[nodiscard]] bool create();
+    void fill(const Node& node, Record& record);
+    void fill_variable(const Node& node, Record& record);
+    void add_references(const Node& node, NodeIndex index);
+    void note_values();
+    void fail(const Node& node, std::string message, std::uint32_t line = 0)
+    {
+        plan_.add_error(document_.error(node, std::move(message), line));
+    }
+    void note(const Node& node, std::string message, std::uint32_t line)
+    {
+        plan_.add_note(document_.error(node, std::move(message), line));
+    }
+    [[nodiscard]] NodeIndex find(const NodeId& id) const { return space_.find(id); }
+
+    const Document& document_;
+    model::AddressSpace& space_;
+    LoadPlan& plan_;
+    Graft graft_;
+    DataTypes types_;
+    std::size_t fields_left_{document_.limits().max_value_fields};
+    /// By position in the document.
+    std::vector<NodeIndex> indices_;
+};
+
+bool Loader::run()
+{
+    if (!create()) {
+        return false;
+    }
+    const auto& nodes = document_.nodes();
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        if (indices_[i] != model::no_node) {
+            fill(nodes[i], graft_.record(indices_[i]));
+        }
+        // A node of namespace 0 that was there may refer to one that was not.
+        add_references(nodes[i], find(nodes[i].id));
+    }
+    graft_.link();
+    note_values();
+    if (!plan_.errors().empty()) {
+        return false;
+    }
+    graft_.keep();
+    return true;
+}
+
+bool Loader::create()
+{
+    for (const std::string& uri : document_.namespaces()) {
+        if (!graft_.add_namespace(uri)) {
+            plan_.add_error({uri, 0, "there is no room for another namespace"});
+            return false;
+        }
+    }
+    const auto& nodes = document_.nodes();
+    graft_.reserve(nodes.size());
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        const Node& node = nodes[i];
+        if (plan_.is_skipped(node)) {
+            continue;
+        }
+        const QualifiedName name{node.browse_namespace, String::borrow(node.browse_name)};
+        const auto created =
+            graft_.create(node.id, name, static_cast<busbar::NodeClass>(node.node_class));
+        if (!created) {
+            fail(node, "the address space has no room for the node");
+            return false;
+        }
+        indices_[i] = *created;
+    }
+    return true;
+}
+
+void Loader::fill(const Node& node, Record& record)
+{
+    record.flags = flags(node);
+    record.event_notifier = node.event_notifier;
+    if (!node.display_name.locale.empty() || node.display_name.text != node.browse_name) {
+        record.make_extra().display_name = localized(node.display_name);
+    }
+    if (!node.description.text.empty()) {
+        record.make_extra().description = localized(node.description);
+    }
+    if (node.node_class == NodeClass::ReferenceType && !node.inverse_name.text.empty()) {
+        record.make_extra().inverse_name = localized(node.inverse_name);
+    }
+    if (node.node_class == NodeClass::DataType) {
+        ExtensionObject definition = definition_of(types_, *types_.find(node.id));
+        if (!definition.is_null()) {
+            record.make_extra().definition = std::move(definition);
+        }
+    }
+    if (node.node_class == NodeClass::Variable || node.node_class == NodeClass::VariableType) {
+        fill_variable(node, record);
+    }
+}
+
+void Loader::fill_variable(const Node& node, Record& record)
+{
+    record.data_type = find(node.data_type);
+    record.value_rank = node.value_rank;
+    record.minimum_sampling_interval = node.minimum_sampling_interval;
+    if (node.node_class == NodeClass::Variable) {
+        record.access_level = static_cast<std::uint8_t>(node.access_level);
+        record.user_access_level = record.access_level;
+    }
+    if (!node.array_dimensions.empty()) {
+        record.make_extra().array_dimensions = Array<std::uint32_t>{node.array_dimensions};
+    }
+    if (!node.value) {
+        return;
+    }
+    ValueReader reader{types_, document_.files()[node.file].namespaces, fields_left_};
+    Variant value = reader.variant(*node.value);
+    if (!reader.error().empty()) {
+        fail(node, reader.error(), reader.error_line());
+    } else if (!value.is_null()) {
+        record.make_extra().value = std::move(value);
+    }
+}
+
+void Loader::add_references(const Node& node, NodeIndex index)
+{
+    for (const Reference& reference : node.references) {
+        const NodeIndex type = find(reference.type);
+        const NodeIndex other = find(reference.target);
+        // One that leads nowhere is in the notes.
+        if (type != model::no_node && other != model::no_node) {
+            graft_.add_reference(reference.is_forward ? index : other, type,
+                                 reference.is_forward ? other : index);
+        }
+    }
+}
+
+/// Published files have values that are not of their Variable's DataType; they are kept.
+void Loader::note_values()
+{
+    for (std::size_t i = 0; i < indices_.size(); ++i) {
+        const Node& node = document_.nodes()[i];
+        if (indices_[i] == model::no_node || !node.value) {
+            continue;
+        }
+        const auto attributes = space_.variable(indices_[i]);
+        const Variant value = space_.value(indices_[i]);
+        if (!value.is_null() &&
+            !space_
+                 .check_value(value, attributes.data_type, attributes.value_rank,
+                              attributes.array_dimensions)
+                 .is_good()) {
+            note(node,
+                 "found a value <" + node.value->name + ">, expected one of the DataType " +
+                     plan_.text(node.data_type) + ", ValueRank " + std::to_string(node.value_rank) +
+                     " and ArrayDimensions of the node",
+                 node.value->line);
+        }
+    }
+}
+
+NodeSetSummary Loader::summary() const
+{
+    NodeSetSummary result;
+    result.notes = plan_.notes();
+    result.extras.models = document_.models();
+    for (std::size_t i = 0; i < indices_.size(); ++i) {
+        const Node& node = document_.nodes()[i];
+        if (indices_[i] == model::no_node) {
+            ++result.skipped_count;
+            continue;
+        }
+        ++result.node_count;
+        result.namespaces.push_back(node.id.namespace_index());
+        if (node.extras != nullptr) {
+            result.extras.nodes.emplace(node.id, *node.extras);
+        }
+    }
+    auto& indices = result.namespaces;
+    std::sort(indices.begin(), indices.end());
+    indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
+    std::vector<bool> was_there(document_.files().size());
+    for (const Model& model : document_.models()) {
+        const std::string& extensions = document_.files()[model.file].extensions;
+        if (!extensions.empty() && !was_there[model.file]) {
+            result.extras.file_extensions.emplace(model.uri, extensions);
+        }
+        was_there[model.file] = true;
+    }
+    return result;
+}
+
+} // namespace
+
+} // namespace busbar::nodeset
+
+namespace busbar::model {
+
+tl::expected<NodeSetSummary, std::vector<NodeSetError>>
+load_nodesets(AddressSpace& space, std::span<const NodeSetSource> sources,
+              const NodeSetLimits& limits)
+{
+    nodeset::Document document{limits, nodeset::namespaces_of(space)};
+    std::vector<NodeSetError> errors;
+    for (const NodeSetSource& source : sources) {
+        auto found = source.text ? document.load_text(*source.text, source.name)
+                                 : document.load_file(source.name);
+        errors.insert(errors.end(), found.begin(), found.end());
+    }
+    if (errors.empty()) {
+        errors = nodeset::missing_models(document, space);
+    }
+    if (errors.empty()) {
+        nodeset::LoadPlan plan{document, space};
+        plan.check();
+        if (plan.errors().empty()) {
+            nodeset::Loader loader{document, space, plan};
+            if (loader.run()) {
+                return loader.summary();
+            }
+        }
+        errors = plan.errors();
+    }
+    errors.resize(std::min(errors.size(), std::max<std::size_t>(limits.max_errors, 1)));
+    return tl::make_unexpected(std::move(errors));
+}
+
+} // namespace busbar::model

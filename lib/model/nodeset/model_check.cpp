@@ -1,0 +1,137 @@
+#include "model_check.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include <busbar/types/ids.hpp>
+
+#include "date_time_text.hpp"
+#include "xml_text.hpp"
+
+namespace busbar::nodeset {
+
+namespace {
+
+/// "1.5.7" as numbers; a suffix such as "-rc1" does not count. Nothing for any other text.
+std::optional<std::array<std::uint32_t, 3>> parse_version(std::string_view text)
+{
+    std::array<std::uint32_t, 3> version{};
+    text = text.substr(0, text.find_first_of("-+"));
+    for (std::uint32_t& part : version) {
+        const std::size_t point = text.find('.');
+        if (!to_number(text.substr(0, point), part)) {
+            return std::nullopt;
+        }
+        if (point == std::string_view::npos) {
+            return version;
+        }
+        text.remove_prefix(point + 1);
+    }
+    return std::nullopt;
+}
+
+/// True if `there` may stand for `required`. ModelVersions are compared if both have one, else the
+/// dates of publication; Version is for people.
+bool is_recent_enough(const Model& required, const Model& there)
+{
+    const auto needed_version = parse_version(required.model_version);
+    const auto version = parse_version(there.model_version);
+    if (needed_version && version) {
+        return *version >= *needed_version;
+    }
+    const auto needed_date = parse_date_time(trimmed(required.publication_date));
+    const auto date = parse_date_time(trimmed(there.publication_date));
+    return !needed_date || !date || *date >= *needed_date;
+}
+
+std::string described(const Model& model)
+{
+    std::string text = quoted(model.uri);
+    const auto add = [&](const char* what, const std::string& value) {
+        if (!value.empty()) {
+            text += std::string{" "} + what + ' ' + printable(value, 40);
+        }
+    };
+    add("Version", model.version);
+    add("ModelVersion", model.model_version);
+    add("of", model.publication_date);
+    return text;
+}
+
+model::NodeIndex child_named(const model::AddressSpace& space, model::NodeIndex parent,
+                             std::string_view name)
+{
+    model::NodeIndex result = model::no_node;
+    static_cast<void>(space.for_each_child(parent, space.find(id::HierarchicalReferences), true,
+                                           QualifiedName{0, String{name}},
+                                           [&](model::NodeIndex child) {
+                                               result = child;
+                                               return false;
+                                           }));
+    return result;
+}
+
+/// What the AddressSpace's NamespaceMetadata (Part 5, 6.3.14) says of a namespace.
+Model model_in_space(const model::AddressSpace& space, const std::string& uri)
+{
+    Model result;
+    result.uri = uri;
+    const model::NodeIndex all = space.find(id::Server_Namespaces);
+    if (all == model::no_node) {
+        return result;
+    }
+    model::ReferenceCursor cursor = space.references(all);
+    while (const auto reference = cursor.next()) {
+        if (!reference->is_forward || space.browse_name(reference->target).name != String{uri}) {
+            continue;
+        }
+        const auto value = [&](std::string_view name) {
+            const model::NodeIndex property = child_named(space, reference->target, name);
+            return property == model::no_node ? Variant{} : space.value(property);
+        };
+        result.version = value("NamespaceVersion").value_or(String{}).str();
+        result.model_version = value("ModelVersion").value_or(String{}).str();
+        const DateTime date = value("NamespacePublicationDate").value_or(DateTime{});
+        result.publication_date = date.is_null() ? "" : date_time_text(date);
+    }
+    return result;
+}
+
+const Model* model_in_files(const Document& document, const std::string& uri)
+{
+    const auto& models = document.models();
+    const auto found = std::find_if(models.begin(), models.end(),
+                                    [&](const Model& model) { return model.uri == uri; });
+    return found == models.end() ? nullptr : &*found;
+}
+
+} // namespace
+
+std::vector<Error> missing_models(const Document& document, const model::AddressSpace& space)
+{
+    std::vector<Error> errors;
+    for (const Model& model : document.models()) {
+        for (const Model& required : model.required) {
+            const auto fail = [&](const std::string& found) {
+                errors.push_back({document.files()[required.file].name, required.line,
+                                  "the model " + quoted(model.uri) + " requires " +
+                                      described(required) + ", found " + found});
+            };
+            const Model* const in_files = model_in_files(document, required.uri);
+            const bool is_in_space = space.namespace_index(required.uri).has_value();
+            if (in_files == nullptr && !is_in_space) {
+                fail("it in no file and not in the address space");
+                continue;
+            }
+            // What the AddressSpace has stays; a file cannot replace it.
+            const Model there = is_in_space ? model_in_space(space, required.uri) : *in_files;
+            if (!is_recent_enough(required, there)) {
+                fail(described(there));
+            }
+        }
+    }
+    return errors;
+}
+
+} // namespace busbar::nodeset

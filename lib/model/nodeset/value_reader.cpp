@@ -1,0 +1,296 @@
+#include "value_reader.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+
+#include <core/base64.hpp>
+
+#include "built_in_visit.hpp"
+#include "date_time_text.hpp"
+#include "xml_text.hpp"
+
+namespace busbar::nodeset {
+
+namespace {
+
+/// xs:float and xs:double: also "INF", "-INF" and "NaN".
+template <typename T>
+bool parse_number(std::string_view text, T& value)
+{
+    if constexpr (std::is_floating_point_v<T>) {
+        const bool is_negative = text.starts_with('-');
+        if (text == "INF" || text == "-INF" || text == "+INF") {
+            value = is_negative ? -std::numeric_limits<T>::infinity()
+                                : std::numeric_limits<T>::infinity();
+            return true;
+        }
+        if (text == "NaN") {
+            value = std::numeric_limits<T>::quiet_NaN();
+            return true;
+        }
+    }
+    if (text.starts_with('+') && !text.starts_with("+-")) {
+        text.remove_prefix(1);
+    }
+    return to_number(text, value);
+}
+
+std::string without_blanks(std::string_view text)
+{
+    std::string result;
+    std::copy_if(text.begin(), text.end(), std::back_inserter(result),
+                 [](char c) { return c != ' ' && c != '\t' && c != '\r' && c != '\n'; });
+    return result;
+}
+
+} // namespace
+
+void ValueReader::fail(const Element& xml, const std::string& expected)
+{
+    if (error_.empty()) {
+        error_ = "found <" + printable(xml.name, 80) + "> " + quoted(xml.text) + ", expected " +
+                 expected;
+        error_line_ = xml.line;
+    }
+}
+
+std::uint16_t ValueReader::mapped(const Element& xml, std::uint16_t namespace_index)
+{
+    if (namespace_index < namespaces_.size()) {
+        return namespaces_[namespace_index];
+    }
+    fail(xml,
+         "a namespace index of the file's <NamespaceUris>, not " + std::to_string(namespace_index));
+    return 0;
+}
+
+template <typename T>
+requires(std::is_arithmetic_v<T> &&
+         !std::is_same_v<T, bool>) void ValueReader::read(const Element& xml, T& value, unsigned)
+{
+    if (!parse_number(trimmed(xml.text), value)) {
+        fail(xml, "a number in the range of its type");
+    }
+}
+
+template void ValueReader::read(const Element&, std::int32_t&, unsigned);
+template void ValueReader::read(const Element&, std::uint32_t&, unsigned);
+
+void ValueReader::read(const Element& xml, bool& value, unsigned)
+{
+    if (!to_bool(trimmed(xml.text), value)) {
+        fail(xml, "true or false");
+    }
+}
+
+void ValueReader::read(const Element& xml, String& value, unsigned)
+{
+    value = xml.is_nil ? String{} : String{xml.text};
+}
+
+void ValueReader::read(const Element& xml, XmlElement& value, unsigned)
+{
+    value = xml.is_nil ? XmlElement{} : XmlElement{String{xml.raw}};
+}
+
+void ValueReader::read(const Element& xml, DateTime& value, unsigned)
+{
+    if (const auto time = parse_date_time(trimmed(xml.text))) {
+        value = *time;
+    } else {
+        fail(xml, "a time such as 2026-05-01T00:00:00Z");
+    }
+}
+
+void ValueReader::read(const Element& xml, Guid& value, unsigned)
+{
+    const Element* const text = xml.child("String");
+    const auto guid = Guid::parse(trimmed(text == nullptr ? xml.text : text->text));
+    if (!guid) {
+        fail(xml, "a Guid");
+        return;
+    }
+    value = *guid;
+}
+
+void ValueReader::read(const Element& xml, ByteString& value, unsigned)
+{
+    if (xml.is_nil) {
+        return;
+    }
+    const auto bytes = detail::from_base64(without_blanks(xml.text));
+    if (!bytes) {
+        fail(xml, "base64");
+        return;
+    }
+    value = ByteString{std::span{*bytes}};
+}
+
+void ValueReader::read(const Element& xml, NodeId& value, unsigned)
+{
+    const Element* const identifier = xml.child("Identifier");
+    const auto text = identifier == nullptr ? std::string_view{} : trimmed(identifier->text);
+    if (text.empty()) {
+        return;
+    }
+    auto id = NodeId::parse(text);
+    if (!id) {
+        fail(*identifier, "a NodeId");
+        return;
+    }
+    id->set_namespace_index(mapped(*identifier, id->namespace_index()));
+    value = std::move(*id);
+}
+
+/// "svr=1;nsu=urn:x;i=5" (Part 6, 5.3.1.11); a namespace URI stays one.
+void ValueReader::read(const Element& xml, ExpandedNodeId& value, unsigned)
+{
+    const Element* const identifier = xml.child("Identifier");
+    auto text = identifier == nullptr ? std::string_view{} : trimmed(identifier->text);
+    if (text.empty()) {
+        return;
+    }
+    const auto take = [&](std::string_view prefix) {
+        std::string_view part;
+        if (text.starts_with(prefix)) {
+            const std::size_t end = std::min(text.find(';'), text.size());
+            part = text.substr(prefix.size(), end - prefix.size());
+            text.remove_prefix(std::min(end + 1, text.size()));
+        }
+        return part;
+    };
+    const auto server = take("svr=");
+    const auto uri = take("nsu=");
+    auto id = NodeId::parse(text);
+    const bool is_sound = id && (server.empty() || to_number(server, value.server_index)) &&
+                          (uri.empty() || id->namespace_index() == 0);
+    if (!is_sound) {
+        fail(*identifier, "an ExpandedNodeId");
+        return;
+    }
+    value.namespace_uri = uri.empty() ? String{} : String{uri};
+    value.node_id = std::move(*id);
+    // The namespace table of another server is not the file's.
+    if (value.server_index == 0 && uri.empty()) {
+        value.node_id.set_namespace_index(mapped(*identifier, value.node_id.namespace_index()));
+    }
+}
+
+void ValueReader::read(const Element& xml, StatusCode& value, unsigned depth)
+{
+    value = StatusCode{read_child<std::uint32_t>(xml, "Code", depth)};
+}
+
+void ValueReader::read(const Element& xml, QualifiedName& value, unsigned depth)
+{
+    value.namespace_index = mapped(xml, read_child<std::uint16_t>(xml, "NamespaceIndex", depth));
+    value.name = read_child<String>(xml, "Name", depth);
+}
+
+void ValueReader::read(const Element& xml, busbar::LocalizedText& value, unsigned depth)
+{
+    value.locale = read_child<String>(xml, "Locale", depth);
+    value.text = read_child<String>(xml, "Text", depth);
+}
+
+void ValueReader::read(const Element& xml, DataValue& value, unsigned depth)
+{
+    read(xml, value.value, depth);
+    value.status = read_child<StatusCode>(xml, "StatusCode", depth);
+    value.source_timestamp = read_child<DateTime>(xml, "SourceTimestamp", depth);
+    value.source_picoseconds = read_child<std::uint16_t>(xml, "SourcePicoseconds", depth);
+    value.server_timestamp = read_child<DateTime>(xml, "ServerTimestamp", depth);
+    value.server_picoseconds = read_child<std::uint16_t>(xml, "ServerPicoseconds", depth);
+}
+
+void ValueReader::read(const Element& xml, Variant& value, unsigned depth)
+{
+    const Element* const inner = xml.child("Value");
+    if (inner != nullptr && !inner->children.empty()) {
+        value = variant(inner->children.front(), depth + 1);
+    }
+}
+
+template <typename T>
+Variant ValueReader::values(const Element& xml, bool is_list, unsigned depth)
+{
+    if (!is_list) {
+        T value{};
+        read(xml, value, depth);
+        if constexpr (std::is_same_v<T, Variant>) {
+            return value;
+        } else {
+            return Variant{std::move(value)};
+        }
+    }
+    Array<T> all;
+    if (!xml.says_nil) {
+        all.clear();
+    }
+    for (const Element& child : xml.children) {
+        read(child, all.emplace_back(), depth);
+    }
+    return Variant{std::move(all)};
+}
+
+Variant ValueReader::of_type(const Element& xml, std::string_view name, bool is_list,
+                             unsigned depth)
+{
+    for (std::uint8_t i = 1; i < static_cast<std::uint8_t>(BuiltInType::DiagnosticInfo); ++i) {
+        if (name == busbar::name(BuiltInType{i})) {
+            return visit_built_in(BuiltInType{i}, [&]<typename T>(std::type_identity<T>) {
+                return values<T>(xml, is_list, depth);
+            });
+        }
+    }
+    fail(xml, "a built-in type");
+    return {};
+}
+
+Variant ValueReader::variant(const Element& xml, unsigned depth)
+{
+    if (depth > max_depth) {
+        fail(xml, "values less deep");
+        return {};
+    }
+    constexpr std::string_view list = "ListOf";
+    const std::string_view name = xml.name;
+    if (name == "Matrix") {
+        return matrix(xml, depth);
+    }
+    if (name == "Null") {
+        return {};
+    }
+    const bool is_list = name.starts_with(list);
+    return of_type(xml, is_list ? name.substr(list.size()) : name, is_list, depth);
+}
+
+/// <Dimensions> and <Elements> (Part 6, 5.3.1.17).
+Variant ValueReader::matrix(const Element& xml, unsigned depth)
+{
+    const Element* const sizes = xml.child("Dimensions");
+    const Element* const elements = xml.child("Elements");
+    if (sizes == nullptr || elements == nullptr || elements->children.empty()) {
+        fail(xml, "<Dimensions> and <Elements>");
+        return {};
+    }
+    Array<std::uint32_t> dimensions;
+    std::uint64_t count = 1;
+    for (const Element& size : sizes->children) {
+        read(size, dimensions.emplace_back(), depth);
+        count *= *(dimensions.end() - 1);
+        count = std::min<std::uint64_t>(count, UINT32_MAX);
+    }
+    if (dimensions.size() < 2 || count != elements->children.size()) {
+        fail(xml, "as many <Elements> as the two or more <Dimensions> say");
+        return {};
+    }
+    const Variant list = of_type(*elements, elements->children.front().name, true, depth);
+    return visit_built_in(list.type(), [&]<typename T>(std::type_identity<T>) {
+        const auto* const values = list.array_if<T>();
+        return values == nullptr ? Variant{} : Variant::matrix(*values, dimensions);
+    });
+}
+
+} // namespace busbar::nodeset

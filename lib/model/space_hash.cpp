@@ -1,0 +1,102 @@
+#include "space_hash.hpp"
+
+#include <unordered_map>
+#include <vector>
+
+#include <busbar/binary/codec.hpp>
+
+#include "namespace_map.hpp"
+
+namespace busbar::model::detail {
+
+namespace {
+
+std::uint64_t mixed(std::uint64_t value)
+{
+    value ^= value >> 31U;
+    value *= 0x9E37'79B9'7F4A'7C15U;
+    return value ^ value >> 29U;
+}
+
+/// FNV-1a.
+std::uint64_t hash_of(std::span<const std::byte> bytes, std::uint64_t seed = 0)
+{
+    std::uint64_t hash = 0xCBF2'9CE4'8422'2325U ^ seed;
+    for (const std::byte byte : bytes) {
+        hash = (hash ^ std::to_integer<std::uint64_t>(byte)) * 0x0000'0100'0000'01B3U;
+    }
+    return mixed(hash);
+}
+
+/// Hashes values with namespace indices that depend on the URIs alone.
+class SpaceHash {
+public:
+    explicit SpaceHash(const AddressSpace& space) : space_{space}, map_(space.namespace_count())
+    {
+        for (std::uint16_t i = 1; i < map_.size(); ++i) {
+            const std::string_view uri = space.namespace_uri(i);
+            map_[i] = static_cast<std::uint16_t>(hash_of(std::as_bytes(std::span{uri})) | 1U);
+        }
+    }
+
+    [[nodiscard]] std::uint64_t of(NodeIndex node)
+    {
+        std::uint64_t hash = of_id(node);
+        for (std::uint32_t id = 1; id <= static_cast<std::uint32_t>(AttributeId::AccessLevelEx);
+             ++id) {
+            if (id == static_cast<std::uint32_t>(AttributeId::Value)) {
+                hash = mixed(hash + of(space_.value(node)) + id);
+            } else if (auto attribute = space_.attribute(node, AttributeId{id})) {
+                hash = mixed(hash + of(std::move(*attribute)) + id);
+            }
+        }
+        return hash ^ references(node);
+    }
+
+private:
+    [[nodiscard]] std::uint64_t of(Variant value) const
+    {
+        map_namespaces(value, map_);
+        const auto bytes = binary::to_bytes(value);
+        return bytes ? hash_of(*bytes) : 0;
+    }
+    /// Asked for again with each reference.
+    [[nodiscard]] std::uint64_t of_id(NodeIndex node)
+    {
+        const auto [known, is_new] = ids_.try_emplace(node, 0);
+        if (is_new) {
+            known->second = of(Variant{space_.node_id(node)});
+        }
+        return known->second;
+    }
+    [[nodiscard]] std::uint64_t references(NodeIndex node)
+    {
+        std::uint64_t sum = 0;
+        ReferenceCursor cursor = space_.references(node);
+        while (const auto reference = cursor.next()) {
+            sum += mixed(mixed(of_id(reference->type)) + of_id(reference->target) * 3 +
+                         (reference->is_forward ? 1 : 0));
+        }
+        return sum;
+    }
+
+    const AddressSpace& space_;
+    std::vector<std::uint16_t> map_;
+    std::unordered_map<NodeIndex, std::uint64_t> ids_;
+};
+
+} // namespace
+
+std::uint64_t space_hash(const AddressSpace& space, std::optional<std::uint16_t> only)
+{
+    SpaceHash hash{space};
+    std::uint64_t sum = only ? 0 : space.namespace_count();
+    space.for_each([&](NodeIndex node) {
+        if (!only || space.node_id(node).namespace_index() == *only) {
+            sum += hash.of(node);
+        }
+    });
+    return sum;
+}
+
+} // namespace busbar::model::detail

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include <busbar/model/address_space.hpp>
+
+namespace busbar::model::detail {
+
+/// A hash over the nodes of one namespace, or of all: their attributes, values and references.
+///
+/// Two AddressSpaces with equal nodes have equal hashes, whatever the order of their nodes and
+/// namespaces is; but bodies of structures count as the bytes they are, with the namespace indices
+/// in them. For tests: it is no protection against intent.
+[[nodiscard]] std::uint64_t space_hash(const AddressSpace& space,
+                                       std::optional<std::uint16_t> only = std::nullopt);
+
+} // namespace busbar::model::detail

@@ -1,0 +1,186 @@
+#include "nodeset_fixture.hpp"
+
+#include <line/nodes.hpp>
+
+namespace busbar::model {
+
+namespace {
+
+std::string model_text(const std::string& uri, const std::string& attributes,
+                       const std::string& required, const std::string& content = {})
+{
+    return "<UANodeSet><NamespaceUris><Uri>" + uri +
+           "</Uri></NamespaceUris><Models>\n<Model "
+           "ModelUri=\"" +
+           uri + "\" " + attributes + ">\n" + required + "</Model></Models>" + content +
+           "</UANodeSet>";
+}
+
+std::string required(const std::string& uri, const std::string& attributes)
+{
+    return "<RequiredModel ModelUri=\"" + uri + "\" " + attributes + "/>";
+}
+
+/// Everything of a node that the address space has no place for.
+const char* const rich =
+    "<UAVariable NodeId=\"ns=1;s=V\" BrowseName=\"1:V\" SymbolicName=\"Vv\" "
+    "ReleaseStatus=\"Draft\" "
+    "WriteMask=\"5\" AccessRestrictions=\"3\" AccessLevel=\"259\" DataType=\"i=6\" "
+    "MinimumSamplingInterval=\"0.1\" Historizing=\"true\">"
+    "<DisplayName Locale=\"en\">The V</DisplayName><DisplayName Locale=\"de\">Das V</DisplayName>"
+    "<Description> a &lt; b &amp; c </Description><Category>One</Category>"
+    "<Documentation>http://d</Documentation>"
+    "<References><Reference ReferenceType=\"i=35\" IsForward=\"false\">i=85</Reference>"
+    "<Reference ReferenceType=\"i=40\">i=63</Reference></References>"
+    "<RolePermissions><RolePermission Permissions=\"3\">ns=1;i=7</RolePermission>"
+    "</RolePermissions>"
+    "<Extensions><Extension><x:Tool xmlns:x=\"urn:x\" a=\"1\">text</x:Tool></Extension>"
+    "</Extensions></UAVariable>";
+
+} // namespace
+
+TEST_CASE_METHOD(NodeSetFixture, "A model loaded or linked gives the same address space")
+{
+    const std::string path = BUSBAR_SOURCE_DIR "/tests/model/line.NodeSet2.xml";
+    const NodeSetSummary summary = load(std::vector<NodeSetSource>{{path}});
+    AddressSpace linked;
+    REQUIRE(linked.add(line::nodes()));
+    CHECK(detail::space_hash(space) == detail::space_hash(linked));
+    check_write_back(space, AddressSpace{}, summary.namespaces, summary);
+    // Beside other namespaces, too.
+    AddressSpace beside;
+    REQUIRE(beside.add_namespace("urn:other"));
+    AddressSpace linked_beside;
+    REQUIRE(linked_beside.add_namespace("urn:other"));
+    REQUIRE(load_nodesets(beside, std::vector{NodeSetSource{path}}));
+    REQUIRE(linked_beside.add(line::nodes()));
+    CHECK(detail::space_hash(beside) == detail::space_hash(linked_beside));
+    CHECK(error_of(std::vector<NodeSetSource>{{path}})
+              .ends_with("ns=1;i=1: the address space has a node of this NodeId"));
+}
+
+TEST_CASE_METHOD(NodeSetFixture, "Files may come in any order and a file may have more namespaces")
+{
+    const std::string first = "<UANodeSet><NamespaceUris><Uri>urn:t</Uri></NamespaceUris>" +
+                              type_text("UAObjectType", "i=1", "i=58")
+                                  .replace(0, 0,
+                                           "<Aliases><Alias "
+                                           "Alias=\"HasSubtype\">i=45</Alias></Aliases>") +
+                              "</UANodeSet>";
+    // Numbers the same namespaces the other way round.
+    const std::string second =
+        "<UANodeSet><NamespaceUris><Uri>urn:b</Uri><Uri>urn:t</Uri></NamespaceUris>"
+        "<UAObject NodeId=\"ns=1;s=O\" BrowseName=\"2:O\"><References>"
+        "<Reference ReferenceType=\"i=40\">ns=2;i=1</Reference>"
+        "<Reference ReferenceType=\"i=47\">ns=2;s=C</Reference></References></UAObject>"
+        "<UAObject NodeId=\"ns=2;s=C\" BrowseName=\"1:C\"><References>"
+        "<Reference ReferenceType=\"i=40\">i=58</Reference></References></UAObject></UANodeSet>";
+    const NodeSetSummary summary = load({{"b.xml", second}, {"a.xml", first}});
+    CHECK(summary.node_count == 3);
+    CHECK(summary.namespaces == std::vector<std::uint16_t>{1, 2});
+    NodeSetFixture other;
+    other.load({{"a.xml", first}, {"b.xml", second}});
+    CHECK(detail::space_hash(space) == detail::space_hash(other.space));
+    const auto b = *space.namespace_index("urn:b");
+    const NodeIndex object = space.find(NodeId{b, "O"});
+    CHECK(space.type_definition(object) == find("i=1"));
+    CHECK(space.browse_name(find("s=C")) == QualifiedName{b, "C"});
+    check_write_back(space, AddressSpace{}, summary.namespaces, summary);
+}
+
+TEST_CASE_METHOD(NodeSetFixture, "Required models must be there and new enough")
+{
+    const auto base = [](const std::string& attributes) {
+        return NodeSetSource{"base.xml", model_text("urn:base", attributes, "")};
+    };
+    const auto user = [](const std::string& uri, const std::string& attributes) {
+        return NodeSetSource{"user.xml", model_text("urn:user", "", required(uri, attributes))};
+    };
+    const auto error = [&](const std::string& there, const std::string& needed) {
+        return error_of({user("urn:base", needed), base(there)});
+    };
+    CHECK(error_of({user("urn:none", "Version=\"1\"")}) ==
+          "user.xml:3: the model \"urn:user\" requires \"urn:none\" Version 1, found it in no file "
+          "and not in the address space");
+    CHECK(error("ModelVersion=\"1.9.0\"", "ModelVersion=\"1.10.0\"") ==
+          "user.xml:3: the model \"urn:user\" requires \"urn:base\" ModelVersion 1.10.0, found "
+          "\"urn:base\" ModelVersion 1.9.0");
+    CHECK_FALSE(error("PublicationDate=\"2024-01-01T00:00:00Z\"",
+                      "PublicationDate=\"2024-01-02T00:00:00Z\"")
+                    .empty());
+    // The version of OPC UA itself is in its NamespaceMetadata.
+    if (space.find(id::Server_Namespaces) != no_node) {
+        CHECK_FALSE(error_of({user("http://opcfoundation.org/UA/",
+                                   "PublicationDate=\"2999-01-01T00:00:00Z\"")})
+                        .empty());
+    }
+    load({user("http://opcfoundation.org/UA/", "PublicationDate=\"2020-01-01T00:00:00Z\"")});
+    NodeSetFixture newer;
+    newer.load({user("urn:base", "ModelVersion=\"1.9.0\" PublicationDate=\"2999-01-01T00:00:00Z\""),
+                base("ModelVersion=\"1.10.0\" PublicationDate=\"2024-01-01T00:00:00Z\"")});
+}
+
+TEST_CASE_METHOD(NodeSetFixture, "What the address space has no place for is kept beside it")
+{
+    const NodeSetSummary summary =
+        load({{"t.xml", "<UANodeSet><NamespaceUris><Uri>urn:t</Uri></NamespaceUris>"
+                        "<Models><Model ModelUri=\"urn:t\" Version=\"1\" XmlSchemaUri=\"urn:s\">"
+                        "<RequiredModel ModelUri=\"http://opcfoundation.org/UA/\"/></Model>"
+                        "</Models><Extensions><Extension><t:Info xmlns:t=\"urn:tool\"/></Extension>"
+                        "</Extensions>" +
+                            std::string{rich} + "</UANodeSet>"}});
+    const NodeIndex node = find("s=V");
+    CHECK(space.display_name(node) == LocalizedText{"en", "The V"});
+    CHECK(space.attribute(node, AttributeId::Description)->value_or(LocalizedText{}).text ==
+          " a < b & c ");
+    CHECK(space.variable(node).access_level == 3);
+    CHECK(space.variable(node).minimum_sampling_interval == 0.1);
+    const NodeSetNodeExtras& extras = summary.extras.nodes.at(NodeId{1, "V"});
+    CHECK(extras.attributes.size() == 5);
+    CHECK(extras.role_permissions == std::vector{NodeSetPermission{NodeId{1, 7U}, 3}});
+    CHECK(extras.elements.find("<x:Tool xmlns:x=\"urn:x\" a=\"1\">text</x:Tool>") !=
+          std::string::npos);
+    CHECK(extras.elements.find("Das V") != std::string::npos);
+    CHECK(summary.extras.file_extensions.count("urn:t") == 1);
+    check_write_back(space, AddressSpace{}, {1}, summary);
+    CHECK(write_nodeset(space, std::vector<std::uint16_t>{9}).error() == status::Bad_NotFound);
+}
+
+TEST_CASE_METHOD(NodeSetFixture, "UTF-16 is read like UTF-8")
+{
+    const std::string utf8 = nodeset_text(variable_text("s=V", "", "<String>\xC3\xA9</String>"));
+    std::string utf16 = "\xFF\xFE";
+    for (std::size_t i = 0; i < utf8.size(); ++i) {
+        const bool is_accent = utf8[i] == '\xC3';
+        utf16 += is_accent ? '\xE9' : utf8[i];
+        utf16 += '\0';
+        i += is_accent ? 1 : 0;
+    }
+    load({{"t.xml", utf16}});
+    CHECK(value("s=V") == Variant{"\xC3\xA9"});
+    CHECK(error_of({{"u.xml", utf16}}).starts_with("u.xml:3: ns=1;s=V: "));
+}
+
+TEST_CASE_METHOD(NodeSetFixture, "Long files take no longer than they must")
+{
+    // One chain, one star and one value of many elements: each a square if a step is not careful.
+    constexpr int count = 20'000;
+    std::string text;
+    for (int i = 1; i <= count; ++i) {
+        const std::string id = std::to_string(i);
+        text += "<UAObject NodeId=\"ns=1;i=" + id + "\" BrowseName=\"1:" + id +
+                "\"><References><Reference ReferenceType=\"i=40\">i=58</Reference>"
+                "<Reference ReferenceType=\"i=47\" IsForward=\"false\">ns=1;i=" +
+                std::to_string(i + 1) +
+                "</Reference><Reference ReferenceType=\"i=35\" IsForward=\"false\">i=85"
+                "</Reference></References></UAObject>";
+    }
+    text += "<UAObject NodeId=\"ns=1;i=" + std::to_string(count + 1) +
+            "\" BrowseName=\"1:Top\"><References><Reference ReferenceType=\"i=40\">i=58</Reference>"
+            "</References></UAObject>";
+    const NodeSetSummary summary = load(text);
+    CHECK(summary.node_count == count + 1);
+    check_write_back(space, AddressSpace{}, {1}, summary);
+}
+
+} // namespace busbar::model
