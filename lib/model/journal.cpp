@@ -80,6 +80,11 @@ NodeIndex AddressSpace::node_version(NodeIndex node) const
     return tables_->journal.property_of(node);
 }
 
+void AddressSpace::for_each_node_version(FunctionRef<void(NodeIndex)> visit) const
+{
+    tables_->journal.for_each_property(visit);
+}
+
 NodeId AddressSpace::free_id(std::uint16_t namespace_index)
 {
     return tables_->free_id(namespace_index);

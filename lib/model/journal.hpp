@@ -18,6 +18,14 @@ public:
     /// The property, no_node if the node has none.
     [[nodiscard]] NodeIndex property_of(NodeIndex node) const;
 
+    template <typename Visit>
+    void for_each_property(Visit visit) const
+    {
+        for (const auto& [node, versioned] : versioned_) {
+            visit(versioned.property);
+        }
+    }
+
     /// Adds the bits to what has happened to a node that has a NodeVersion. `describe` fills in
     /// who it is.
     template <typename Describe>

@@ -13,6 +13,7 @@
 #include "diagnostics/diagnostics.hpp"
 #include "event/events.hpp"
 #include "login_guard.hpp"
+#include "model_change/model_changes.hpp"
 #include "password_checks.hpp"
 #include "session_table.hpp"
 #include "subscription/subscription_table.hpp"
@@ -31,6 +32,7 @@ struct Core {
     DataSources sources;
     /// Outlives the items that take part in it.
     Events events;
+    ModelChanges model_changes;
     channel::AssemblyBudget assembly;
     SessionTable sessions;
     Subscriptions subscriptions;

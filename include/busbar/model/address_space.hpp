@@ -178,6 +178,8 @@ public:
     [[nodiscard]] ModelChanges take_changes();
     /// The property NodeVersion that was added to the node, no_node if none was.
     [[nodiscard]] NodeIndex node_version(NodeIndex node) const;
+    /// Calls `visit` with each of these properties.
+    void for_each_node_version(FunctionRef<void(NodeIndex)> visit) const;
 
     /// Makes room for that many more dynamic nodes; only saves time.
     void reserve(std::size_t node_count);
