@@ -14,6 +14,7 @@
 #include "event/events.hpp"
 #include "login_guard.hpp"
 #include "model_change/model_changes.hpp"
+#include "node_management/client_nodes.hpp"
 #include "password_checks.hpp"
 #include "session_table.hpp"
 #include "subscription/subscription_table.hpp"
@@ -33,6 +34,7 @@ struct Core {
     /// Outlives the items that take part in it.
     Events events;
     ModelChanges model_changes;
+    ClientNodes client_nodes;
     channel::AssemblyBudget assembly;
     SessionTable sessions;
     Subscriptions subscriptions;
