@@ -265,6 +265,7 @@ bool Server::is_stopped() const
 void Server::announce_semantics_change(const NodeId& variable)
 {
     impl_->subscriptions.announce_change(variable, detail::ValueQueue::semantics_changed_bit);
+    detail::ModelChanges::announce_semantics(*impl_, variable);
 }
 
 void Server::announce_structure_change(const NodeId& variable)

@@ -24,7 +24,7 @@ struct ChangeFixture : SubscriptionFixture {
         item.requested_parameters.queue_size = 10;
         EventFilter filter = selecting({"EventType", "SourceName"});
         filter.select_clauses.push_back(
-            field({QualifiedName{0, "Changes"}}, NodeId{0, id::GeneralModelChangeEventType}));
+            field({QualifiedName{0, "Changes"}}, NodeId{0, id::BaseEventType}));
         item.requested_parameters.filter = ExtensionObject::from(std::move(filter));
         REQUIRE(monitor(client, subscription, item).status_code == status::Good);
     }
@@ -131,6 +131,22 @@ TEST_CASE_METHOD(ChangeFixture, "After too many changes clients learn that somet
     REQUIRE(events.size() == 1);
     CHECK(events[0].event_fields[0] == Variant{NodeId{0, id::BaseModelChangeEventType}});
     CHECK(version(NodeId{1, "f1099"}) == "1");
+}
+
+TEST_CASE_METHOD(ChangeFixture, "Clients are told of properties that mean something else")
+{
+    server.announce_semantics_change(NodeId{1, "none"});
+    CHECK(next_events().empty());
+    const NodeId level = add_variable("level", std::int32_t{1});
+    server.announce_semantics_change(level);
+    const auto events = next_events();
+    REQUIRE(events.size() == 1);
+    CHECK(events[0].event_fields[0] == Variant{NodeId{0, id::SemanticChangeEventType}});
+    const auto* const changes = events[0].event_fields[2].array_if<ExtensionObject>();
+    REQUIRE(changes != nullptr);
+    REQUIRE(changes->size() == 1);
+    CHECK((*changes)[0] == ExtensionObject::from(SemanticChangeStructureDataType{
+                               level, NodeId{0, id::BaseDataVariableType}}));
 }
 
 TEST_CASE_METHOD(ChangeFixture, "A monitored node may go and come again")

@@ -101,7 +101,8 @@ public:
     [[nodiscard]] bool is_stopped() const;
 
     /// The next sample of each item of the Variable's value is reported with the SemanticsChanged
-    /// bit (Part 8, 5.2): EURange or EngineeringUnits, say, are others now.
+    /// bit (Part 8, 5.2), and a SemanticChangeEvent raised: EURange or EngineeringUnits, say, are
+    /// others now.
     void announce_semantics_change(const NodeId& variable);
     /// The same with the StructureChanged bit (Part 4, 7.38.1).
     void announce_structure_change(const NodeId& variable);

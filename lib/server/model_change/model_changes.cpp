@@ -45,13 +45,20 @@ void count_versions_up(model::AddressSpace& space, const model::ModelChanges& ta
     }
 }
 
+/// In the context of the whole address space (Part 5, 6.4.31 and 6.4.33).
+Event server_event(const char* message)
+{
+    Event event;
+    event.source_name = "Server";
+    event.message = LocalizedText{"en", message};
+    return event;
+}
+
 /// One that says what has changed or, after too many changes, only that something has
 /// (Part 3, 9.32.7).
 Event change_event(const model::ModelChanges& taken)
 {
-    Event event;
-    event.source_name = "Server"; // Part 5, 6.4.31
-    event.message = LocalizedText{"en", "The address space has changed"};
+    Event event = server_event("The address space has changed");
     if (!taken.is_complete) {
         event.event_type = NodeId{0, id::BaseModelChangeEventType};
         return event;
@@ -90,6 +97,23 @@ void ModelChanges::announce(Core& core)
     count_versions_up(core.address_space, taken);
     // A small namespace 0 may not have the event type; then nobody asks for it.
     static_cast<void>(core.events.raise(change_event(taken)));
+}
+
+void ModelChanges::announce_semantics(Core& core, const NodeId& node)
+{
+    const model::AddressSpace& space = core.address_space;
+    const model::NodeIndex found = space.find(node);
+    if (found == model::no_node) {
+        return;
+    }
+    const model::NodeIndex type = space.type_definition(found);
+    Array<ExtensionObject> changes;
+    changes.push_back(ExtensionObject::from(SemanticChangeStructureDataType{
+        node, type == model::no_node ? NodeId{} : space.node_id(type)}));
+    Event event = server_event("Properties of a node mean something else");
+    event.event_type = NodeId{0, id::SemanticChangeEventType};
+    event.set({0, "Changes"}, std::move(changes));
+    static_cast<void>(core.events.raise(std::move(event)));
 }
 
 void ModelChanges::describe_namespaces(Core& core)

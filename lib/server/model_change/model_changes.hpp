@@ -2,6 +2,8 @@
 
 #include <cstddef>
 
+#include <busbar/core/node_id.hpp>
+
 namespace busbar::server::detail {
 
 struct Core;
@@ -16,6 +18,9 @@ public:
     [[nodiscard]] bool is_pending(const Core& core) const;
     /// Gives the nodes that have changed a new NodeVersion and raises one event for all of them.
     void announce(Core& core);
+
+    /// Raises the event for a node whose properties now mean something else (Part 3, 9.33).
+    static void announce_semantics(Core& core, const NodeId& node);
 
 private:
     void describe_namespaces(Core& core);

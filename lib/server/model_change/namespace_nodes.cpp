@@ -51,7 +51,7 @@ constexpr std::array properties{
              }},
 };
 
-/// Its BrowseName is the URI (Part 5, 6.3.14), whatever namespace that is qualified with.
+/// Its BrowseName is the URI (Part 5, 6.3.13), whatever namespace that is qualified with.
 NodeIndex find_namespace(const model::AddressSpace& space, NodeIndex parent, std::string_view uri)
 {
     model::ReferenceCursor cursor = space.references(parent);
