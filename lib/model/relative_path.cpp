@@ -30,7 +30,7 @@ public:
     {
         RelativePath path;
         while (!text_.empty()) {
-            // Only the last element may be without a name (Part 4, 7.31).
+            // Only the last element may be without a name (Part 4, 7.30).
             if (!path.elements.empty() && path.elements.back().target_name.name.empty()) {
                 return fail(status::Bad_SyntaxError);
             }

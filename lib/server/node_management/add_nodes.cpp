@@ -159,6 +159,9 @@ Result<NodeIndex> add(NodeManagementContext& context, const model::NewNode& node
     case NodeClass::DataType:
         return space.add_data_type(node, {from.definition, is_abstract});
     default:
+        if (from.event_notifier.value_or(0) != 0) { // no View is a notifier here
+            return fail(status::Bad_NodeAttributesInvalid);
+        }
         return space.add_view(node, from.contains_no_loops.value_or(false));
     }
 }
