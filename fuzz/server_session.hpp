@@ -14,8 +14,9 @@ namespace busbar::fuzz {
 
 /// A server without security, and a client channel that speaks to it.
 struct ServerSession {
-    explicit ServerSession(server::UserStore* users = nullptr)
-        : server{make_server(users)}, connection{*server.connect("127.0.0.1", now)}
+    explicit ServerSession(server::UserStore* users = nullptr, bool has_node_management = false)
+        : server{make_server(users, has_node_management)}, connection{
+                                                               *server.connect("127.0.0.1", now)}
     {
         channel::ClientChannelConfig config;
         config.endpoint_url = "opc.tcp://localhost:4840";
@@ -24,9 +25,10 @@ struct ServerSession {
         run();
     }
 
-    server::Server make_server(server::UserStore* users)
+    server::Server make_server(server::UserStore* users, bool has_node_management)
     {
         server::ServerConfig config;
+        config.has_node_management = has_node_management;
         config.endpoints = {{}};
         config.endpoints[0].allows_anonymous = true;
         config.endpoints[0].allows_user_name = false;

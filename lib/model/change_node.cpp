@@ -49,6 +49,15 @@ void remove_from_others(Tables& tables, NodeIndex node)
 
 } // namespace
 
+void AddressSpace::for_each_below(NodeIndex node, FunctionRef<bool(NodeIndex)> visit) const
+{
+    for (const NodeIndex each : subtree(*tables_, node)) {
+        if (!visit(each)) {
+            return;
+        }
+    }
+}
+
 Result<void> AddressSpace::remove(NodeIndex node)
 {
     if (!exists(node)) {
@@ -59,6 +68,9 @@ Result<void> AddressSpace::remove(NodeIndex node)
         return fail(status::Bad_NoDeleteRights);
     }
     const std::vector<NodeIndex> nodes = subtree(*tables_, node);
+    for (const NodeIndex each : nodes) { // while it has its NodeVersion
+        tables_->note(each, static_cast<unsigned>(ModelChangeStructureVerbMask::NodeDeleted));
+    }
     for (auto at = nodes.rbegin(); at != nodes.rend(); ++at) {
         remove_from_others(*tables_, *at);
         tables_->unlink(*at);

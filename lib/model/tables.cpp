@@ -2,11 +2,20 @@
 
 namespace busbar::model::detail {
 
+namespace {
+
+constexpr auto reference_added =
+    static_cast<unsigned>(ModelChangeStructureVerbMask::ReferenceAdded);
+constexpr auto reference_deleted =
+    static_cast<unsigned>(ModelChangeStructureVerbMask::ReferenceDeleted);
+
+} // namespace
+
 Tables::Tables(const StaticNodes& nodes)
     : constants{&nodes}, constant_count{static_cast<std::uint32_t>(nodes.nodes.size())},
       hierarchical_references{find_constant(id_hierarchical_references)},
-      has_type_definition{find_constant(id_has_type_definition)}, has_subtype{
-                                                                      find_constant(id_has_subtype)}
+      has_type_definition{find_constant(id_has_type_definition)},
+      has_subtype{find_constant(id_has_subtype)}, has_property{find_constant(id_has_property)}
 {
     for (const StaticText& uri : nodes.namespaces) {
         namespaces.emplace_back(text(uri));
@@ -126,6 +135,10 @@ void Tables::link(NodeIndex parent, NodeIndex reference_type, NodeIndex child)
     node.parent_slot = push(parent, Entry{reference_type, child, true});
     const std::uint32_t number_of_record = number(child) - constant_count;
     by_name.insert(name_hash(number_of_record), number_of_record, name_hasher());
+    if (is_node_version(node)) {
+        journal.begin(parent, child);
+        note(parent, reference_added);
+    }
 }
 
 void Tables::place_type(NodeIndex type, NodeIndex supertype)
@@ -154,6 +167,10 @@ void Tables::unlink(NodeIndex child)
     references.entries[node.parent_slot] = {};
     ++references.holes;
     ++change_count;
+    note(node.parent, reference_deleted);
+    if (journal.property_of(node.parent) == child) {
+        journal.end(node.parent);
+    }
     node.parent = no_node;
 }
 
@@ -174,6 +191,7 @@ std::uint32_t Tables::push(NodeIndex node, const Entry& entry)
     }
     references.entries.push_back(entry);
     ++change_count;
+    note(node, reference_added);
     return static_cast<std::uint32_t>(references.entries.size() - 1);
 }
 
@@ -224,6 +242,7 @@ bool Tables::remove_entry(NodeIndex node, const Entry& entry)
         ++references.holes;
         --references.others;
         ++change_count;
+        note(node, reference_deleted);
         return true;
     }
     return false;

@@ -9,6 +9,7 @@
 #include <busbar/model/address_space.hpp>
 
 #include "index_table.hpp"
+#include "journal.hpp"
 #include "record.hpp"
 
 namespace busbar::model::detail {
@@ -46,6 +47,7 @@ struct Tables {
     IndexTable by_id;
     IndexTable by_name;
     std::unordered_map<std::uint32_t, std::unique_ptr<Overlay>> overlays;
+    Journal journal;
     std::uint64_t epoch{0};
     std::uint64_t change_count{0};
     std::uint64_t type_count{0};
@@ -55,6 +57,7 @@ struct Tables {
     NodeIndex hierarchical_references;
     NodeIndex has_type_definition;
     NodeIndex has_subtype;
+    NodeIndex has_property;
 
     [[nodiscard]] bool is_constant(NodeIndex node) const { return number(node) < constant_count; }
     [[nodiscard]] const StaticNode& constant(NodeIndex node) const
@@ -93,6 +96,8 @@ struct Tables {
     {
         return node_or_external < constant_count ? NodeIndex{node_or_external} : no_node;
     }
+    /// Its NodeId; borrowed.
+    [[nodiscard]] NodeId id_of(NodeIndex node) const;
     [[nodiscard]] NodeIndex find_constant(std::uint32_t numeric_id) const;
     [[nodiscard]] NodeIndex find(const NodeId& id) const;
     /// The first child of that name which was added below `parent` and for which `match` is true.
@@ -135,10 +140,13 @@ struct Tables {
     void add_entry(NodeIndex node, const Entry& entry);
     /// False if the entry is not there.
     bool remove_entry(NodeIndex node, const Entry& entry);
+    /// Notes in the journal what happened to the node, with bits of ModelChangeStructureVerbMask.
+    void note(NodeIndex node, unsigned verb);
     /// The number of a free numeric NodeId of the namespace.
     [[nodiscard]] NodeId free_id(std::uint16_t namespace_index);
 
 private:
+    [[nodiscard]] bool is_node_version(const Record& child) const;
     std::uint32_t push(NodeIndex node, const Entry& entry);
     void compact(NodeIndex node, ReferenceList& list);
 };

@@ -15,6 +15,8 @@
 #include "diagnostics/session_nodes.hpp"
 #include "event/events.hpp"
 #include "login_guard.hpp"
+#include "model_change/model_changes.hpp"
+#include "node_management/client_nodes.hpp"
 #include "password_checks.hpp"
 #include "session_table.hpp"
 #include "subscription/subscription_table.hpp"
@@ -34,6 +36,8 @@ struct Core {
     DataSources sources;
     /// Outlives the items that take part in it.
     Events events;
+    ModelChanges model_changes;
+    ClientNodes client_nodes;
     channel::AssemblyBudget assembly;
     SessionTable sessions;
     SessionNodes session_nodes;

@@ -26,6 +26,24 @@ struct UserRights {
         return (is_servers_own || (user.access_level_mask & current_write) != 0) &&
                (control == nullptr || control->may_call(user, method));
     }
+    // Of the NodeManagement services.
+
+    [[nodiscard]] bool may_add_node(const NodeId& parent) const
+    {
+        return is_allowed(&AccessControl::may_add_node, parent);
+    }
+    [[nodiscard]] bool may_delete_node(const NodeId& node) const
+    {
+        return is_allowed(&AccessControl::may_delete_node, node);
+    }
+    [[nodiscard]] bool may_add_reference(const NodeId& node) const
+    {
+        return is_allowed(&AccessControl::may_add_reference, node);
+    }
+    [[nodiscard]] bool may_remove_reference(const NodeId& node) const
+    {
+        return is_allowed(&AccessControl::may_remove_reference, node);
+    }
     /// The UserAccessLevel of a Variable (Part 3, 5.6.2).
     [[nodiscard]] std::uint8_t access_level(const NodeId& node,
                                             const model::VariableAttributes& variable) const
@@ -37,6 +55,14 @@ struct UserRights {
             level &= control->user_access_level(user, node, variable.access_level);
         }
         return static_cast<std::uint8_t>(level);
+    }
+
+private:
+    using Question = bool (AccessControl::*)(const UserIdentity&, const NodeId&) const;
+
+    [[nodiscard]] bool is_allowed(Question question, const NodeId& node) const
+    {
+        return control == nullptr ? is_configure_admin(user) : (control->*question)(user, node);
     }
 };
 

@@ -8,12 +8,12 @@
 #include <busbar/types/history.hpp>
 #include <busbar/types/method.hpp>
 #include <busbar/types/monitored_item.hpp>
-#include <busbar/types/node_management.hpp>
 #include <busbar/types/query.hpp>
 #include <busbar/types/subscription.hpp>
 
 #include "link.hpp"
 #include "method/call.hpp"
+#include "node_management/node_management_services.hpp"
 #include "read.hpp"
 #include "session_services.hpp"
 #include "subscription/monitored_item_services.hpp"
@@ -121,10 +121,11 @@ constexpr auto services = [] {
         operation<ActivateSessionRequest>(Need::Known, run_operation<make_activate_session>),
         function<close_session, CloseSessionRequest, CloseSessionResponse>(Need::Known, true),
         function<cancel, CancelRequest, CancelResponse>(Need::Activated),
-        unsupported<AddNodesRequest>(),
-        unsupported<AddReferencesRequest>(),
-        unsupported<DeleteNodesRequest>(),
-        unsupported<DeleteReferencesRequest>(),
+        function<add_nodes, AddNodesRequest, AddNodesResponse>(Need::Activated),
+        function<add_references, AddReferencesRequest, AddReferencesResponse>(Need::Activated),
+        function<delete_nodes, DeleteNodesRequest, DeleteNodesResponse>(Need::Activated),
+        function<delete_references, DeleteReferencesRequest, DeleteReferencesResponse>(
+            Need::Activated),
         function<browse, BrowseRequest, BrowseResponse>(Need::Activated),
         function<browse_next, BrowseNextRequest, BrowseNextResponse>(Need::Activated),
         function<translate_browse_paths, TranslateBrowsePathsToNodeIdsRequest,

@@ -8,6 +8,7 @@
 #include "config_check.hpp"
 #include "core.hpp"
 #include "link.hpp"
+#include "model_change/namespace_nodes.hpp"
 #include "subscription/sampler.hpp"
 #include "user_expiry.hpp"
 
@@ -51,6 +52,7 @@ Result<Server> Server::create(ServerConfig config, const ServerEnvironment& envi
     auto impl = std::make_unique<Impl>(std::move(config), environment, std::move(address_space));
     impl->own_namespace = *own;
     impl->enable_diagnostics();
+    impl->model_changes.begin(*impl);
     return Server{std::move(impl)};
 }
 
@@ -72,6 +74,17 @@ model::AddressSpace& Server::address_space()
 binary::TypeRegistry& Server::types()
 {
     return impl_->types;
+}
+
+Result<void> Server::describe_namespace(std::uint16_t index, const NamespaceMetadata& metadata)
+{
+    const auto object =
+        detail::find_or_add_namespace(impl_->address_space, impl_->own_namespace, index);
+    if (!object) {
+        return fail(object.error());
+    }
+    detail::set_metadata(impl_->address_space, *object, metadata);
+    return {};
 }
 
 std::uint32_t Server::add_source(DataSource& source)
@@ -142,6 +155,9 @@ bool Server::Impl::make_place()
 
 TimePoint Server::next_deadline() const
 {
+    if (impl_->model_changes.is_pending(*impl_)) {
+        return TimePoint{}; // long past
+    }
     const detail::Session* first = impl_->sessions.next_due();
     return std::min({first != nullptr ? first->next_deadline() : no_deadline,
                      impl_->shutdown_deadline, impl_->certificate_check,
@@ -158,6 +174,7 @@ void Server::handle_deadline(TimePoint now)
     if (impl_->certificate_check <= now) {
         impl_->watch_certificate(now);
     }
+    impl_->model_changes.announce(*impl_);
     impl_->expire_sessions(now);
     impl_->subscriptions.handle_deadline(now);
     if (impl_->shutdown_deadline <= now) {
@@ -184,6 +201,7 @@ void Server::handle_completions(TimePoint now)
 {
     impl_->sources.handle_completions();
     impl_->password_checks.drain(now);
+    impl_->model_changes.announce(*impl_);
     impl_->events.handle_raised();
     impl_->subscriptions.sampler().handle_scans(now);
     impl_->sweep();
@@ -253,6 +271,7 @@ bool Server::is_stopped() const
 void Server::announce_semantics_change(const NodeId& variable)
 {
     impl_->subscriptions.announce_change({variable}, detail::ValueQueue::semantics_changed_bit);
+    detail::ModelChanges::announce_semantics(*impl_, variable);
 }
 
 void Server::announce_structure_change(const NodeId& variable)

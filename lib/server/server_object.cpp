@@ -190,6 +190,10 @@ constexpr std::array capability_values{
     LiveValue{
         id::Server_ServerCapabilities_OperationLimits_MaxNodesPerMethodCall,
         [](const Core& c) -> Variant { return c.limits().operations.max_nodes_per_method_call; }},
+    LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerNodeManagement,
+              [](const Core& c) -> Variant {
+                  return c.limits().operations.max_nodes_per_node_management;
+              }},
     LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerBrowse,
               [](const Core& c) -> Variant { return c.limits().operations.max_nodes_per_browse; }},
     LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerRegisterNodes,

@@ -1,5 +1,8 @@
 #include <algorithm>
 
+#include <busbar/types/ids.hpp>
+
+#include "hierarchy.hpp"
 #include "view_context.hpp"
 #include "view_part.hpp"
 
@@ -16,8 +19,19 @@ constexpr bool has(std::uint32_t mask, BrowseResultMask bit)
     return (mask & static_cast<std::uint32_t>(bit)) != 0;
 }
 
+/// True if the View contains the target of a reference of a node that it contains. What it contains
+/// is reached from the View node along forward hierarchical references (Part 3, 5.4).
+bool is_in_view(ViewContext& context, NodeIndex view, const Reference& reference)
+{
+    const model::AddressSpace& space = context.space;
+    return (reference.is_forward &&
+            space.is_subtype_of(reference.type, id::HierarchicalReferences)) ||
+           is_below(space, reference.target, view, space.find(id::HierarchicalReferences),
+                    context.visits_left);
+}
+
 /// True for the references that the client asked for and may know of.
-bool matches(const ViewContext& context, const BrowseFilter& filter, const Reference& reference)
+bool matches(ViewContext& context, const BrowseFilter& filter, const Reference& reference)
 {
     if (filter.direction != BrowseDirection::Both &&
         reference.is_forward != (filter.direction == BrowseDirection::Forward)) {
@@ -33,7 +47,8 @@ bool matches(const ViewContext& context, const BrowseFilter& filter, const Refer
             0) {
         return false;
     }
-    return context.may_see(reference.target);
+    return context.may_see(reference.target) && (filter.view.index == model::no_node ||
+                                                 is_in_view(context, filter.view.index, reference));
 }
 
 /// Only what the ResultMask asks for; the rest stays null (Part 4, 5.9.2.2).
@@ -136,8 +151,12 @@ Result<BrowseFilter> make_filter(const ViewContext& context, const BrowseDescrip
         description.browse_direction > BrowseDirection::Both) {
         return fail(status::Bad_BrowseDirectionInvalid);
     }
-    BrowseFilter filter{model::no_node, description.include_subtypes, description.browse_direction,
-                        description.node_class_mask, description.result_mask};
+    BrowseFilter filter{model::no_node,
+                        description.include_subtypes,
+                        description.browse_direction,
+                        description.node_class_mask,
+                        description.result_mask,
+                        {}};
     if (!description.reference_type_id.is_null()) {
         filter.reference_type = context.space.find(description.reference_type_id);
         if (filter.reference_type == model::no_node ||
@@ -148,14 +167,28 @@ Result<BrowseFilter> make_filter(const ViewContext& context, const BrowseDescrip
     return filter;
 }
 
-void browse_node(ViewContext& context, const BrowseDescription& description,
+/// The node if there is one in the View, or in the address space if that is no_node.
+Result<NodeIndex> find_in_view(ViewContext& context, const NodeId& id, NodeIndex view)
+{
+    auto node = context.find(id);
+    const bool is_outside =
+        node && view != model::no_node &&
+        !is_below(context.space, *node, view, context.space.find(id::HierarchicalReferences),
+                  context.visits_left);
+    return is_outside ? fail(status::Bad_NodeNotInView) : std::move(node);
+}
+
+void browse_node(ViewContext& context, const BrowseDescription& description, NodeIndex view,
                  std::uint32_t max_references, BrowseResult& result)
 {
-    const auto node = context.find(description.node_id);
-    const auto filter = node ? make_filter(context, description) : fail(node.error());
+    const auto node = find_in_view(context, description.node_id, view);
+    auto filter = node ? make_filter(context, description) : fail(node.error());
     if (!filter) {
         result.status_code = filter.error();
         return;
+    }
+    if (view != model::no_node) {
+        filter->view = context.space.handle(view);
     }
     continue_browse(
         context,
@@ -163,7 +196,19 @@ void browse_node(ViewContext& context, const BrowseDescription& description,
         result);
 }
 
-/// Views have no versions of their own and hold the whole address space (Part 4, 7.45).
+/// The value of the View's property ViewVersion, 0 if it has none.
+std::uint32_t version_of(const model::AddressSpace& space, NodeIndex view)
+{
+    std::uint32_t version = 0;
+    space.for_each_child(view, space.find(id::HasProperty), true, QualifiedName{0, "ViewVersion"},
+                         [&](NodeIndex property) {
+                             version = space.value(property).value_or(std::uint32_t{0});
+                             return false;
+                         });
+    return version;
+}
+
+/// There are only Views as they are now, and no times of theirs are kept (Part 4, 7.45).
 StatusCode check_view(const ViewContext& context, const ViewDescription& view)
 {
     if (view.view_id.is_null()) {
@@ -180,7 +225,15 @@ StatusCode check_view(const ViewContext& context, const ViewDescription& view)
     if (has_time) {
         return status::Bad_ViewTimestampInvalid;
     }
-    return view.view_version != 0 ? status::Bad_ViewVersionInvalid : status::Good;
+    const bool is_present =
+        view.view_version == 0 || view.view_version == version_of(context.space, *node);
+    return is_present ? status::Good : status::Bad_ViewVersionInvalid;
+}
+
+/// False if the View is gone that a Browse was made in.
+bool has_its_view(const model::AddressSpace& space, const BrowseFilter& filter)
+{
+    return filter.view.index == model::no_node || space.resolve(filter.view) != model::no_node;
 }
 
 } // namespace
@@ -201,10 +254,12 @@ StatusCode browse(ViewContext& context, const BrowseRequest& request, BrowseResp
     const std::uint32_t most = requested == 0
                                    ? context.limits.max_references_per_node
                                    : std::min(requested, context.limits.max_references_per_node);
+    const NodeIndex view =
+        request.view.view_id.is_null() ? model::no_node : context.space.find(request.view.view_id);
     ViewPart::of(context.session).begin_request();
     response.results.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
-        browse_node(context, request.nodes_to_browse[i], most, response.results[i]);
+        browse_node(context, request.nodes_to_browse[i], view, most, response.results[i]);
     }
     return status::Good;
 }
@@ -235,7 +290,8 @@ StatusCode browse_next(ViewContext& context, const BrowseNextRequest& request,
             result.status_code = state.error();
         } else if (context.space.resolve(state->node) == model::no_node) {
             result.status_code = status::Bad_NodeIdUnknown;
-        } else if (state->epoch != context.space.reference_epoch()) {
+        } else if (state->epoch != context.space.reference_epoch() ||
+                   !has_its_view(context.space, state->filter)) {
             result.status_code = status::Bad_ContinuationPointInvalid;
         } else {
             continue_browse(context, *state, result);

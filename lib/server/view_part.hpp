@@ -22,6 +22,8 @@ struct BrowseFilter {
     /// 0: every NodeClass.
     std::uint32_t node_class_mask{0};
     std::uint32_t result_mask{0};
+    /// The View whose nodes alone are told of; no_node: all of the address space.
+    model::NodeHandle view{};
 };
 
 /// Where a Browse goes on.

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <busbar/binary/type_registry.hpp>
 #include <busbar/core/attribute_id.hpp>
@@ -45,6 +46,22 @@ private:
     const detail::Entry* entries_{nullptr};
     std::size_t position_{0};
     std::size_t end_{0};
+};
+
+/// What happened to a node that has a NodeVersion (Part 5, 12.16).
+struct ModelChange {
+    NodeId affected;
+    /// The TypeDefinition of an Object or Variable, else null.
+    NodeId affected_type;
+    /// Bits of ModelChangeStructureVerbMask.
+    std::uint8_t verb{0};
+};
+
+struct ModelChanges {
+    /// One for each node, in the order of their first changes. Own their strings.
+    std::vector<ModelChange> changes;
+    /// False if there were more than are kept.
+    bool is_complete{true};
 };
 
 /// The nodes of a server (Part 3): the constant ones of namespace 0, used where they lie, and any
@@ -107,6 +124,9 @@ public:
 
     // References and types.
 
+    /// Calls `visit` for the node and all that remove() takes along, parents first, until it
+    /// returns false.
+    void for_each_below(NodeIndex node, FunctionRef<bool(NodeIndex)> visit) const;
     [[nodiscard]] ReferenceCursor references(NodeIndex node, std::size_t position = 0) const;
     /// Changes whenever positions of references may have moved.
     [[nodiscard]] std::uint64_t reference_epoch() const;
@@ -150,6 +170,19 @@ public:
     // Bad_TypeDefinitionInvalid, Bad_NodeAttributesInvalid (DataType, ValueRank,
     // ArrayDimensions), Bad_OutOfMemory past 16 million dynamic nodes. A call that fails changes
     // nothing.
+
+    /// A numeric NodeId of the namespace that no node has, and that is not given twice.
+    [[nodiscard]] NodeId free_id(std::uint16_t namespace_index);
+    /// True if there is something for take_changes.
+    [[nodiscard]] bool has_changes() const;
+    /// What happened since the last call to nodes that have the property NodeVersion, the only ones
+    /// of which clients are told (Part 3, 9.32.2). Keeps 1,000 of them; further ones are lost, and
+    /// `is_complete` says so.
+    [[nodiscard]] ModelChanges take_changes();
+    /// The property NodeVersion that was added to the node, no_node if none was.
+    [[nodiscard]] NodeIndex node_version(NodeIndex node) const;
+    /// Calls `visit` with each of these properties.
+    void for_each_node_version(FunctionRef<void(NodeIndex)> visit) const;
 
     /// Makes room for that many more dynamic nodes; only saves time.
     void reserve(std::size_t node_count);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -41,6 +42,13 @@ struct UserIdentity {
 [[nodiscard]] inline bool is_same_user(const UserIdentity& a, const UserIdentity& b)
 {
     return a.token_type == b.token_type && a.name == b.name && a.issuer == b.issuer;
+}
+
+/// True if the store or the issuer gave the user the well-known role ConfigureAdmin (Part
+/// 3, 4.9.2).
+[[nodiscard]] inline bool is_configure_admin(const UserIdentity& user)
+{
+    return std::find(user.roles.begin(), user.roles.end(), "ConfigureAdmin") != user.roles.end();
 }
 
 /// The anonymous user of a server without a store: CurrentRead and HistoryRead.
@@ -119,6 +127,34 @@ public:
                                         const NodeId& /*method*/) const
     {
         return true;
+    }
+    // The NodeManagement services, as the bits of PermissionType (Part 3, 8.55); without an
+    // AccessControl too they are for ConfigureAdmin alone. Asked only for nodes that the user may
+    // browse.
+
+    /// Whether the user may add a node below `parent`.
+    [[nodiscard]] virtual bool may_add_node(const UserIdentity& user,
+                                            const NodeId& /*parent*/) const
+    {
+        return is_configure_admin(user);
+    }
+    /// Asked for each of the nodes that would go.
+    [[nodiscard]] virtual bool may_delete_node(const UserIdentity& user,
+                                               const NodeId& /*node*/) const
+    {
+        return is_configure_admin(user);
+    }
+    /// Asked for both ends of the reference.
+    [[nodiscard]] virtual bool may_add_reference(const UserIdentity& user,
+                                                 const NodeId& /*node*/) const
+    {
+        return is_configure_admin(user);
+    }
+    /// Asked for both ends of the reference.
+    [[nodiscard]] virtual bool may_remove_reference(const UserIdentity& user,
+                                                    const NodeId& /*node*/) const
+    {
+        return is_configure_admin(user);
     }
 };
 

@@ -19,6 +19,7 @@ struct OperationLimits {
     std::uint32_t max_nodes_per_register_nodes{10'000};
     std::uint32_t max_nodes_per_translate_browse_paths{10'000};
     std::uint32_t max_nodes_per_method_call{1'000};
+    std::uint32_t max_nodes_per_node_management{1'000};
     /// Also of Subscriptions, where a request names many.
     std::uint32_t max_monitored_items_per_call{25'000};
 };
@@ -70,6 +71,11 @@ struct ServerLimits {
     std::uint32_t max_references_per_node{10'000};
     std::uint32_t max_browse_path_elements{64};
     std::uint32_t max_browse_path_targets{1'000};
+    /// Nodes and references that clients may have added at a time, all together, and the bytes of
+    /// the nodes. Whatever removes them makes place again.
+    std::size_t max_client_nodes{10'000};
+    std::size_t max_client_references{10'000};
+    std::size_t max_client_node_memory{16U << 20U};
     EventLimits events;
     SubscriptionLimits subscriptions;
 

@@ -15,6 +15,7 @@
 #include <busbar/server/connection.hpp>
 #include <busbar/server/data_source.hpp>
 #include <busbar/server/event.hpp>
+#include <busbar/server/namespace_metadata.hpp>
 #include <busbar/server/server_config.hpp>
 #include <busbar/server/waker.hpp>
 
@@ -59,7 +60,13 @@ public:
     ~Server();
 
     [[nodiscard]] const ServerConfig& config() const;
+    /// May be changed between calls of other members. Clients are told of nodes and references that
+    /// come and go by a GeneralModelChangeEvent where these have a property NodeVersion
+    /// (Part 3, 9.32.2), which the server counts up; next_deadline() is in the past until then.
     [[nodiscard]] model::AddressSpace& address_space();
+    /// What Server.Namespaces tells of a namespace, which is there without it too.
+    /// Bad_NotFound for an unknown index, Bad_NotSupported if namespace 0 is too small for it.
+    Result<void> describe_namespace(std::uint16_t index, const NamespaceMetadata& metadata);
     /// Types that values may have beyond those of namespace 0; to be filled before clients come.
     [[nodiscard]] binary::TypeRegistry& types();
     /// The source's index, which nodes carry. The source must outlive the server.
@@ -94,8 +101,8 @@ public:
     [[nodiscard]] bool is_stopped() const;
 
     /// The next sample of each item of the Variable's value is reported with the SemanticsChanged
-    /// bit (Part 8, 5.2): EURange or EngineeringUnits, say, are others now. What clients write into
-    /// such Properties is announced by itself.
+    /// bit (Part 8, 5.2), and a SemanticChangeEvent raised: EURange or EngineeringUnits, say, are
+    /// others now. What clients write into such Properties is announced by itself.
     void announce_semantics_change(const NodeId& variable);
     /// The same with the StructureChanged bit (Part 4, 7.38.1).
     void announce_structure_change(const NodeId& variable);

@@ -76,6 +76,10 @@ struct ServerConfig {
     /// For endpoints with allows_issued.
     TokenIssuer issuer;
 
+    /// AddNodes, AddReferences, DeleteNodes and DeleteReferences (Part 4, 5.8), for users whom the
+    /// AccessControl lets; otherwise they answer Bad_ServiceUnsupported.
+    bool has_node_management{false};
+
     /// Locales of the server's texts.
     std::vector<std::string> locale_ids{"en"};
     /// How long clients can see State Shutdown before their connections are closed.

@@ -7,6 +7,7 @@
 #include <busbar/types/ids.hpp>
 #include <busbar/types/method.hpp>
 #include <busbar/types/monitored_item.hpp>
+#include <busbar/types/node_management.hpp>
 #include <busbar/types/session.hpp>
 #include <busbar/types/subscription.hpp>
 #include <busbar/types/view.hpp>
@@ -51,6 +52,11 @@ constexpr auto service_counters = [] {
                        &Counters::transfer_subscriptions_count},
         ServiceCounter{DeleteSubscriptionsRequest::binary_encoding_id,
                        &Counters::delete_subscriptions_count},
+        ServiceCounter{AddNodesRequest::binary_encoding_id, &Counters::add_nodes_count},
+        ServiceCounter{AddReferencesRequest::binary_encoding_id, &Counters::add_references_count},
+        ServiceCounter{DeleteNodesRequest::binary_encoding_id, &Counters::delete_nodes_count},
+        ServiceCounter{DeleteReferencesRequest::binary_encoding_id,
+                       &Counters::delete_references_count},
         ServiceCounter{BrowseRequest::binary_encoding_id, &Counters::browse_count},
         ServiceCounter{BrowseNextRequest::binary_encoding_id, &Counters::browse_next_count},
         ServiceCounter{TranslateBrowsePathsToNodeIdsRequest::binary_encoding_id,

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <busbar/model/address_space.hpp>
+#include <busbar/server/namespace_metadata.hpp>
+
+namespace busbar::server::detail {
+
+/// The object below Server.Namespaces that describes the namespace, which is added with defaults if
+/// there is none (Part 5, 6.3.13 and 6.3.14). New nodes have string identifiers in
+/// `own_namespace`. Bad_NotSupported if namespace 0 is too small for it, Bad_NotFound if there is
+/// no namespace of that index.
+Result<model::NodeIndex> find_or_add_namespace(model::AddressSpace& space,
+                                               std::uint16_t own_namespace, std::uint16_t index);
+/// Gives the object's properties their values.
+void set_metadata(model::AddressSpace& space, model::NodeIndex object,
+                  const NamespaceMetadata& metadata);
+
+} // namespace busbar::server::detail

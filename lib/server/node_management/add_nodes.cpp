@@ -1,0 +1,224 @@
+#include "add_nodes.hpp"
+
+#include <busbar/binary/codec.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "node_attributes.hpp"
+#include "reference_rules.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+using model::NodeIndex;
+
+/// What a node takes with what came with it; what is decoded is larger than its encoding, by no
+/// more than the headers of its fields.
+std::size_t cost_of(const AddNodesItem& item)
+{
+    constexpr std::size_t record_references_and_slots = 256;
+    binary::CountingSink sink;
+    binary::Writer writer{sink};
+    encode(writer, item);
+    return record_references_and_slots + 8 * writer.written();
+}
+
+bool has_type_definition(NodeClass node_class)
+{
+    return node_class == NodeClass::Object || node_class == NodeClass::Variable;
+}
+
+bool is_node_class(NodeClass node_class)
+{
+    const auto bits = static_cast<std::uint32_t>(node_class);
+    return bits != 0 && bits <= 128 && (bits & (bits - 1)) == 0;
+}
+
+/// True if instances of the type come with nodes of their own, Mandatory ones.
+bool has_mandatory_members(const model::AddressSpace& space, NodeIndex type)
+{
+    const auto is_mandatory = [&](NodeIndex declaration) {
+        model::ReferenceCursor cursor = space.references(declaration);
+        while (const auto reference = cursor.next()) {
+            if (reference->is_forward &&
+                space.is_subtype_of(reference->type, id::HasModellingRule) &&
+                space.node_id(reference->target).is(id::ModellingRule_Mandatory)) {
+                return true;
+            }
+        }
+        return false;
+    };
+    for (; type != model::no_node; type = space.supertype(type)) {
+        model::ReferenceCursor cursor = space.references(type);
+        while (const auto reference = cursor.next()) {
+            if (reference->is_forward && space.is_subtype_of(reference->type, id::Aggregates) &&
+                is_mandatory(reference->target)) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/// The TypeDefinition, no_node for a NodeClass that has none. A type with mandatory members is
+/// refused, because those would have to be added too (Part 4, 5.8.2.1).
+Result<NodeIndex> find_type_definition(const NodeManagementContext& context,
+                                       const AddNodesItem& item)
+{
+    if (!has_type_definition(item.node_class)) {
+        const bool is_null = item.type_definition == ExpandedNodeId{};
+        return is_null ? Result<NodeIndex>{model::no_node}
+                       : fail(status::Bad_TypeDefinitionInvalid);
+    }
+    const NodeClass type_class =
+        item.node_class == NodeClass::Object ? NodeClass::ObjectType : NodeClass::VariableType;
+    const NodeIndex type = context.find(item.type_definition);
+    if (type == model::no_node || context.space.node_class(type) != type_class ||
+        context.space.is_abstract(type) || has_mandatory_members(context.space, type)) {
+        return fail(status::Bad_TypeDefinitionInvalid);
+    }
+    return type;
+}
+
+/// The NodeId of the new node: the one that was asked for, or one of the server's own namespace.
+Result<NodeId> choose_id(NodeManagementContext& context, const ExpandedNodeId& requested)
+{
+    if (requested == ExpandedNodeId{}) {
+        return context.space.free_id(context.own_namespace);
+    }
+    // Namespace 0 is the specification's.
+    if (!requested.is_local() || requested.node_id.namespace_index() == 0) {
+        return fail(status::Bad_NodeIdRejected);
+    }
+    return requested.node_id;
+}
+
+/// The codes of the address space as those of the service.
+StatusCode as_service_code(StatusCode code)
+{
+    if (code == status::Bad_NodeIdInvalid) {
+        return status::Bad_NodeIdRejected;
+    }
+    return code == status::Bad_TypeMismatch ? status::Bad_NodeAttributesInvalid : code;
+}
+
+/// What is not given is as the VariableType has it (Part 4, 5.8.2.2).
+model::NewVariable new_variable(const NodeManagementContext& context,
+                                const NodeAttributeValues& from, NodeIndex type)
+{
+    const model::VariableAttributes of_type = context.space.variable(type);
+    model::NewVariable to;
+    to.type_definition = context.space.node_id(type);
+    to.data_type = from.data_type.value_or(context.space.data_type_id(type));
+    to.value_rank = from.value_rank.value_or(of_type.value_rank);
+    to.array_dimensions =
+        from.array_dimensions.value_or(Array<std::uint32_t>{of_type.array_dimensions});
+    to.value = from.value.value_or(context.space.value(type));
+    to.access_level = from.access_level.value_or(to.access_level);
+    to.user_access_level = from.user_access_level.value_or(to.user_access_level);
+    to.minimum_sampling_interval = from.minimum_sampling_interval.value_or(0);
+    return to;
+}
+
+model::NewVariableType new_variable_type(const NodeManagementContext& context,
+                                         const NodeAttributeValues& from, NodeIndex supertype)
+{
+    const model::VariableAttributes above = context.space.variable(supertype);
+    model::NewVariableType to;
+    to.data_type = from.data_type.value_or(context.space.data_type_id(supertype));
+    to.value_rank = from.value_rank.value_or(above.value_rank);
+    to.array_dimensions =
+        from.array_dimensions.value_or(Array<std::uint32_t>{above.array_dimensions});
+    to.value = from.value.value_or(Variant{});
+    to.is_abstract = from.is_abstract.value_or(false);
+    return to;
+}
+
+Result<NodeIndex> add(NodeManagementContext& context, const model::NewNode& node,
+                      NodeClass node_class, NodeIndex type, const NodeAttributeValues& from)
+{
+    model::AddressSpace& space = context.space;
+    const bool is_abstract = from.is_abstract.value_or(false);
+    switch (node_class) {
+    case NodeClass::Object:
+        return space.add_object(node, {space.node_id(type), from.event_notifier.value_or(0)});
+    case NodeClass::Variable:
+        return space.add_variable(node, new_variable(context, from, type));
+    case NodeClass::Method: {
+        model::NewMethod method;
+        method.executable = from.executable.value_or(false); // nothing carries it out
+        return space.add_method(node, method);
+    }
+    case NodeClass::ObjectType:
+        return space.add_object_type(node, is_abstract);
+    case NodeClass::VariableType:
+        return space.add_variable_type(node, new_variable_type(context, from, node.parent));
+    case NodeClass::ReferenceType:
+        return space.add_reference_type(
+            node, {from.inverse_name, is_abstract, from.symmetric.value_or(false)});
+    case NodeClass::DataType:
+        return space.add_data_type(node, {from.definition, is_abstract});
+    default:
+        if (from.event_notifier.value_or(0) != 0) { // no View is a notifier here
+            return fail(status::Bad_NodeAttributesInvalid);
+        }
+        return space.add_view(node, from.contains_no_loops.value_or(false));
+    }
+}
+
+/// Where the node goes and by which reference.
+Result<model::NewNode> place(NodeManagementContext& context, const AddNodesItem& item)
+{
+    model::NewNode node;
+    node.parent = context.find(item.parent_node_id);
+    if (node.parent == model::no_node) {
+        return fail(status::Bad_ParentNodeIdInvalid);
+    }
+    if (!context.rights.may_add_node(item.parent_node_id.node_id)) {
+        return fail(status::Bad_UserAccessDenied);
+    }
+    if (context.find_reference_type(item.reference_type_id) == model::no_node) {
+        return fail(status::Bad_ReferenceTypeIdInvalid);
+    }
+    if (!is_node_class(item.node_class)) {
+        return fail(status::Bad_NodeClassInvalid);
+    }
+    node.reference_type = item.reference_type_id;
+    node.browse_name = item.browse_name;
+    return node;
+}
+
+} // namespace
+
+Result<NodeId> add_node(NodeManagementContext& context, const AddNodesItem& item)
+{
+    auto node = place(context, item);
+    const auto type = node ? find_type_definition(context, item) : fail(node.error());
+    if (!type) {
+        return fail(type.error());
+    }
+    const model::AddressSpace& space = context.space;
+    const StatusCode bad = check_ends(space, space.find(item.reference_type_id),
+                                      reference_end(space, node->parent), {item.node_class, *type});
+    auto id = bad.is_bad() ? fail(bad) : choose_id(context, item.requested_new_node_id);
+    const auto attributes =
+        id ? read_attributes(item.node_attributes, item.node_class) : fail(id.error());
+    if (!attributes) {
+        return fail(attributes.error());
+    }
+    const std::size_t bytes = cost_of(item);
+    if (!context.client_nodes.has_room(context.limits, bytes)) {
+        return fail(status::Bad_OutOfMemory);
+    }
+    node->id = *std::move(id);
+    node->display_name = attributes->display_name;
+    node->description = attributes->description;
+    const auto added = add(context, *node, item.node_class, *type, *attributes);
+    if (!added) {
+        return fail(as_service_code(added.error()));
+    }
+    context.client_nodes.add(space.handle(*added), bytes);
+    return node->id;
+}
+
+} // namespace busbar::server::detail

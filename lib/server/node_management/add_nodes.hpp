@@ -1,0 +1,13 @@
+#pragma once
+
+#include <busbar/types/node_management.hpp>
+
+#include "node_management_context.hpp"
+
+namespace busbar::server::detail {
+
+/// Adds one node (Part 4, 5.8.2); its NodeId, or a code of Table 24. Bad_OutOfMemory once clients
+/// have added as much as they may.
+[[nodiscard]] Result<NodeId> add_node(NodeManagementContext& context, const AddNodesItem& item);
+
+} // namespace busbar::server::detail

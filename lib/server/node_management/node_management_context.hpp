@@ -1,0 +1,46 @@
+#pragma once
+
+#include <busbar/core/types.hpp>
+#include <busbar/model/address_space.hpp>
+#include <busbar/server/limits.hpp>
+
+#include "client_nodes.hpp"
+#include "server/data_rights.hpp"
+
+namespace busbar::server::detail {
+
+/// What the NodeManagement services need of the server and the session.
+struct NodeManagementContext {
+    model::AddressSpace& space;
+    UserRights rights;
+    const ServerLimits& limits;
+    ClientNodes& client_nodes;
+    /// Where nodes get their NodeIds that come without one.
+    std::uint16_t own_namespace;
+    /// How this server is named where others are possible.
+    const std::string& application_uri;
+    /// Work that one request may cause.
+    std::size_t visits_left{10'000'000};
+
+    /// The node, if there is one that the user may see, else no_node.
+    [[nodiscard]] model::NodeIndex find(const NodeId& id) const
+    {
+        return rights.may_see(id) ? space.find(id) : model::no_node;
+    }
+    /// The same for a node of this server.
+    [[nodiscard]] model::NodeIndex find(const ExpandedNodeId& id) const
+    {
+        return id.is_local() ? find(id.node_id) : model::no_node;
+    }
+    /// The ReferenceType that references may be of, else no_node.
+    [[nodiscard]] model::NodeIndex find_reference_type(const NodeId& id) const
+    {
+        const model::NodeIndex type = find(id);
+        const bool is_usable = type != model::no_node &&
+                               space.node_class(type) == NodeClass::ReferenceType &&
+                               !space.is_abstract(type);
+        return is_usable ? type : model::no_node;
+    }
+};
+
+} // namespace busbar::server::detail

@@ -1,0 +1,98 @@
+#include "node_management_services.hpp"
+
+#include "add_nodes.hpp"
+#include "references.hpp"
+#include "server/core.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+NodeManagementContext management_context(const ServiceContext& context)
+{
+    Core& core = context.core;
+    return {core.address_space, {context.session->user, core.environment.access},
+            core.limits(),      core.client_nodes,
+            core.own_namespace, core.config.application_uri};
+}
+
+AddNodesResult add_one(NodeManagementContext& context, const AddNodesItem& item)
+{
+    auto added = add_node(context, item);
+    return added ? AddNodesResult{status::Good, *std::move(added)}
+                 : AddNodesResult{added.error(), {}};
+}
+
+/// Deletes the node with all that was added below it, and all references to these, whatever
+/// deleteTargetReferences says: none leads nowhere.
+StatusCode delete_one(NodeManagementContext& context, const DeleteNodesItem& item)
+{
+    const model::NodeIndex node = context.find(item.node_id);
+    if (node == model::no_node) {
+        return why_not_found(item.node_id);
+    }
+    bool may_delete = true;
+    context.space.for_each_below(node, [&](model::NodeIndex each) {
+        may_delete = context.rights.may_delete_node(context.space.node_id(each));
+        return may_delete;
+    });
+    if (!may_delete) {
+        return status::Bad_UserAccessDenied;
+    }
+    const auto removed = context.space.remove(node);
+    return removed ? status::Good : removed.error();
+}
+
+/// Carries out all of a request's items by `one` and tells clients of what has changed.
+template <typename Items, typename Results>
+StatusCode for_each_item(ServiceContext& context, const Items& items, Results& results,
+                         typename Results::value_type (*one)(NodeManagementContext&,
+                                                             const typename Items::value_type&))
+{
+    Core& core = context.core;
+    if (!core.config.has_node_management) {
+        return status::Bad_ServiceUnsupported;
+    }
+    if (items.empty()) {
+        return status::Bad_NothingToDo;
+    }
+    if (items.size() > core.limits().operations.max_nodes_per_node_management) {
+        return status::Bad_TooManyOperations;
+    }
+    core.client_nodes.refresh(core.address_space);
+    NodeManagementContext management = management_context(context);
+    results.reserve(items.size());
+    for (const auto& item : items) {
+        results.push_back(one(management, item));
+    }
+    core.model_changes.announce(core);
+    return status::Good;
+}
+
+} // namespace
+
+StatusCode add_nodes(ServiceContext& context, const AddNodesRequest& request,
+                     AddNodesResponse& response)
+{
+    return for_each_item(context, request.nodes_to_add, response.results, add_one);
+}
+
+StatusCode add_references(ServiceContext& context, const AddReferencesRequest& request,
+                          AddReferencesResponse& response)
+{
+    return for_each_item(context, request.references_to_add, response.results, add_reference);
+}
+
+StatusCode delete_nodes(ServiceContext& context, const DeleteNodesRequest& request,
+                        DeleteNodesResponse& response)
+{
+    return for_each_item(context, request.nodes_to_delete, response.results, delete_one);
+}
+
+StatusCode delete_references(ServiceContext& context, const DeleteReferencesRequest& request,
+                             DeleteReferencesResponse& response)
+{
+    return for_each_item(context, request.references_to_delete, response.results, delete_reference);
+}
+
+} // namespace busbar::server::detail

@@ -1,0 +1,120 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include <busbar/types/ids.hpp>
+
+#include "model/model_fixture.hpp"
+#include "server/view_context.hpp"
+#include "server/view_part.hpp"
+#include "support/seeded_random.hpp"
+
+namespace busbar::server::detail {
+
+using Names = std::vector<std::string>;
+
+/// Hides the nodes of one name.
+class HidesOne final : public AccessControl {
+public:
+    explicit HidesOne(NodeId hidden) : hidden_{std::move(hidden)} {}
+    [[nodiscard]] bool may_browse(const UserIdentity&, const NodeId& node) const override
+    {
+        return node != hidden_;
+    }
+    [[nodiscard]] std::uint8_t user_access_level(const UserIdentity&, const NodeId&,
+                                                 std::uint8_t access_level) const override
+    {
+        return access_level;
+    }
+
+private:
+    NodeId hidden_;
+};
+
+struct ViewFixture : model::ModelFixture {
+    ServerLimits limits;
+    test::SeededRandom random{1};
+    Session session{1U << 20U};
+    UserIdentity user;
+    const AccessControl* control{nullptr};
+    model::NodeIndex folder{add_folder("folder", objects)};
+
+    [[nodiscard]] ViewContext context()
+    {
+        return {space, {user, control}, limits, random, session};
+    }
+    [[nodiscard]] NodeId node(const std::string& name) const { return {ns, String{name}}; }
+    void add_children(int count)
+    {
+        for (int i = 0; i < count; ++i) {
+            add_int32("v" + std::to_string(i), folder);
+        }
+    }
+    [[nodiscard]] static BrowseDescription description(NodeId id)
+    {
+        BrowseDescription result;
+        result.node_id = std::move(id);
+        result.reference_type_id = NodeId{0, id::HierarchicalReferences};
+        result.include_subtypes = true;
+        result.result_mask = static_cast<std::uint32_t>(BrowseResultMask::All);
+        return result;
+    }
+    [[nodiscard]] BrowseResponse browse_all(Array<BrowseDescription> nodes, std::uint32_t most = 0)
+    {
+        BrowseRequest request;
+        request.nodes_to_browse = std::move(nodes);
+        request.requested_max_references_per_node = most;
+        BrowseResponse response;
+        ViewContext view = context();
+        REQUIRE(browse(view, request, response) == status::Good);
+        return response;
+    }
+    [[nodiscard]] BrowseResult browse_one(const BrowseDescription& what, std::uint32_t most = 0)
+    {
+        return browse_all({what}, most).results[0];
+    }
+    [[nodiscard]] BrowseResult next(const ByteString& point, bool release = false)
+    {
+        BrowseNextRequest request;
+        request.continuation_points = {point};
+        request.release_continuation_points = release;
+        BrowseNextResponse response;
+        ViewContext view = context();
+        REQUIRE(browse_next(view, request, response) == status::Good);
+        CHECK(response.results.size() == (release ? 0 : 1));
+        return release ? BrowseResult{} : response.results[0];
+    }
+    [[nodiscard]] static Names names(const BrowseResult& result)
+    {
+        Names all;
+        for (const ReferenceDescription& reference : result.references) {
+            all.push_back(reference.browse_name.name.str());
+        }
+        return all;
+    }
+    [[nodiscard]] static RelativePathElement element(const QualifiedName& name, std::uint32_t type,
+                                                     bool is_inverse = false)
+    {
+        RelativePathElement result;
+        result.reference_type_id = type == 0 ? NodeId{} : NodeId{0, type};
+        result.include_subtypes = true;
+        result.is_inverse = is_inverse;
+        result.target_name = name;
+        return result;
+    }
+    [[nodiscard]] BrowsePathResult translate(NodeId start, Array<RelativePathElement> elements)
+    {
+        TranslateBrowsePathsToNodeIdsRequest request;
+        request.browse_paths.emplace_back(
+            BrowsePath{std::move(start), RelativePath{std::move(elements)}});
+        TranslateBrowsePathsToNodeIdsResponse response;
+        ViewContext view = context();
+        REQUIRE(translate_browse_paths(view, request, response) == status::Good);
+        return response.results[0];
+    }
+};
+
+} // namespace busbar::server::detail
