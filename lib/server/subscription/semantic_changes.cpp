@@ -69,6 +69,9 @@ void announce_semantic_changes(Core& core, const WriteRequest& request,
     }
     if (!owners.empty()) {
         core.subscriptions.announce_change(owners, ValueQueue::semantics_changed_bit);
+        for (const NodeId& owner : owners) {
+            ModelChanges::announce_semantics(core, owner);
+        }
     }
 }
 
