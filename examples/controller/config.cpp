@@ -16,12 +16,13 @@ constexpr std::int64_t most_int = 2'147'483'647;
 void read_server(const TomlTable& table, ControllerConfig& config)
 {
     table.allow({"name", "application_uri", "address", "port", "host_names",
-                 "min_channel_lifetime_ms", "key_log"});
+                 "min_channel_lifetime_ms", "key_log", "nodesets"});
     config.server.application_name = table.text("name", config.server.application_name);
     config.server.application_uri = table.text("application_uri", "");
     config.address = table.text("address", config.address);
     config.port = static_cast<std::uint16_t>(table.integer("port", config.port, 0, 65'535));
     config.server.host_names = table.texts("host_names");
+    config.nodesets = table.texts("nodesets");
     auto& limits = config.server.limits;
     limits.min_token_lifetime = std::chrono::milliseconds{table.integer(
         "min_channel_lifetime_ms", limits.min_token_lifetime.count(), 100, 3'600'000)};

@@ -61,6 +61,8 @@ struct ControllerConfig {
     /// Where the keys of all channels are written, in builds with BUSBAR_KEY_LOG; empty for
     /// nowhere.
     std::string key_log;
+    /// NodeSet2 files with information models that are served, too.
+    std::vector<std::string> nodesets;
     CertificateConfig certificates;
     UserConfig users;
     std::chrono::milliseconds scan{20};

@@ -26,6 +26,7 @@
 #include "config.hpp"
 #include "default_config.hpp"
 #include "identity.hpp"
+#include "models.hpp"
 
 using namespace busbar;
 using example::ConfigError;
@@ -203,6 +204,7 @@ int serve(ControllerConfig config)
     nodes.cycle = config.scan;
     const auto folder = expect(controller::publish_variables(server.address_space(), **plc, nodes),
                                "the variables");
+    example::load_models(server.address_space(), config.nodesets, log);
     const auto events = expect(
         controller::PlcEvents::create(server.address_space(), folder, **plc, server.event_queue()),
         "the events");

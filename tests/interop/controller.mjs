@@ -84,7 +84,7 @@ mode = "${mode}"
 `;
 
 /** Without security, and both modes of one policy; every client's certificate is accepted. */
-const openHouse = {
+export const openHouse = {
   endpoints: [["None", "None"], ["Basic256Sha256", "Sign"], ["Basic256Sha256", "SignAndEncrypt"]],
   trustsAll: true, // the clients make their certificates themselves
   users: 'anonymous = "write"',
@@ -94,7 +94,7 @@ const openHouse = {
  * A running controller: its port, its endpoint and stop(), which resolves to the exit code. `prepare` may
  * fill the folder of the certificates before it starts.
  */
-export async function startController({ endpoints, trustsAll = false, users, prepare } = openHouse) {
+export async function startController({ endpoints, trustsAll = false, users, prepare, nodesets = [] } = openHouse) {
   const program = process.env.BUSBAR_CONTROLLER;
   const folder = mkdtempSync(join(tmpdir(), "busbar-interop-"));
   const certificates = join(folder, "pki");
@@ -106,6 +106,7 @@ export async function startController({ endpoints, trustsAll = false, users, pre
 [server]
 port = ${port}
 min_channel_lifetime_ms = 1000
+nodesets = ${JSON.stringify(nodesets)}
 [certificates]
 folder = "${certificates}"
 trust_all_clients = ${trustsAll}

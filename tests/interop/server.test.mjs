@@ -6,6 +6,7 @@ import { after, before, test } from "node:test";
 import opcua from "node-opcua";
 import { anonymous, createClient, modes, named, withSession } from "./client.mjs";
 import { startController, user } from "./controller.mjs";
+import { crawl } from "./crawl.mjs";
 import { startProxy } from "./proxy.mjs";
 
 const { AttributeIds, BrowseDirection, DataType, NodeId, StatusCodes, VariantArrayType } = opcua;
@@ -74,33 +75,6 @@ test("arrays are written whole and read in part", () =>
     const beyond = await session.read({ ...valueOf("Recipe"), indexRange: new opcua.NumericRange("8") });
     assert.equal(beyond.statusCode, StatusCodes.BadIndexRangeNoData);
   }));
-
-/** Every node that hierarchical references reach from `root`. */
-async function crawl(session, root) {
-  const found = new Map([[root, null]]);
-  let open = [root];
-  while (open.length !== 0) {
-    const batch = open.splice(0, 500).map((nodeId) => ({
-      nodeId, browseDirection: BrowseDirection.Forward, referenceTypeId: "HierarchicalReferences",
-      includeSubtypes: true, nodeClassMask: 0, resultMask: 63,
-    }));
-    for (let result of await session.browse(batch)) {
-      assert.equal(result.statusCode, StatusCodes.Good);
-      for (;;) {
-        for (const reference of result.references) {
-          const key = reference.nodeId.toString();
-          if (!found.has(key)) {
-            found.set(key, reference);
-            open.push(key);
-          }
-        }
-        if (!result.continuationPoint?.length) break;
-        result = await session.browseNext(result.continuationPoint, false);
-      }
-    }
-  }
-  return found;
-}
 
 /** Attributes every node of a class has (Part 3, 5). */
 const mandatory = {
