@@ -37,8 +37,9 @@ TEST_CASE_METHOD(ViewFixture, "A View shows only what it contains")
     const model::NodeIndex outside = add_folder("outside", folder);
     const model::NodeIndex leaf = add_int32("leaf", inside);
     REQUIRE(space.add_reference(view, NodeId{0, id::Organizes}, inside));
-    REQUIRE(space.add_reference(leaf, NodeId{0, id::AlwaysGeneratesEvent}, outside));
-    REQUIRE(space.add_reference(leaf, NodeId{0, id::AlwaysGeneratesEvent}, inside));
+    // A reference that is not hierarchical and is in every size of namespace 0.
+    REQUIRE(space.add_reference(leaf, NodeId{0, id::HasEncoding}, outside));
+    REQUIRE(space.add_reference(leaf, NodeId{0, id::HasEncoding}, inside));
     const auto browse_in_view = [&](const std::string& name) {
         BrowseRequest request;
         BrowseDescription all = description(node(name));
