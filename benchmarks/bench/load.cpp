@@ -96,7 +96,7 @@ channel::ChannelEnvironment Load::environment()
 
 Result<void> Load::open(net::ClientLoop& loop, bool wants_session)
 {
-    client::ClientConfig config;
+    client::ConnectionConfig config;
     config.channel.endpoint_url = options_.url;
     config.channel.limits.max_message_size = 64U << 20U;
     config.application_uri = "urn:busbar:bench";
@@ -105,7 +105,9 @@ Result<void> Load::open(net::ClientLoop& loop, bool wants_session)
     if (wants_session) {
         config.channel.security = security_;
         config.channel.server_certificate = server_certificate_;
-        config.identity = {options_.user, options_.password};
+        if (!options_.user.empty()) {
+            config.identity = client::NamedUser{options_.user, options_.password};
+        }
     }
     const auto connected = loop.connect(std::move(config), environment());
     return connected ? loop.wait_until_ready() : connected;
@@ -275,7 +277,7 @@ Result<Row> Load::in_flight_load(net::ClientLoop& loop, std::size_t in_flight)
             }
         }
         const auto event = loop.wait();
-        if (!event || event->kind != client::ClientEvent::Kind::Response ||
+        if (!event || event->kind != client::ConnectionEvent::Kind::Response ||
             event->status.is_bad()) {
             return fail(event ? event->status : status::Bad_Timeout);
         }

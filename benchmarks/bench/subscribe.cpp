@@ -100,7 +100,7 @@ private:
     TimePoint last_publish_;
     Array<SubscriptionAcknowledgement> acknowledgements_;
     // The event that responses borrow their texts from.
-    client::ClientEvent event_;
+    client::ConnectionEvent event_;
 };
 
 template <typename Response, typename Request>
@@ -240,7 +240,7 @@ Result<void> Subscriber::measure()
     double processor = 0;
     while (elapsed_us(begin) < (is_measuring_ ? options_->seconds : warm_up_s) * 1e6) {
         auto event = loop_->wait();
-        if (!event || event->kind != client::ClientEvent::Kind::Response) {
+        if (!event || event->kind != client::ConnectionEvent::Kind::Response) {
             return fail(event ? event->status : status::Bad_Timeout);
         }
         event_ = *std::move(event);

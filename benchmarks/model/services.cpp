@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include <busbar/client/client.hpp>
+#include <busbar/client/connection.hpp>
 #include <busbar/crypto/random.hpp>
 #include <busbar/server/server.hpp>
 #include <busbar/types/ids.hpp>
@@ -69,14 +69,14 @@ struct Services::Impl {
     TimePoint now{};
     std::optional<server::Server> server;
     std::optional<server::Connection> connection;
-    std::optional<client::Client> client;
+    std::optional<client::Connection> client;
     double server_us{0};
     /// What the last response borrows from.
-    client::ClientEvent last_event;
+    client::ConnectionEvent last_event;
 
     void open(model::AddressSpace space);
     /// Carries bytes until the client has something to tell.
-    client::ClientEvent wait();
+    client::ConnectionEvent wait();
 
     template <typename Response, typename Request>
     Response call(Request& request)
@@ -98,16 +98,16 @@ void Services::Impl::open(model::AddressSpace space)
     server.emplace(
         expect(server::Server::create(std::move(config), environment, std::move(space))));
     connection.emplace(expect(server->connect("192.0.2.1", now)));
-    client::ClientConfig wishes;
+    client::ConnectionConfig wishes;
     wishes.channel.endpoint_url = "opc.tcp://localhost:4840";
     client.emplace(std::move(wishes),
                    channel::ChannelEnvironment{&random, &clock, &log, nullptr, nullptr}, now);
-    if (const auto ready = wait(); ready.kind != client::ClientEvent::Kind::Ready) {
+    if (const auto ready = wait(); ready.kind != client::ConnectionEvent::Kind::Ready) {
         give_up(ready.status);
     }
 }
 
-client::ClientEvent Services::Impl::wait()
+client::ConnectionEvent Services::Impl::wait()
 {
     for (;;) {
         if (auto event = client->next_event()) {

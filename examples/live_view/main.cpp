@@ -143,7 +143,7 @@ int main(int argc, char** argv)
     net::SystemWallClock wall_clock;
     NullLog log;
     const channel::ChannelEnvironment environment{&random, &wall_clock, &log, nullptr, nullptr};
-    client::ClientConfig config;
+    client::ConnectionConfig config;
     config.channel.endpoint_url = options.url;
     net::ClientLoop loop;
     auto done = loop.connect(config, environment);

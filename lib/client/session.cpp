@@ -24,13 +24,13 @@ std::vector<std::byte> join(std::span<const std::byte> a, std::span<const std::b
     return joined;
 }
 
-const crypto::SecurityPolicy& policy_of(const ClientConfig& config)
+const crypto::SecurityPolicy& policy_of(const ConnectionConfig& config)
 {
     return *config.channel.security.policy;
 }
 
 /// The first token policy of that kind in the endpoint that the channel uses.
-const UserTokenPolicy* find_policy(const ClientConfig& config, const SessionData& session,
+const UserTokenPolicy* find_policy(const ConnectionConfig& config, const SessionData& session,
                                    UserTokenType type)
 {
     for (const EndpointDescription& endpoint : session.endpoints) {
@@ -54,13 +54,13 @@ Result<ExtensionObject> anonymous_token(const UserTokenPolicy& policy)
     return ExtensionObject::from(std::move(token));
 }
 
-Result<ExtensionObject> user_name_token(const ClientConfig& config, const SessionData& session,
-                                        const UserTokenPolicy& token_policy)
+Result<ExtensionObject> user_name_token(const ConnectionConfig& config, const SessionData& session,
+                                        const UserTokenPolicy& token_policy, const NamedUser& user)
 {
     UserNameIdentityToken token;
     token.policy_id = token_policy.policy_id;
-    token.user_name = String{config.identity.user_name};
-    const std::span password = std::as_bytes(std::span{config.identity.password});
+    token.user_name = String{user.user_name};
+    const std::span password = std::as_bytes(std::span{user.password});
     const auto* policy = token_policy.security_policy_uri.empty()
                              ? &policy_of(config)
                              : crypto::find_policy(token_policy.security_policy_uri.view());
@@ -88,7 +88,7 @@ Result<ExtensionObject> user_name_token(const ClientConfig& config, const Sessio
 
 } // namespace
 
-Result<CreateSessionRequest> make_create_session(const ClientConfig& config,
+Result<CreateSessionRequest> make_create_session(const ConnectionConfig& config,
                                                  const channel::ChannelEnvironment& environment,
                                                  SessionData& session)
 {
@@ -112,7 +112,7 @@ Result<CreateSessionRequest> make_create_session(const ClientConfig& config,
     return request;
 }
 
-Result<void> accept_session(const ClientConfig& config, const CreateSessionResponse& response,
+Result<void> accept_session(const ConnectionConfig& config, const CreateSessionResponse& response,
                             SessionData& session)
 {
     session.authentication_token = response.authentication_token;
@@ -127,18 +127,19 @@ Result<void> accept_session(const ClientConfig& config, const CreateSessionRespo
                                      response.server_signature.signature.span());
 }
 
-Result<ActivateSessionRequest> make_activate_session(const ClientConfig& config,
+Result<ActivateSessionRequest> make_activate_session(const ConnectionConfig& config,
                                                      const channel::ChannelEnvironment& environment,
                                                      const SessionData& session)
 {
-    const bool is_named = !config.identity.user_name.empty();
+    const auto* user = std::get_if<NamedUser>(&config.identity);
+    const bool is_named = user != nullptr;
     const auto* token_policy =
         find_policy(config, session, is_named ? UserTokenType::UserName : UserTokenType::Anonymous);
     if (token_policy == nullptr) {
         return fail(status::Bad_IdentityTokenRejected);
     }
-    auto token =
-        is_named ? user_name_token(config, session, *token_policy) : anonymous_token(*token_policy);
+    auto token = is_named ? user_name_token(config, session, *token_policy, *user)
+                          : anonymous_token(*token_policy);
     if (!token) {
         return fail(token.error());
     }

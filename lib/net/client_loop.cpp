@@ -10,15 +10,15 @@
 namespace busbar::net {
 
 struct ClientLoop::Impl {
-    using ClientLink = detail::Link<client::Client>;
+    using ClientLink = detail::Link<client::Connection>;
 
     asio::io_context context;
-    std::optional<client::Client> client;
+    std::optional<client::Connection> client;
     std::shared_ptr<ClientLink> link;
     bool is_connected{false};
 
     /// Lets the link work until there is an event or the time is over.
-    [[nodiscard]] std::optional<client::ClientEvent> wait(TimePoint until);
+    [[nodiscard]] std::optional<client::ConnectionEvent> wait(TimePoint until);
 };
 
 ClientLoop::ClientLoop() : impl_{std::make_unique<Impl>()} {}
@@ -30,7 +30,7 @@ ClientLoop::~ClientLoop()
     }
 }
 
-Result<void> ClientLoop::connect(client::ClientConfig config,
+Result<void> ClientLoop::connect(client::ConnectionConfig config,
                                  const channel::ChannelEnvironment& environment, Duration timeout)
 {
     const auto endpoint = channel::EndpointUrl::parse(config.channel.endpoint_url);
@@ -68,20 +68,20 @@ Result<void> ClientLoop::connect(client::ClientConfig config,
     return {};
 }
 
-client::Client& ClientLoop::client()
+client::Connection& ClientLoop::client()
 {
     return *impl_->client;
 }
 
-std::optional<client::ClientEvent> ClientLoop::Impl::wait(TimePoint until)
+std::optional<client::ConnectionEvent> ClientLoop::Impl::wait(TimePoint until)
 {
     for (;;) {
         if (auto event = client->next_event()) {
             return event;
         }
         if (!is_connected) {
-            return client::ClientEvent{
-                client::ClientEvent::Kind::Closed, 0, status::Bad_ConnectionClosed, {}};
+            return client::ConnectionEvent{
+                client::ConnectionEvent::Kind::Closed, 0, status::Bad_ConnectionClosed, {}};
         }
         link->pump();
         context.restart();
@@ -91,7 +91,7 @@ std::optional<client::ClientEvent> ClientLoop::Impl::wait(TimePoint until)
     }
 }
 
-std::optional<client::ClientEvent> ClientLoop::wait(Duration timeout)
+std::optional<client::ConnectionEvent> ClientLoop::wait(Duration timeout)
 {
     return impl_->wait(detail::now() + timeout);
 }
@@ -102,19 +102,19 @@ Result<void> ClientLoop::wait_until_ready()
     if (!event) {
         return fail(status::Bad_Timeout);
     }
-    if (event->kind == client::ClientEvent::Kind::Ready) {
+    if (event->kind == client::ConnectionEvent::Kind::Ready) {
         return {};
     }
     return fail(event->status.is_bad() ? event->status : status::Bad_ConnectionClosed);
 }
 
-Result<client::ClientEvent> ClientLoop::wait_for(std::uint32_t handle)
+Result<client::ConnectionEvent> ClientLoop::wait_for(std::uint32_t handle)
 {
     while (auto event = wait()) {
-        if (event->kind == client::ClientEvent::Kind::Closed) {
+        if (event->kind == client::ConnectionEvent::Kind::Closed) {
             return fail(event->status.is_bad() ? event->status : status::Bad_ConnectionClosed);
         }
-        if (event->kind == client::ClientEvent::Kind::Response && event->handle == handle) {
+        if (event->kind == client::ConnectionEvent::Kind::Response && event->handle == handle) {
             return *std::move(event);
         }
     }

@@ -95,7 +95,7 @@ class Visitor {
 public:
     explicit Visitor(const Machine& machine)
     {
-        client::ClientConfig config;
+        client::ConnectionConfig config;
         config.channel.endpoint_url = machine.url();
         REQUIRE(loop.connect(config, {&random_, &clock_, &log_, nullptr, nullptr}));
         REQUIRE(loop.wait_until_ready());
@@ -177,7 +177,7 @@ TEST_CASE("a client is told when the server stops", "[net]")
     machine.reset();
     const auto event = visitor.loop.wait();
     REQUIRE(event);
-    CHECK(event->kind == client::ClientEvent::Kind::Closed);
+    CHECK(event->kind == client::ConnectionEvent::Kind::Closed);
 }
 
 TEST_CASE("nobody there is an error, not a hang", "[net]")
@@ -185,7 +185,7 @@ TEST_CASE("nobody there is an error, not a hang", "[net]")
     NullLog log;
     net::SystemWallClock clock;
     crypto::SystemRandom random;
-    client::ClientConfig config;
+    client::ConnectionConfig config;
     config.channel.endpoint_url = "opc.tcp://127.0.0.1:1";
     net::ClientLoop loop;
     const auto connected = loop.connect(config, {&random, &clock, &log, nullptr, nullptr});

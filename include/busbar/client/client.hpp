@@ -3,139 +3,138 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
-#include <type_traits>
-#include <vector>
 
-#include <busbar/binary/codec.hpp>
-#include <busbar/binary/type_registry.hpp>
-#include <busbar/channel/client_channel.hpp>
-#include <busbar/types/common.hpp>
-#include <busbar/types/discovery.hpp>
-#include <busbar/types/registry.hpp>
+#include <busbar/channel/channel_types.hpp>
+#include <busbar/client/endpoint_choice.hpp>
+#include <busbar/client/requester.hpp>
+#include <busbar/client/subscriptions.hpp>
+#include <busbar/client/user_identity.hpp>
 
 namespace busbar::client {
 
-/// Who a session is for (Part 4, 7.40).
-struct UserIdentity {
-    /// Empty: anonymous.
-    std::string user_name;
-    std::string password;
+/// When a lost connection is tried again: after `first`, then after `factor` times as long each
+/// time, up to `longest`, each shortened at random by up to a fifth so that the clients of a plant
+/// do not come back all at once.
+struct ReconnectPolicy {
+    bool is_enabled{true};
+    Duration first{std::chrono::seconds{1}};
+    double factor{2};
+    Duration longest{std::chrono::seconds{30}};
+    /// Give up with the last error after so many attempts in a row; 0 never.
+    std::uint32_t max_attempts{0};
 };
 
 struct ClientConfig {
-    channel::ClientChannelConfig channel;
-    std::string application_name{"Busbar client"};
-    std::string application_uri{"urn:busbar:client"};
-    std::string session_name{"Busbar"};
+    /// opc.tcp://host:port/path, of the server or one of its discovery endpoints.
+    std::string endpoint_url;
+    SecurityWishes security;
     UserIdentity identity;
-    std::chrono::milliseconds session_timeout{60'000};
-    /// After this an open request is given up with Bad_Timeout.
-    std::chrono::milliseconds request_timeout{10'000};
-    /// False for FindServers and GetEndpoints, which need no session.
+    std::string application_uri{"urn:busbar:client"};
+    std::string application_name{"Busbar client"};
+    std::string session_name{"Busbar"};
+    Duration session_timeout{std::chrono::minutes{1}};
+    Duration request_timeout{std::chrono::seconds{10}};
+    /// From the wish for a connection to a session, for one attempt.
+    Duration connect_timeout{std::chrono::seconds{20}};
+    /// Server_State is read when nothing was heard for so long; twice without an answer and the
+    /// connection is given up.
+    Duration keep_alive_interval{std::chrono::seconds{5}};
+    ReconnectPolicy reconnect;
+    Duration channel_lifetime{std::chrono::hours{1}};
+    channel::TransportLimits transport;
+    binary::DecodeLimits decode;
+    SubscriptionLimits subscriptions;
+    /// Requests that may wait or be under way together; past it Bad_TooManyOperations.
+    std::size_t max_requests{10'000};
+    /// Not empty: only a server with this ApplicationUri will do.
+    std::string server_uri;
+    /// False for FindServers, GetEndpoints and RegisterServer, which need no session.
     bool wants_session{true};
-    /// What responses may contain.
-    binary::DecodeLimits limits{};
+    /// The server connects to us (Part 6, 7.1.2.6).
+    bool is_reverse{false};
 };
 
-/// What happened on a client.
-struct ClientEvent {
+enum class ClientState : std::uint8_t {
+    Waiting,     // for the next attempt, or for the first call of connect()
+    Connecting,  // a transport was ordered
+    Discovering, // GetEndpoints over a channel of its own
+    Opening,     // the channel, the session, what the server is able to do
+    Ready,
+    Closing,
+    Closed, // by close(), or for good
+};
+
+/// What whoever drives a Client is to do with its transport. One at a time.
+struct TransportOrder {
     enum class Kind : std::uint8_t {
-        Ready,    // the session is activated, or the channel open if no session is wanted
-        Response, // to the request with `handle`
-        Closed,   // nothing more will come
+        Open, // connect to `url`, or wait for a ReverseHello if the configuration says so
+        Drop, // send what output() still has, then let the connection go
     };
-    Kind kind{Kind::Closed};
-    std::uint32_t handle{0};
-    /// Response: the ServiceResult, or Bad_Timeout, Bad_SecureChannelClosed if none came.
-    /// Closed: why.
-    StatusCode status;
-    /// Response: NodeId of the encoding and the structure; empty if none came.
-    std::vector<std::byte> body;
-
-    /// The response as a T, whose strings borrow from this event; Bad_DecodingError if it is none,
-    /// the ServiceResult if that is bad.
-    template <typename T>
-    [[nodiscard]] Result<T> response(const binary::DecodeLimits& limits = {}) const;
+    Kind kind{Kind::Open};
+    /// Open: names the attempt; answers to older ones are ignored.
+    std::uint64_t id{0};
+    std::string url;
 };
 
-/// A client of one server over one connection: opens the channel, creates and activates a session,
-/// sends requests and matches their responses. Sans-I/O, in the shape of the channel. A connection
-/// that is lost ends the Client; whoever drives it makes a new one.
-class Client {
+/// A client that stays connected to one server: finds the best endpoint, opens channel and session,
+/// keeps them alive, and has them again when they are lost, Subscriptions included.
+///
+/// Sans-I/O and polled. Bytes, time and what became of transports go in; bytes, orders and the next
+/// deadline come out. Handlers run in poll() only, and poll() does a bounded piece of work, so that
+/// a PLC task can step a Client in its cycle. One thread; the net layer has drivers.
+class Client final : public Requester {
 public:
-    /// `environment` must outlive the Client.
+    /// `environment` must outlive the Client; the validator decides on the server's certificate.
     Client(ClientConfig config, const channel::ChannelEnvironment& environment, TimePoint now);
-    Client(Client&&) noexcept;
-    Client& operator=(Client&&) noexcept;
-    ~Client();
+    ~Client() override;
 
+    /// Wants to be connected from now on.
+    void connect(TimePoint now);
+    /// Closes session and channel, and deletes Subscriptions at the server. Requests end with
+    /// Bad_ConnectionClosed.
+    void close(TimePoint now);
+
+    [[nodiscard]] ClientState state() const;
+    /// Why the Client is not Ready: the last failure; Good before the first.
+    [[nodiscard]] StatusCode last_error() const;
+    /// The endpoint that is used; null before the first choice.
+    [[nodiscard]] const EndpointDescription* endpoint() const;
+    /// Called in poll() for each change of state.
+    void on_state(std::function<void(ClientState, StatusCode)> handler);
+    [[nodiscard]] Subscriptions& subscriptions();
+
+    // Requester
+    void cancel(RequestId id) override;
+    [[nodiscard]] const ServerInfo& server() const override;
+    [[nodiscard]] TimePoint now() const override;
+    [[nodiscard]] const binary::DecodeLimits& decode_limits() const override;
+
+    // For who drives it.
+
+    [[nodiscard]] std::optional<TransportOrder> next_order();
+    void connected(std::uint64_t order, TimePoint now);
+    /// The attempt failed, or the connection is gone.
+    void disconnected(std::uint64_t order, StatusCode why, TimePoint now);
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
-    [[nodiscard]] std::optional<ClientEvent> next_event();
     [[nodiscard]] std::span<const std::byte> output() const;
     void consume(std::size_t size);
     [[nodiscard]] TimePoint next_deadline() const;
     void handle_deadline(TimePoint now);
-    [[nodiscard]] bool is_closed() const;
-
-    /// Sends `request`, whose header is filled in here; the handle that its Response will carry.
-    /// Any number may be under way.
-    template <typename Request>
-    [[nodiscard]] Result<std::uint32_t> send(Request&& request);
-    /// Closes session and channel (Part 4, 5.7.4 and 5.6.3).
-    void close();
-
-    /// What the server offered in CreateSession.
-    [[nodiscard]] const Array<EndpointDescription>& endpoints() const;
+    /// Handles at most `max_steps` things that happened, a response each, and calls their handlers.
+    /// True if there is more to do.
+    bool poll(TimePoint now, std::size_t max_steps = 1'000);
 
 private:
+    RequestId start(Encode encode, Handler<ResponseBody> handler,
+                    const RequestOptions& options) override;
+
     struct Impl;
-
-    void fill(RequestHeader& header);
-    [[nodiscard]] Result<void> send(std::uint32_t handle,
-                                    FunctionRef<void(binary::Writer&)> encode);
-
     std::unique_ptr<Impl> impl_;
 };
-
-template <typename T>
-Result<T> ClientEvent::response(const binary::DecodeLimits& limits) const
-{
-    if (status.is_bad()) {
-        return fail(status);
-    }
-    static const binary::TypeRegistry types{binary::namespace0_types()};
-    binary::Reader reader{body, binary::Strings::Borrow, &types, limits};
-    NodeId id;
-    T structure;
-    decode(reader, id);
-    if (!id.is(T::binary_encoding_id)) {
-        return fail(status::Bad_DecodingError);
-    }
-    decode(reader, structure);
-    if (!reader.ok()) {
-        return fail(reader.status());
-    }
-    return structure;
-}
-
-template <typename Request>
-Result<std::uint32_t> Client::send(Request&& request)
-{
-    using Type = std::remove_cvref_t<Request>;
-    fill(request.request_header);
-    const std::uint32_t handle = request.request_header.request_handle;
-    const auto sent = send(handle, [&](binary::Writer& writer) {
-        encode(writer, NodeId{0, Type::binary_encoding_id});
-        encode(writer, request);
-    });
-    if (!sent) {
-        return fail(sent.error());
-    }
-    return handle;
-}
 
 } // namespace busbar::client

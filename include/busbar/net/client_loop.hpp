@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include <busbar/client/client.hpp>
+#include <busbar/client/connection.hpp>
 
 namespace busbar::net {
 
@@ -20,17 +20,17 @@ public:
     /// Connects to the configuration's endpoint URL and begins the handshake. Blocks for the
     /// connection, at most `timeout`: Bad_Timeout, Bad_CommunicationError, or
     /// Bad_TcpEndpointUrlInvalid. `environment` must outlive the loop.
-    [[nodiscard]] Result<void> connect(client::ClientConfig config,
+    [[nodiscard]] Result<void> connect(client::ConnectionConfig config,
                                        const channel::ChannelEnvironment& environment,
                                        Duration timeout = std::chrono::seconds{10});
     /// The client; only after connect().
-    [[nodiscard]] client::Client& client();
+    [[nodiscard]] client::Connection& client();
     /// The next event, or nothing after `timeout`.
-    [[nodiscard]] std::optional<client::ClientEvent> wait(Duration timeout = std::chrono::seconds{
+    [[nodiscard]] std::optional<client::ConnectionEvent> wait(Duration timeout = std::chrono::seconds{
                                                               30});
     /// Sends `request` and waits for its response; other events are dropped.
     template <typename Request>
-    [[nodiscard]] Result<client::ClientEvent> call(Request&& request)
+    [[nodiscard]] Result<client::ConnectionEvent> call(Request&& request)
     {
         const auto handle = client().send(std::forward<Request>(request));
         if (!handle) {
@@ -44,7 +44,7 @@ public:
     void close();
 
 private:
-    [[nodiscard]] Result<client::ClientEvent> wait_for(std::uint32_t handle);
+    [[nodiscard]] Result<client::ConnectionEvent> wait_for(std::uint32_t handle);
 
     struct Impl;
     std::unique_ptr<Impl> impl_;

@@ -1,4 +1,4 @@
-#include <busbar/client/client.hpp>
+#include <busbar/client/connection.hpp>
 
 #include <algorithm>
 #include <deque>
@@ -19,8 +19,8 @@ struct Pending {
 
 } // namespace
 
-struct Client::Impl {
-    Impl(ClientConfig c, const channel::ChannelEnvironment& e, TimePoint start)
+struct Connection::Impl {
+    Impl(ConnectionConfig c, const channel::ChannelEnvironment& e, TimePoint start)
         : config{std::move(c)},
           environment{e}, channel{config.channel, environment, start}, now{start}
     {
@@ -35,11 +35,11 @@ struct Client::Impl {
     void handle_opened();
     void handle_response(channel::Event event);
     void create_session();
-    void activate_session(const ClientEvent& event);
-    void finish_activation(const ClientEvent& event);
+    void activate_session(const ConnectionEvent& event);
+    void finish_activation(const ConnectionEvent& event);
     void end(StatusCode status);
 
-    ClientConfig config;
+    ConnectionConfig config;
     channel::ChannelEnvironment environment;
     channel::ClientChannel channel;
     detail::SessionData session;
@@ -47,10 +47,10 @@ struct Client::Impl {
     TimePoint now;
     std::uint32_t last_handle{0};
     std::deque<Pending> pending; // in the order of their deadlines
-    std::deque<ClientEvent> events;
+    std::deque<ConnectionEvent> events;
 };
 
-void Client::Impl::fill(RequestHeader& header)
+void Connection::Impl::fill(RequestHeader& header)
 {
     header.authentication_token = session.authentication_token;
     header.timestamp = environment.wall_clock->now();
@@ -58,7 +58,7 @@ void Client::Impl::fill(RequestHeader& header)
     header.timeout_hint = static_cast<std::uint32_t>(config.request_timeout.count());
 }
 
-Result<void> Client::Impl::send(std::uint32_t handle, FunctionRef<void(binary::Writer&)> encode)
+Result<void> Connection::Impl::send(std::uint32_t handle, FunctionRef<void(binary::Writer&)> encode)
 {
     const auto id = channel.send(encode);
     if (!id) {
@@ -69,7 +69,7 @@ Result<void> Client::Impl::send(std::uint32_t handle, FunctionRef<void(binary::W
 }
 
 template <typename Request>
-Result<void> Client::Impl::send(Request& request)
+Result<void> Connection::Impl::send(Request& request)
 {
     fill(request.request_header);
     return send(request.request_header.request_handle, [&](binary::Writer& writer) {
@@ -78,7 +78,7 @@ Result<void> Client::Impl::send(Request& request)
     });
 }
 
-void Client::Impl::handle(channel::Event event)
+void Connection::Impl::handle(channel::Event event)
 {
     switch (event.kind) {
     case channel::Event::Kind::Opened:
@@ -96,17 +96,17 @@ void Client::Impl::handle(channel::Event event)
     }
 }
 
-void Client::Impl::handle_opened()
+void Connection::Impl::handle_opened()
 {
     if (config.wants_session) {
         create_session();
     } else {
         state = State::Ready;
-        events.push_back({ClientEvent::Kind::Ready, 0, {}, {}});
+        events.push_back({ConnectionEvent::Kind::Ready, 0, {}, {}});
     }
 }
 
-void Client::Impl::handle_response(channel::Event event)
+void Connection::Impl::handle_response(channel::Event event)
 {
     const auto found = std::find_if(pending.begin(), pending.end(), [&](const Pending& p) {
         return p.request_id == event.request_id;
@@ -114,8 +114,8 @@ void Client::Impl::handle_response(channel::Event event)
     if (found == pending.end()) {
         return; // it came too late
     }
-    ClientEvent response{ClientEvent::Kind::Response, found->handle, event.status,
-                         std::move(event.body)};
+    ConnectionEvent response{ConnectionEvent::Kind::Response, found->handle, event.status,
+                             std::move(event.body)};
     pending.erase(found);
     if (response.status.is_good()) {
         // Every response begins with its header, a ServiceFault is nothing else.
@@ -135,7 +135,7 @@ void Client::Impl::handle_response(channel::Event event)
     }
 }
 
-void Client::Impl::create_session()
+void Connection::Impl::create_session()
 {
     auto request = detail::make_create_session(config, environment, session);
     const auto sent = request ? send(*request) : fail(request.error());
@@ -145,7 +145,7 @@ void Client::Impl::create_session()
     }
 }
 
-void Client::Impl::activate_session(const ClientEvent& event)
+void Connection::Impl::activate_session(const ConnectionEvent& event)
 {
     const auto response = event.response<CreateSessionResponse>(config.limits);
     if (!response) {
@@ -165,7 +165,7 @@ void Client::Impl::activate_session(const ClientEvent& event)
     }
 }
 
-void Client::Impl::finish_activation(const ClientEvent& event)
+void Connection::Impl::finish_activation(const ConnectionEvent& event)
 {
     const auto response = event.response<ActivateSessionResponse>(config.limits);
     if (!response) {
@@ -174,37 +174,38 @@ void Client::Impl::finish_activation(const ClientEvent& event)
     }
     session.server_nonce = response->server_nonce;
     state = State::Ready;
-    events.push_back({ClientEvent::Kind::Ready, 0, {}, {}});
+    events.push_back({ConnectionEvent::Kind::Ready, 0, {}, {}});
 }
 
-void Client::Impl::end(StatusCode status)
+void Connection::Impl::end(StatusCode status)
 {
     if (std::exchange(state, State::Closed) == State::Closed) {
         return;
     }
     for (const Pending& request : std::exchange(pending, {})) {
         events.push_back(
-            {ClientEvent::Kind::Response, request.handle, status::Bad_SecureChannelClosed, {}});
+            {ConnectionEvent::Kind::Response, request.handle, status::Bad_SecureChannelClosed, {}});
     }
-    events.push_back({ClientEvent::Kind::Closed, 0, status, {}});
+    events.push_back({ConnectionEvent::Kind::Closed, 0, status, {}});
     channel.close();
 }
 
-Client::Client(ClientConfig config, const channel::ChannelEnvironment& environment, TimePoint now)
+Connection::Connection(ConnectionConfig config, const channel::ChannelEnvironment& environment,
+                       TimePoint now)
     : impl_{std::make_unique<Impl>(std::move(config), environment, now)}
 {
 }
-Client::Client(Client&&) noexcept = default;
-Client& Client::operator=(Client&&) noexcept = default;
-Client::~Client() = default;
+Connection::Connection(Connection&&) noexcept = default;
+Connection& Connection::operator=(Connection&&) noexcept = default;
+Connection::~Connection() = default;
 
-Result<void> Client::feed(std::span<const std::byte> in, TimePoint now)
+Result<void> Connection::feed(std::span<const std::byte> in, TimePoint now)
 {
     impl_->now = now;
     return impl_->channel.feed(in, now);
 }
 
-std::optional<ClientEvent> Client::next_event()
+std::optional<ConnectionEvent> Connection::next_event()
 {
     while (impl_->events.empty()) {
         auto event = impl_->channel.next_event();
@@ -213,28 +214,28 @@ std::optional<ClientEvent> Client::next_event()
         }
         impl_->handle(*std::move(event));
     }
-    ClientEvent event = std::move(impl_->events.front());
+    ConnectionEvent event = std::move(impl_->events.front());
     impl_->events.pop_front();
     return event;
 }
 
-std::span<const std::byte> Client::output() const
+std::span<const std::byte> Connection::output() const
 {
     return impl_->channel.output();
 }
 
-void Client::consume(std::size_t size)
+void Connection::consume(std::size_t size)
 {
     impl_->channel.consume(size);
 }
 
-TimePoint Client::next_deadline() const
+TimePoint Connection::next_deadline() const
 {
     const TimePoint channel = impl_->channel.next_deadline();
     return impl_->pending.empty() ? channel : std::min(channel, impl_->pending.front().deadline);
 }
 
-void Client::handle_deadline(TimePoint now)
+void Connection::handle_deadline(TimePoint now)
 {
     impl_->now = now;
     while (!impl_->pending.empty() && impl_->pending.front().deadline <= now) {
@@ -244,17 +245,17 @@ void Client::handle_deadline(TimePoint now)
             impl_->end(status::Bad_Timeout);
             return;
         }
-        impl_->events.push_back({ClientEvent::Kind::Response, handle, status::Bad_Timeout, {}});
+        impl_->events.push_back({ConnectionEvent::Kind::Response, handle, status::Bad_Timeout, {}});
     }
     impl_->channel.handle_deadline(now);
 }
 
-bool Client::is_closed() const
+bool Connection::is_closed() const
 {
     return impl_->channel.is_closed();
 }
 
-void Client::close()
+void Connection::close()
 {
     if (impl_->state == State::Ready && impl_->config.wants_session) {
         CloseSessionRequest request;
@@ -264,17 +265,17 @@ void Client::close()
     impl_->end({});
 }
 
-const Array<EndpointDescription>& Client::endpoints() const
+const Array<EndpointDescription>& Connection::endpoints() const
 {
     return impl_->session.endpoints;
 }
 
-void Client::fill(RequestHeader& header)
+void Connection::fill(RequestHeader& header)
 {
     impl_->fill(header);
 }
 
-Result<void> Client::send(std::uint32_t handle, FunctionRef<void(binary::Writer&)> encode)
+Result<void> Connection::send(std::uint32_t handle, FunctionRef<void(binary::Writer&)> encode)
 {
     if (impl_->state != State::Ready) {
         return fail(status::Bad_SessionNotActivated);

@@ -1,0 +1,124 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <busbar/binary/codec.hpp>
+#include <busbar/binary/type_registry.hpp>
+#include <busbar/core/clock.hpp>
+#include <busbar/core/result.hpp>
+#include <busbar/types/common.hpp>
+#include <busbar/types/registry.hpp>
+
+namespace busbar::client {
+
+/// How much one request may carry; 0 is as much as fits (Part 5, 6.3.11). A service with more work
+/// to do sends several requests.
+struct OperationLimits {
+    std::uint32_t max_nodes_per_read{0};
+    std::uint32_t max_nodes_per_write{0};
+    std::uint32_t max_nodes_per_method_call{0};
+    std::uint32_t max_nodes_per_browse{0};
+    std::uint32_t max_nodes_per_register_nodes{0};
+    std::uint32_t max_nodes_per_translate_browse_paths{0};
+    std::uint32_t max_nodes_per_node_management{0};
+    std::uint32_t max_monitored_items_per_call{0};
+};
+
+/// What a client knows of the server its session is with; read again with every new session.
+struct ServerInfo {
+    /// Server_NamespaceArray and Server_ServerArray (Part 5, 6.3.1). Own their strings.
+    std::vector<std::string> namespaces;
+    std::vector<std::string> servers;
+    OperationLimits operation_limits;
+    /// Grows by one whenever something above has changed.
+    std::uint64_t revision{0};
+};
+
+using RequestId = std::uint64_t;
+
+struct RequestOptions {
+    /// After this the request ends with Bad_Timeout; zero: as the client is configured.
+    Duration timeout{0};
+    /// Without a session the request waits for one, for its timeout at most; false: it ends at
+    /// once with Bad_ServerNotConnected.
+    bool waits_for_session{true};
+};
+
+/// The body of a response: NodeId of its encoding and the structure.
+struct ResponseBody {
+    std::vector<std::byte> bytes;
+
+    /// As a T that owns its strings; Bad_DecodingError if it is none.
+    template <typename T>
+    [[nodiscard]] Result<T> decoded(const binary::DecodeLimits& limits) const
+    {
+        static const binary::TypeRegistry types{binary::namespace0_types()};
+        binary::Reader reader{bytes, binary::Strings::Own, &types, limits};
+        NodeId id;
+        T structure;
+        decode(reader, id);
+        if (!id.is(T::binary_encoding_id)) {
+            return fail(status::Bad_DecodingError);
+        }
+        decode(reader, structure);
+        if (!reader.ok()) {
+            return fail(reader.status());
+        }
+        return structure;
+    }
+};
+
+/// Sends requests within a session and hands their responses over: what everything above a
+/// connection is written against, be it Client or a test's stand-in. One thread.
+class Requester {
+public:
+    /// Called once for each request, never from within call(), but not after cancel(). It may make
+    /// requests and cancel others. What it gets is the response, the ServiceResult if that is bad,
+    /// or why there is none: Bad_Timeout, Bad_ConnectionClosed, Bad_ServerNotConnected,
+    /// Bad_EncodingLimitsExceeded, Bad_TooManyOperations.
+    template <typename Response>
+    using Handler = std::function<void(Result<Response>)>;
+
+    Requester() = default;
+    Requester(const Requester&) = delete;
+    Requester& operator=(const Requester&) = delete;
+    virtual ~Requester() = default;
+
+    /// Sends `request`, whose header is filled in when it goes out. Response is its response.
+    template <typename Response, typename Request>
+    RequestId call(Request request, Handler<Response> handler, RequestOptions options = {})
+    {
+        return start(
+            [request = std::move(request)](binary::Writer& writer,
+                                           const RequestHeader& header) mutable {
+                request.request_header = header;
+                encode(writer, NodeId{0, Request::binary_encoding_id});
+                encode(writer, request);
+            },
+            [this, handler = std::move(handler)](Result<ResponseBody> body) {
+                handler(body ? body->template decoded<Response>(decode_limits())
+                             : fail(body.error()));
+            },
+            options);
+    }
+    /// Forgets the request: its handler is not called, a late response is dropped.
+    virtual void cancel(RequestId id) = 0;
+
+    [[nodiscard]] virtual const ServerInfo& server() const = 0;
+    /// The time of the call under way.
+    [[nodiscard]] virtual TimePoint now() const = 0;
+    [[nodiscard]] virtual const binary::DecodeLimits& decode_limits() const = 0;
+
+protected:
+    /// Writes the request with the header that is given; may be called later.
+    using Encode = std::function<void(binary::Writer&, const RequestHeader&)>;
+
+    virtual RequestId start(Encode encode, Handler<ResponseBody> handler,
+                            const RequestOptions& options) = 0;
+};
+
+} // namespace busbar::client

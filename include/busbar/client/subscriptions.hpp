@@ -1,0 +1,160 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <busbar/client/node_address.hpp>
+#include <busbar/client/requester.hpp>
+#include <busbar/core/attribute_id.hpp>
+#include <busbar/types/monitored_item.hpp>
+#include <busbar/types/subscription.hpp>
+
+namespace busbar::client {
+
+/// Names of this client, valid for the life of the Subscriptions object; the server's ids change
+/// when a Subscription had to be made anew.
+using SubscriptionHandle = std::uint32_t;
+using ItemHandle = std::uint32_t;
+
+struct SubscriptionSettings {
+    std::chrono::duration<double, std::milli> publishing_interval{500};
+    /// Part 4, 5.14.2; the lifetime count is at least three times the keep-alive count.
+    std::uint32_t lifetime_count{60};
+    std::uint32_t max_keep_alive_count{10};
+    std::uint32_t max_notifications_per_publish{0};
+    std::uint8_t priority{0};
+    bool is_publishing_enabled{true};
+};
+
+struct ItemSettings {
+    NodeAddress node;
+    AttributeId attribute{AttributeId::Value};
+    String index_range;
+    std::chrono::duration<double, std::milli> sampling_interval{-1};
+    std::uint32_t queue_size{1};
+    bool discard_oldest{true};
+    MonitoringMode mode{MonitoringMode::Reporting};
+    TimestampsToReturn timestamps{TimestampsToReturn::Both};
+    /// DataChangeFilter or EventFilter, or null. An EventFilter asks for events: the attribute is
+    /// EventNotifier then.
+    ExtensionObject filter;
+};
+
+/// What the server made of it.
+struct ItemStatus {
+    StatusCode status;
+    double revised_sampling_interval{0};
+    std::uint32_t revised_queue_size{0};
+    ExtensionObject filter_result;
+};
+
+struct DataChange {
+    ItemHandle item;
+    DataValue value;
+};
+struct EventArrived {
+    ItemHandle item;
+    /// The fields that the filter selects, in its order.
+    Array<Variant> fields;
+};
+
+/// Something was really lost, or may have been: nothing that the server still had is in a Gap.
+struct Gap {
+    SubscriptionHandle subscription;
+    /// Empty: all items of the subscription.
+    std::vector<ItemHandle> items;
+    /// The last moment that notifications are complete for, and the first one again; the server's
+    /// publish time or, without one, the client's wall clock.
+    DateTime from;
+    DateTime to;
+    /// Bad_SequenceNumberUnknown or Bad_MessageNotAvailable: notifications that the server no
+    /// longer has. Bad_SubscriptionIdInvalid: the Subscription was made anew.
+    /// Good_SubscriptionTransferred, Bad_NoSubscription: polled. Bad_TooManyOperations: the user
+    /// took too long.
+    StatusCode reason;
+};
+
+/// How a Subscription gets its values now.
+enum class DeliveryMode : std::uint8_t {
+    None,       // no session, or not created yet
+    Publishing, // as Part 4 has it
+    Polling,    // the server has no Subscriptions: items are read at their sampling interval
+};
+
+/// What the user is told. All in poll() of the Client, on its thread; spans are valid during the
+/// call. Empty functions are skipped.
+struct SubscriptionHandlers {
+    std::function<void(std::span<const DataChange>)> on_data;
+    std::function<void(std::span<const EventArrived>)> on_events;
+    std::function<void(ItemHandle, const ItemStatus&)> on_item;
+    std::function<void(const Gap&)> on_gap;
+    /// Created or changed, with what the server revised, or not: why (Bad_ codes).
+    std::function<void(StatusCode, DeliveryMode, const CreateSubscriptionResponse&)> on_status;
+};
+
+/// Limits of what one client keeps; past them Bad_TooManySubscriptions, Bad_TooManyMonitoredItems.
+struct SubscriptionLimits {
+    std::size_t max_subscriptions{100};
+    std::size_t max_items{1'000'000};
+    /// Publish requests under way, and how many the user's Subscriptions add to that (Part 4,
+    /// 5.14.5): one more than there are Subscriptions, at least two, at most this.
+    std::size_t max_publish_requests{10};
+    /// Sequence numbers that wait for their Republish.
+    std::size_t max_missing{1'000};
+};
+
+/// The Subscriptions that a user wants, and what it takes to have them whatever happens to the
+/// server: wishes are kept here, and brought to every session.
+///
+/// After a session that was resumed: what is missing is fetched by Republish. After a new session:
+/// TransferSubscriptions and Republish; where that is refused the Subscription is made anew with
+/// its items. Where the server has no Subscription service set, items are polled by Read. Whatever
+/// could not be had again is a Gap. Driven by the Client that owns it.
+class Subscriptions {
+public:
+    explicit Subscriptions(Requester& requester, SubscriptionLimits limits = {});
+    Subscriptions(const Subscriptions&) = delete;
+    Subscriptions& operator=(const Subscriptions&) = delete;
+    ~Subscriptions();
+
+    // The user's wishes. They never wait: they are carried out when a session allows it, and a
+    // handler tells what became of them.
+
+    [[nodiscard]] Result<SubscriptionHandle> create(SubscriptionSettings settings,
+                                                    SubscriptionHandlers handlers);
+    Result<void> modify(SubscriptionHandle subscription, SubscriptionSettings settings);
+    Result<void> remove(SubscriptionHandle subscription);
+    /// In the order of `items`.
+    [[nodiscard]] Result<std::vector<ItemHandle>> add_items(SubscriptionHandle subscription,
+                                                            std::vector<ItemSettings> items);
+    Result<void> modify_items(std::span<const ItemHandle> items, const ItemSettings& settings);
+    Result<void> remove_items(std::span<const ItemHandle> items);
+    /// Part 4, 5.13.5; kept and repeated like the items.
+    Result<void> set_triggering(ItemHandle trigger, std::vector<ItemHandle> links);
+
+    [[nodiscard]] DeliveryMode mode(SubscriptionHandle subscription) const;
+    /// What the server calls it; 0 while there is none.
+    [[nodiscard]] std::uint32_t server_id(SubscriptionHandle subscription) const;
+
+    // The life of the session, told by the Client.
+
+    enum class SessionStart : std::uint8_t {
+        Resumed, // the same session on a new channel
+        New,     // another session; Subscriptions of the last one may still live
+    };
+    void session_started(SessionStart how);
+    void session_lost();
+
+    [[nodiscard]] TimePoint next_deadline() const;
+    void handle_deadline(TimePoint now);
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace busbar::client

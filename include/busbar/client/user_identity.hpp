@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <variant>
+
+#include <busbar/core/types.hpp>
+#include <busbar/crypto/certificate.hpp>
+#include <busbar/crypto/private_key.hpp>
+
+namespace busbar::client {
+
+/// Who a session is for (Part 4, 7.40).
+struct AnonymousUser {};
+struct NamedUser {
+    std::string user_name;
+    std::string password;
+};
+/// An X.509 certificate and its key; the certificate is sent as it is.
+struct CertificateUser {
+    crypto::Certificate certificate;
+    std::shared_ptr<const crypto::PrivateKey> key;
+};
+/// A token that somebody else issued, such as a JWT (Part 6, 6.5.2).
+struct IssuedUser {
+    std::string token;
+    /// IssuedTokenType of the token policy; the default is JWT.
+    std::string type_uri{"http://opcfoundation.org/UA/UserToken#JWT"};
+};
+
+using UserIdentity = std::variant<AnonymousUser, NamedUser, CertificateUser, IssuedUser>;
+
+} // namespace busbar::client

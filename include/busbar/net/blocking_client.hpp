@@ -1,0 +1,56 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <utility>
+
+#include <busbar/client/client.hpp>
+
+namespace busbar::net {
+
+/// A client::Client for programs that do one thing after the other. The connection is served while
+/// a call of this class waits, and only then. One thread.
+class BlockingClient {
+public:
+    /// `environment` must outlive the object.
+    BlockingClient(client::ClientConfig config, const channel::ChannelEnvironment& environment);
+    BlockingClient(const BlockingClient&) = delete;
+    BlockingClient& operator=(const BlockingClient&) = delete;
+    ~BlockingClient();
+
+    /// Waits for the session (or channel, if no session is wanted), at most `timeout`: Bad_Timeout,
+    /// or the first failure that another attempt cannot mend.
+    [[nodiscard]] Result<void> connect(Duration timeout = std::chrono::seconds{20});
+    /// Sends `request` and waits for its response.
+    template <typename Response, typename Request>
+    [[nodiscard]] Result<Response> call(Request request, client::RequestOptions options = {})
+    {
+        std::optional<Result<Response>> answer;
+        const client::RequestId id = client().template call<Response>(
+            std::move(request), [&](Result<Response> result) { answer = std::move(result); },
+            options);
+        if (!run_until([&] { return answer.has_value(); })) {
+            client().cancel(id);
+            return fail(status::Bad_RequestInterrupted);
+        }
+        return *std::move(answer);
+    }
+    /// Serves the connection until `is_done`, which is asked after everything that happened. False
+    /// if it was interrupted or `timeout` is over.
+    bool run_until(const std::function<bool()>& is_done, Duration timeout = Duration::max());
+    /// Serves the connection for so long: Subscriptions deliver meanwhile. Ends early, with false,
+    /// when interrupted.
+    bool run_for(Duration time);
+    /// Ends the call that waits now, or the next one. From any thread and from a signal handler.
+    void interrupt();
+    /// Closes session and channel and waits until that is sent, two seconds at most.
+    void close();
+
+    [[nodiscard]] client::Client& client();
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace busbar::net
