@@ -40,22 +40,17 @@ bool is_json_only(const binary::DataTypeEntry& entry)
     return entry.name.view().starts_with("Json") && entry.name.view().ends_with("Message");
 }
 
-/// Enumerations of service parameters, of which the schema has nothing but the type.
-bool is_for_services_only(const NodeId& type)
+/// The NodeIds of their EnumStrings are in none of the packages that the schema is made of.
+bool has_names_without_id(const NodeId& type)
 {
-    constexpr std::uint32_t types[] = {id::BrowseDirection,    id::BrowseResultMask,
-                                       id::TimestampsToReturn, id::MonitoringMode,
-                                       id::DataChangeTrigger,  id::DeadbandType,
-                                       id::SortOrderType,      id::ModelChangeStructureVerbMask};
-    return std::any_of(std::begin(types), std::end(types),
-                       [&](std::uint32_t number) { return type.is(number); });
+    return type.is(id::DeadbandType) || type.is(id::SortOrderType);
 }
 
-/// The value of EnumStrings or EnumValues.
+/// The value of EnumStrings, EnumValues or OptionSetValues.
 Variant names_of(const AddressSpace& space, NodeIndex type, const binary::TypeRegistry& registry)
 {
     Variant names;
-    for (const char* const name : {"EnumStrings", "EnumValues"}) {
+    for (const char* const name : {"EnumStrings", "EnumValues", "OptionSetValues"}) {
         space.for_each_child(type, space.find(id::HasProperty), false, QualifiedName{0, name},
                              [&](NodeIndex child) {
                                  names = space.value(child, &registry);
@@ -108,7 +103,7 @@ TEST_CASE("Generated structures and their DataTypeDefinitions say the same on th
     CHECK(known >= (is_full(space) ? binary::namespace0_types().size() : 4));
 }
 
-TEST_CASE("Every structure and enumeration of namespace 0 has its definition and its names")
+TEST_CASE("Every structure, enumeration and option set of namespace 0 has definition and names")
 {
     const AddressSpace space;
     const binary::TypeRegistry registry{binary::namespace0_types()};
@@ -116,21 +111,24 @@ TEST_CASE("Every structure and enumeration of namespace 0 has its definition and
     for (const binary::DataTypeEntry& entry : collect_data_types(space)) {
         INFO(entry.name.view() << " " << to_string(entry.id));
         const NodeIndex node = space.find(entry.id);
-        const bool is_enumeration = space.is_subtype_of(node, id::Enumeration);
         const bool is_structure = space.is_subtype_of(node, id::Structure);
-        if (entry.is_abstract || (!is_enumeration && !is_structure)) {
-            continue;
+        const bool is_root = entry.id.is(id::Structure) || entry.id.is(id::Enumeration);
+        const auto* const names = std::get_if<EnumDefinition>(&entry.definition);
+        if (is_root ||
+            (!is_structure && !space.is_subtype_of(node, id::Enumeration) && names == nullptr)) {
+            continue; // Part 5, 12.2: the roots have no definition, nor have simple types
         }
         ++count;
         CHECK(entry.definition.index() != 0);
         if (const auto* structure = std::get_if<StructureDefinition>(&entry.definition)) {
-            CHECK((!structure->default_encoding_id.is_null() || is_json_only(entry)));
+            CHECK((!structure->default_encoding_id.is_null() || entry.is_abstract ||
+                   is_json_only(entry)));
             // A small namespace 0 leaves out encodings that nothing in it needs.
             CHECK((structure->default_encoding_id == entry.encoding_id || !is_full(space)));
+            CHECK(structure->base_data_type == entry.base);
         }
-        if (is_enumeration && !is_for_services_only(entry.id)) {
-            const auto& fields = std::get<EnumDefinition>(entry.definition).fields;
-            CHECK(names_of(space, node, registry).array_size() >= fields.size());
+        if (names != nullptr && !is_structure && !has_names_without_id(entry.id)) {
+            CHECK(names_of(space, node, registry).array_size() >= names->fields.size());
         }
     }
     CHECK(count > 5);
