@@ -34,6 +34,34 @@ Result<std::vector<std::byte>> recode(const StructureType& type, std::span<const
     return sink.take(writer.written());
 }
 
+/// The same structure as C++ object.
+ExtensionObject decoded_object(const ExtensionObject& encoded, const binary::TypeRegistry& registry)
+{
+    const auto bytes = binary::to_bytes(encoded);
+    return binary::from_bytes<ExtensionObject>(*bytes, &registry, binary::dynamic_decode_limits())
+        .value_or(ExtensionObject{});
+}
+
+/// All ways in which a Variant can hold it, and what each is with the structure encoded.
+std::vector<std::pair<Variant, Variant>> held_in_variants(const ExtensionObject& object,
+                                                          const ExtensionObject& encoded)
+{
+    std::vector<std::pair<Variant, Variant>> result;
+    const auto add = [&](auto make) { result.emplace_back(make(object), make(encoded)); };
+    using Objects = Array<ExtensionObject>;
+    add([](const ExtensionObject& each) { return Variant{each}; });
+    add([](const ExtensionObject& each) { return Variant{Objects{each, {}, each}}; });
+    add([](const ExtensionObject& each) { return Variant::matrix(Objects{each, each}, {1U, 2U}); });
+    add([](const ExtensionObject& each) {
+        return Variant{Array<Variant>{Variant{each}, Variant{Objects{each}}, Variant{7}}};
+    });
+    add([](const ExtensionObject& each) { return Variant{DataValue{Variant{each}}}; });
+    add([](const ExtensionObject& each) {
+        return Variant{Array<DataValue>{DataValue{Variant{each}}, DataValue{Variant{1}}}};
+    });
+    return result;
+}
+
 /// The messages of PubSub's JSON mapping (Part 14, 7.2.5) have no other encoding.
 bool is_json_only(const binary::DataTypeEntry& entry)
 {
@@ -101,6 +129,51 @@ TEST_CASE("Generated structures and their DataTypeDefinitions say the same on th
         }
     }
     CHECK(known >= (is_full(space) ? binary::namespace0_types().size() : 4));
+}
+
+TEST_CASE("Values convert from and to generated types, also where they hold objects")
+{
+    const AddressSpace space;
+    DataTypes data_types;
+    const binary::DynamicTypes& types = data_types.of(space);
+    const binary::TypeRegistry registry{binary::namespace0_types()};
+    const DynamicType* const pair = types.find(NodeId{0, id::KeyValuePair});
+    const DynamicType* const item = types.find(NodeId{0, id::MonitoringParameters});
+    REQUIRE((pair != nullptr || !is_full(space)));
+    for (const StructureType* const generated : binary::namespace0_types()) {
+        const DynamicType* const type = types.find_encoding(generated->binary_encoding_id.in(0));
+        if (type == nullptr || pair == nullptr || item == nullptr) {
+            continue;
+        }
+        INFO(generated->name);
+        for (std::uint32_t seed = 0; seed < 5; ++seed) {
+            const auto value = test::RandomContent{seed}.structure(*type);
+            const ExtensionObject encoded = binary::to_extension_object(value).value();
+            const ExtensionObject object = decoded_object(encoded, registry);
+            REQUIRE(object.body() == ExtensionObject::Body::Object);
+            REQUIRE(binary::decode_dynamic(object, types) == value);
+            REQUIRE(binary::check_dynamic(Variant{object}, types) == status::Good);
+            for (const auto& [held, same] : held_in_variants(object, encoded)) {
+                KeyValuePair from;
+                from.value = held;
+                const auto dynamic = binary::to_dynamic(from, types);
+                REQUIRE(dynamic);
+                REQUIRE(*dynamic->value("Value") == same);
+                REQUIRE(binary::to_generated<KeyValuePair>(*dynamic, &registry) == from);
+                binary::DynamicValue made{*pair};
+                REQUIRE(made.set("Value", held));
+                REQUIRE(made == *dynamic);
+            }
+            MonitoringParameters from;
+            from.filter = object;
+            const auto dynamic = binary::to_dynamic(from, types);
+            REQUIRE(dynamic);
+            REQUIRE(binary::to_generated<MonitoringParameters>(*dynamic, &registry) == from);
+            binary::DynamicValue made{*item};
+            REQUIRE(made.set("Filter", Variant{object}));
+            REQUIRE(made == *dynamic);
+        }
+    }
 }
 
 TEST_CASE("Every structure, enumeration and option set of namespace 0 has definition and names")

@@ -73,6 +73,8 @@ public:
     // a field that does not exist, Bad_TypeMismatch for content of another type or shape; nothing
     // changes then.
 
+    /// Structures in it that are C++ objects are encoded, as they would come from the wire, so that
+    /// equal values compare equal; errors of that as encode.
     Result<void> set(std::size_t field, Variant content);
     /// The structure itself, or for a field that allows subtypes one of any subtype.
     Result<void> set(std::size_t field, DynamicValue content);

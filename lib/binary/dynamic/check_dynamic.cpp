@@ -1,6 +1,7 @@
 #include <busbar/binary/dynamic_value.hpp>
 
 #include "body_walk.hpp"
+#include "object_body.hpp"
 
 namespace busbar::binary {
 
@@ -49,14 +50,8 @@ StatusCode check_variant(const CheckContext& context, const Variant& value)
 StatusCode check_decoded(const CheckContext& context, const ExtensionObject& object,
                          const DynamicType& type, std::uint32_t depth)
 {
-    VectorSink sink;
-    Writer writer{sink};
-    object.type()->encode(writer, object.object());
-    if (!writer.ok()) {
-        return writer.status();
-    }
-    const auto bytes = sink.take(writer.written());
-    return detail::BodyWalk{context, bytes, depth}.run(type);
+    const auto bytes = detail::encoded_body(object);
+    return bytes ? detail::BodyWalk{context, *bytes, depth}.run(type) : bytes.error();
 }
 
 } // namespace

@@ -3,6 +3,7 @@
 #include "content_check.hpp"
 #include "core/visit_built_in.hpp"
 #include "matrix_header.hpp"
+#include "object_body.hpp"
 
 namespace busbar::binary {
 
@@ -206,13 +207,8 @@ Result<DynamicValue> decode_dynamic(const ExtensionObject& object, const Dynamic
     if (object.body() != ExtensionObject::Body::Object) {
         return busbar::fail(status::Bad_DecodingError);
     }
-    VectorSink sink;
-    Writer writer{sink};
-    object.type()->encode(writer, object.object());
-    if (!writer.ok()) {
-        return busbar::fail(writer.status());
-    }
-    return decode_dynamic(sink.take(writer.written()), *type, limits);
+    const auto bytes = detail::encoded_body(object);
+    return bytes ? decode_dynamic(*bytes, *type, limits) : busbar::fail(bytes.error());
 }
 
 } // namespace busbar::binary
