@@ -62,7 +62,8 @@ StatusCode check_type(const model::AddressSpace& space, const model::VariableAtt
 }
 
 /// A structure that is known from its DataTypeDefinition only has not been decoded yet. What a
-/// client may write by its type is still refused if it is no value of that type.
+/// client may write by its type is still refused if it is no value of that type, or if a text or
+/// array in it is longer than its field allows.
 StatusCode check_structures(const WriteContext& context, const Variant& value)
 {
     const bool may_hold_structures = value.type() == BuiltInType::ExtensionObject ||
