@@ -43,6 +43,11 @@ DataTypeEntry structure(Script& script, std::uint32_t number)
         const unsigned shape = script.byte();
         field.value_rank = static_cast<std::int32_t>(shape % 8) - 1;
         field.is_optional = (shape & 8U) != 0;
+        field.max_string_length = (shape & 16U) != 0 ? 2 : 0;
+        if (field.value_rank > 0 && (shape & 32U) != 0) {
+            field.array_dimensions.resize(static_cast<std::size_t>(field.value_rank));
+            field.array_dimensions[0] = 2;
+        }
         definition.fields.push_back(std::move(field));
     }
     return {NodeId{1, number}, "S", choose_type(script), {}, script.byte() % 8 == 0, definition};
@@ -77,6 +82,17 @@ void round_trip(const binary::DynamicType& type, std::span<const std::byte> inpu
     }
 }
 
+/// The check in place refuses what the decoder refuses, and more.
+void check_in_place(const binary::DynamicTypes& types, const binary::DynamicType& type,
+                    std::span<const std::byte> input)
+{
+    const auto object = ExtensionObject::from_binary(type.encoding_id, ByteString{input});
+    if (types.find_encoding(type.encoding_id) == &type &&
+        binary::check_dynamic(Variant{object}, types).is_good()) {
+        check(binary::decode_dynamic(input, type).has_value());
+    }
+}
+
 } // namespace
 
 /// Definitions of up to eight types that may need each other, then a value of each.
@@ -97,10 +113,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             const binary::DynamicValue initial{*type};
             check(binary::to_bytes(initial)->size() >= type->min_wire_size);
             round_trip(*type, input);
+            check_in_place(types, *type, input);
+            check_in_place(types, *type, *binary::to_bytes(initial));
             round_trip(*type, *binary::to_bytes(initial));
-            if (const auto object = binary::to_extension_object(initial)) {
-                static_cast<void>(binary::check_dynamic(Variant{*object}, types));
-            }
         }
     }
     return 0;

@@ -138,22 +138,18 @@ const model::AddressSpace& Services::space() const
     return impl_->server->address_space();
 }
 
-Services::Cost Services::browse(const NodeId& node, const NodeId& type)
-{
-    return browse_pages(node, type, 0);
-}
-
-Services::Cost Services::browse_pages(const NodeId& node, const NodeId& type, std::uint32_t page)
+Services::Cost Services::browse(const Wish& wish)
 {
     Cost best{std::numeric_limits<double>::max(), 0};
     for (int i = 0; i < rounds; ++i) {
         impl_->server_us = 0;
         BrowseRequest request;
-        request.requested_max_references_per_node = page;
+        request.requested_max_references_per_node = wish.page;
         BrowseDescription& wanted = request.nodes_to_browse.emplace_back();
-        wanted.node_id = node;
-        wanted.reference_type_id = type;
-        wanted.include_subtypes = true;
+        wanted.node_id = wish.node;
+        wanted.reference_type_id = wish.type;
+        wanted.include_subtypes = wish.include_subtypes;
+        wanted.node_class_mask = wish.node_class_mask;
         wanted.result_mask = 63;
         const auto first = impl_->call<BrowseResponse>(request);
         std::size_t found = first.results[0].references.size();

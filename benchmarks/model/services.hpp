@@ -4,6 +4,7 @@
 #include <memory>
 
 #include <busbar/model/address_space.hpp>
+#include <busbar/types/ids.hpp>
 
 namespace busbar::bench {
 
@@ -23,10 +24,17 @@ public:
         /// References, or targets.
         std::size_t results{0};
     };
-    /// All references of a node forward by `type` and its subtypes, in one response.
-    [[nodiscard]] Cost browse(const NodeId& node, const NodeId& type);
-    /// The same, `page` references at a time.
-    [[nodiscard]] Cost browse_pages(const NodeId& node, const NodeId& type, std::uint32_t page);
+    /// What Browse is to find, forward.
+    struct Wish {
+        NodeId node;
+        NodeId type{0, id::HierarchicalReferences};
+        bool include_subtypes{true};
+        /// 0: of every NodeClass.
+        std::uint32_t node_class_mask{0};
+        /// References at a time; 0: all in one response.
+        std::uint32_t page{0};
+    };
+    [[nodiscard]] Cost browse(const Wish& wish);
     /// One request for the paths from Objects to `count` variables of add_machine, spread over
     /// all `variables`.
     [[nodiscard]] Cost translate(std::uint32_t count, std::uint32_t variables);

@@ -1,27 +1,21 @@
 #include <busbar/binary/codec.hpp>
 
+#include "wire_masks.hpp"
+
 namespace busbar {
 
 namespace {
 
-// Part 6, 5.2.2.12
-constexpr unsigned symbolic_id_bit = 0x01;
-constexpr unsigned namespace_uri_bit = 0x02;
-constexpr unsigned localized_text_bit = 0x04;
-constexpr unsigned locale_bit = 0x08;
-constexpr unsigned additional_info_bit = 0x10;
-constexpr unsigned inner_status_code_bit = 0x20;
-constexpr unsigned inner_diagnostic_info_bit = 0x40;
-constexpr unsigned reserved_bit = 0x80;
+namespace bits = detail::diagnostic_info_mask;
 
 unsigned mask_of(const DiagnosticInfo& value)
 {
-    return (value.symbolic_id ? symbolic_id_bit : 0U) |
-           (value.namespace_uri ? namespace_uri_bit : 0U) |
-           (value.localized_text ? localized_text_bit : 0U) | (value.locale ? locale_bit : 0U) |
-           (value.additional_info ? additional_info_bit : 0U) |
-           (value.inner_status_code ? inner_status_code_bit : 0U) |
-           (value.inner_diagnostic_info ? inner_diagnostic_info_bit : 0U);
+    return (value.symbolic_id ? bits::symbolic_id : 0U) |
+           (value.namespace_uri ? bits::namespace_uri : 0U) |
+           (value.localized_text ? bits::localized_text : 0U) | (value.locale ? bits::locale : 0U) |
+           (value.additional_info ? bits::additional_info : 0U) |
+           (value.inner_status_code ? bits::inner_status_code : 0U) |
+           (value.inner_diagnostic_info ? bits::inner_diagnostic_info : 0U);
 }
 
 template <typename T>
@@ -73,20 +67,20 @@ void encode(binary::Writer& writer, const DiagnosticInfo& value)
 void decode(binary::Reader& reader, DiagnosticInfo& value)
 {
     const unsigned mask = reader.number<std::uint8_t>();
-    if ((mask & reserved_bit) != 0) {
+    if ((mask & bits::reserved) != 0) {
         reader.fail(status::Bad_DecodingError);
     }
     if (!reader.enter_diagnostic()) {
         return;
     }
-    decode_if(reader, (mask & symbolic_id_bit) != 0, value.symbolic_id);
-    decode_if(reader, (mask & namespace_uri_bit) != 0, value.namespace_uri);
-    decode_if(reader, (mask & locale_bit) != 0, value.locale);
-    decode_if(reader, (mask & localized_text_bit) != 0, value.localized_text);
-    decode_if(reader, (mask & additional_info_bit) != 0, value.additional_info);
-    decode_if(reader, (mask & inner_status_code_bit) != 0, value.inner_status_code);
+    decode_if(reader, (mask & bits::symbolic_id) != 0, value.symbolic_id);
+    decode_if(reader, (mask & bits::namespace_uri) != 0, value.namespace_uri);
+    decode_if(reader, (mask & bits::locale) != 0, value.locale);
+    decode_if(reader, (mask & bits::localized_text) != 0, value.localized_text);
+    decode_if(reader, (mask & bits::additional_info) != 0, value.additional_info);
+    decode_if(reader, (mask & bits::inner_status_code) != 0, value.inner_status_code);
     value.inner_diagnostic_info.reset();
-    if ((mask & inner_diagnostic_info_bit) != 0 && reader.ok()) {
+    if ((mask & bits::inner_diagnostic_info) != 0 && reader.ok()) {
         decode_inner(reader, value.inner_diagnostic_info);
     }
     reader.leave_diagnostic();

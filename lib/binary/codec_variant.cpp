@@ -2,15 +2,13 @@
 
 #include <array>
 
+#include "wire_masks.hpp"
+
 namespace busbar {
 
 namespace {
 
-// Part 6, 5.2.2.16
-constexpr unsigned type_mask = 0x3F;
-constexpr unsigned dimensions_flag = 0x40;
-constexpr unsigned array_flag = 0x80;
-constexpr unsigned last_reserved_type = 31;
+namespace mask = detail::variant_mask;
 
 struct VariantCodec {
     void (*encode_scalar)(binary::Writer& writer, const Variant& value);
@@ -119,7 +117,7 @@ void encode_array(binary::Writer& writer, const Variant& value)
 {
     const auto dimensions = value.dimensions();
     const bool is_matrix = is_matrix_of(dimensions, value.array_size()) && dimensions.size() > 1;
-    const unsigned flags = array_flag | (is_matrix ? dimensions_flag : 0U);
+    const unsigned flags = mask::array | (is_matrix ? mask::dimensions : 0U);
     writer.number(static_cast<std::uint8_t>(static_cast<unsigned>(value.type()) | flags));
     codec_of(value.type()).encode_array(writer, value);
     if (is_matrix) {
@@ -128,18 +126,15 @@ void encode_array(binary::Writer& writer, const Variant& value)
     }
 }
 
-void decode_value(binary::Reader& reader, unsigned mask, Variant& value)
+void decode_value(binary::Reader& reader, unsigned bits, Variant& value)
 {
-    const unsigned id = mask & type_mask;
-    const bool is_array = (mask & array_flag) != 0;
-    const bool has_dimensions = (mask & dimensions_flag) != 0;
-    if (id == 0 || id > last_reserved_type || (has_dimensions && !is_array)) {
+    const bool is_array = (bits & mask::array) != 0;
+    const bool has_dimensions = (bits & mask::dimensions) != 0;
+    if (!mask::is_valid(bits)) {
         reader.fail(status::Bad_DecodingError);
         return;
     }
-    // Part 6, 5.1.2: the ids up to 31 that are not in use are read as ByteString.
-    const auto type =
-        id > last_built_in_type ? BuiltInType::ByteString : static_cast<BuiltInType>(id);
+    const BuiltInType type = mask::type_of(bits);
     if (!reader.enter()) {
         return;
     }
@@ -173,10 +168,10 @@ void encode(binary::Writer& writer, const Variant& value)
 
 void decode(binary::Reader& reader, Variant& value)
 {
-    const unsigned mask = reader.number<std::uint8_t>();
+    const unsigned bits = reader.number<std::uint8_t>();
     value = Variant{};
-    if (mask != 0) {
-        decode_value(reader, mask, value);
+    if (bits != 0) {
+        decode_value(reader, bits, value);
     }
 }
 

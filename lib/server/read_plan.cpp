@@ -12,23 +12,21 @@ namespace {
 
 constexpr auto value_attribute = static_cast<std::uint32_t>(AttributeId::Value);
 
-/// A null DataEncoding is the default one. Bad_DataEncodingInvalid where none can be asked for,
-/// Bad_DataEncodingUnsupported for a structure's that is not the one of this protocol.
+/// Part 4, 7.29: a null DataEncoding is the default one. Bad_DataEncodingInvalid where none can be
+/// asked for: not for the Value of a Variable, or it is no Structure. Bad_DataEncodingUnsupported
+/// for one that a structure has not: the only one of this protocol is "Default Binary".
 StatusCode check_data_encoding(const ReadContext& context, const ReadValueId& id,
                                const model::VariableAttributes* variable)
 {
     if (id.data_encoding.name.empty()) {
         return status::Good;
     }
-    if (variable == nullptr) {
+    if (variable == nullptr || !context.space.is_subtype_of(variable->data_type, id::Structure)) {
         return status::Bad_DataEncodingInvalid;
     }
-    if (id.data_encoding.namespace_index == 0 && id.data_encoding.name.view() == "Default Binary") {
-        return status::Good;
-    }
-    return context.space.is_subtype_of(variable->data_type, id::Structure)
-               ? status::Bad_DataEncodingUnsupported
-               : status::Bad_DataEncodingInvalid;
+    const bool is_binary =
+        id.data_encoding.namespace_index == 0 && id.data_encoding.name.view() == "Default Binary";
+    return is_binary ? status::Good : status::Bad_DataEncodingUnsupported;
 }
 
 StatusCode check_access(const ReadContext& context, const ReadValueId& id,

@@ -62,11 +62,13 @@ StatusCode check_type(const model::AddressSpace& space, const model::VariableAtt
 }
 
 /// A structure that is known from its DataTypeDefinition only has not been decoded yet. What a
-/// client may write by its type is still refused if it is no value of that type.
+/// client may write by its type is still refused if it is no value of that type, or if a text or
+/// array in it is longer than its field allows.
 StatusCode check_structures(const WriteContext& context, const Variant& value)
 {
-    const bool may_hold_structures =
-        value.type() == BuiltInType::ExtensionObject || value.type() == BuiltInType::Variant;
+    const bool may_hold_structures = value.type() == BuiltInType::ExtensionObject ||
+                                     value.type() == BuiltInType::Variant ||
+                                     value.type() == BuiltInType::DataValue;
     return context.data_types != nullptr && may_hold_structures
                ? binary::check_dynamic(value, context.data_types->of(context.space),
                                        binary::dynamic_decode_limits(context.limits))

@@ -85,7 +85,45 @@ function encoding(id, typeId) {
   };
 }
 
-/** Data types and encodings of the binary schema that `nodes` does not have. */
+const value = (name, children, text = "") => ({ name, children, text });
+const localizedText = (name, text) => value(name, [value("Text", [], text)]);
+
+function enumValue({ name, value: number }) {
+  const identifier = value("TypeId", [value("Identifier", [], "i=7616")]);
+  const content = [value("Value", [], number), localizedText("DisplayName", name)];
+  return value("ExtensionObject", [identifier, value("Body", [value("EnumValueType", content)])]);
+}
+
+function namesProperty(id, browseName, typeId, dataType, list) {
+  return {
+    element: "UAVariable",
+    id,
+    browseName,
+    displayName: browseName,
+    inverseName: "",
+    attributes: { DataType: `i=${dataType}`, ValueRank: "1", ArrayDimensions: `${list.length}` },
+    references: [
+      { type: 40, forward: true, target: 68 },
+      { type: 46, forward: false, target: typeId },
+    ],
+    value: value(dataType === 21 ? "ListOfLocalizedText" : "ListOfExtensionObject", list),
+  };
+}
+
+/** The Property with an enumeration's names; the constants have its id, no package has the node. */
+function enumerationNames(name, typeId, fields, constants) {
+  const strings = constants.VariableIds[`${name}_EnumStrings`];
+  if (strings !== undefined) {
+    const texts = fields.map((field) => localizedText("LocalizedText", field.name));
+    return namesProperty(strings, "EnumStrings", typeId, 21, texts);
+  }
+  const values = constants.VariableIds[`${name}_EnumValues`];
+  if (values !== undefined)
+    return namesProperty(values, "EnumValues", typeId, 7594, fields.map(enumValue));
+  return undefined;
+}
+
+/** Data types of the binary schema that `nodes` does not have, with their encodings and names. */
 export function readServiceTypes(file, modules, nodes, constants) {
   const root = readXml(file, modules);
   const known = new Map(
@@ -124,6 +162,8 @@ export function readServiceTypes(file, modules, nodes, constants) {
           value: v.attributes.Value,
         }));
     result.set(id, dataType(id, name, supertype, { fields }));
+    const names = isStructure ? undefined : enumerationNames(name, id, fields, constants);
+    if (names !== undefined) result.set(names.id, names);
     const binary = constants.ObjectIds[`${name}_Encoding_DefaultBinary`];
     if (isStructure && binary !== undefined) result.set(binary, encoding(binary, id));
   }

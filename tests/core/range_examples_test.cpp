@@ -75,7 +75,8 @@ Variant structures()
 
 } // namespace
 
-TEST_CASE("the syntax is one number or two, the lower one first", "[core][range_examples]")
+TEST_CASE("the syntax is one number or two, the lower one first (Part 4, 7.27)",
+          "[core][range_examples]")
 {
     CHECK(*part(numbers(), "6") == Variant{Array<std::int32_t>{60}});
     CHECK(*part(numbers(), "5:7") == Variant{Array<std::int32_t>{50, 60, 70}});
@@ -111,7 +112,8 @@ TEST_CASE("the syntax is one number or two, the lower one first", "[core][range_
     CHECK(error(numbers(), std::string_view{"5\0", 2}) == status::Bad_IndexRangeInvalid);
 }
 
-TEST_CASE("a lower bound outside is an error, an upper one is cut", "[core][range_examples]")
+TEST_CASE("a lower bound outside is an error, an upper one is cut (Part 4, 7.27)",
+          "[core][range_examples]")
 {
     CHECK(*part(numbers(), "6:9") == Variant{Array<std::int32_t>{60, 70}});
     CHECK(*part(numbers(), "7:4294967295") == Variant{Array<std::int32_t>{70}});
@@ -121,7 +123,7 @@ TEST_CASE("a lower bound outside is an error, an upper one is cut", "[core][rang
     CHECK(error(Variant{Array<std::int32_t>{}}, "0") == status::Bad_IndexRangeNoData);
 }
 
-TEST_CASE("each dimension has its range, in the order of the ArrayDimensions",
+TEST_CASE("each dimension has its range, in the order of the ArrayDimensions (Part 4, 7.27)",
           "[core][range_examples]")
 {
     CHECK(*part(matrix(), "1:2,0:1") == block({10, 11, 20, 21}, 2, 2));
@@ -138,7 +140,7 @@ TEST_CASE("each dimension has its range, in the order of the ArrayDimensions",
     CHECK(error(matrix(), "1:2,3:2") == status::Bad_IndexRangeInvalid);
 }
 
-TEST_CASE("a ByteString or String is cut as an array", "[core][range_examples]")
+TEST_CASE("a ByteString or String is cut as an array (Part 4, 7.27)", "[core][range_examples]")
 {
     CHECK(*part(Variant{bytes("abcdef")}, "1:3") == Variant{bytes("bcd")});
     CHECK(*part(Variant{bytes("abcdef")}, "5") == Variant{bytes("f")});
@@ -155,7 +157,8 @@ TEST_CASE("a ByteString or String is cut as an array", "[core][range_examples]")
     CHECK(write(Variant{"abcdef"}, "1", Variant{bytes("B")}).status == status::Bad_TypeMismatch);
 }
 
-TEST_CASE("an array of texts has a last dimension within each", "[core][range_examples]")
+TEST_CASE("an array of texts has a last dimension within each (Part 4, 7.27)",
+          "[core][range_examples]")
 {
     const Variant texts{Array<String>{"alpha", "beta", "gamma"}};
     const Variant grid = Variant::matrix(Array<String>{"ab", "cd", "ef", "gh"}, {2U, 2U});
@@ -176,7 +179,7 @@ TEST_CASE("an array of texts has a last dimension within each", "[core][range_ex
     CHECK(refused.value == texts);
 }
 
-TEST_CASE("an array of structures is cut by elements only", "[core][range_examples]")
+TEST_CASE("an array of structures is cut by elements only (Part 4, 7.27)", "[core][range_examples]")
 {
     CHECK(*part(structures(), "1:2") ==
           Variant{Array<ExtensionObject>{structure("b"), structure("c")}});
@@ -191,7 +194,8 @@ TEST_CASE("an array of structures is cut by elements only", "[core][range_exampl
           Variant::matrix(Array<ExtensionObject>{structure("c"), structure("d")}, {1U, 2U}));
 }
 
-TEST_CASE("a range that is written must be filled by the value", "[core][range_examples]")
+TEST_CASE("a range that is written must be filled by the value (Part 4, 7.27)",
+          "[core][range_examples]")
 {
     CHECK(write(numbers(), "1:2", Variant{Array<std::int32_t>{-1, -2}}).value ==
           Variant{Array<std::int32_t>{0, -1, -2, 30, 40, 50, 60, 70}});

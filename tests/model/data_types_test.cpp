@@ -34,28 +34,51 @@ Result<std::vector<std::byte>> recode(const StructureType& type, std::span<const
     return sink.take(writer.written());
 }
 
+/// The same structure as C++ object.
+ExtensionObject decoded_object(const ExtensionObject& encoded, const binary::TypeRegistry& registry)
+{
+    const auto bytes = binary::to_bytes(encoded);
+    return binary::from_bytes<ExtensionObject>(*bytes, &registry, binary::dynamic_decode_limits())
+        .value_or(ExtensionObject{});
+}
+
+/// All ways in which a Variant can hold it, and what each is with the structure encoded.
+std::vector<std::pair<Variant, Variant>> held_in_variants(const ExtensionObject& object,
+                                                          const ExtensionObject& encoded)
+{
+    std::vector<std::pair<Variant, Variant>> result;
+    const auto add = [&](auto make) { result.emplace_back(make(object), make(encoded)); };
+    using Objects = Array<ExtensionObject>;
+    add([](const ExtensionObject& each) { return Variant{each}; });
+    add([](const ExtensionObject& each) { return Variant{Objects{each, {}, each}}; });
+    add([](const ExtensionObject& each) { return Variant::matrix(Objects{each, each}, {1U, 2U}); });
+    add([](const ExtensionObject& each) {
+        return Variant{Array<Variant>{Variant{each}, Variant{Objects{each}}, Variant{7}}};
+    });
+    add([](const ExtensionObject& each) { return Variant{DataValue{Variant{each}}}; });
+    add([](const ExtensionObject& each) {
+        return Variant{Array<DataValue>{DataValue{Variant{each}}, DataValue{Variant{1}}}};
+    });
+    return result;
+}
+
 /// The messages of PubSub's JSON mapping (Part 14, 7.2.5) have no other encoding.
 bool is_json_only(const binary::DataTypeEntry& entry)
 {
     return entry.name.view().starts_with("Json") && entry.name.view().ends_with("Message");
 }
 
-/// Enumerations of service parameters, of which the schema has nothing but the type.
-bool is_for_services_only(const NodeId& type)
+/// The NodeIds of their EnumStrings are in none of the packages that the schema is made of.
+bool has_names_without_id(const NodeId& type)
 {
-    constexpr std::uint32_t types[] = {id::BrowseDirection,    id::BrowseResultMask,
-                                       id::TimestampsToReturn, id::MonitoringMode,
-                                       id::DataChangeTrigger,  id::DeadbandType,
-                                       id::SortOrderType,      id::ModelChangeStructureVerbMask};
-    return std::any_of(std::begin(types), std::end(types),
-                       [&](std::uint32_t number) { return type.is(number); });
+    return type.is(id::DeadbandType) || type.is(id::SortOrderType);
 }
 
-/// The value of EnumStrings or EnumValues.
+/// The value of EnumStrings, EnumValues or OptionSetValues.
 Variant names_of(const AddressSpace& space, NodeIndex type, const binary::TypeRegistry& registry)
 {
     Variant names;
-    for (const char* const name : {"EnumStrings", "EnumValues"}) {
+    for (const char* const name : {"EnumStrings", "EnumValues", "OptionSetValues"}) {
         space.for_each_child(type, space.find(id::HasProperty), false, QualifiedName{0, name},
                              [&](NodeIndex child) {
                                  names = space.value(child, &registry);
@@ -108,7 +131,52 @@ TEST_CASE("Generated structures and their DataTypeDefinitions say the same on th
     CHECK(known >= (is_full(space) ? binary::namespace0_types().size() : 4));
 }
 
-TEST_CASE("Every structure and enumeration of namespace 0 has its definition and its names")
+TEST_CASE("Values convert from and to generated types, also where they hold objects")
+{
+    const AddressSpace space;
+    DataTypes data_types;
+    const binary::DynamicTypes& types = data_types.of(space);
+    const binary::TypeRegistry registry{binary::namespace0_types()};
+    const DynamicType* const pair = types.find(NodeId{0, id::KeyValuePair});
+    const DynamicType* const item = types.find(NodeId{0, id::MonitoringParameters});
+    REQUIRE((pair != nullptr || !is_full(space)));
+    for (const StructureType* const generated : binary::namespace0_types()) {
+        const DynamicType* const type = types.find_encoding(generated->binary_encoding_id.in(0));
+        if (type == nullptr || pair == nullptr || item == nullptr) {
+            continue;
+        }
+        INFO(generated->name);
+        for (std::uint32_t seed = 0; seed < 5; ++seed) {
+            const auto value = test::RandomContent{seed}.structure(*type);
+            const ExtensionObject encoded = binary::to_extension_object(value).value();
+            const ExtensionObject object = decoded_object(encoded, registry);
+            REQUIRE(object.body() == ExtensionObject::Body::Object);
+            REQUIRE(binary::decode_dynamic(object, types) == value);
+            REQUIRE(binary::check_dynamic(Variant{object}, types) == status::Good);
+            for (const auto& [held, same] : held_in_variants(object, encoded)) {
+                KeyValuePair from;
+                from.value = held;
+                const auto dynamic = binary::to_dynamic(from, types);
+                REQUIRE(dynamic);
+                REQUIRE(*dynamic->value("Value") == same);
+                REQUIRE(binary::to_generated<KeyValuePair>(*dynamic, &registry) == from);
+                binary::DynamicValue made{*pair};
+                REQUIRE(made.set("Value", held));
+                REQUIRE(made == *dynamic);
+            }
+            MonitoringParameters from;
+            from.filter = object;
+            const auto dynamic = binary::to_dynamic(from, types);
+            REQUIRE(dynamic);
+            REQUIRE(binary::to_generated<MonitoringParameters>(*dynamic, &registry) == from);
+            binary::DynamicValue made{*item};
+            REQUIRE(made.set("Filter", Variant{object}));
+            REQUIRE(made == *dynamic);
+        }
+    }
+}
+
+TEST_CASE("Every structure, enumeration and option set of namespace 0 has definition and names")
 {
     const AddressSpace space;
     const binary::TypeRegistry registry{binary::namespace0_types()};
@@ -116,21 +184,24 @@ TEST_CASE("Every structure and enumeration of namespace 0 has its definition and
     for (const binary::DataTypeEntry& entry : collect_data_types(space)) {
         INFO(entry.name.view() << " " << to_string(entry.id));
         const NodeIndex node = space.find(entry.id);
-        const bool is_enumeration = space.is_subtype_of(node, id::Enumeration);
         const bool is_structure = space.is_subtype_of(node, id::Structure);
-        if (entry.is_abstract || (!is_enumeration && !is_structure)) {
-            continue;
+        const bool is_root = entry.id.is(id::Structure) || entry.id.is(id::Enumeration);
+        const auto* const names = std::get_if<EnumDefinition>(&entry.definition);
+        if (is_root ||
+            (!is_structure && !space.is_subtype_of(node, id::Enumeration) && names == nullptr)) {
+            continue; // Part 5, 12.2: the roots have no definition, nor have simple types
         }
         ++count;
         CHECK(entry.definition.index() != 0);
         if (const auto* structure = std::get_if<StructureDefinition>(&entry.definition)) {
-            CHECK((!structure->default_encoding_id.is_null() || is_json_only(entry)));
+            CHECK((!structure->default_encoding_id.is_null() || entry.is_abstract ||
+                   is_json_only(entry)));
             // A small namespace 0 leaves out encodings that nothing in it needs.
             CHECK((structure->default_encoding_id == entry.encoding_id || !is_full(space)));
+            CHECK(structure->base_data_type == entry.base);
         }
-        if (is_enumeration && !is_for_services_only(entry.id)) {
-            const auto& fields = std::get<EnumDefinition>(entry.definition).fields;
-            CHECK(names_of(space, node, registry).array_size() >= fields.size());
+        if (names != nullptr && !is_structure && !has_names_without_id(entry.id)) {
+            CHECK(names_of(space, node, registry).array_size() >= names->fields.size());
         }
     }
     CHECK(count > 5);

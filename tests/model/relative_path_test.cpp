@@ -34,13 +34,12 @@ struct PathFixture : ModelFixture {
 
 } // namespace
 
-TEST_CASE_METHOD(PathFixture, "The specification's examples of relative paths are read and written")
+TEST_CASE_METHOD(PathFixture, "The examples of Part 4, A.2 are read and written (Table A.2)")
 {
     const NodeId connected_to{ns, "ConnectedTo"};
     const NodeId any{0, id::HierarchicalReferences};
     const NodeId child{0, id::HasChild};
     REQUIRE(ns == 1);
-    // Part 4, A.2, Table A.2
     CHECK(parsed("/2:Block&.Output") == RelativePath{{step(any, {2, "Block.Output"})}});
     CHECK(parsed("/3:Truck.NodeVersion") ==
           RelativePath{
@@ -56,6 +55,33 @@ TEST_CASE_METHOD(PathFixture, "The specification's examples of relative paths ar
     inverse.is_inverse = true;
     CHECK(parsed("<!HasChild>Truck") == RelativePath{{inverse}});
     CHECK(parsed("<HasChild>") == RelativePath{{step(child, {})}});
+}
+
+TEST_CASE_METHOD(PathFixture, "Every production of the BNF is read and written (Part 4, A.2)")
+{
+    // reserved-char: in a name each stands behind an '&', and means something of its own without.
+    for (const char reserved : std::string_view{"/.<>:#!&"}) {
+        const std::string name{'a', reserved, 'b'};
+        INFO(name);
+        const std::string text{'/', 'a', '&', reserved, 'b'};
+        CHECK(parsed(text).elements[0].target_name == QualifiedName{0, name});
+        const auto plain = parse_relative_path("/" + name, space);
+        CHECK((!plain || plain->elements.size() == 2));
+        const RelativePath in_type = parsed("<1:ConnectedTo>1:" + text.substr(1));
+        CHECK(in_type.elements[0].target_name == QualifiedName{1, name});
+    }
+    // reference-type: with '#', '!' or both, with a namespace index or without.
+    for (const char* const flags : {"", "#", "!", "#!"}) {
+        for (const char* const type : {"1:ConnectedTo", "HasComponent"}) {
+            const RelativePath path = parsed("<" + std::string{flags} + type + ">x");
+            CHECK(path.elements[0].include_subtypes ==
+                  (std::string_view{flags}.find('#') == std::string_view::npos));
+            CHECK(path.elements[0].is_inverse ==
+                  (std::string_view{flags}.find('!') != std::string_view::npos));
+        }
+    }
+    // browse-path: any number of elements, of which the last may go without a name.
+    CHECK(parsed("/a.b<HasChild>c/d.1:e.f/").elements.size() == 7);
 }
 
 TEST_CASE_METHOD(PathFixture, "Paths may exclude subtypes and have any name")

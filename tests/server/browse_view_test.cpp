@@ -150,4 +150,46 @@ TEST_CASE_METHOD(ViewFixture, "Browse paths as text lead to nodes")
     CHECK(lead(object_folder, "/Server.ServerArray") == NodeId{0, id::Server_ServerArray});
 }
 
+TEST_CASE_METHOD(ViewFixture, "The examples of Part 4, A.2 lead to nodes (Table A.2)")
+{
+    const NodeId connected_to = node("ConnectedTo");
+    REQUIRE(space.add_reference_type(
+        named("ConnectedTo", space.find(id::NonHierarchicalReferences)), {}));
+    add_int32("Block.Output", folder);
+    const model::NodeIndex truck = add_folder("Truck", folder);
+    add_int32("Wheel", truck);
+    model::NewNode version = named("Truck.NodeVersion", truck);
+    version.browse_name = QualifiedName{0, "NodeVersion"};
+    model::NewVariable text;
+    text.data_type = NodeId{0, id::String};
+    REQUIRE(space.add_property(version, text));
+    const model::NodeIndex boiler = add_folder("Boiler", objects);
+    add_int32("HeatSensor", boiler);
+    REQUIRE(space.add_reference(folder, connected_to, boiler));
+    const auto targets = [&](const NodeId& start, std::string_view path) {
+        INFO(path);
+        const auto parsed = model::parse_relative_path(path, space);
+        REQUIRE(parsed);
+        const BrowsePathResult result = translate(start, parsed->elements);
+        CHECK(result.status_code == status::Good);
+        return result.targets.size() == 1 ? result.targets[0].target_id.node_id : NodeId{};
+    };
+    const NodeId start = node("folder");
+    REQUIRE(ns == 1);
+    CHECK(targets(start, "/1:Block&.Output") == node("Block.Output"));
+    CHECK(targets(start, "/1:Truck.0:NodeVersion") == node("Truck.NodeVersion"));
+    CHECK(targets(start, "/1:Truck.NodeVersion") == node("Truck.NodeVersion"));
+    CHECK(targets(start, "<1:ConnectedTo>1:Boiler/1:HeatSensor") == node("HeatSensor"));
+    CHECK(targets(node("Boiler"), "<!1:ConnectedTo>1:folder") == start);
+    CHECK(targets(node("Truck"), "<0:Organizes>1:Wheel") == node("Wheel"));
+    CHECK(targets(node("Wheel"), "<!Organizes>1:Truck") == node("Truck"));
+    CHECK(targets(node("Wheel"), "<!HierarchicalReferences>1:Truck") == node("Truck"));
+    // Part 4, 5.9.4.2: the Service wants a name in the end, which the text can leave out.
+    for (const char* const open : {"<1:ConnectedTo>1:Boiler/", "<0:HasChild>"}) {
+        const auto parsed = model::parse_relative_path(open, space);
+        REQUIRE(parsed);
+        CHECK(translate(start, parsed->elements).status_code == status::Bad_BrowseNameInvalid);
+    }
+}
+
 } // namespace busbar::server::detail

@@ -31,6 +31,19 @@ TEST_CASE_METHOD(FilterFixture, "the example of Part 4, B.1.2")
     CHECK(passes_with("BType", "B", 7, "Main"));
     CHECK_FALSE(passes_with("BType", "B", 4, "Main"));
     CHECK_FALSE(passes_with("BType", "A", 5, "Main")); // no AType
+
+    // As it stands there, with AttributeOperands, which EventFilters do not have (7.7.4.5).
+    AttributeOperand operand;
+    operand.node_id = own_id("AType");
+    operand.browse_path.elements = {{NodeId{0, id::Aggregates}, false, true, own("A")}};
+    operand.attribute_id = 13;
+    EventFilter literally = selecting({"Message"});
+    where(literally, Equals, {ExtensionObject::from(operand), literal(5)});
+    REQUIRE(compile(literally) == status::Bad_EventFilterInvalid);
+    const auto& elements = result.where_clause_result.element_results;
+    REQUIRE(elements.size() == 1);
+    CHECK(elements[0].operand_status_codes ==
+          Array<StatusCode>{status::Bad_FilterOperandInvalid, status::Good});
 }
 
 TEST_CASE_METHOD(FilterFixture, "the example of Part 4, B.1.3, without its views")

@@ -210,25 +210,43 @@ TEST_CASE_METHOD(AttributeFixture, "an IndexRange cuts values (Part 4, 7.27)")
     CHECK(read(levels, AttributeId::BrowseName, "x").status == status::Bad_IndexRangeInvalid);
 }
 
-TEST_CASE_METHOD(AttributeFixture, "a DataEncoding other than the default is refused")
+TEST_CASE_METHOD(AttributeFixture, "DataEncodings are those of structures (Part 4, 7.29)")
 {
-    ReadValueId value_id = read_value_id(add("Speed", id::Int32, 7));
-    const auto read_as = [&](QualifiedName encoding, AttributeId attribute) {
-        value_id.data_encoding = std::move(encoding);
-        value_id.attribute_id = static_cast<std::uint32_t>(attribute);
-        return read(read_request({value_id}))[0].status;
+    const NodeId number = add("Speed", id::Int32, 7);
+    const NodeId structure = add("Argument", id::Argument, ExtensionObject{});
+    const NodeId open = add("Any", id::Structure, ExtensionObject{});
+    const NodeId anything = add("Anything", id::BaseDataType, 7);
+    const auto invalid = status::Bad_DataEncodingInvalid;
+    const auto unsupported = status::Bad_DataEncodingUnsupported;
+    struct Row {
+        QualifiedName encoding;
+        StatusCode of_structure;
+        StatusCode of_another;
     };
-    CHECK(read_as(QualifiedName{0, "Default Binary"}, AttributeId::Value) == status::Good);
-    CHECK(read_as(QualifiedName{0, ""}, AttributeId::Value) == status::Good);
-    CHECK(read_as(QualifiedName{0, "Default XML"}, AttributeId::Value) ==
-          status::Bad_DataEncodingInvalid);
-    CHECK(read_as(QualifiedName{0, "Default Binary"}, AttributeId::BrowseName) ==
-          status::Bad_DataEncodingInvalid);
-    value_id.node_id = add("Argument", id::Argument, ExtensionObject{});
-    CHECK(read_as(QualifiedName{0, "Default XML"}, AttributeId::Value) ==
-          status::Bad_DataEncodingUnsupported);
-    CHECK(read_as(QualifiedName{5, "Default Binary"}, AttributeId::Value) ==
-          status::Bad_DataEncodingUnsupported);
+    const Row rows[] = {
+        {QualifiedName{}, status::Good, status::Good},
+        {QualifiedName{3, ""}, status::Good, status::Good}, // null without a name
+        {QualifiedName{0, "Default Binary"}, status::Good, invalid},
+        {QualifiedName{0, "Default XML"}, unsupported, invalid},
+        {QualifiedName{0, "Default JSON"}, unsupported, invalid},
+        {QualifiedName{0, "default binary"}, unsupported, invalid},
+        {QualifiedName{0, "Mine"}, unsupported, invalid},
+        {QualifiedName{5, "Default Binary"}, unsupported, invalid},
+    };
+    for (const Row& row : rows) {
+        INFO(row.encoding.namespace_index << ":" << row.encoding.name.view());
+        const auto read_as = [&](const NodeId& node, AttributeId attribute) {
+            ReadValueId value_id = read_value_id(node, attribute);
+            value_id.data_encoding = row.encoding;
+            return read(read_request({value_id}))[0].status;
+        };
+        CHECK(read_as(structure, AttributeId::Value) == row.of_structure);
+        CHECK(read_as(open, AttributeId::Value) == row.of_structure);
+        CHECK(read_as(number, AttributeId::Value) == row.of_another);
+        CHECK(read_as(anything, AttributeId::Value) == row.of_another);
+        CHECK(read_as(structure, AttributeId::DisplayName) == row.of_another);
+        CHECK(read_as(NodeId{0, id::Argument}, AttributeId::DataTypeDefinition) == row.of_another);
+    }
 }
 
 TEST_CASE_METHOD(AttributeFixture, "values may be kept by the address space or computed")

@@ -121,6 +121,28 @@ TEST_CASE_METHOD(StructureFixture, "a body that its definition does not describe
     CHECK(read(array).value.array_size() == 3);
 }
 
+TEST_CASE_METHOD(StructureFixture, "texts and arrays in structures have their limits")
+{
+    StructureField name = field("Name", NodeId{0, id::String});
+    name.max_string_length = 4;
+    StructureField numbers = field("Numbers", NodeId{0, id::Int32});
+    numbers.value_rank = 1;
+    numbers.array_dimensions = {2};
+    add_type("Short", id::Structure, StructureDefinitionType::Structure, {name, numbers});
+    const NodeId variable = add_variable("Short1", "Short", make("Short"), -1);
+    auto content = value("Short");
+    REQUIRE(content.set("Name", Variant{"abcd"}));
+    REQUIRE(content.set("Numbers", Variant{Array<std::int32_t>{1, 2}}));
+    CHECK(write(variable, Variant{object(content)}) == status::Good);
+    const Variant kept = read(variable).value;
+    REQUIRE(content.set("Name", Variant{"abcde"}));
+    CHECK(write(variable, Variant{object(content)}) == status::Bad_OutOfRange);
+    REQUIRE(content.set("Name", Variant{""}));
+    REQUIRE(content.set("Numbers", Variant{Array<std::int32_t>{1, 2, 3}}));
+    CHECK(write(variable, Variant{object(content)}) == status::Bad_OutOfRange);
+    CHECK(read(variable).value == kept);
+}
+
 TEST_CASE_METHOD(StructureFixture, "what a structure holds encoded is looked at, too")
 {
     const NodeId box = add_variable("Box1", "Box", make("Box"), -1);

@@ -180,6 +180,25 @@ TEST_CASE_METHOD(StatusFixture, "statuses of requests for items")
           status::Bad_MonitoringModeInvalid);
 }
 
+TEST_CASE_METHOD(StatusFixture, "items have the DataEncodings of structures (Part 4, 7.29)")
+{
+    model::NewVariable range;
+    range.data_type = NodeId{0, id::Range};
+    const NodeId structure = add_variable("range", range);
+    const auto encoded_as = [&](const NodeId& node, const char* encoding) {
+        auto item = item_request(node);
+        item.item_to_monitor.data_encoding = QualifiedName{0, encoding};
+        return monitor(client, id, item).status_code;
+    };
+    for (const char* const other : {"Default XML", "Default JSON", "Mine"}) {
+        CHECK(encoded_as(structure, other) == status::Bad_DataEncodingUnsupported);
+    }
+    for (const char* const any : {"Default Binary", "Default XML", "Default JSON", "Mine"}) {
+        CHECK(encoded_as(level, any) == status::Bad_DataEncodingInvalid);
+    }
+    CHECK(encoded_as(structure, "Default Binary") == status::Good);
+}
+
 TEST_CASE_METHOD(StatusFixture, "statuses of items that are created")
 {
     const auto status_of_item = [&](const MonitoredItemCreateRequest& item) {
@@ -200,14 +219,6 @@ TEST_CASE_METHOD(StatusFixture, "statuses of items that are created")
     fixed.array_dimensions = {2};
     const NodeId row = add_variable("row", fixed);
     CHECK(status_of_item(with_range(row, "2")) == status::Bad_IndexRangeNoData);
-    item = item_request(level);
-    item.item_to_monitor.data_encoding = QualifiedName{0, "Default XML"};
-    CHECK(status_of_item(item) == status::Bad_DataEncodingInvalid);
-    model::NewVariable structure;
-    structure.data_type = NodeId{0, id::Range};
-    item.item_to_monitor.node_id = add_variable("range", structure);
-    CHECK(status_of_item(item) == status::Bad_DataEncodingUnsupported);
-
     item = item_request(level);
     item.requested_parameters.filter = change_filter(3, 1);
     CHECK(status_of_item(item) == status::Bad_MonitoredItemFilterInvalid);

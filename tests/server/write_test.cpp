@@ -158,6 +158,34 @@ TEST_CASE_METHOD(WriteFixture, "a part of a value can be written where the sourc
     CHECK(value_of(names) == Variant{Array<String>{"a", "b", "c"}});
 }
 
+TEST_CASE_METHOD(WriteFixture, "an IndexRange is written and read of any shape (Part 4, 7.27)")
+{
+    const auto both_ways = [&](const NodeId& node, const char* range, const Variant& part,
+                               const Variant& whole) {
+        INFO(range);
+        CHECK(write(node, part, range) == status::Good);
+        CHECK(read(node, AttributeId::Value, range).value == part);
+        CHECK(value_of(node) == whole);
+    };
+    const auto bytes = [](std::string_view text) {
+        return Variant{ByteString{std::as_bytes(std::span{text})}};
+    };
+    const auto matrix = [](Array<std::int32_t> values, std::uint32_t rows, std::uint32_t columns) {
+        return Variant::matrix(std::move(values), {rows, columns});
+    };
+    both_ways(add("Bytes", id::ByteString, bytes("abcd"), 3), "1:2", bytes("BC"), bytes("aBCd"));
+    const NodeId grid = add("Grid", id::Int32, matrix({1, 2, 3, 4, 5, 6}, 2, 3), 3, 2);
+    both_ways(grid, "0:1,1", matrix({20, 50}, 2, 1), matrix({1, 20, 3, 4, 50, 6}, 2, 3));
+    both_ways(grid, "1,0:2", matrix({7, 8, 9}, 1, 3), matrix({1, 20, 3, 7, 8, 9}, 2, 3));
+    CHECK(write(grid, matrix({1, 2}, 1, 2), "0:1,1") == status::Bad_IndexRangeDataMismatch);
+    CHECK(write(grid, Variant{Array<std::int32_t>{1}}, "2,0").is_bad());
+    const NodeId names = add("Texts", id::String, Array<String>{"alpha", "beta"}, 3, 1);
+    both_ways(names, "1", Array<String>{"gamma"}, Array<String>{"alpha", "gamma"});
+    both_ways(names, "0:1,1:2", Array<String>{"LP", "AM"}, Array<String>{"aLPha", "gAMma"});
+    CHECK(write(names, Variant{Array<String>{"x", "y"}}, "0:1,9") == status::Bad_IndexRangeNoData);
+    CHECK(value_of(names) == Variant{Array<String>{"aLPha", "gAMma"}});
+}
+
 TEST_CASE_METHOD(WriteFixture, "status and timestamps are written only where that is allowed")
 {
     constexpr std::uint8_t everything = 3 | 32 | 64;

@@ -80,6 +80,11 @@ struct DynamicField {
     std::uint32_t variant_types{UINT32_MAX};
     /// -1 for a scalar, else the number of dimensions.
     std::int32_t value_rank{-1};
+    /// The greatest length of each dimension, 0 for any; none at all for any array. Only checked
+    /// of what clients write: a decoder takes what a server sends.
+    std::vector<std::uint32_t> array_dimensions;
+    /// The most bytes of each String, ByteString or text of a LocalizedText; 0 for any. As above.
+    std::uint32_t max_string_length{0};
     /// The value is a structure or union of `type` and lies there without ExtensionObject.
     bool is_structure{false};
     /// Has a bit in the EncodingMask (Part 6, 5.2.7).

@@ -73,6 +73,8 @@ public:
     // a field that does not exist, Bad_TypeMismatch for content of another type or shape; nothing
     // changes then.
 
+    /// Structures in it that are C++ objects are encoded, as they would come from the wire, so that
+    /// equal values compare equal; errors of that as encode.
     Result<void> set(std::size_t field, Variant content);
     /// The structure itself, or for a field that allows subtypes one of any subtype.
     Result<void> set(std::size_t field, DynamicValue content);
@@ -148,8 +150,11 @@ decode_dynamic(const ExtensionObject& object, const DynamicTypes& types,
                const DecodeLimits& limits = dynamic_decode_limits());
 
 /// Good, or why a structure of one of the `types` that `value` holds, also in an array or within
-/// another, is none: the errors of decode_dynamic, and Bad_TypeMismatch where a field that allows
-/// subtypes holds something else. Structures of other types are not looked at.
+/// another, is none that may be written: the errors of decode_dynamic, Bad_TypeMismatch where a
+/// field that allows subtypes holds something else, and Bad_OutOfRange for a dimension or text that
+/// is longer than its field allows (Part 3, 8.51; Part 4, 5.11.4.4). Structures of other types are
+/// not looked at. Takes memory for structures that are C++ objects only, which it encodes; levels
+/// are counted through all that lies encoded in each other.
 [[nodiscard]] StatusCode check_dynamic(const Variant& value, const DynamicTypes& types,
                                        const DecodeLimits& limits = dynamic_decode_limits());
 

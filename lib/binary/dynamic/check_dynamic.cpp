@@ -1,105 +1,87 @@
 #include <busbar/binary/dynamic_value.hpp>
 
+#include "body_walk.hpp"
+#include "object_body.hpp"
+
 namespace busbar::binary {
 
 namespace {
 
-/// Looks at structures and whatever they hold encoded, at any depth up to a limit.
-class DynamicCheck {
-public:
-    DynamicCheck(const DynamicTypes& types, const DecodeLimits& limits)
-        : types_{types}, limits_{limits}
-    {
-    }
+using detail::CheckContext;
 
-    [[nodiscard]] StatusCode variant(const Variant& value, const DynamicType* base)
-    {
-        if (const auto* const one = value.get_if<ExtensionObject>()) {
-            return object(*one, base);
+template <typename Values, typename Check>
+StatusCode first_bad(const Values& values, Check check)
+{
+    for (const auto& value : values) {
+        if (const StatusCode found = check(value); found.is_bad()) {
+            return found;
         }
-        if (const auto* const all = value.array_if<ExtensionObject>()) {
-            return first_bad(*all, [&](const ExtensionObject& each) { return object(each, base); });
-        }
-        if (const auto* const all = value.array_if<Variant>()) {
-            return first_bad(*all, [&](const Variant& each) { return variant(each, nullptr); });
-        }
-        return status::Good;
     }
+    return status::Good;
+}
 
-private:
-    template <typename Values, typename Check>
-    [[nodiscard]] static StatusCode first_bad(const Values& values, Check check)
-    {
-        for (const auto& value : values) {
-            if (const StatusCode found = check(value); found.is_bad()) {
-                return found;
-            }
-        }
-        return status::Good;
+/// The nesting of Variants has been checked when they were decoded.
+StatusCode check_variant(const CheckContext& context, const Variant& value)
+{
+    const auto check_one = [&](const ExtensionObject& each) {
+        return check_object(context, each, nullptr, 0);
+    };
+    if (const auto* const one = value.get_if<ExtensionObject>()) {
+        return check_one(*one);
     }
+    if (const auto* const all = value.array_if<ExtensionObject>()) {
+        return first_bad(*all, check_one);
+    }
+    if (const auto* const one = value.get_if<DataValue>()) {
+        return check_variant(context, one->value);
+    }
+    if (const auto* const all = value.array_if<DataValue>()) {
+        return first_bad(*all,
+                         [&](const DataValue& each) { return check_variant(context, each.value); });
+    }
+    if (const auto* const all = value.array_if<Variant>()) {
+        return first_bad(*all, [&](const Variant& each) { return check_variant(context, each); });
+    }
+    return status::Good;
+}
 
-    [[nodiscard]] StatusCode object(const ExtensionObject& object, const DynamicType* base)
-    {
-        const DynamicType* const type = types_.find_encoding(object.encoding_id());
-        if (object.is_null() || type == nullptr) {
-            return status::Good;
-        }
-        if (base != nullptr && !type->is_subtype_of(*base)) {
-            return status::Bad_TypeMismatch;
-        }
-        if (object.body() == ExtensionObject::Body::Object) {
-            return status::Good; // its decoder has seen to that
-        }
-        const auto value = decode_dynamic(object, types_, limits_);
-        if (!value) {
-            return value.error();
-        }
-        if (depth_ == limits_.max_depth) {
-            return status::Bad_EncodingLimitsExceeded;
-        }
-        ++depth_;
-        const StatusCode found = structure(*value);
-        --depth_;
-        return found;
-    }
-    [[nodiscard]] StatusCode structure(const DynamicValue& value)
-    {
-        const auto& fields = value.type().fields;
-        for (std::size_t i = 0; i < fields.size(); ++i) {
-            if (const StatusCode found = field(value, i); found.is_bad()) {
-                return found;
-            }
-        }
-        return status::Good;
-    }
-    [[nodiscard]] StatusCode field(const DynamicValue& value, std::size_t index)
-    {
-        if (const Variant* const content = value.value(index)) {
-            const DynamicField& of = value.type().fields[index];
-            return variant(*content,
-                           of.built_in == BuiltInType::ExtensionObject ? of.type : nullptr);
-        }
-        if (const DynamicValue* const part = value.structure(index)) {
-            return structure(*part);
-        }
-        if (const DynamicArray* const parts = value.structures(index)) {
-            return first_bad(parts->values,
-                             [this](const DynamicValue& part) { return structure(part); });
-        }
-        return status::Good;
-    }
-
-    const DynamicTypes& types_;
-    const DecodeLimits& limits_;
-    std::uint32_t depth_{0};
-};
+/// What was decoded is a value of its C++ type; the definition may allow less, and what it holds
+/// encoded nobody has looked at.
+StatusCode check_decoded(const CheckContext& context, const ExtensionObject& object,
+                         const DynamicType& type, std::uint32_t depth)
+{
+    const auto bytes = detail::encoded_body(object);
+    return bytes ? detail::BodyWalk{context, *bytes, depth}.run(type) : bytes.error();
+}
 
 } // namespace
+
+StatusCode detail::check_object(const CheckContext& context, const ExtensionObject& object,
+                                const DynamicType* base, std::uint32_t depth)
+{
+    const DynamicType* const type = context.types.find_encoding(object.encoding_id());
+    if (type == nullptr) {
+        return status::Good;
+    }
+    if (base != nullptr && !type->is_subtype_of(*base)) {
+        return status::Bad_TypeMismatch;
+    }
+    switch (object.body()) {
+    case ExtensionObject::Body::Binary:
+        return BodyWalk{context, object.binary().span(), depth}.run(*type);
+    case ExtensionObject::Body::Object:
+        return check_decoded(context, object, *type, depth);
+    case ExtensionObject::Body::None:
+    case ExtensionObject::Body::Xml:
+        break;
+    }
+    return status::Bad_DecodingError;
+}
 
 StatusCode check_dynamic(const Variant& value, const DynamicTypes& types,
                          const DecodeLimits& limits)
 {
-    return DynamicCheck{types, limits}.variant(value, nullptr);
+    return check_variant({types, limits}, value);
 }
 
 } // namespace busbar::binary

@@ -2,9 +2,21 @@
 
 #include <algorithm>
 
+#include "matrix_header.hpp"
+
 namespace busbar::binary::detail {
 
 namespace {
+
+/// The product of the dimensions, more than INT32_MAX past that.
+std::size_t element_count(std::span<const std::uint32_t> dimensions)
+{
+    std::size_t product = 1;
+    for (const std::uint32_t dimension : dimensions) {
+        product = times_dimension(product, dimension, INT32_MAX);
+    }
+    return product;
+}
 
 /// True if `count` elements with these dimensions are a matrix of the field's rank. One without
 /// elements may come without dimensions.
@@ -18,7 +30,7 @@ bool fits_matrix(const DynamicField& field, std::span<const std::uint32_t> dimen
         std::all_of(dimensions.begin(), dimensions.end(),
                     [](std::uint32_t dimension) { return dimension <= INT32_MAX; });
     return is_encodable && dimensions.size() == static_cast<std::size_t>(field.value_rank) &&
-           element_count(dimensions, INT32_MAX) == count;
+           element_count(dimensions) == count;
 }
 
 bool fits_shape(const DynamicField& field, std::span<const std::uint32_t> dimensions,
@@ -34,18 +46,6 @@ bool fit_variants(const DynamicField& field, const Array<Variant>& elements)
 }
 
 } // namespace
-
-std::size_t element_count(std::span<const std::uint32_t> dimensions, std::size_t limit)
-{
-    std::size_t product = 1;
-    for (const std::uint32_t dimension : dimensions) {
-        if (dimension == 0) {
-            return 0;
-        }
-        product = product > limit / dimension ? limit + 1 : product * dimension;
-    }
-    return product;
-}
 
 bool fits_variant(const DynamicField& field, const Variant& content)
 {

@@ -11,10 +11,6 @@ namespace busbar::binary::detail {
 /// True for a structure that a field which allows subtypes can hold as ExtensionObject.
 [[nodiscard]] bool may_be_subtype(const DynamicField& field, const DynamicValue& content);
 
-/// The product of the dimensions, `limit` + 1 past the limit.
-[[nodiscard]] std::size_t element_count(std::span<const std::uint32_t> dimensions,
-                                        std::size_t limit);
-
 /// True if a scalar field of Variants may hold `content`.
 [[nodiscard]] bool fits_variant(const DynamicField& field, const Variant& content);
 

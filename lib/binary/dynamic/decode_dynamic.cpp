@@ -2,55 +2,38 @@
 
 #include "content_check.hpp"
 #include "core/visit_built_in.hpp"
+#include "matrix_header.hpp"
+#include "object_body.hpp"
 
 namespace busbar::binary {
 
 namespace {
 
-/// The dimensions in front of a matrix (Part 6, 5.2.5). None for a matrix without elements, null or
-/// empty as it came.
-Array<std::uint32_t> decode_dimensions(Reader& reader, const DynamicField& field)
+/// As decode_matrix_header, with the dimensions: none for a matrix without elements, null or empty
+/// as it came.
+std::int64_t decode_header(Reader& reader, const DynamicField& field, std::size_t min_element_size,
+                           std::size_t object_size, Array<std::uint32_t>& dimensions)
 {
-    Array<std::uint32_t> dimensions;
-    decode(reader, dimensions);
-    bool fits =
-        dimensions.empty() || dimensions.size() == static_cast<std::size_t>(field.value_rank);
-    for (const std::uint32_t dimension : dimensions) {
-        fits = fits && dimension <= INT32_MAX;
+    const std::int64_t count = detail::decode_matrix_header(
+        reader, field, min_element_size, object_size,
+        [&](std::uint32_t dimension) { dimensions.push_back(dimension); });
+    if (count >= 0 && dimensions.is_null()) {
+        dimensions.clear();
     }
-    if (!fits) {
-        reader.fail(status::Bad_DecodingError);
-    }
-    return dimensions;
-}
-
-/// How many elements a matrix has, after the same checks as of an array's count.
-std::size_t decode_matrix_size(Reader& reader, const Array<std::uint32_t>& dimensions,
-                               std::size_t min_element_size, std::size_t object_size)
-{
-    const std::size_t limit = reader.limits().max_array_length;
-    const std::size_t count =
-        dimensions.empty() ? 0 : detail::element_count(dimensions.span(), limit);
-    if (count > limit) {
-        reader.fail(status::Bad_EncodingLimitsExceeded);
-    } else if (min_element_size != 0 && count > reader.remaining() / min_element_size) {
-        reader.fail(status::Bad_DecodingError);
-    } else if (reader.charge(count * object_size)) {
-        return count;
-    }
-    return 0;
+    return count;
 }
 
 template <typename T>
 Variant decode_matrix(Reader& reader, const DynamicField& field)
 {
-    Array<std::uint32_t> dimensions = decode_dimensions(reader, field);
+    Array<std::uint32_t> dimensions;
     Array<T> values;
-    if (dimensions.is_null()) {
+    const std::int64_t count =
+        decode_header(reader, field, busbar::detail::min_wire_size<T>(), sizeof(T), dimensions);
+    if (count < 0) {
         return Variant{std::move(values)};
     }
-    values.resize(
-        decode_matrix_size(reader, dimensions, busbar::detail::min_wire_size<T>(), sizeof(T)));
+    values.resize(static_cast<std::size_t>(count));
     for (T& value : values) {
         decode(reader, value);
     }
@@ -177,22 +160,15 @@ private:
     {
         DynamicArray result;
         const std::size_t least = field.type->min_wire_size;
-        std::size_t count = 0;
-        if (field.is_matrix()) {
-            result.dimensions = decode_dimensions(reader_, field);
-            if (result.dimensions.is_null()) {
-                return result;
-            }
-            count = decode_matrix_size(reader_, result.dimensions, least, sizeof(DynamicValue));
-        } else {
-            const std::int32_t length = reader_.array_length(least, sizeof(DynamicValue));
-            if (length < 0) {
-                return result;
-            }
-            count = static_cast<std::size_t>(length);
+        const std::int64_t count =
+            field.is_matrix()
+                ? decode_header(reader_, field, least, sizeof(DynamicValue), result.dimensions)
+                : reader_.array_length(least, sizeof(DynamicValue));
+        if (count < 0) {
+            return result;
         }
-        result.values.reserve(count);
-        for (std::size_t i = 0; i < count && reader_.ok(); ++i) {
+        result.values.reserve(static_cast<std::size_t>(count));
+        for (std::int64_t i = 0; i < count && reader_.ok(); ++i) {
             result.values.push_back(structure(*field.type));
         }
         return result;
@@ -231,13 +207,8 @@ Result<DynamicValue> decode_dynamic(const ExtensionObject& object, const Dynamic
     if (object.body() != ExtensionObject::Body::Object) {
         return busbar::fail(status::Bad_DecodingError);
     }
-    VectorSink sink;
-    Writer writer{sink};
-    object.type()->encode(writer, object.object());
-    if (!writer.ok()) {
-        return busbar::fail(writer.status());
-    }
-    return decode_dynamic(sink.take(writer.written()), *type, limits);
+    const auto bytes = detail::encoded_body(object);
+    return bytes ? decode_dynamic(*bytes, *type, limits) : busbar::fail(bytes.error());
 }
 
 } // namespace busbar::binary

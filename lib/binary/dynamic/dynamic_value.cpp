@@ -2,6 +2,7 @@
 
 #include "content_check.hpp"
 #include "core/visit_built_in.hpp"
+#include "object_body.hpp"
 
 namespace busbar::binary {
 
@@ -102,6 +103,9 @@ Result<void> DynamicValue::set(std::size_t field, Variant content)
     }
     if (!detail::fits(type_->fields[field], content)) {
         return busbar::fail(status::Bad_TypeMismatch);
+    }
+    if (auto encoded = detail::encode_objects(content); !encoded) {
+        return encoded;
     }
     return replace(field, std::move(content));
 }

@@ -239,6 +239,7 @@ void TypeCompiler::define_field(Entry& entry, const StructureField& from,
     field.is_optional = from.is_optional && type == StructureWithOptionalFields;
     field.allows_subtypes = from.is_optional && (type == StructureWithSubtypedValues ||
                                                  type == UnionWithSubtypedValues);
+    field.max_string_length = from.max_string_length;
     if (resolve_field(entry, from, field)) {
         resolve_rank(entry, from, field);
     }
@@ -289,6 +290,7 @@ void TypeCompiler::resolve_rank(Entry& entry, const StructureField& from, Dynami
         refuse(entry, status::Bad_NodeAttributesInvalid, from.name.view(),
                "its ArrayDimensions do not fit its ValueRank");
     }
+    field.array_dimensions.assign(from.array_dimensions.begin(), from.array_dimensions.end());
 }
 
 } // namespace busbar::binary::detail
