@@ -42,7 +42,12 @@ std::size_t memory_of(const AddressSpace& space, NodeIndex node)
     encode(writer, space.display_name(node));
     encode(writer, space.attribute(node, AttributeId::Description).value_or(Variant{}));
     encode(writer, space.value(node));
-    return record_and_slots + bytes_per_encoded_byte * writer.written() +
+    const NodeAccess* const access = space.node_access(node);
+    const std::size_t extras =
+        access == nullptr
+            ? 0
+            : sizeof(NodeAccess) + access->role_permissions.size() * sizeof(RolePermissionType);
+    return extras + record_and_slots + bytes_per_encoded_byte * writer.written() +
            space.variable(node).array_dimensions.size_bytes() +
            space.references(node).at_most() * detail::bytes_per_reference;
 }

@@ -171,6 +171,9 @@ Result<void> Instantiation::copy_node(NodeIndex parent, NodeIndex declaration, N
         return fail(added.error());
     }
     created = *added;
+    if (const NodeAccess* const access = space_.node_access(declaration)) {
+        space_.set_node_access(created, NodeAccess{*access});
+    }
     return note_created(created);
 }
 
