@@ -187,8 +187,9 @@ Result<model::NewNode> place(NodeManagementContext& context, const AddNodesItem&
     if (node.parent == model::no_node) {
         return fail(status::Bad_ParentNodeIdInvalid);
     }
-    if (!context.rights.may_add_node(item.parent_node_id.node_id)) {
-        return fail(status::Bad_UserAccessDenied);
+    const StatusCode refusal = context.rights.check_add_node(node.parent);
+    if (refusal.is_bad()) {
+        return fail(refusal);
     }
     if (context.find_reference_type(item.reference_type_id) == model::no_node) {
         return fail(status::Bad_ReferenceTypeIdInvalid);
