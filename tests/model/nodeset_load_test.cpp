@@ -184,6 +184,22 @@ TEST_CASE_METHOD(NodeSetFixture, "Restrictions of a model are for nodes without 
                     .empty());
 }
 
+TEST_CASE_METHOD(NodeSetFixture, "A ModellingRule of a file that is removed is nobody's any more")
+{
+    load("<UAObject NodeId=\"ns=1;i=1\" BrowseName=\"1:Rule\"><References>"
+         "<Reference ReferenceType=\"i=35\" IsForward=\"false\">i=85</Reference>"
+         "<Reference ReferenceType=\"i=40\">i=77</Reference></References></UAObject>"
+         "<UAObject NodeId=\"ns=1;i=2\" BrowseName=\"1:Ruled\"><References>"
+         "<Reference ReferenceType=\"i=35\" IsForward=\"false\">i=85</Reference>"
+         "<Reference ReferenceType=\"i=37\">ns=1;i=1</Reference>"
+         "<Reference ReferenceType=\"i=40\">i=58</Reference></References></UAObject>");
+    REQUIRE(space.remove(find("i=1")));
+    ReferenceCursor cursor = space.references(find("i=2"));
+    while (const auto reference = cursor.next()) {
+        CHECK(space.exists(reference->target));
+    }
+}
+
 TEST_CASE_METHOD(NodeSetFixture, "UTF-16 is read like UTF-8")
 {
     const std::string utf8 = nodeset_text(variable_text("s=V", "", "<String>\xC3\xA9</String>"));

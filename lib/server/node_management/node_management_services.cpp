@@ -24,7 +24,8 @@ AddNodesResult add_one(NodeManagementContext& context, const AddNodesItem& item)
 }
 
 /// Deletes the node with all that was added below it, and all references to these, whatever
-/// deleteTargetReferences says: none leads nowhere.
+/// deleteTargetReferences says: a server may delete more than it was asked to (Part 4, 5.8.4.1),
+/// and here no reference leads nowhere. So there is no Uncertain_ReferenceNotDeleted.
 StatusCode delete_one(NodeManagementContext& context, const DeleteNodesItem& item)
 {
     const model::NodeIndex node = context.find(item.node_id);
