@@ -24,8 +24,9 @@ struct Entry;
 
 /// Walks the references of one node; valid until the AddressSpace changes.
 ///
-/// An inverse HasTypeDefinition or HasModellingRule is not kept: a type does not list its
-/// instances (Part 3, 4.4.3 lets a reference be followed in one direction only).
+/// An inverse HasTypeDefinition is not kept, which would cost each node 8 bytes: next_instance
+/// finds the instances of a type. Nor is an inverse HasModellingRule (Part 3, 4.4.3 lets a
+/// reference be followed in one direction only).
 class ReferenceCursor {
 public:
     /// The next reference, or nothing at the end.
@@ -134,6 +135,11 @@ public:
     /// returns false.
     void for_each_below(NodeIndex node, FunctionRef<bool(NodeIndex)> visit) const;
     [[nodiscard]] ReferenceCursor references(NodeIndex node, std::size_t position = 0) const;
+    /// The first instance of an ObjectType or VariableType itself, not of its subtypes, from index
+    /// `from` on; no_node if there is none. Looks at every node and takes one off `visits` for
+    /// each, until there are none left. `from` becomes where to go on, no_node at the end.
+    [[nodiscard]] NodeIndex next_instance(NodeIndex type, NodeIndex& from,
+                                          std::size_t& visits) const;
     /// Changes whenever positions of references may have moved.
     [[nodiscard]] std::uint64_t reference_epoch() const;
     /// Changes whenever a reference was added or removed, be it with a node, and when a Variable
