@@ -132,7 +132,8 @@ public:
     std::vector<StatusCode> write(const WriteRequest& request)
     {
         REQUIRE(server::detail::check_write(request, 1'000) == status::Good);
-        server::detail::WriteJob job{{space, sources, {space, user, control}, &data_types}, request};
+        server::detail::WriteJob job{{space, sources, {space, user, control}, &data_types},
+                                     request};
         REQUIRE(job.start(owner, TimePoint{}));
         return results(job);
     }
