@@ -34,6 +34,7 @@ private:
     void set_variable(const StaticVariable& variable, Record& record);
     [[nodiscard]] Variant value(const StaticText& at) const;
     void set_texts();
+    void set_access();
     void add_references(std::uint32_t index);
 
     /// A node of this copy, or an external one.
@@ -71,6 +72,7 @@ Result<void> StaticCopy::run()
     for (std::uint32_t i = 0; i < from_.nodes.size(); ++i) {
         add_references(i);
     }
+    set_access();
     graft_.link();
     graft_.keep();
     return {};
@@ -174,7 +176,7 @@ void StaticCopy::set_variable(const StaticVariable& variable, Record& record)
         record.data_type = space_.find(detail::id_base_data_type);
     }
     record.value_rank = variable.value_rank;
-    record.minimum_sampling_interval = static_cast<double>(variable.minimum_sampling_interval);
+    record.minimum_sampling_interval = variable.minimum_sampling_interval;
     record.access_level = record.user_access_level = variable.access_level;
     if (variable.array_dimensions.size != 0) {
         record.make_extra().array_dimensions = Array<std::uint32_t>{from_.dimensions.subspan(
@@ -207,6 +209,18 @@ void StaticCopy::set_texts()
             to.inverse_name.locale = std::move(found);
             break;
         }
+    }
+}
+
+void StaticCopy::set_access()
+{
+    for (const StaticAccess& each : from_.access) {
+        graft_.set_access(graft_.created()[each.node],
+                          detail::node_access(from_, each, namespaces_));
+    }
+    if (from_.restrictions != 0 && !from_.nodes.empty()) {
+        space_.set_namespace_restrictions(namespaces_[from_.nodes[0].id.namespace_index],
+                                          from_.restrictions);
     }
 }
 

@@ -240,7 +240,7 @@ VariableAttributes AddressSpace::variable(NodeIndex node) const
     result.value_rank = from.value_rank;
     result.array_dimensions = tables_->constants->dimensions.subspan(from.array_dimensions.offset,
                                                                      from.array_dimensions.size);
-    result.minimum_sampling_interval = static_cast<double>(from.minimum_sampling_interval);
+    result.minimum_sampling_interval = from.minimum_sampling_interval;
     result.access_level = result.user_access_level = from.access_level;
     result.historizing = (constant.flags & static_flag::historizing) != 0;
     if (const Overlay* const overlay = tables_->overlay(node)) {
@@ -326,7 +326,6 @@ Result<Variant> AddressSpace::attribute(NodeIndex node, AttributeId id) const
         return Variant{display_name(node)};
     case AttributeId::Description:
         return if_present(description(*tables_, node));
-    case AttributeId::WriteMask:
     case AttributeId::UserWriteMask:
         // No attribute but Value can be written.
         return Variant{std::uint32_t{0}};
@@ -367,16 +366,13 @@ Result<Variant> AddressSpace::variable_attribute(NodeIndex node, AttributeId id)
         return Variant{attributes.access_level};
     case AttributeId::UserAccessLevel:
         return Variant{attributes.user_access_level};
-    case AttributeId::AccessLevelEx:
-        return Variant{std::uint32_t{attributes.access_level}};
     case AttributeId::MinimumSamplingInterval:
         return Variant{attributes.minimum_sampling_interval};
     case AttributeId::Historizing:
         return Variant{attributes.historizing};
     default:
-        // RolePermissions, UserRolePermissions and AccessRestrictions are absent; Value is not
-        // read here.
-        return fail(status::Bad_AttributeIdInvalid);
+        // UserRolePermissions are a matter of the session; Value is not read here.
+        return access_attribute(node, id);
     }
 }
 

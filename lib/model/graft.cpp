@@ -185,8 +185,9 @@ void Graft::add_entry(NodeIndex node, const Entry& entry)
     }
 }
 
-/// The references that are not in the records themselves. Inverse HasTypeDefinition and
-/// HasModellingRule are not kept.
+/// The references that are not in the records themselves. Inverse HasTypeDefinition is not kept,
+/// nor is inverse HasModellingRule of a constant rule: what can be removed must know who refers to
+/// it.
 void Graft::add_others()
 {
     const NodeIndex has_modelling_rule = tables_.find_constant(id_has_modelling_rule);
@@ -201,7 +202,7 @@ void Graft::add_others()
             continue;
         }
         add_entry(link.source, Entry{link.type, link.target, true});
-        if (link.type != has_modelling_rule) {
+        if (link.type != has_modelling_rule || !tables_.is_constant(link.target)) {
             add_entry(link.target, Entry{link.type, link.source, false});
         }
     }

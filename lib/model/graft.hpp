@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "tables.hpp"
@@ -27,6 +28,10 @@ public:
                                            NodeClass node_class);
     /// Of a node that was created.
     [[nodiscard]] Record& record(NodeIndex node) { return tables_.record(node); }
+    void set_access(NodeIndex node, NodeAccess access)
+    {
+        space_.set_node_access(node, std::move(access));
+    }
     [[nodiscard]] const std::vector<NodeIndex>& created() const { return created_; }
     /// From `source` to `target`. One that was added before counts once; one between two nodes
     /// that were there before is not added.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <busbar/binary/codec.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "instantiation.hpp"
@@ -28,6 +29,28 @@ Result<QualifiedName> default_name_of(const AddressSpace& space, NodeIndex type)
 }
 
 } // namespace
+
+std::size_t memory_of(const AddressSpace& space, NodeIndex node)
+{
+    constexpr std::size_t record_and_slots = 256;
+    // What is decoded is larger than its encoding, by no more than the headers of its fields.
+    constexpr std::size_t bytes_per_encoded_byte = 8;
+    binary::CountingSink sink;
+    binary::Writer writer{sink};
+    encode(writer, space.node_id(node));
+    encode(writer, space.browse_name(node));
+    encode(writer, space.display_name(node));
+    encode(writer, space.attribute(node, AttributeId::Description).value_or(Variant{}));
+    encode(writer, space.value(node));
+    const NodeAccess* const access = space.node_access(node);
+    const std::size_t extras =
+        access == nullptr
+            ? 0
+            : sizeof(NodeAccess) + access->role_permissions.size() * sizeof(RolePermissionType);
+    return extras + record_and_slots + bytes_per_encoded_byte * writer.written() +
+           space.variable(node).array_dimensions.size_bytes() +
+           space.references(node).at_most() * detail::bytes_per_reference;
+}
 
 Result<NodeIndex> instantiate(AddressSpace& space, const NewNode& node, NodeIndex type,
                               const InstanceOptions& options)

@@ -23,7 +23,10 @@ Result<NodeIndex> Instantiation::create(const NewNode& node, NodeIndex type)
     if (!root) {
         return root;
     }
-    created_.push_back(*root);
+    if (const auto noted = note_created(*root); !noted) {
+        undo();
+        return fail(noted.error());
+    }
     if (const auto done = complete(*root, type); !done) {
         return fail(done.error());
     }
@@ -33,6 +36,7 @@ Result<NodeIndex> Instantiation::create(const NewNode& node, NodeIndex type)
 Result<void> Instantiation::extend(NodeIndex object, NodeIndex interface_type)
 {
     if (auto done = reference(object, space_.find(id::HasInterface), interface_type); !done) {
+        undo();
         return done;
     }
     return complete(object, interface_type);

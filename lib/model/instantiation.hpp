@@ -14,6 +14,9 @@
 
 namespace busbar::model::detail {
 
+/// What a reference takes at both ends, in lists that grow.
+inline constexpr std::size_t bytes_per_reference = 64;
+
 /// The child that a hierarchical reference leads to, no_node if there is none of the name.
 [[nodiscard]] NodeIndex child_of(const AddressSpace& space, NodeIndex parent,
                                  const QualifiedName& name);
@@ -67,6 +70,9 @@ private:
     [[nodiscard]] bool can_be_made(const DeclaredMember& member, const std::string& path) const;
     [[nodiscard]] Result<void> add_other_references();
     [[nodiscard]] Result<void> reference(NodeIndex source, NodeIndex type, NodeIndex target);
+    /// Counts the new node and its memory.
+    [[nodiscard]] Result<void> note_created(NodeIndex node);
+    [[nodiscard]] Result<void> charge(std::size_t bytes);
     [[nodiscard]] std::vector<DeclarationSource> with_types(std::vector<DeclarationSource> sources,
                                                             NodeIndex type);
     [[nodiscard]] bool is_wanted(const DeclaredMember& member, const std::string& path);
@@ -82,6 +88,7 @@ private:
     std::vector<NodeIndex> created_;
     std::vector<AddedReference> references_;
     std::uint32_t last_scope_{0};
+    std::size_t memory_{0};
 };
 
 } // namespace busbar::model::detail

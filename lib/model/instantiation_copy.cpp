@@ -171,8 +171,24 @@ Result<void> Instantiation::copy_node(NodeIndex parent, NodeIndex declaration, N
         return fail(added.error());
     }
     created = *added;
-    created_.push_back(created);
-    return {};
+    if (const NodeAccess* const access = space_.node_access(declaration)) {
+        space_.set_node_access(created, NodeAccess{*access});
+    }
+    return note_created(created);
+}
+
+Result<void> Instantiation::note_created(NodeIndex node)
+{
+    created_.push_back(node);
+    const bool is_limited = options_.limits.max_memory != SIZE_MAX;
+    return is_limited ? charge(memory_of(space_, node)) : Result<void>{};
+}
+
+Result<void> Instantiation::charge(std::size_t bytes)
+{
+    memory_ += bytes;
+    return memory_ > options_.limits.max_memory ? fail(status::Bad_TooManyOperations)
+                                                : Result<void>{};
 }
 
 /// The properties of a Method belong to its signature, whatever rule they have.
@@ -261,7 +277,9 @@ Result<void> Instantiation::reference(NodeIndex source, NodeIndex type, NodeInde
     const auto added = space_.add_reference(source, type_id, target);
     if (added) {
         references_.push_back({source, type_id, target});
-    } else if (added.error() != status::Bad_DuplicateReferenceNotAllowed) {
+        return charge(bytes_per_reference);
+    }
+    if (added.error() != status::Bad_DuplicateReferenceNotAllowed) {
         return added;
     }
     return {};

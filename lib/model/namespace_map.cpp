@@ -8,6 +8,7 @@ namespace busbar::model::detail {
 namespace {
 
 constexpr std::uint32_t argument_encoding = 298;
+constexpr std::uint32_t role_permission_encoding = 128;
 constexpr std::uint32_t structure_definition_encoding = 122;
 
 /// The overloads call each other: a Variant may hold any of the others.
@@ -41,6 +42,7 @@ private:
     void apply(DataValue& value) const { apply(value.value); }
     void apply(ExtensionObject& object) const;
     void apply(Argument& argument) const { apply(argument.data_type); }
+    void apply(RolePermissionType& permission) const { apply(permission.role_id); }
     void apply(StructureDefinition& definition) const
     {
         apply(definition.default_encoding_id);
@@ -83,9 +85,19 @@ private:
 
 void NamespaceMap::apply(ExtensionObject& object) const
 {
+    if (const auto* const permission = object.get_if<RolePermissionType>()) {
+        RolePermissionType mapped = *permission;
+        apply(mapped);
+        object = ExtensionObject::from(std::move(mapped));
+        return;
+    }
     NodeId id = object.encoding_id();
     if (object.body() == ExtensionObject::Body::Binary && id.is(argument_encoding)) {
         apply_inside<Argument>(object);
+        return;
+    }
+    if (object.body() == ExtensionObject::Body::Binary && id.is(role_permission_encoding)) {
+        apply_inside<RolePermissionType>(object);
         return;
     }
     if (object.body() == ExtensionObject::Body::Binary && id.is(structure_definition_encoding)) {

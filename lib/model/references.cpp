@@ -98,6 +98,24 @@ NodeIndex AddressSpace::type_definition(NodeIndex node) const
     return no_node;
 }
 
+NodeIndex AddressSpace::next_instance(NodeIndex type, NodeIndex& from, std::size_t& visits) const
+{
+    const std::uint32_t end = tables_->constant_count + tables_->record_count;
+    for (std::uint32_t at = detail::number(from); at < end; ++at) {
+        if (visits == 0) {
+            from = NodeIndex{at};
+            return no_node;
+        }
+        --visits;
+        if (type_definition(NodeIndex{at}) == type) { // none has one that is free
+            from = NodeIndex{at + 1};
+            return NodeIndex{at};
+        }
+    }
+    from = no_node;
+    return no_node;
+}
+
 std::size_t AddressSpace::for_each_child(NodeIndex parent, NodeIndex type, bool include_subtypes,
                                          const QualifiedName& name,
                                          FunctionRef<bool(NodeIndex)> visit) const

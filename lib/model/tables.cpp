@@ -20,6 +20,9 @@ Tables::Tables(const StaticNodes& nodes)
     for (const StaticText& uri : nodes.namespaces) {
         namespaces.emplace_back(text(uri));
     }
+    for (const StaticAccess& each : nodes.access) {
+        access.emplace(each.node, node_access(nodes, each, {}));
+    }
 }
 
 const Overlay* Tables::overlay(NodeIndex node) const
@@ -178,6 +181,7 @@ void Tables::destroy(NodeIndex node)
 {
     const std::uint32_t number_of_record = number(node) - constant_count;
     by_id.erase(id_hash(number_of_record), number_of_record, id_hasher());
+    access.erase(number(node));
     record(node) = Record{};
     free_records.push_back(number_of_record);
 }

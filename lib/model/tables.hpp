@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -31,6 +32,10 @@ inline constexpr std::uint32_t id_base_variable_type = 62;
 inline constexpr std::uint32_t id_property_type = 68;
 inline constexpr std::uint32_t id_argument = 296;
 
+/// What a table of constant nodes says, with the namespace indices that `map` has for its own.
+[[nodiscard]] NodeAccess node_access(const StaticNodes& nodes, const StaticAccess& from,
+                                     std::span<const std::uint16_t> map);
+
 /// The contents of an AddressSpace. Constant nodes have the indices below `constant_count`.
 struct Tables {
     explicit Tables(const StaticNodes& nodes);
@@ -47,6 +52,9 @@ struct Tables {
     IndexTable by_id;
     IndexTable by_name;
     std::unordered_map<std::uint32_t, std::unique_ptr<Overlay>> overlays;
+    std::unordered_map<std::uint32_t, NodeAccess> access;
+    /// By namespace; may be shorter.
+    std::vector<std::uint16_t> namespace_restrictions;
     Journal journal;
     std::uint64_t epoch{0};
     std::uint64_t change_count{0};

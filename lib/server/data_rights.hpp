@@ -5,54 +5,86 @@
 #include <busbar/model/address_space.hpp>
 #include <busbar/server/access_control.hpp>
 
+#include "role_permissions.hpp"
+
 namespace busbar::server::detail {
 
-/// What one user may do with nodes.
+/// What one user may do with nodes over one channel. An AccessControl, the RolePermissions of a
+/// node and its AccessRestrictions must all agree.
 struct UserRights {
+    const model::AddressSpace& space;
     const UserIdentity& user;
     /// May be null.
     const AccessControl* control{nullptr};
+    /// Of the channel.
+    MessageSecurityMode security_mode{MessageSecurityMode::None};
 
     /// False for a node that the user must not know of.
-    [[nodiscard]] bool may_see(const NodeId& node) const
+    [[nodiscard]] bool may_see(model::NodeIndex node) const
     {
-        return control == nullptr || control->may_browse(user, node);
+        return (control == nullptr || control->may_browse(user, space.node_id(node))) &&
+               is_permitted(PermissionType::Browse, node);
+    }
+    /// Good, or Bad_SecurityModeInsufficient where the channel is weaker than the node asks for
+    /// (Part 3, 8.56). SessionRequired is always met: there are no services without session.
+    [[nodiscard]] StatusCode check_channel(model::NodeIndex node) const
+    {
+        return is_strong_enough(space.access_restrictions(node))
+                   ? status::Good
+                   : status::Bad_SecurityModeInsufficient;
+    }
+    /// The same for what belongs to the permission Browse: references, and reading attributes other
+    /// than Value and RolePermissions.
+    [[nodiscard]] StatusCode check_browse_channel(model::NodeIndex node) const
+    {
+        constexpr auto applies =
+            static_cast<unsigned>(AccessRestrictionType::ApplyRestrictionsToBrowse);
+        const std::uint16_t restrictions = space.access_restrictions(node);
+        return (restrictions & applies) == 0 || is_strong_enough(restrictions)
+                   ? status::Good
+                   : status::Bad_SecurityModeInsufficient;
+    }
+    [[nodiscard]] bool is_permitted(PermissionType permission, model::NodeIndex node) const
+    {
+        return (user_permissions(space, user, node) & static_cast<std::uint32_t>(permission)) != 0;
     }
     /// Whether the user may call a Method that is executable. One that is not the server's own may
     /// change as much as a Write does.
-    [[nodiscard]] bool may_call(const NodeId& method, bool is_servers_own) const
+    [[nodiscard]] bool may_call(model::NodeIndex method, bool is_servers_own) const
     {
         constexpr auto current_write = static_cast<std::uint8_t>(AccessLevelType::CurrentWrite);
         return (is_servers_own || (user.access_level_mask & current_write) != 0) &&
-               (control == nullptr || control->may_call(user, method));
+               (control == nullptr || control->may_call(user, space.node_id(method))) &&
+               is_permitted(PermissionType::Call, method);
     }
-    // Of the NodeManagement services.
+    // Of the NodeManagement services: Good, Bad_UserAccessDenied or as check_channel.
 
-    [[nodiscard]] bool may_add_node(const NodeId& parent) const
+    [[nodiscard]] StatusCode check_add_node(model::NodeIndex parent) const
     {
-        return is_allowed(&AccessControl::may_add_node, parent);
+        return check(&AccessControl::may_add_node, PermissionType::AddNode, parent);
     }
-    [[nodiscard]] bool may_delete_node(const NodeId& node) const
+    [[nodiscard]] StatusCode check_delete_node(model::NodeIndex node) const
     {
-        return is_allowed(&AccessControl::may_delete_node, node);
+        return check(&AccessControl::may_delete_node, PermissionType::DeleteNode, node);
     }
-    [[nodiscard]] bool may_add_reference(const NodeId& node) const
+    [[nodiscard]] StatusCode check_add_reference(model::NodeIndex node) const
     {
-        return is_allowed(&AccessControl::may_add_reference, node);
+        return check(&AccessControl::may_add_reference, PermissionType::AddReference, node);
     }
-    [[nodiscard]] bool may_remove_reference(const NodeId& node) const
+    [[nodiscard]] StatusCode check_remove_reference(model::NodeIndex node) const
     {
-        return is_allowed(&AccessControl::may_remove_reference, node);
+        return check(&AccessControl::may_remove_reference, PermissionType::RemoveReference, node);
     }
     /// The UserAccessLevel of a Variable (Part 3, 5.6.2).
-    [[nodiscard]] std::uint8_t access_level(const NodeId& node,
+    [[nodiscard]] std::uint8_t access_level(model::NodeIndex node,
                                             const model::VariableAttributes& variable) const
     {
         unsigned level = variable.access_level;
         level &= variable.user_access_level;
         level &= user.access_level_mask;
+        level &= permitted_access(user_permissions(space, user, node));
         if (control != nullptr) {
-            level &= control->user_access_level(user, node, variable.access_level);
+            level &= control->user_access_level(user, space.node_id(node), variable.access_level);
         }
         return static_cast<std::uint8_t>(level);
     }
@@ -60,9 +92,40 @@ struct UserRights {
 private:
     using Question = bool (AccessControl::*)(const UserIdentity&, const NodeId&) const;
 
-    [[nodiscard]] bool is_allowed(Question question, const NodeId& node) const
+    [[nodiscard]] bool is_strong_enough(std::uint16_t restrictions) const
     {
-        return control == nullptr ? is_configure_admin(user) : (control->*question)(user, node);
+        constexpr auto encryption =
+            static_cast<unsigned>(AccessRestrictionType::EncryptionRequired);
+        constexpr auto signing = static_cast<unsigned>(AccessRestrictionType::SigningRequired);
+        const bool is_encrypted = security_mode == MessageSecurityMode::SignAndEncrypt;
+        const bool is_signed = is_encrypted || security_mode == MessageSecurityMode::Sign;
+        return ((restrictions & encryption) == 0 || is_encrypted) &&
+               ((restrictions & signing) == 0 || is_signed);
+    }
+    [[nodiscard]] StatusCode check(Question question, PermissionType permission,
+                                   model::NodeIndex node) const
+    {
+        if (const StatusCode weak = check_channel(node); weak.is_bad()) {
+            return weak;
+        }
+        const bool is_allowed = control == nullptr
+                                    ? is_configure_admin(user)
+                                    : (control->*question)(user, space.node_id(node));
+        return is_allowed && is_permitted(permission, node) ? status::Good
+                                                            : status::Bad_UserAccessDenied;
+    }
+    /// The bits of AccessLevelType that permissions leave (Part 3, 8.55).
+    [[nodiscard]] static unsigned permitted_access(std::uint32_t permissions)
+    {
+        const auto unless = [&](PermissionType permission, AccessLevelType level) {
+            return (permissions & static_cast<std::uint32_t>(permission)) == 0
+                       ? static_cast<unsigned>(level)
+                       : 0U;
+        };
+        return ~(unless(PermissionType::Read, AccessLevelType::CurrentRead) |
+                 unless(PermissionType::Write, AccessLevelType::CurrentWrite) |
+                 unless(PermissionType::ReadHistory, AccessLevelType::HistoryRead) |
+                 unless(PermissionType::ModifyHistory, AccessLevelType::HistoryWrite));
     }
 };
 

@@ -3,6 +3,7 @@
 #include "core.hpp"
 #include "server_object.hpp"
 #include "session.hpp"
+#include "session_rights.hpp"
 
 namespace busbar::server::detail {
 
@@ -15,10 +16,7 @@ void ReadOperation::start(ServiceContext& context)
     }
     const ValueReader reader{context.session->user, is_encrypted(*context.session)};
     const auto live_value = [&](const NodeId& node) { return server_value(core, node, reader); };
-    job_.emplace(ReadContext{core.address_space,
-                             core.sources,
-                             {context.session->user, core.environment.access},
-                             live_value,
+    job_.emplace(ReadContext{core.address_space, core.sources, rights_of(context), live_value,
                              core.environment.wall_clock->now()},
                  request());
     if (job_->start(*this, context.now)) {

@@ -29,21 +29,63 @@ StatusCode check_data_encoding(const ReadContext& context, const ReadValueId& id
     return is_binary ? status::Good : status::Bad_DataEncodingUnsupported;
 }
 
-StatusCode check_access(const ReadContext& context, const ReadValueId& id,
+StatusCode check_access(const ReadContext& context, model::NodeIndex node,
                         const model::VariableAttributes& variable)
 {
+    if (const StatusCode weak = context.rights.check_channel(node); weak.is_bad()) {
+        return weak;
+    }
     if (!has_access(variable.access_level, AccessLevelType::CurrentRead)) {
         return status::Bad_NotReadable;
     }
-    const std::uint8_t level = context.rights.access_level(id.node_id, variable);
+    const std::uint8_t level = context.rights.access_level(node, variable);
     return has_access(level, AccessLevelType::CurrentRead) ? status::Good
                                                            : status::Bad_UserAccessDenied;
+}
+
+/// RolePermissions are for administrators and whom they let read them (Part 3, 5.2.9 and 8.55).
+StatusCode check_role_permissions(const ReadContext& context, model::NodeIndex node)
+{
+    if (const StatusCode weak = context.rights.check_channel(node); weak.is_bad()) {
+        return weak;
+    }
+    const UserIdentity& user = context.rights.user;
+    const bool is_admin = is_configure_admin(user) ||
+                          has_role(context.space, user, NodeId{0, id::WellKnownRole_SecurityAdmin});
+    const model::NodeAccess* const access = context.space.node_access(node);
+    const bool has_some = access != nullptr && !access->role_permissions.is_null();
+    return is_admin || !has_some ||
+                   context.rights.is_permitted(PermissionType::ReadRolePermissions, node)
+               ? status::Good
+               : status::Bad_UserAccessDenied;
+}
+
+/// Those of the session's roles (Part 3, 5.2.10).
+Result<Variant> own_role_permissions(const ReadContext& context, model::NodeIndex node)
+{
+    const model::NodeAccess* const access = context.space.node_access(node);
+    if (access == nullptr || access->role_permissions.is_null()) {
+        return fail(status::Bad_AttributeIdInvalid);
+    }
+    Array<ExtensionObject> permissions;
+    permissions.clear(); // not null
+    for (const RolePermissionType& each :
+         user_role_permissions(context.space, context.rights.user, access->role_permissions)) {
+        permissions.push_back(ExtensionObject::from(each));
+    }
+    return Variant{std::move(permissions)};
 }
 
 /// Any attribute but a Variable's Value.
 Result<Variant> attribute(const ReadContext& context, const ReadValueId& id, model::NodeIndex node)
 {
     const model::AddressSpace& space = context.space;
+    const bool is_browsing = id.attribute_id != value_attribute;
+    const StatusCode weak = is_browsing ? context.rights.check_browse_channel(node)
+                                        : context.rights.check_channel(node);
+    if (weak.is_bad()) {
+        return fail(weak);
+    }
     const auto attribute_id = static_cast<AttributeId>(id.attribute_id);
     if (attribute_id == AttributeId::Value) {
         Variant value = space.value(node);
@@ -54,7 +96,7 @@ Result<Variant> attribute(const ReadContext& context, const ReadValueId& id, mod
     }
     if (attribute_id == AttributeId::UserAccessLevel &&
         space.node_class(node) == NodeClass::Variable) {
-        return Variant{context.rights.access_level(id.node_id, space.variable(node))};
+        return Variant{context.rights.access_level(node, space.variable(node))};
     }
     if (space.node_class(node) == NodeClass::Method && attribute_id == AttributeId::Executable) {
         return Variant{is_executable(space, node)};
@@ -62,6 +104,14 @@ Result<Variant> attribute(const ReadContext& context, const ReadValueId& id, mod
     if (space.node_class(node) == NodeClass::Method &&
         attribute_id == AttributeId::UserExecutable) {
         return Variant{is_user_executable(space, context.rights, node)};
+    }
+    if (attribute_id == AttributeId::UserRolePermissions) {
+        return own_role_permissions(context, node);
+    }
+    if (attribute_id == AttributeId::RolePermissions) {
+        if (const StatusCode denied = check_role_permissions(context, node); denied.is_bad()) {
+            return fail(denied);
+        }
     }
     return space.attribute(node, attribute_id);
 }
@@ -88,7 +138,7 @@ ReadPlan answered(DataValue value)
 ReadPlan plan_value(const ReadContext& context, const ReadValueId& id, model::NodeIndex node)
 {
     const model::VariableAttributes variable = context.space.variable(node);
-    StatusCode refusal = check_access(context, id, variable);
+    StatusCode refusal = check_access(context, node, variable);
     if (refusal.is_good()) {
         refusal = check_data_encoding(context, id, &variable);
     }
@@ -110,7 +160,7 @@ ReadPlan plan_value(const ReadContext& context, const ReadValueId& id, model::No
 ReadPlan plan_read(const ReadContext& context, const ReadValueId& id)
 {
     const model::NodeIndex node = context.space.find(id.node_id);
-    if (node == model::no_node || !context.rights.may_see(id.node_id)) {
+    if (node == model::no_node || !context.rights.may_see(node)) {
         return answered(why_not_found(id.node_id));
     }
     if (id.attribute_id == value_attribute &&

@@ -79,11 +79,18 @@ void describe(const model::AddressSpace& space, const Reference& reference, std:
     }
 }
 
-/// The next reference that matches; `cursor` stands behind it.
-std::optional<Reference> next_match(ViewContext& context, const BrowseFilter& filter,
-                                    ReferenceCursor& cursor)
+/// The references of a node, followed by the instances of one that is a type.
+struct Walk {
+    ReferenceCursor cursor;
+    NodeIndex type;
+    /// As BrowseState::instances.
+    NodeIndex instances;
+};
+
+/// The next reference that matches; `walk` stands behind it.
+std::optional<Reference> next_match(ViewContext& context, const BrowseFilter& filter, Walk& walk)
 {
-    while (const auto reference = cursor.next()) {
+    while (const auto reference = walk.cursor.next()) {
         if (matches(context, filter, *reference)) {
             return reference;
         }
@@ -91,23 +98,47 @@ std::optional<Reference> next_match(ViewContext& context, const BrowseFilter& fi
             return std::nullopt;
         }
     }
+    const NodeIndex has_type_definition = context.space.find(id::HasTypeDefinition);
+    while (walk.instances != model::no_node && context.visits_left != 0) {
+        const NodeIndex instance =
+            context.space.next_instance(walk.type, walk.instances, context.visits_left);
+        const Reference reference{has_type_definition, instance, false};
+        if (instance != model::no_node && matches(context, filter, reference)) {
+            return reference;
+        }
+    }
     return std::nullopt;
 }
 
 /// How many references match, up to `most`, so that the answer is allocated once. If there are
-/// none, `cursor` stands behind what was looked at.
-std::size_t count_matches(ViewContext& context, const BrowseFilter& filter, ReferenceCursor& cursor,
+/// none, `walk` stands behind what was looked at.
+std::size_t count_matches(ViewContext& context, const BrowseFilter& filter, Walk& walk,
                           std::size_t most)
 {
-    ReferenceCursor ahead = cursor;
+    Walk ahead = walk;
     std::size_t count = 0;
     while (count < most && context.visit(1) && next_match(context, filter, ahead)) {
         ++count;
     }
     if (count == 0 && most != 0) {
-        cursor = ahead;
+        walk = ahead;
     }
     return count;
+}
+
+/// Where to begin to look for instances: nowhere if the client did not ask for them.
+NodeIndex first_instance(const model::AddressSpace& space, NodeIndex node,
+                         const BrowseFilter& filter)
+{
+    const NodeClass node_class = space.node_class(node);
+    const NodeIndex has_type_definition = space.find(id::HasTypeDefinition);
+    const bool is_asked_for =
+        (node_class == NodeClass::ObjectType || node_class == NodeClass::VariableType) &&
+        filter.direction != BrowseDirection::Forward &&
+        (filter.reference_type == model::no_node || filter.reference_type == has_type_definition ||
+         (filter.include_subtypes &&
+          space.is_subtype_of(has_type_definition, filter.reference_type)));
+    return is_asked_for ? NodeIndex{0} : model::no_node;
 }
 
 /// Fills `result` from where `state` stands and leaves a continuation point if more is to come.
@@ -115,11 +146,13 @@ void continue_browse(ViewContext& context, BrowseState state, BrowseResult& resu
 {
     const NodeIndex node = context.space.resolve(state.node);
     const std::size_t most = std::min<std::size_t>(state.max_references, context.references_left);
-    ReferenceCursor cursor = context.space.references(node, state.position);
-    const std::size_t count = count_matches(context, state.filter, cursor, most);
-    result.references.reserve(count);
+    Walk walk{context.space.references(node, state.position), node, state.instances};
+    // Instances are too much work to look for them twice.
+    const bool is_counted = state.instances == model::no_node;
+    const std::size_t count = is_counted ? count_matches(context, state.filter, walk, most) : most;
+    result.references.reserve(is_counted ? count : 0);
     while (result.references.size() < count) {
-        const auto reference = next_match(context, state.filter, cursor);
+        const auto reference = next_match(context, state.filter, walk);
         if (!reference) {
             break;
         }
@@ -127,9 +160,10 @@ void continue_browse(ViewContext& context, BrowseState state, BrowseResult& resu
                  result.references.emplace_back());
     }
     context.references_left -= result.references.size();
-    state.position = cursor.position();
-    const bool is_complete = context.visits_left != 0 &&
-                             !next_match(context, state.filter, cursor) && context.visits_left != 0;
+    state.position = walk.cursor.position();
+    state.instances = walk.instances;
+    const bool is_complete = context.visits_left != 0 && !next_match(context, state.filter, walk) &&
+                             context.visits_left != 0;
     if (is_complete) {
         return;
     }
@@ -190,10 +224,11 @@ void browse_node(ViewContext& context, const BrowseDescription& description, Nod
     if (view != model::no_node) {
         filter->view = context.space.handle(view);
     }
-    continue_browse(
-        context,
-        {context.space.handle(*node), *filter, max_references, 0, context.space.reference_epoch()},
-        result);
+    continue_browse(context,
+                    {context.space.handle(*node), *filter, max_references, 0,
+                     context.space.reference_epoch(),
+                     first_instance(context.space, *node, *filter)},
+                    result);
 }
 
 /// The value of the View's property ViewVersion, 0 if it has none.

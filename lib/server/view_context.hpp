@@ -26,14 +26,17 @@ struct ViewContext {
 
     [[nodiscard]] bool may_see(model::NodeIndex node) const
     {
-        return rights.control == nullptr || rights.may_see(space.node_id(node));
+        return rights.may_see(node) && rights.check_browse_channel(node).is_good();
     }
-    /// The node, if there is one that the user may see; else why there is none.
+    /// The node, if there is one that the user may see; else why there is none for him.
     [[nodiscard]] Result<model::NodeIndex> find(const NodeId& id) const
     {
         const model::NodeIndex node = space.find(id);
-        if (node == model::no_node || !rights.may_see(id)) {
+        if (node == model::no_node || !rights.may_see(node)) {
             return fail(why_not_found(id));
+        }
+        if (const StatusCode weak = rights.check_browse_channel(node); weak.is_bad()) {
+            return fail(weak);
         }
         return node;
     }

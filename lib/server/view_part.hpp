@@ -33,6 +33,8 @@ struct BrowseState {
     std::uint32_t max_references{0};
     std::size_t position{0};
     std::uint64_t epoch{0};
+    /// Where to look on for instances of the node, a type; no_node: nowhere.
+    model::NodeIndex instances{model::no_node};
 };
 
 /// The continuation points of one session. Their ids are random: nobody can guess one, and one of

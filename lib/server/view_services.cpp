@@ -1,6 +1,7 @@
 #include "view_services.hpp"
 
 #include "core.hpp"
+#include "session_rights.hpp"
 #include "view_context.hpp"
 
 namespace busbar::server::detail {
@@ -10,10 +11,7 @@ namespace {
 ViewContext view_context(const ServiceContext& context)
 {
     const Core& core = context.core;
-    return {core.address_space,
-            {context.session->user, core.environment.access},
-            core.limits(),
-            *core.environment.random,
+    return {core.address_space, rights_of(context), core.limits(), *core.environment.random,
             *context.session};
 }
 

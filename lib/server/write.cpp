@@ -2,6 +2,7 @@
 
 #include "core.hpp"
 #include "session.hpp"
+#include "session_rights.hpp"
 #include "subscription/semantic_changes.hpp"
 
 namespace busbar::server::detail {
@@ -26,11 +27,8 @@ void WriteOperation::start(ServiceContext& context)
     if (!charge(cost)) {
         return fault(status::Bad_TooManyOperations);
     }
-    job_.emplace(WriteContext{core.address_space,
-                              core.sources,
-                              {context.session->user, core.environment.access},
-                              &core.data_types,
-                              core.limits().decode},
+    job_.emplace(WriteContext{core.address_space, core.sources, rights_of(context),
+                              &core.data_types, core.limits().decode},
                  request());
     const bool is_complete = job_->start(*this, context.now);
     core.diagnostics.take_flag(core.address_space);

@@ -10,7 +10,8 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// WriteMask is 0 everywhere: what is not a Variable's Value cannot be written, if it is there.
+/// What is not a Variable's Value cannot be written, if it is there: whatever WriteMask says,
+/// UserWriteMask is 0.
 StatusCode why_not_writable(const model::AddressSpace& space, model::NodeIndex node,
                             AttributeId attribute)
 {
@@ -20,13 +21,16 @@ StatusCode why_not_writable(const model::AddressSpace& space, model::NodeIndex n
     return is_there ? status::Bad_NotWritable : status::Bad_AttributeIdInvalid;
 }
 
-StatusCode check_access(const WriteContext& context, const WriteValue& value,
+StatusCode check_access(const WriteContext& context, model::NodeIndex node,
                         const model::VariableAttributes& variable)
 {
+    if (const StatusCode weak = context.rights.check_channel(node); weak.is_bad()) {
+        return weak;
+    }
     if (!has_access(variable.access_level, AccessLevelType::CurrentWrite)) {
         return status::Bad_NotWritable;
     }
-    const std::uint8_t level = context.rights.access_level(value.node_id, variable);
+    const std::uint8_t level = context.rights.access_level(node, variable);
     return has_access(level, AccessLevelType::CurrentWrite) ? status::Good
                                                             : status::Bad_UserAccessDenied;
 }
@@ -123,12 +127,13 @@ std::optional<StatusCode> WriteJob::plan(const WriteContext& context, std::size_
                                          const WriteValue& value)
 {
     const model::NodeIndex node = context.space.find(value.node_id);
-    if (node == model::no_node || !context.rights.may_see(value.node_id)) {
+    if (node == model::no_node || !context.rights.may_see(node)) {
         return why_not_found(value.node_id);
     }
     const auto attribute = static_cast<AttributeId>(value.attribute_id);
     if (attribute != AttributeId::Value || context.space.node_class(node) != NodeClass::Variable) {
-        return why_not_writable(context.space, node, attribute);
+        const StatusCode weak = context.rights.check_channel(node);
+        return weak.is_bad() ? weak : why_not_writable(context.space, node, attribute);
     }
     const Target target{node, context.space.variable(node)};
     const auto answer = plan_value(context, index, value, target);
@@ -143,12 +148,17 @@ std::optional<StatusCode> WriteJob::plan_value(const WriteContext& context, std:
                                                const WriteValue& value, const Target& target)
 {
     const model::VariableAttributes& variable = target.variable;
-    if (const auto denied = check_access(context, value, variable); denied.is_bad()) {
+    if (const auto denied = check_access(context, target.node, variable); denied.is_bad()) {
         return denied;
     }
     const auto range = keep_range(index, value.index_range);
     if (!range) {
         return range.error();
+    }
+    const model::NodeAccess* const access = context.space.node_access(target.node);
+    constexpr auto whole_only = static_cast<std::uint32_t>(AccessLevelExType::WriteFullArrayOnly);
+    if (*range != nullptr && access != nullptr && (access->more_access_levels & whole_only) != 0) {
+        return status::Bad_WriteNotSupported; // Part 3, 8.58
     }
     if (const auto bad = check_quality(variable.access_level, value.value); bad.is_bad()) {
         return bad;

@@ -8,6 +8,7 @@ namespace busbar::generator {
 
 namespace {
 
+using model::StaticAccess;
 using model::StaticExtra;
 using model::StaticIdentifier;
 using model::StaticNode;
@@ -48,14 +49,9 @@ std::string row(const StaticNode& entry)
 std::string row(const StaticVariable& entry)
 {
     char interval[32];
-    std::snprintf(interval, sizeof interval, "%.9gF",
-                  static_cast<double>(entry.minimum_sampling_interval));
-    std::string number = interval;
-    if (number.find_first_of(".e") == std::string::npos) {
-        number.insert(number.size() - 1, ".0");
-    }
+    std::snprintf(interval, sizeof interval, "%.17g", entry.minimum_sampling_interval);
     return '{' + text(entry.data_type) + ',' + std::to_string(entry.value_rank) + ',' +
-           row(entry.array_dimensions) + ',' + row(entry.value) + ',' + number + ',' +
+           row(entry.array_dimensions) + ',' + row(entry.value) + ',' + interval + ',' +
            text(entry.access_level) + '}';
 }
 std::string row(const StaticReference& entry)
@@ -66,6 +62,12 @@ std::string row(const StaticExtra& entry)
 {
     return '{' + text(entry.node) + ",StaticExtra::Kind{" +
            text(static_cast<std::uint32_t>(entry.kind)) + "}," + row(entry.text) + '}';
+}
+std::string row(const StaticAccess& entry)
+{
+    return '{' + text(entry.node) + ',' + row(entry.write_mask) + ',' +
+           row(entry.more_access_levels) + ',' + text(entry.restrictions) + ',' +
+           (entry.has_restrictions ? "true" : "false") + ',' + row(entry.role_permissions) + '}';
 }
 std::string row(const StaticType& entry)
 {
@@ -164,7 +166,8 @@ std::string function(const NodeTables& tables, const Options& options)
            span("externals", tables.externals.size()) + span("texts", tables.texts.size()) +
            span("extras", tables.extras.size()) + span("dimensions", tables.dimensions.size()) +
            span("text", tables.text.bytes().size()) + span("values", tables.values.bytes().size()) +
-           span("slots", tables.slots.size()) + "    };\n    return all;\n}\n\n";
+           span("slots", tables.slots.size()) + span("access", tables.access.size()) + "        " +
+           text(tables.restrictions) + ",\n    };\n    return all;\n}\n\n";
 }
 
 std::string source(const NodeTables& tables, const Options& options)
@@ -184,7 +187,8 @@ std::string source(const NodeTables& tables, const Options& options)
            table("StaticExtra", "extras", tables.extras) +
            table("std::uint32_t", "dimensions", tables.dimensions) +
            literal("text", tables.text.bytes()) + literal("values", tables.values.bytes()) +
-           table("std::uint16_t", "slots", tables.slots) + "} // namespace\n\n" +
+           table("std::uint16_t", "slots", tables.slots) +
+           table("StaticAccess", "access", tables.access) + "} // namespace\n\n" +
            function(tables, options) + "} // namespace " + name.in_namespace + "\n";
 }
 

@@ -83,6 +83,11 @@ tl::expected<NodeTables, Failure> NodeTableBuilder::build()
         }
     }
     fill_slots();
+    for (const nodeset::Model& model : document_.models()) {
+        if (model.uri == options_.namespace_uri && namespace_ != 0) {
+            tables_.restrictions = model.access_restrictions.value_or(0);
+        }
+    }
     return std::move(tables_);
 }
 
@@ -239,6 +244,7 @@ tl::expected<void, Failure> NodeTableBuilder::add_node(const Node& node)
         tables_.types.push_back({lasts_[tables_.nodes.size()], built_in_id(hierarchy_, node)});
     }
     add_extras(node);
+    add_access(node);
     tables_.nodes.push_back(entry);
     return add_references(node);
 }
@@ -279,7 +285,7 @@ tl::expected<std::uint32_t, Failure> NodeTableBuilder::variable(const Node& node
     tables_.dimensions.insert(tables_.dimensions.end(), node.array_dimensions.begin(),
                               node.array_dimensions.end());
     entry.value = tables_.values.add(*value);
-    entry.minimum_sampling_interval = static_cast<float>(node.minimum_sampling_interval);
+    entry.minimum_sampling_interval = node.minimum_sampling_interval;
     entry.access_level = node.node_class == NodeClass::Variable
                              ? static_cast<std::uint8_t>(node.access_level)
                              : std::uint8_t{0};
@@ -321,6 +327,22 @@ void NodeTableBuilder::add_extras(const Node& node)
     add(ExtraKind::DescriptionLocale, node.description.locale);
     if (node.node_class == NodeClass::ReferenceType) {
         add(ExtraKind::InverseNameLocale, node.inverse_name.locale);
+    }
+}
+
+void NodeTableBuilder::add_access(const Node& node)
+{
+    const bool is_variable = node.node_class == nodeset::NodeClass::Variable;
+    model::StaticAccess entry;
+    entry.node = static_cast<std::uint32_t>(tables_.nodes.size());
+    entry.write_mask = node.write_mask;
+    entry.more_access_levels = is_variable ? node.access_level & ~std::uint32_t{UINT8_MAX} : 0;
+    entry.has_restrictions = node.access_restrictions.has_value();
+    entry.restrictions = node.access_restrictions.value_or(0);
+    entry.role_permissions = tables_.values.add(NodeValues::permissions(node));
+    if (entry.write_mask != 0 || entry.more_access_levels != 0 || entry.has_restrictions ||
+        entry.role_permissions.size != 0) {
+        tables_.access.push_back(entry);
     }
 }
 

@@ -35,6 +35,28 @@ tl::expected<std::string, Failure> NodeValues::value(const nodeset::Node& node) 
     return encoded(document_, node, value);
 }
 
+std::string NodeValues::permissions(const nodeset::Node& node)
+{
+    constexpr std::uint32_t role_permission_encoding = 128; // RolePermissionType
+    if (!node.role_permissions) {
+        return {};
+    }
+    Array<ExtensionObject> permissions;
+    permissions.clear(); // not null
+    for (const model::NodeSetPermission& each : *node.role_permissions) {
+        binary::VectorSink sink;
+        binary::Writer writer{sink};
+        encode(writer, each.role);
+        encode(writer, each.permissions);
+        const auto body = sink.take(writer.written());
+        permissions.push_back(ExtensionObject::from_binary(NodeId{0, role_permission_encoding},
+                                                           ByteString{std::span{body}}));
+    }
+    const auto bytes = binary::to_bytes(Variant{std::move(permissions)});
+    return bytes ? std::string{reinterpret_cast<const char*>(bytes->data()), bytes->size()}
+                 : std::string{};
+}
+
 tl::expected<std::string, Failure> NodeValues::definition(const nodeset::Node& node) const
 {
     const nodeset::DataType* const type = types_.find(node.id);

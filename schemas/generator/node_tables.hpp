@@ -40,6 +40,8 @@ struct NodeTables {
     std::vector<model::StaticExtra> extras;
     std::vector<std::uint32_t> dimensions;
     std::vector<std::uint16_t> slots;
+    std::vector<model::StaticAccess> access;
+    std::uint16_t restrictions{0};
     Pool text;
     Pool values;
 };
@@ -68,6 +70,7 @@ private:
     [[nodiscard]] tl::expected<std::uint32_t, Failure> variable(const nodeset::Node& node);
     [[nodiscard]] tl::expected<void, Failure> add_references(const nodeset::Node& node);
     void add_extras(const nodeset::Node& node);
+    void add_access(const nodeset::Node& node);
     [[nodiscard]] model::StaticIdentifier identifier(const NodeId& id);
     /// The node's index, or past the last node that of an external.
     [[nodiscard]] std::uint32_t index(const NodeId& id);

@@ -21,6 +21,8 @@ public:
     [[nodiscard]] tl::expected<std::string, Failure> value(const nodeset::Node& node) const;
     /// The DataTypeDefinition of a DataType, encoded as a Variant; empty if it has none.
     [[nodiscard]] tl::expected<std::string, Failure> definition(const nodeset::Node& node) const;
+    /// The RolePermissions, encoded as a Variant; empty if the node has none of its own.
+    [[nodiscard]] static std::string permissions(const nodeset::Node& node);
 
 private:
     const nodeset::Document& document_;

@@ -46,6 +46,8 @@ TEST_CASE_METHOD(NodeSetFixture, "A model loaded or linked gives the same addres
     AddressSpace linked;
     REQUIRE(linked.add(line::nodes()));
     CHECK(detail::space_hash(space) == detail::space_hash(linked));
+    CHECK(linked.access_restrictions(linked.find(NodeId{1, "Belt"})) == 1);
+    CHECK(linked.access_restrictions(linked.find(NodeId{1, "Secret"})) == 10);
     check_write_back(space, AddressSpace{}, summary.namespaces, summary);
     // Beside other namespaces, too.
     AddressSpace beside;
@@ -135,15 +137,67 @@ TEST_CASE_METHOD(NodeSetFixture, "What the address space has no place for is kep
           " a < b & c ");
     CHECK(space.variable(node).access_level == 3);
     CHECK(space.variable(node).minimum_sampling_interval == 0.1);
+    const NodeAccess* const access = space.node_access(node);
+    REQUIRE(access != nullptr);
+    CHECK(access->role_permissions ==
+          Array<RolePermissionType>{{NodeId{1, 7U}, PermissionType{3}}});
+    CHECK(space.attribute(node, AttributeId::WriteMask) == Variant{5U});
+    CHECK(space.attribute(node, AttributeId::UserWriteMask) == Variant{0U});
+    CHECK(space.attribute(node, AttributeId::AccessLevelEx) == Variant{259U});
+    CHECK(space.attribute(node, AttributeId::AccessRestrictions) == Variant{std::uint16_t{3}});
+    CHECK(space.access_restrictions(node) == 3);
     const NodeSetNodeExtras& extras = summary.extras.nodes.at(NodeId{1, "V"});
-    CHECK(extras.attributes.size() == 5);
-    CHECK(extras.role_permissions == std::vector{NodeSetPermission{NodeId{1, 7U}, 3}});
+    CHECK(extras.attributes ==
+          std::vector<NodeSetAttribute>{{"SymbolicName", "Vv"}, {"ReleaseStatus", "Draft"}});
     CHECK(extras.elements.find("<x:Tool xmlns:x=\"urn:x\" a=\"1\">text</x:Tool>") !=
           std::string::npos);
     CHECK(extras.elements.find("Das V") != std::string::npos);
     CHECK(summary.extras.file_extensions.count("urn:t") == 1);
     check_write_back(space, AddressSpace{}, {1}, summary);
     CHECK(write_nodeset(space, std::vector<std::uint16_t>{9}).error() == status::Bad_NotFound);
+}
+
+TEST_CASE_METHOD(NodeSetFixture, "Restrictions of a model are for nodes without their own")
+{
+    const auto file = [](const std::string& restrictions) {
+        return std::vector<NodeSetSource>{
+            {"t.xml", model_text("urn:t", "AccessRestrictions=\"" + restrictions + "\"", "",
+                                 variable_text("s=A", "", "") +
+                                     variable_text("s=B", "AccessRestrictions=\"0\"", "") +
+                                     variable_text("s=C", "HasNoPermissions=\"true\"", ""))}};
+    };
+    CHECK(error_of(file("70000")).find("AccessRestrictions") != std::string::npos);
+    const NodeSetSummary summary = load(file("2"));
+    CHECK(space.access_restrictions(find("s=A")) == 2);
+    CHECK(space.attribute(find("s=A"), AttributeId::AccessRestrictions).error() ==
+          status::Bad_AttributeIdInvalid);
+    CHECK(space.access_restrictions(find("s=B")) == 0);
+    CHECK(space.attribute(find("s=B"), AttributeId::AccessRestrictions) ==
+          Variant{std::uint16_t{0}});
+    CHECK(space.access_restrictions(space.find(id::ObjectsFolder)) == 0);
+    REQUIRE(space.node_access(find("s=C")) != nullptr);
+    CHECK(space.node_access(find("s=C"))->role_permissions == Array<RolePermissionType>(0));
+    check_write_back(space, AddressSpace{}, {1}, summary);
+    REQUIRE(space.remove(find("s=B")));
+    CHECK_FALSE(error_of(std::string{"<UAVariable NodeId=\"ns=1;s=D\" BrowseName=\"D\" "
+                                     "AccessRestrictions=\"x\"/>"})
+                    .empty());
+}
+
+TEST_CASE_METHOD(NodeSetFixture, "A ModellingRule of a file that is removed is nobody's any more")
+{
+    load("<UAObject NodeId=\"ns=1;i=1\" BrowseName=\"1:Rule\"><References>"
+         "<Reference ReferenceType=\"i=35\" IsForward=\"false\">i=85</Reference>"
+         "<Reference ReferenceType=\"i=40\">i=77</Reference></References></UAObject>"
+         "<UAObject NodeId=\"ns=1;i=2\" BrowseName=\"1:Ruled\"><References>"
+         "<Reference ReferenceType=\"i=35\" IsForward=\"false\">i=85</Reference>"
+         "<Reference ReferenceType=\"i=37\">ns=1;i=1</Reference>"
+         "<Reference ReferenceType=\"i=40\">i=58</Reference></References></UAObject>");
+    REQUIRE(space.remove(find("i=1")));
+    ReferenceCursor cursor = space.references(find("i=2"));
+    while (const auto reference = cursor.next()) {
+        CHECK(space.exists(reference->target));
+    }
 }
 
 TEST_CASE_METHOD(NodeSetFixture, "UTF-16 is read like UTF-8")

@@ -1,5 +1,7 @@
 #include <catch2/catch.hpp>
 
+#include <busbar/model/instance.hpp>
+
 #include "management_fixture.hpp"
 
 using namespace busbar;
@@ -151,11 +153,10 @@ TEST_CASE_METHOD(ManagementFixture, "AddNodes says what is wrong with class, typ
         CHECK(status_of_adding(made) == status::Bad_NodeClassInvalid);
     }
     made = item();
-    // The last one has mandatory members that would have to come with it.
     for (const ExpandedNodeId& type :
          {ExpandedNodeId{}, ExpandedNodeId{NodeId{1, "none"}}, ExpandedNodeId{folder},
           ExpandedNodeId{NodeId{0, id::BaseDataVariableType}},
-          ExpandedNodeId{NodeId{0, id::BaseEventType}}, ExpandedNodeId{NodeId{0, id::FileType}}}) {
+          ExpandedNodeId{NodeId{0, id::BaseEventType}}}) {
         made.type_definition = type;
         CHECK(status_of_adding(made) == status::Bad_TypeDefinitionInvalid);
     }
@@ -223,4 +224,145 @@ TEST_CASE_METHOD(ManagementFixture, "A large node counts for its size")
     attributes.specified_attributes = mask({NodeAttributesMask::Value});
     attributes.value = ByteString{std::vector<std::byte>(3U << 20U)};
     CHECK(status_of_adding(variable_item(attributes)) == status::Bad_OutOfMemory);
+}
+
+namespace {
+
+/// An ObjectType "Machine" with a Mandatory Variable "Speed", which has a Mandatory property
+/// "Unit", an Optional one "Name" and a Mandatory Method "Stop".
+struct MachineFixture : ManagementFixture {
+    explicit MachineFixture(std::size_t max_nodes = 100) : ManagementFixture{true, max_nodes}
+    {
+        auto& space = server.address_space();
+        REQUIRE(space.add_object_type(named("Machine", NodeId{0, id::BaseObjectType})));
+        model::NewVariable variable;
+        variable.value = String{"declared"};
+        variable.data_type = NodeId{0, id::String};
+        REQUIRE(space.add_variable(named("Speed", NodeId{1, "Machine"}), variable));
+        REQUIRE(space.add_property(named("Unit", NodeId{1, "Speed"}), variable));
+        REQUIRE(space.add_property(named("Name", NodeId{1, "Machine"}), variable));
+        REQUIRE(space.add_method(named("Stop", NodeId{1, "Machine"})));
+        rule("Speed", id::ModellingRule_Mandatory);
+        rule("Unit", id::ModellingRule_Mandatory);
+        rule("Name", id::ModellingRule_Optional);
+        rule("Stop", id::ModellingRule_Mandatory);
+    }
+    void rule(const char* node, std::uint32_t which)
+    {
+        auto& space = server.address_space();
+        REQUIRE(space.add_reference(space.find(NodeId{1, node}), NodeId{0, id::HasModellingRule},
+                                    space.find(which)));
+    }
+    [[nodiscard]] static AddNodesItem machine(const char* name = "new")
+    {
+        AddNodesItem made = item(name);
+        made.type_definition = NodeId{1, "Machine"};
+        return made;
+    }
+    [[nodiscard]] model::NodeIndex member(const char* node, const char* path)
+    {
+        auto& space = server.address_space();
+        return model::find_by_path(space, space.find(NodeId{1, node}), path);
+    }
+};
+
+/// Room for two instances of three nodes and two more nodes.
+struct SmallMachineFixture : MachineFixture {
+    SmallMachineFixture() : MachineFixture{8} {}
+};
+
+} // namespace
+
+TEST_CASE_METHOD(MachineFixture, "AddNodes adds the Mandatory members of the type too")
+{
+    auto& space = server.address_space();
+    const std::size_t before = space.node_count();
+    REQUIRE(status_of_adding(machine()) == status::Good);
+    CHECK(space.node_count() == before + 3);
+    const model::NodeIndex speed = member("new", "Speed");
+    REQUIRE(speed != model::no_node);
+    CHECK(space.value(speed) == Variant{String{"declared"}});
+    CHECK(space.node_id(speed).namespace_index() == 1);
+    CHECK(member("new", "Speed/Unit") != model::no_node);
+    CHECK(member("new", "Name") == model::no_node);
+    CHECK(member("new", "Stop") == space.find(NodeId{1, "Stop"}));
+
+    REQUIRE(remove(NodeId{1, "new"}) == status::Good);
+    CHECK(space.node_count() == before);
+    CHECK_FALSE(space.exists(speed));
+}
+
+TEST_CASE_METHOD(MachineFixture, "A Variable comes with the members of its VariableType")
+{
+    AddNodesItem made = variable_item();
+    made.reference_type_id = NodeId{0, id::HasComponent};
+    made.type_definition = NodeId{0, id::AnalogItemType};
+    VariableAttributes attributes;
+    attributes.specified_attributes =
+        mask({NodeAttributesMask::DataType, NodeAttributesMask::ValueRank});
+    attributes.data_type = NodeId{0, id::Double};
+    attributes.value_rank = -1;
+    made.node_attributes = ExtensionObject::from(attributes);
+    REQUIRE(status_of_adding(made) == status::Good);
+    CHECK(member("new", "EURange") != model::no_node);
+    CHECK(attribute(NodeId{1, "new"}, AttributeId::DataType) == Variant{NodeId{0, id::Double}});
+
+    // A DataType that the type does not allow.
+    made.browse_name = QualifiedName{1, "text"};
+    made.requested_new_node_id = NodeId{1, "text"};
+    attributes.data_type = NodeId{0, id::String};
+    made.node_attributes = ExtensionObject::from(attributes);
+    CHECK(status_of_adding(made) == status::Bad_NodeAttributesInvalid);
+}
+
+TEST_CASE_METHOD(SmallMachineFixture, "Members count as nodes of clients")
+{
+    auto& space = server.address_space();
+    REQUIRE(status_of_adding(machine("a")) == status::Good);
+    REQUIRE(status_of_adding(machine("b")) == status::Good);
+    const std::size_t before = space.node_count();
+    CHECK(status_of_adding(machine("c")) == status::Bad_OutOfMemory);
+    CHECK(space.node_count() == before);
+    CHECK(space.find(NodeId{1, "c"}) == model::no_node);
+    REQUIRE(status_of_adding(item("d")) == status::Good);
+    REQUIRE(status_of_adding(item("e")) == status::Good);
+    CHECK(status_of_adding(item("f")) == status::Bad_OutOfMemory);
+    REQUIRE(remove(NodeId{1, "a"}) == status::Good);
+    CHECK(status_of_adding(machine("c")) == status::Good);
+}
+
+TEST_CASE_METHOD(MachineFixture, "What fails half way leaves the space as it was")
+{
+    auto& space = server.address_space();
+    SECTION("values that are copied too often")
+    {
+        const Variant large{ByteString{std::vector<std::byte>(600'000)}};
+        for (const char* name : {"x", "y", "z", "w"}) {
+            model::NewVariable variable;
+            variable.value = large;
+            REQUIRE(space.add_variable(named(name, NodeId{1, "Machine"}), variable));
+            rule(name, id::ModellingRule_Mandatory);
+        }
+        const std::size_t before = space.node_count();
+        CHECK(status_of_adding(machine()) == status::Bad_OutOfMemory);
+        CHECK(space.node_count() == before);
+    }
+    SECTION("a type without end")
+    {
+        REQUIRE(space.add_object(named("Part", NodeId{1, "Machine"}), {NodeId{1, "Machine"}, 0}));
+        rule("Part", id::ModellingRule_Mandatory);
+        const std::size_t before = space.node_count();
+        CHECK(status_of_adding(machine()) == status::Bad_OutOfMemory);
+        CHECK(space.node_count() == before);
+    }
+    CHECK(space.find(NodeId{1, "new"}) == model::no_node);
+    // The Method that instances would share leads to none of them.
+    model::ReferenceCursor cursor = space.references(space.find(NodeId{1, "Stop"}));
+    std::size_t parents = 0;
+    while (const auto reference = cursor.next()) {
+        if (!reference->is_forward && space.is_subtype_of(reference->type, id::HasComponent)) {
+            ++parents;
+        }
+    }
+    CHECK(parents == 1);
 }

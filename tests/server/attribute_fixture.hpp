@@ -81,7 +81,7 @@ public:
             return DataValue{Variant{42}};
         };
         return server::detail::ReadJob{
-            {space, sources, {user, control}, no_live_value, server_time}, request};
+            {space, sources, {space, user, control}, no_live_value, server_time}, request};
     }
     /// The answers as a client decodes them.
     static std::vector<DataValue> results(server::detail::ReadJob& job)
@@ -132,7 +132,8 @@ public:
     std::vector<StatusCode> write(const WriteRequest& request)
     {
         REQUIRE(server::detail::check_write(request, 1'000) == status::Good);
-        server::detail::WriteJob job{{space, sources, {user, control}, &data_types}, request};
+        server::detail::WriteJob job{{space, sources, {space, user, control}, &data_types},
+                                     request};
         REQUIRE(job.start(owner, TimePoint{}));
         return results(job);
     }

@@ -175,3 +175,55 @@ TEST_CASE_METHOD(ManagementFixture, "DeleteNodes deletes a node with what is bel
     CHECK(remove(NodeId{1, "above"}) == status::Bad_UserAccessDenied);
     CHECK(space.find(NodeId{1, "above"}) != model::no_node);
 }
+
+TEST_CASE_METHOD(ManagementFixture, "No reference is left with one end")
+{
+    auto& space = server.address_space();
+    const auto references_of = [&](const NodeId& node) {
+        std::size_t count = 0;
+        model::ReferenceCursor cursor = space.references(space.find(node));
+        while (const auto reference = cursor.next()) {
+            CHECK(space.exists(reference->target));
+            ++count;
+        }
+        return count;
+    };
+    const NodeId other{1, "other"};
+    REQUIRE(status_of_adding(item()) == status::Good);
+    REQUIRE(status_of_adding(item("other")) == status::Good);
+    const std::size_t before = references_of(other);
+    SECTION("deleteBidirectional is not set")
+    {
+        REQUIRE(add(reference(NodeId{1, "new"}, id::Organizes, other)) == status::Good);
+        CHECK(remove(DeleteReferencesItem{NodeId{1, "new"}, NodeId{0, id::Organizes}, true, other,
+                                          false}) == status::Good);
+    }
+    SECTION("deleteTargetReferences is not set")
+    {
+        REQUIRE(add(reference(NodeId{1, "new"}, id::Organizes, other)) == status::Good);
+        REQUIRE(add(reference(other, id::Organizes, NodeId{1, "new"})) == status::Good);
+        DeleteNodesRequest request;
+        request.nodes_to_delete = {{NodeId{1, "new"}, false}};
+        const auto response = client.call<DeleteNodesResponse>(request);
+        REQUIRE(response);
+        CHECK(response->results[0] == status::Good);
+        CHECK(space.find(NodeId{1, "new"}) == model::no_node);
+    }
+    CHECK(references_of(other) == before);
+}
+
+TEST_CASE_METHOD(ManagementFixture, "Types are not deleted, nor what a node is an instance of")
+{
+    auto& space = server.address_space();
+    REQUIRE(space.add_object_type(named("Type", NodeId{0, id::BaseObjectType})));
+    AddNodesItem made = item();
+    made.type_definition = NodeId{1, "Type"};
+    REQUIRE(status_of_adding(made) == status::Good);
+    CHECK(remove(NodeId{1, "Type"}) == status::Bad_NoDeleteRights);
+    for (const bool is_forward : {true, false}) {
+        const NodeId source{1, is_forward ? "new" : "Type"};
+        const NodeId target{1, is_forward ? "Type" : "new"};
+        CHECK(remove(DeleteReferencesItem{source, NodeId{0, id::HasTypeDefinition}, is_forward,
+                                          target, true}) == status::Bad_NoDeleteRights);
+    }
+}

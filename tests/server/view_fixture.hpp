@@ -44,7 +44,7 @@ struct ViewFixture : model::ModelFixture {
 
     [[nodiscard]] ViewContext context()
     {
-        return {space, {user, control}, limits, random, session};
+        return {space, {space, user, control}, limits, random, session};
     }
     [[nodiscard]] NodeId node(const std::string& name) const { return {ns, String{name}}; }
     void add_children(int count)

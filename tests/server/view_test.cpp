@@ -136,7 +136,7 @@ TEST_CASE_METHOD(ViewFixture, "Continuation points are limited, single use and o
     const ByteString second = response.results[1].continuation_point;
     CHECK(first != second);
     Session other{1000};
-    ViewContext view{space, {user, control}, limits, random, other};
+    ViewContext view{space, {space, user, control}, limits, random, other};
     BrowseNextRequest request;
     request.continuation_points = {first, ByteString{}, ByteString{second.span().first(15)}};
     BrowseNextResponse next_response;
@@ -166,7 +166,7 @@ TEST_CASE_METHOD(ViewFixture, "Continuation points are charged to the session")
 {
     add_children(3);
     Session poor{10};
-    ViewContext view{space, {user, control}, limits, random, poor};
+    ViewContext view{space, {space, user, control}, limits, random, poor};
     BrowseRequest request;
     request.nodes_to_browse = {description(node("folder"))};
     request.requested_max_references_per_node = 1;

@@ -255,7 +255,7 @@ TEST_CASE_METHOD(WriteFixture, "a source may use the values after the request is
         WriteRequest request;
         decode(reader, request);
         REQUIRE(reader.ok());
-        WriteJob job{{space, sources, {user, control}}, request};
+        WriteJob job{{space, sources, {space, user, control}}, request};
         REQUIRE_FALSE(job.start(owner, TimePoint{}));
         SECTION("it was cancelled")
         {

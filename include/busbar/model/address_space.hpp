@@ -24,8 +24,9 @@ struct Entry;
 
 /// Walks the references of one node; valid until the AddressSpace changes.
 ///
-/// An inverse HasTypeDefinition or HasModellingRule is not kept: a type does not list its
-/// instances (Part 3, 4.4.3 lets a reference be followed in one direction only).
+/// An inverse HasTypeDefinition is not kept, which would cost each node 8 bytes: next_instance
+/// finds the instances of a type. Nor is an inverse HasModellingRule (Part 3, 4.4.3 lets a
+/// reference be followed in one direction only).
 class ReferenceCursor {
 public:
     /// The next reference, or nothing at the end.
@@ -112,9 +113,15 @@ public:
     [[nodiscard]] VariableAttributes variable(NodeIndex node) const;
     /// Of a Method; for others the defaults.
     [[nodiscard]] MethodAttributes method(NodeIndex node) const;
+    /// Null if the node has nothing of these; valid until it is changed.
+    [[nodiscard]] const NodeAccess* node_access(NodeIndex node) const;
+    /// The AccessRestrictions that count for the node: its own or those of its namespace (Part 3,
+    /// 5.2.11). The server enforces them.
+    [[nodiscard]] std::uint16_t access_restrictions(NodeIndex node) const;
     /// The NodeId of a Variable's DataType even if that node is left out of a small namespace 0.
     [[nodiscard]] NodeId data_type_id(NodeIndex node) const;
-    /// Any attribute but Value. Bad_AttributeIdInvalid if the node has none such.
+    /// Any attribute but Value and UserRolePermissions, whoever asks. Bad_AttributeIdInvalid if the
+    /// node has none such.
     [[nodiscard]] Result<Variant> attribute(NodeIndex node, AttributeId id) const;
     /// True if nodes of the class have the attribute, mandatory or optional.
     [[nodiscard]] static bool has_attribute(NodeClass node_class, AttributeId id);
@@ -128,6 +135,11 @@ public:
     /// returns false.
     void for_each_below(NodeIndex node, FunctionRef<bool(NodeIndex)> visit) const;
     [[nodiscard]] ReferenceCursor references(NodeIndex node, std::size_t position = 0) const;
+    /// The first instance of an ObjectType or VariableType itself, not of its subtypes, from index
+    /// `from` on; no_node if there is none. Looks at every node and takes one off `visits` for
+    /// each, until there are none left. `from` becomes where to go on, no_node at the end.
+    [[nodiscard]] NodeIndex next_instance(NodeIndex type, NodeIndex& from,
+                                          std::size_t& visits) const;
     /// Changes whenever positions of references may have moved.
     [[nodiscard]] std::uint64_t reference_epoch() const;
     /// Changes whenever a reference was added or removed, be it with a node, and when a Variable
@@ -226,6 +238,9 @@ public:
     void bind(NodeIndex node, std::uint32_t source, std::uint64_t handle);
     void set_access_level(NodeIndex node, std::uint8_t access_level,
                           std::uint8_t user_access_level);
+    void set_node_access(NodeIndex node, NodeAccess access);
+    /// The AccessRestrictions of the nodes of a namespace that have none of their own; 0 at first.
+    void set_namespace_restrictions(std::uint16_t namespace_index, std::uint16_t restrictions);
     /// Sets the Executable attribute of a Method.
     void set_executable(NodeIndex node, bool executable);
     void set_display_name(NodeIndex node, LocalizedText text);
@@ -237,6 +252,7 @@ private:
     Result<NodeIndex> create(const NewNode& node, NodeClass node_class);
     Result<void> add_arguments(NodeIndex method, const NewMethod& from);
     [[nodiscard]] Result<Variant> variable_attribute(NodeIndex node, AttributeId id) const;
+    [[nodiscard]] Result<Variant> access_attribute(NodeIndex node, AttributeId id) const;
     std::unique_ptr<detail::Tables> tables_;
 };
 

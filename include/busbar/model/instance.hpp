@@ -37,12 +37,18 @@ enum class InstanceMethods : std::uint8_t {
     Copied,
 };
 
-/// How much one call creates at most; a type that contains itself needs an end. Past either
+/// How much one call creates at most; a type that contains itself needs an end. Past any of them
 /// Bad_TooManyOperations.
 struct InstanceLimits {
     std::size_t max_depth{16};
     std::size_t max_nodes{10'000};
+    /// Bytes as memory_of counts them, of all nodes together.
+    std::size_t max_memory{SIZE_MAX};
 };
+
+/// About what a node takes with its names, texts, value and references. An estimate that is rather
+/// too high, for limits.
+[[nodiscard]] std::size_t memory_of(const AddressSpace& space, NodeIndex node);
 
 struct InstanceOptions {
     /// The BrowsePaths of InstanceDeclarations with ModellingRule Optional that the instance has,

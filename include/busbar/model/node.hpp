@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include <busbar/core/types.hpp>
@@ -54,6 +55,20 @@ struct MethodAttributes {
     /// Who carries it out, as VariableAttributes::source.
     std::uint32_t source{no_source};
     std::uint64_t handle{0};
+};
+
+/// Attributes that few nodes have (Part 3, 5.2.7 to 5.2.11 and 8.58). NodeSet2 files have them.
+struct NodeAccess {
+    /// WriteMask. No service writes any attribute but Value: UserWriteMask is always 0.
+    std::uint32_t write_mask{0};
+    /// The bits of AccessLevelEx above those of AccessLevel.
+    std::uint32_t more_access_levels{0};
+    /// Bits of AccessRestrictionType. Nothing: those of the node's namespace count.
+    std::optional<std::uint16_t> restrictions{};
+    /// Null if the node has none of its own; empty if nobody may do anything.
+    Array<RolePermissionType> role_permissions{};
+
+    friend bool operator==(const NodeAccess&, const NodeAccess&) = default;
 };
 
 /// What every new node has. Strings may be borrowed: the AddressSpace copies what it keeps.

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -63,12 +64,10 @@ struct NodeSetAttribute {
 
 /// Of one node. Namespace indices are those of the server.
 struct NodeSetNodeExtras {
-    /// SymbolicName, ReleaseStatus, WriteMask, AccessRestrictions and whatever else is no attribute
-    /// of the AddressSpace; AccessLevel if it has more than 8 bits.
+    /// SymbolicName, ReleaseStatus and whatever else is no attribute of the AddressSpace.
     std::vector<NodeSetAttribute> attributes;
     /// <Category>, <Documentation>, <Extensions> and texts in further locales, as XML.
     std::string elements;
-    std::vector<NodeSetPermission> role_permissions;
     NodeId method_declaration;
     /// Name and SymbolicName of a DataType's Definition, and the SymbolicNames of its fields.
     std::string definition_name;
@@ -86,6 +85,8 @@ struct NodeSetModel {
     std::string publication_date;
     /// XmlSchemaUri, AccessRestrictions and what later versions add.
     std::vector<NodeSetAttribute> attributes;
+    /// What `attributes` say of it, for the nodes that have none of their own.
+    std::optional<std::uint16_t> access_restrictions;
     std::vector<NodeSetPermission> role_permissions;
     std::vector<NodeSetModel> required;
     /// Where the file has it; not part of comparisons.

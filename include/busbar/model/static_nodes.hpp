@@ -63,7 +63,7 @@ struct StaticVariable {
     StaticText array_dimensions;
     /// In `values`: an encoded Variant; of no size when there is none.
     StaticText value;
-    float minimum_sampling_interval{0};
+    double minimum_sampling_interval{0};
     std::uint8_t access_level{0};
 };
 
@@ -80,6 +80,18 @@ struct StaticExtra {
     std::uint32_t node{0};
     Kind kind{Kind::DisplayName};
     StaticText text;
+};
+
+/// NodeAccess of the few nodes that have something of it.
+struct StaticAccess {
+    std::uint32_t node{0};
+    std::uint32_t write_mask{0};
+    std::uint32_t more_access_levels{0};
+    std::uint16_t restrictions{0};
+    bool has_restrictions{false};
+    /// In `values`: an encoded Variant with an array of RolePermissionType; of no size when there
+    /// is none.
+    StaticText role_permissions;
 };
 
 /// A reference in 32 bits: the target in bits 0-22 (a node, or past the last node an entry of
@@ -134,6 +146,9 @@ struct StaticNodes {
     /// Open addressing by static_slot of the numeric ids in namespace 0: node index + 1, 0 for a
     /// free slot. The size is a power of two; empty for a namespace whose nodes get copied.
     std::span<const std::uint16_t> slots;
+    std::span<const StaticAccess> access{};
+    /// The AccessRestrictions of nodes of this namespace that have none of their own.
+    std::uint16_t restrictions{0};
 };
 
 /// Where the search for a numeric id begins.

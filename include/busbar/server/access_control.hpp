@@ -108,6 +108,12 @@ public:
 
 /// Decides for each node; without one, AccessLevel and the user's mask decide. Called on the
 /// server's thread, for every node of a request.
+///
+/// What a node itself says is enforced besides: its AccessRestrictions against the channel
+/// (Bad_SecurityModeInsufficient; those of its namespace where it has none), and its
+/// RolePermissions against the user's roles, which are Anonymous, after a login AuthenticatedUser,
+/// and UserIdentity::roles by the names of the well-known roles or of the roles' nodes.
+/// DefaultRolePermissions of namespaces are not looked at.
 class AccessControl {
 public:
     AccessControl() = default;

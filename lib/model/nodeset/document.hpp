@@ -124,6 +124,12 @@ struct Node {
     bool contains_no_loops{false};
     bool executable{true};
 
+    // Every NodeClass
+    std::uint32_t write_mask{0};
+    std::optional<std::uint16_t> access_restrictions;
+    /// Nothing if the node has none of its own; none at all with HasNoPermissions (Part 6, F.3).
+    std::optional<std::vector<model::NodeSetPermission>> role_permissions;
+
     /// Where the file has it.
     std::uint32_t file{0};
     std::uint32_t line{0};

@@ -115,6 +115,9 @@ void FileReader::read_models(const pugi::xml_node& parent, std::vector<Model>& m
         for (const pugi::xml_attribute& attribute : xml.attributes()) {
             read_model_attribute(attribute, model);
         }
+        if (xml.attribute("AccessRestrictions")) {
+            number_attribute(xml, "AccessRestrictions", model.access_restrictions.emplace());
+        }
         model.file = file_;
         model.line = line_of(xml);
         model.role_permissions = read_permissions(xml);

@@ -38,8 +38,7 @@ private:
     void read_element(const pugi::xml_node& xml, Element& element, std::size_t depth);
     // What only the file's writer needs again.
     void read_extras(const pugi::xml_node& xml, Node& node);
-    void read_kept_attributes(const pugi::xml_node& xml, const Node& node,
-                              model::NodeSetNodeExtras& extras);
+    static void read_kept_attributes(const pugi::xml_node& xml, model::NodeSetNodeExtras& extras);
     void read_kept_elements(const pugi::xml_node& xml, model::NodeSetNodeExtras& extras);
     [[nodiscard]] std::vector<model::NodeSetPermission> read_permissions(const pugi::xml_node& xml);
     /// Appends the element, or only what is in it, with the prefixes declared that it uses.

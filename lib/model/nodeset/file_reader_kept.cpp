@@ -10,7 +10,7 @@ namespace {
 
 /// Attributes of nodes that become attributes and references of the AddressSpace; UserAccessLevel
 /// and the like depend on the user and are not for files any more (Part 6, F.9).
-constexpr std::array<std::string_view, 17> known_attributes = {
+constexpr std::array<std::string_view, 20> known_attributes = {
     "NodeId",
     "BrowseName",
     "ParentNodeId",
@@ -28,6 +28,9 @@ constexpr std::array<std::string_view, 17> known_attributes = {
     "UserAccessLevel",
     "UserExecutable",
     "MethodDeclarationId",
+    "WriteMask",
+    "AccessRestrictions",
+    "HasNoPermissions",
 };
 constexpr std::array<std::string_view, 8> known_elements = {
     "DisplayName", "Description", "InverseName",     "References",
@@ -114,9 +117,8 @@ void FileReader::read_file_extensions(const pugi::xml_node& root)
 void FileReader::read_extras(const pugi::xml_node& xml, Node& node)
 {
     model::NodeSetNodeExtras extras;
-    read_kept_attributes(xml, node, extras);
+    read_kept_attributes(xml, extras);
     read_kept_elements(xml, extras);
-    extras.role_permissions = read_permissions(xml);
     extras.method_declaration = node_id_attribute(xml, "MethodDeclarationId", {});
     if (node.definition) {
         extras.definition_name = node.definition->name;
@@ -134,15 +136,13 @@ void FileReader::read_extras(const pugi::xml_node& xml, Node& node)
     }
 }
 
-void FileReader::read_kept_attributes(const pugi::xml_node& xml, const Node& node,
-                                      model::NodeSetNodeExtras& extras)
+void FileReader::read_kept_attributes(const pugi::xml_node& xml, model::NodeSetNodeExtras& extras)
 {
     for (const pugi::xml_attribute& attribute : xml.attributes()) {
         const std::string_view name = attribute.name();
         const bool is_known = std::find(known_attributes.begin(), known_attributes.end(), name) !=
                               known_attributes.end();
-        const bool is_long_access_level = name == "AccessLevel" && node.access_level > UINT8_MAX;
-        if (is_long_access_level || (!is_known && !is_namespace_declaration(name))) {
+        if (!is_known && !is_namespace_declaration(name)) {
             extras.attributes.push_back({std::string{name}, attribute.value()});
         }
     }

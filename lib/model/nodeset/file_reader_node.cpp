@@ -46,6 +46,18 @@ void FileReader::read_attributes(const pugi::xml_node& xml, Node& node)
     bool_attribute(xml, "Symmetric", node.symmetric);
     bool_attribute(xml, "ContainsNoLoops", node.contains_no_loops);
     bool_attribute(xml, "Executable", node.executable);
+    number_attribute(xml, "WriteMask", node.write_mask);
+    if (xml.attribute("AccessRestrictions")) {
+        number_attribute(xml, "AccessRestrictions", node.access_restrictions.emplace());
+    }
+    bool has_no_permissions = false;
+    bool_attribute(xml, "HasNoPermissions", has_no_permissions);
+    auto permissions = read_permissions(xml);
+    if (has_no_permissions) {
+        node.role_permissions.emplace();
+    } else if (!permissions.empty()) {
+        node.role_permissions = std::move(permissions);
+    }
 }
 
 void FileReader::read_references(const pugi::xml_node& xml, Node& node)

@@ -51,6 +51,8 @@ private:
     [[nodiscard]] bool create();
     void fill(const Node& node, Record& record);
     void fill_variable(const Node& node, Record& record);
+    void set_access(const Node& node, NodeIndex index);
+    void set_restrictions();
     void add_references(const Node& node, NodeIndex index);
     void note_values();
     void fail(const Node& node, std::string message, std::uint32_t line = 0)
@@ -82,6 +84,7 @@ bool Loader::run()
     for (std::size_t i = 0; i < nodes.size(); ++i) {
         if (indices_[i] != model::no_node) {
             fill(nodes[i], graft_.record(indices_[i]));
+            set_access(nodes[i], indices_[i]);
         }
         // A node of namespace 0 that was there may refer to one that was not.
         add_references(nodes[i], find(nodes[i].id));
@@ -91,6 +94,7 @@ bool Loader::run()
     if (!plan_.errors().empty()) {
         return false;
     }
+    set_restrictions();
     graft_.keep();
     return true;
 }
@@ -167,6 +171,37 @@ void Loader::fill_variable(const Node& node, Record& record)
         fail(node, reader.error(), reader.error_line());
     } else if (!value.is_null()) {
         record.make_extra().value = std::move(value);
+    }
+}
+
+void Loader::set_access(const Node& node, NodeIndex index)
+{
+    model::NodeAccess access;
+    access.write_mask = node.write_mask;
+    access.restrictions = node.access_restrictions;
+    if (node.node_class == NodeClass::Variable) {
+        access.more_access_levels = node.access_level & ~std::uint32_t{UINT8_MAX};
+    }
+    if (node.role_permissions) {
+        access.role_permissions.clear(); // not null
+        for (const model::NodeSetPermission& each : *node.role_permissions) {
+            access.role_permissions.push_back({each.role, PermissionType{each.permissions}});
+        }
+    }
+    if (!(access == model::NodeAccess{})) {
+        graft_.set_access(index, std::move(access));
+    }
+}
+
+/// Those of a model are for the nodes of its namespace that have none of their own (Part 6, F.5).
+/// Namespace 0 is the server's own matter.
+void Loader::set_restrictions()
+{
+    for (const Model& model : document_.models()) {
+        const auto index = space_.namespace_index(model.uri);
+        if (index && *index != 0 && model.access_restrictions) {
+            space_.set_namespace_restrictions(*index, *model.access_restrictions);
+        }
     }
 }
 

@@ -53,7 +53,7 @@ void NodeWriter::node(model::NodeIndex index)
     attributes(index, extras);
     names(index);
     references(index);
-    permissions(out_, extras.role_permissions);
+    permissions(out_, permissions_of(index));
     if (space_.node_class(index) == busbar::NodeClass::DataType) {
         definition(index, extras);
     }
@@ -74,7 +74,7 @@ void NodeWriter::attributes(model::NodeIndex index, const model::NodeSetNodeExtr
     out_.attribute("BrowseName", (name_space != 0 || has_colon ? std::to_string(name_space) + ':'
                                                                : std::string{}) +
                                      name.name.str());
-    variable_attributes(index, extras);
+    variable_attributes(index);
     type_attributes(index);
     if (!extras.method_declaration.is_null()) {
         out_.attribute("MethodDeclarationId", text(extras.method_declaration));
@@ -84,9 +84,38 @@ void NodeWriter::attributes(model::NodeIndex index, const model::NodeSetNodeExtr
             out_.attribute(attribute.name, attribute.value);
         }
     }
+    access_attributes(index);
 }
 
-void NodeWriter::variable_attributes(model::NodeIndex index, const model::NodeSetNodeExtras& extras)
+void NodeWriter::access_attributes(model::NodeIndex index)
+{
+    const model::NodeAccess* const access = space_.node_access(index);
+    if (access == nullptr) {
+        return;
+    }
+    if (access->write_mask != 0) {
+        out_.attribute("WriteMask", std::to_string(access->write_mask));
+    }
+    if (access->restrictions) {
+        out_.attribute("AccessRestrictions", std::to_string(*access->restrictions));
+    }
+    if (!access->role_permissions.is_null() && access->role_permissions.empty()) {
+        out_.attribute("HasNoPermissions", "true");
+    }
+}
+
+std::vector<model::NodeSetPermission> NodeWriter::permissions_of(model::NodeIndex index) const
+{
+    std::vector<model::NodeSetPermission> permissions;
+    if (const model::NodeAccess* const access = space_.node_access(index)) {
+        for (const RolePermissionType& each : access->role_permissions) {
+            permissions.push_back({each.role_id, static_cast<std::uint32_t>(each.permissions)});
+        }
+    }
+    return permissions;
+}
+
+void NodeWriter::variable_attributes(model::NodeIndex index)
 {
     if (!model::AddressSpace::has_attribute(space_.node_class(index), AttributeId::Value)) {
         return;
@@ -102,11 +131,11 @@ void NodeWriter::variable_attributes(model::NodeIndex index, const model::NodeSe
     if (space_.node_class(index) != busbar::NodeClass::Variable) {
         return;
     }
-    const bool is_kept =
-        std::any_of(extras.attributes.begin(), extras.attributes.end(),
-                    [](const auto& attribute) { return attribute.name == "AccessLevel"; });
-    if (variable.access_level != 1 && !is_kept) {
-        out_.attribute("AccessLevel", std::to_string(variable.access_level));
+    const model::NodeAccess* const access = space_.node_access(index);
+    const std::uint32_t level =
+        variable.access_level | (access == nullptr ? 0 : access->more_access_levels);
+    if (level != 1) {
+        out_.attribute("AccessLevel", std::to_string(level));
     }
     if (variable.minimum_sampling_interval != 0) {
         char interval[64];

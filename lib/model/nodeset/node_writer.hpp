@@ -25,7 +25,10 @@ private:
     [[nodiscard]] std::string text(const NodeId& id) { return to_string(local_(id)); }
     void node(model::NodeIndex index);
     void attributes(model::NodeIndex index, const model::NodeSetNodeExtras& extras);
-    void variable_attributes(model::NodeIndex index, const model::NodeSetNodeExtras& extras);
+    void variable_attributes(model::NodeIndex index);
+    void access_attributes(model::NodeIndex index);
+    [[nodiscard]] std::vector<model::NodeSetPermission>
+    permissions_of(model::NodeIndex index) const;
     void type_attributes(model::NodeIndex index);
     void flag_attribute(model::NodeIndex index, AttributeId id, const char* name, bool otherwise);
     void localized(const char* name, const busbar::LocalizedText& text);

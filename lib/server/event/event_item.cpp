@@ -32,6 +32,14 @@ StatusCode check_notifier(const ItemContext& context, const ReadValueId& id)
     if (plan.answer.status.is_bad()) {
         return plan.answer.status;
     }
+    const UserRights rights = context.subscription.rights();
+    const model::NodeIndex node = context.core.address_space.find(id.node_id);
+    if (const StatusCode weak = rights.check_channel(node); weak.is_bad()) {
+        return weak;
+    }
+    if (!rights.is_permitted(PermissionType::ReceiveEvents, node)) {
+        return status::Bad_UserAccessDenied;
+    }
     if (!id.index_range.empty()) { // the attribute is a number, not an array of them
         return NumericRange::parse(id.index_range.view()) ? status::Bad_IndexRangeNoData
                                                           : status::Bad_IndexRangeInvalid;
@@ -186,11 +194,11 @@ void EventItem::modify(const ItemContext&, const MonitoringParameters& parameter
 
 void EventItem::user_changed(const ItemContext& context)
 {
-    const AccessControl* const access = core_.environment.access;
+    const UserRights rights = context.subscription.rights();
     const model::NodeIndex node = core_.address_space.resolve(notifier_);
-    may_receive_ = node != model::no_node &&
-                   (access == nullptr || access->may_browse(context.subscription.user(),
-                                                            core_.address_space.node_id(node)));
+    may_receive_ = node != model::no_node && rights.may_see(node) &&
+                   rights.is_permitted(PermissionType::ReceiveEvents, node) &&
+                   rights.check_channel(node).is_good();
     if (!may_receive_) {
         // What the user before was allowed to know is not this one's.
         queue_.clear();

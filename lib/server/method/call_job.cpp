@@ -9,6 +9,7 @@
 #include "method_lookup.hpp"
 #include "server/core.hpp"
 #include "server/session.hpp"
+#include "server/session_rights.hpp"
 
 namespace busbar::server::detail {
 
@@ -93,10 +94,15 @@ std::optional<CallResult> CallJob::plan(ServiceContext& context, std::size_t ind
                                         const CallMethodRequest& call)
 {
     const model::AddressSpace& space = context.core.address_space;
-    const UserRights rights{context.session->user, context.core.environment.access};
+    const UserRights rights = rights_of(context);
     const auto method = find_method(space, rights, call.object_id, call.method_id);
     if (!method) {
         return CallResult{method.error()};
+    }
+    for (const model::NodeIndex node : {space.find(call.object_id), *method}) {
+        if (const StatusCode weak = rights.check_channel(node); weak.is_bad()) {
+            return CallResult{weak};
+        }
     }
     if (!space.method(*method).executable) {
         return CallResult{status::Bad_NotExecutable};

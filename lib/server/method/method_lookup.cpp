@@ -53,7 +53,7 @@ Result<NodeIndex> find_method(const AddressSpace& space, const UserRights& right
                               const NodeId& object_id, const NodeId& method_id)
 {
     const NodeIndex object = space.find(object_id);
-    if (object == model::no_node || !rights.may_see(object_id)) {
+    if (object == model::no_node || !rights.may_see(object)) {
         return fail(why_not_found(object_id));
     }
     const NodeClass object_class = space.node_class(object);
@@ -61,7 +61,7 @@ Result<NodeIndex> find_method(const AddressSpace& space, const UserRights& right
         return fail(status::Bad_NodeIdInvalid);
     }
     const NodeIndex method = space.find(method_id);
-    if (method == model::no_node || !rights.may_see(method_id)) {
+    if (method == model::no_node || !rights.may_see(method)) {
         return fail(why_not_found(method_id));
     }
     if (space.node_class(method) != NodeClass::Method) {
@@ -89,9 +89,8 @@ bool is_executable(const AddressSpace& space, NodeIndex method)
 
 bool is_user_executable(const AddressSpace& space, const UserRights& rights, NodeIndex method)
 {
-    const NodeId method_id = space.node_id(method);
-    return is_executable(space, method) &&
-           rights.may_call(method_id, find_built_in_method(method_id) != nullptr);
+    const bool is_servers_own = find_built_in_method(space.node_id(method)) != nullptr;
+    return is_executable(space, method) && rights.may_call(method, is_servers_own);
 }
 
 } // namespace busbar::server::detail

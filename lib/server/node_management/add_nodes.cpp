@@ -1,6 +1,9 @@
 #include "add_nodes.hpp"
 
+#include <algorithm>
+
 #include <busbar/binary/codec.hpp>
+#include <busbar/model/instance.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "node_attributes.hpp"
@@ -34,34 +37,7 @@ bool is_node_class(NodeClass node_class)
     return bits != 0 && bits <= 128 && (bits & (bits - 1)) == 0;
 }
 
-/// True if instances of the type come with nodes of their own, Mandatory ones.
-bool has_mandatory_members(const model::AddressSpace& space, NodeIndex type)
-{
-    const auto is_mandatory = [&](NodeIndex declaration) {
-        model::ReferenceCursor cursor = space.references(declaration);
-        while (const auto reference = cursor.next()) {
-            if (reference->is_forward &&
-                space.is_subtype_of(reference->type, id::HasModellingRule) &&
-                space.node_id(reference->target).is(id::ModellingRule_Mandatory)) {
-                return true;
-            }
-        }
-        return false;
-    };
-    for (; type != model::no_node; type = space.supertype(type)) {
-        model::ReferenceCursor cursor = space.references(type);
-        while (const auto reference = cursor.next()) {
-            if (reference->is_forward && space.is_subtype_of(reference->type, id::Aggregates) &&
-                is_mandatory(reference->target)) {
-                return true;
-            }
-        }
-    }
-    return false;
-}
-
-/// The TypeDefinition, no_node for a NodeClass that has none. A type with mandatory members is
-/// refused, because those would have to be added too (Part 4, 5.8.2.1).
+/// The TypeDefinition, no_node for a NodeClass that has none.
 Result<NodeIndex> find_type_definition(const NodeManagementContext& context,
                                        const AddNodesItem& item)
 {
@@ -74,7 +50,7 @@ Result<NodeIndex> find_type_definition(const NodeManagementContext& context,
         item.node_class == NodeClass::Object ? NodeClass::ObjectType : NodeClass::VariableType;
     const NodeIndex type = context.find(item.type_definition);
     if (type == model::no_node || context.space.node_class(type) != type_class ||
-        context.space.is_abstract(type) || has_mandatory_members(context.space, type)) {
+        context.space.is_abstract(type)) {
         return fail(status::Bad_TypeDefinitionInvalid);
     }
     return type;
@@ -96,6 +72,9 @@ Result<NodeId> choose_id(NodeManagementContext& context, const ExpandedNodeId& r
 /// The codes of the address space as those of the service.
 StatusCode as_service_code(StatusCode code)
 {
+    if (code == status::Bad_TooManyOperations) { // more than InstanceLimits
+        return status::Bad_OutOfMemory;
+    }
     if (code == status::Bad_NodeIdInvalid) {
         return status::Bad_NodeIdRejected;
     }
@@ -134,6 +113,28 @@ model::NewVariableType new_variable_type(const NodeManagementContext& context,
     return to;
 }
 
+/// Adds an Object or Variable with the Mandatory members of its type (Part 4, 5.8.2.1). Their
+/// NodeIds are numbers: such as are made of names might be taken, or longer than they may be.
+Result<NodeIndex> add_instance(NodeManagementContext& context, const model::NewNode& node,
+                               NodeIndex type, const NodeAttributeValues& from)
+{
+    constexpr std::size_t visits_per_change = 100;
+    model::InstanceOptions options;
+    options.ids = model::InstanceIds::Numeric;
+    options.limits.max_nodes = std::min(context.client_nodes.node_room(context.limits),
+                                        context.visits_left / visits_per_change);
+    options.limits.max_memory = context.client_nodes.memory_room(context.limits);
+    options.event_notifier = from.event_notifier.value_or(0);
+    if (context.space.node_class(type) == NodeClass::VariableType) {
+        options.variable = new_variable(context, from, type);
+    }
+    const std::uint64_t before = context.space.change_count();
+    auto added = model::instantiate(context.space, node, type, options);
+    const std::uint64_t changes = context.space.change_count() - before;
+    context.visits_left -= std::min<std::size_t>(context.visits_left, changes * visits_per_change);
+    return added;
+}
+
 Result<NodeIndex> add(NodeManagementContext& context, const model::NewNode& node,
                       NodeClass node_class, NodeIndex type, const NodeAttributeValues& from)
 {
@@ -141,9 +142,8 @@ Result<NodeIndex> add(NodeManagementContext& context, const model::NewNode& node
     const bool is_abstract = from.is_abstract.value_or(false);
     switch (node_class) {
     case NodeClass::Object:
-        return space.add_object(node, {space.node_id(type), from.event_notifier.value_or(0)});
     case NodeClass::Variable:
-        return space.add_variable(node, new_variable(context, from, type));
+        return add_instance(context, node, type, from);
     case NodeClass::Method: {
         model::NewMethod method;
         method.executable = from.executable.value_or(false); // nothing carries it out
@@ -166,6 +166,19 @@ Result<NodeIndex> add(NodeManagementContext& context, const model::NewNode& node
     }
 }
 
+/// Has the client's share pay for the node and what came with it.
+void charge(NodeManagementContext& context, NodeIndex node, std::size_t bytes)
+{
+    const model::AddressSpace& space = context.space;
+    if (!has_type_definition(space.node_class(node))) {
+        return context.client_nodes.add(space.handle(node), bytes);
+    }
+    space.for_each_below(node, [&](NodeIndex each) {
+        context.client_nodes.add(space.handle(each), model::memory_of(space, each));
+        return true;
+    });
+}
+
 /// Where the node goes and by which reference.
 Result<model::NewNode> place(NodeManagementContext& context, const AddNodesItem& item)
 {
@@ -174,8 +187,9 @@ Result<model::NewNode> place(NodeManagementContext& context, const AddNodesItem&
     if (node.parent == model::no_node) {
         return fail(status::Bad_ParentNodeIdInvalid);
     }
-    if (!context.rights.may_add_node(item.parent_node_id.node_id)) {
-        return fail(status::Bad_UserAccessDenied);
+    const StatusCode refusal = context.rights.check_add_node(node.parent);
+    if (refusal.is_bad()) {
+        return fail(refusal);
     }
     if (context.find_reference_type(item.reference_type_id) == model::no_node) {
         return fail(status::Bad_ReferenceTypeIdInvalid);
@@ -217,7 +231,7 @@ Result<NodeId> add_node(NodeManagementContext& context, const AddNodesItem& item
     if (!added) {
         return fail(as_service_code(added.error()));
     }
-    context.client_nodes.add(space.handle(*added), bytes);
+    charge(context, *added, bytes);
     return node->id;
 }
 

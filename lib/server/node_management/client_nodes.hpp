@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <set>
@@ -19,8 +20,15 @@ public:
 
     [[nodiscard]] bool has_room(const ServerLimits& limits, std::size_t bytes) const
     {
-        return nodes_.size() < limits.max_client_nodes && bytes <= limits.max_client_node_memory &&
-               bytes_ <= limits.max_client_node_memory - bytes;
+        return node_room(limits) != 0 && bytes <= memory_room(limits);
+    }
+    [[nodiscard]] std::size_t node_room(const ServerLimits& limits) const
+    {
+        return limits.max_client_nodes - std::min(nodes_.size(), limits.max_client_nodes);
+    }
+    [[nodiscard]] std::size_t memory_room(const ServerLimits& limits) const
+    {
+        return limits.max_client_node_memory - std::min(bytes_, limits.max_client_node_memory);
     }
     void add(model::NodeHandle node, std::size_t bytes);
 

@@ -25,7 +25,8 @@ struct NodeManagementContext {
     /// The node, if there is one that the user may see, else no_node.
     [[nodiscard]] model::NodeIndex find(const NodeId& id) const
     {
-        return rights.may_see(id) ? space.find(id) : model::no_node;
+        const model::NodeIndex node = space.find(id);
+        return node != model::no_node && rights.may_see(node) ? node : model::no_node;
     }
     /// The same for a node of this server.
     [[nodiscard]] model::NodeIndex find(const ExpandedNodeId& id) const

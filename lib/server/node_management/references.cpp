@@ -37,11 +37,12 @@ StatusCode check_server(const NodeManagementContext& context, const AddReference
                                                             : status::Bad_ReferenceLocalOnly;
 }
 
-bool may_change(const NodeManagementContext& context, const Ends& reference,
-                bool (UserRights::*right)(const NodeId&) const)
+/// The right must be there at both ends.
+StatusCode check_rights(const NodeManagementContext& context, const Ends& reference,
+                        StatusCode (UserRights::*right)(NodeIndex) const)
 {
-    return (context.rights.*right)(context.space.node_id(reference.source)) &&
-           (context.rights.*right)(context.space.node_id(reference.target));
+    const StatusCode refusal = (context.rights.*right)(reference.source);
+    return refusal.is_bad() ? refusal : (context.rights.*right)(reference.target);
 }
 
 /// Good if the model lets the reference be.
@@ -108,8 +109,9 @@ StatusCode add_reference(NodeManagementContext& context, const AddReferencesItem
     if (space.node_class(context.find(item.target_node_id)) != item.target_node_class) {
         return status::Bad_NodeClassInvalid;
     }
-    if (!may_change(context, *found, &UserRights::may_add_reference)) {
-        return status::Bad_UserAccessDenied;
+    const StatusCode refusal = check_rights(context, *found, &UserRights::check_add_reference);
+    if (refusal.is_bad()) {
+        return refusal;
     }
     if (const StatusCode bad = check_model(context, *found); bad.is_bad()) {
         return bad;
@@ -134,8 +136,9 @@ StatusCode delete_reference(NodeManagementContext& context, const DeleteReferenc
     if (!found) {
         return found.error();
     }
-    if (!may_change(context, *found, &UserRights::may_remove_reference)) {
-        return status::Bad_UserAccessDenied;
+    const StatusCode refusal = check_rights(context, *found, &UserRights::check_remove_reference);
+    if (refusal.is_bad()) {
+        return refusal;
     }
     const auto& [source, type, target] = *found;
     if (!context.space.remove_reference(source, item.reference_type_id, target)) {

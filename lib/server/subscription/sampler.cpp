@@ -16,10 +16,7 @@ ReadPlan plan_sample(Core& core, const Subscription& subscription, const ReadVal
     const UserIdentity& user = subscription.user();
     const ValueReader reader{user, subscription.is_encrypted()};
     const auto live_value = [&](const NodeId& node) { return server_value(core, node, reader); };
-    return plan_read({core.address_space,
-                      core.sources,
-                      {user, core.environment.access},
-                      live_value,
+    return plan_read({core.address_space, core.sources, subscription.rights(), live_value,
                       core.environment.wall_clock->now()},
                      id);
 }

@@ -280,6 +280,18 @@ const UserIdentity& Subscription::user() const
     return session_ != nullptr ? session_->user : owner_.user;
 }
 
+UserRights Subscription::rights() const
+{
+    MessageSecurityMode mode = MessageSecurityMode::None;
+    if (session_ != nullptr) {
+        mode = session_->security.mode;
+    } else if (owner_.is_signed) {
+        mode =
+            owner_.is_encrypted ? MessageSecurityMode::SignAndEncrypt : MessageSecurityMode::Sign;
+    }
+    return {core_.address_space, user(), core_.environment.access, mode};
+}
+
 bool Subscription::is_encrypted() const
 {
     return session_ != nullptr ? detail::is_encrypted(*session_) : owner_.is_encrypted;

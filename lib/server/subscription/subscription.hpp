@@ -11,6 +11,7 @@
 #include <busbar/server/access_control.hpp>
 #include <busbar/server/subscription_limits.hpp>
 
+#include "server/data_rights.hpp"
 #include "server/diagnostics/diagnostics.hpp"
 
 #include "ready_list.hpp"
@@ -91,6 +92,8 @@ public:
     [[nodiscard]] Session* session() const { return session_; }
     [[nodiscard]] SubscriptionOwner owner() const;
     [[nodiscard]] const UserIdentity& user() const;
+    /// Of that user over that channel; valid until either changes.
+    [[nodiscard]] UserRights rights() const;
     /// Over the channel of its session, the last one if there is none now.
     [[nodiscard]] bool is_encrypted() const;
     /// The session ends; the Subscription goes on until its lifetime is over.

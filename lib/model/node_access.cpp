@@ -1,0 +1,116 @@
+#include <busbar/model/address_space.hpp>
+
+#include <busbar/binary/codec.hpp>
+
+#include "namespace_map.hpp"
+#include "tables.hpp"
+
+namespace busbar::model {
+
+namespace detail {
+
+NodeAccess node_access(const StaticNodes& nodes, const StaticAccess& from,
+                       std::span<const std::uint16_t> map)
+{
+    NodeAccess access;
+    access.write_mask = from.write_mask;
+    access.more_access_levels = from.more_access_levels;
+    if (from.has_restrictions) {
+        access.restrictions = from.restrictions;
+    }
+    if (from.role_permissions.size == 0) {
+        return access;
+    }
+    const std::string_view bytes =
+        nodes.values.substr(from.role_permissions.offset, from.role_permissions.size);
+    binary::Reader reader{std::as_bytes(std::span{bytes.data(), bytes.size()})};
+    Variant value;
+    decode(reader, value);
+    map_namespaces(value, map);
+    access.role_permissions.clear(); // not null
+    if (const auto* const permissions = value.array_if<ExtensionObject>()) {
+        for (const ExtensionObject& each : *permissions) {
+            auto permission = binary::from_bytes<RolePermissionType>(each.binary().span());
+            access.role_permissions.push_back(permission ? *std::move(permission)
+                                                         : RolePermissionType{});
+        }
+    }
+    return access;
+}
+
+} // namespace detail
+
+const NodeAccess* AddressSpace::node_access(NodeIndex node) const
+{
+    if (tables_->access.empty()) {
+        return nullptr;
+    }
+    const auto found = tables_->access.find(detail::number(node));
+    return found == tables_->access.end() ? nullptr : &found->second;
+}
+
+std::uint16_t AddressSpace::access_restrictions(NodeIndex node) const
+{
+    const NodeAccess* const own = node_access(node);
+    if (own != nullptr && own->restrictions) {
+        return *own->restrictions;
+    }
+    const auto& by_namespace = tables_->namespace_restrictions;
+    if (by_namespace.empty()) {
+        return 0;
+    }
+    const std::uint16_t index = node_id(node).namespace_index();
+    return index < by_namespace.size() ? by_namespace[index] : std::uint16_t{0};
+}
+
+void AddressSpace::set_node_access(NodeIndex node, NodeAccess access)
+{
+    ++tables_->change_count; // what clients monitor is looked at again
+    if (access == NodeAccess{} && access.role_permissions.is_null()) {
+        tables_->access.erase(detail::number(node));
+    } else {
+        tables_->access[detail::number(node)] = std::move(access);
+    }
+}
+
+void AddressSpace::set_namespace_restrictions(std::uint16_t namespace_index,
+                                              std::uint16_t restrictions)
+{
+    ++tables_->change_count;
+    auto& by_namespace = tables_->namespace_restrictions;
+    if (by_namespace.size() <= namespace_index) {
+        by_namespace.resize(namespace_index + std::size_t{1});
+    }
+    by_namespace[namespace_index] = restrictions;
+}
+
+Result<Variant> AddressSpace::access_attribute(NodeIndex node, AttributeId id) const
+{
+    static const NodeAccess none;
+    const NodeAccess* const own = node_access(node);
+    const NodeAccess& access = own == nullptr ? none : *own;
+    switch (id) {
+    case AttributeId::WriteMask:
+        return Variant{access.write_mask};
+    case AttributeId::AccessLevelEx:
+        return Variant{variable(node).access_level | access.more_access_levels};
+    case AttributeId::AccessRestrictions:
+        return access.restrictions ? Result<Variant>{Variant{*access.restrictions}}
+                                   : fail(status::Bad_AttributeIdInvalid);
+    case AttributeId::RolePermissions:
+        break;
+    default:
+        return fail(status::Bad_AttributeIdInvalid);
+    }
+    if (access.role_permissions.is_null()) {
+        return fail(status::Bad_AttributeIdInvalid);
+    }
+    Array<ExtensionObject> permissions;
+    permissions.reserve(access.role_permissions.size());
+    for (const RolePermissionType& permission : access.role_permissions) {
+        permissions.push_back(ExtensionObject::from(permission));
+    }
+    return Variant{std::move(permissions)};
+}
+
+} // namespace busbar::model

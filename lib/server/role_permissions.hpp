@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+
+#include <busbar/model/address_space.hpp>
+#include <busbar/server/access_control.hpp>
+
+/// What RolePermissions of a node give a user (Part 3, 4.9 and 8.55).
+///
+/// A role is named by a well-known NodeId or by the BrowseName of its node. Every user has the role
+/// Anonymous, one who has logged in also AuthenticatedUser, and those that the UserStore gave him.
+namespace busbar::server::detail {
+
+inline constexpr std::uint32_t all_permissions = UINT32_MAX;
+
+[[nodiscard]] bool has_role(const model::AddressSpace& space, const UserIdentity& user,
+                            const NodeId& role);
+/// The entries for roles that the user has.
+[[nodiscard]] Array<RolePermissionType>
+user_role_permissions(const model::AddressSpace& space, const UserIdentity& user,
+                      const Array<RolePermissionType>& permissions);
+/// What the user may do at the node, of all his roles together; everything where the node has no
+/// RolePermissions.
+[[nodiscard]] std::uint32_t user_permissions(const model::AddressSpace& space,
+                                             const UserIdentity& user, model::NodeIndex node);
+
+} // namespace busbar::server::detail
