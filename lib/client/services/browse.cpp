@@ -10,8 +10,10 @@ using detail::Batch;
 using detail::BrowseNextService;
 using detail::BrowseService;
 
-/// Browses in rounds. A round is Browse for some nodes and BrowseNext until none of them has more;
-/// nodes for which the server had no continuation point left come again in the next one.
+/// Browses in rounds. A round is Browse for some nodes and BrowseNext until none of them has more.
+///
+/// A server may have few continuation points, and frees older ones for a new request (Part 4, 7.9).
+/// Nodes that went without, or lost theirs, come again in the next round, which is smaller.
 class BrowseOperation final : public detail::OperationState,
                               public std::enable_shared_from_this<BrowseOperation> {
 public:
@@ -36,6 +38,9 @@ public:
         refused_.clear();
         std::vector<BrowseDescription> items;
         for (const std::size_t node : round_) {
+            references_ -= results_[node].references.size();
+            results_[node] = {};
+            empty_answers_[node] = 0;
             items.push_back(nodes_[node]);
         }
         browse_ = Batch<BrowseService>::start(
@@ -78,12 +83,14 @@ private:
                    std::vector<BrowseResult> results)
     {
         for (std::size_t i = 0; i < asked.size(); ++i) {
-            if (results[i].status_code.is_bad()) {
-                // The server may not have seen the request.
-                if (results[i].status_code.code() == status::Bad_RequestCancelledByClient) {
-                    unused_.push_back(points[i]);
-                }
+            const StatusCode status = results[i].status_code.code();
+            if (status.is_bad()) {
                 results_[asked[i]].status_code = status::Uncertain_NotAllNodesAvailable;
+                if (status == status::Bad_RequestCancelledByClient) {
+                    unused_.push_back(points[i]); // it was not sent
+                } else if (status == status::Bad_ContinuationPointInvalid) {
+                    refused_.push_back(asked[i]);
+                }
             } else {
                 take(asked[i], std::move(results[i]));
             }
@@ -148,15 +155,18 @@ private:
     /// False if nothing is left that another try could help.
     [[nodiscard]] bool plan_next_round()
     {
-        if (refused_.empty()) {
-            window_ = std::min(window_ * 2, std::max<std::size_t>(nodes_.size(), 1));
-        } else {
-            // One that the server refuses when it is alone stays refused.
-            const std::size_t given_up = round_.size() == 1 ? 1 : 0;
-            waiting_.insert(waiting_.end(), refused_.rbegin(),
-                            refused_.rend() - static_cast<std::ptrdiff_t>(given_up));
-            window_ = std::max<std::size_t>(round_.size() - refused_.size(), 1);
+        const std::size_t succeeded = round_.size() - refused_.size();
+        lonely_tries_ = succeeded == 0 && round_.size() == 1 ? lonely_tries_ + 1 : 0;
+        if (lonely_tries_ == max_lonely_tries) {
+            refused_.clear();
+            lonely_tries_ = 0;
         }
+        is_careful_ = is_careful_ || !refused_.empty();
+        window_ = refused_.empty() ? window_ * 2 : std::max<std::size_t>(succeeded, 1);
+        // One request, so that none of the round takes continuation points from another.
+        const std::size_t limit = requester_.server().operation_limits.max_nodes_per_browse;
+        window_ = std::min(window_, is_careful_ && limit != 0 ? limit : nodes_.size());
+        waiting_.insert(waiting_.end(), refused_.rbegin(), refused_.rend());
         return !waiting_.empty();
     }
     void release_unused()
@@ -185,6 +195,10 @@ private:
     std::vector<std::size_t> more_;
     /// How many nodes a round has.
     std::size_t window_;
+    bool is_careful_{false};
+    /// Others in the session may take continuation points, but not for ever.
+    static constexpr int max_lonely_tries = 3;
+    int lonely_tries_{0};
     std::vector<ByteString> points_; // of more_
     std::vector<ByteString> unused_; // to be released
     std::weak_ptr<Batch<BrowseService>> browse_;

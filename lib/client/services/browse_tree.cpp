@@ -1,4 +1,4 @@
-#include <unordered_set>
+#include <set>
 
 #include <busbar/client/view.hpp>
 
@@ -45,16 +45,15 @@ public:
 private:
     void add(std::size_t parent, std::size_t depth, ReferenceDescription reference)
     {
-        const bool is_local = reference.node_id.is_local();
-        if (is_local && seen_.contains(reference.node_id.node_id)) {
+        if (seen_.contains(reference.node_id)) {
             return;
         }
         if (tree_.nodes.size() >= limits_.max_nodes) {
             tree_.is_complete = false;
             return;
         }
-        if (is_local) {
-            seen_.insert(reference.node_id.node_id);
+        seen_.insert(reference.node_id);
+        if (reference.node_id.is_local()) {
             next_.push_back(tree_.nodes.size());
         }
         tree_.nodes.push_back({parent, depth, std::move(reference), {}});
@@ -111,7 +110,7 @@ private:
     TreeLimits limits_;
     ServiceOptions options_;
     BrowsedTree tree_;
-    std::unordered_set<NodeId> seen_;
+    std::set<ExpandedNodeId> seen_;
     std::vector<std::size_t> level_; // indices of nodes that are browsed now
     std::vector<std::size_t> next_;  // and then
     Operation step_;
