@@ -1,7 +1,10 @@
 #include <catch2/catch.hpp>
 
 #include <busbar/client/attributes.hpp>
+#include <busbar/client/discovery.hpp>
+#include <busbar/client/methods.hpp>
 #include <busbar/client/node_address.hpp>
+#include <busbar/client/node_management.hpp>
 #include <busbar/client/view.hpp>
 #include <busbar/types/ids.hpp>
 
@@ -276,6 +279,72 @@ TEST_CASE("RegisterNodes is not repeated where the server may have done it")
     CHECK(asked == 1);
     REQUIRE(ids.size() == 2);
     CHECK(ids[0] == fail(status::Bad_ResponseTooLarge));
+}
+
+TEST_CASE("Methods are called once, in halves only if the server has not begun")
+{
+    ScriptedRequester requester;
+    std::vector<std::uint32_t> called;
+    StatusCode too_large = status::Bad_TooManyOperations;
+    requester.on<CallRequest, CallResponse>([&](const CallRequest& request) {
+        CallResponse response;
+        if (request.methods_to_call.size() > 1 && too_large == status::Bad_TooManyOperations) {
+            return Result<CallResponse>{fail(too_large)};
+        }
+        for (const CallMethodRequest& method : request.methods_to_call) {
+            called.push_back(method.method_id.numeric());
+            response.results.emplace_back().output_arguments = {
+                Variant{method.method_id.numeric()}};
+        }
+        return too_large.is_bad() && request.methods_to_call.size() > 1
+                   ? Result<CallResponse>{fail(too_large)}
+                   : Result<CallResponse>{std::move(response)};
+    });
+    std::vector<CallMethodResult> results;
+    const auto call_all = [&] {
+        called.clear();
+        std::vector<CallMethodRequest> methods(3);
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            methods[i].method_id = NodeId{2, i};
+        }
+        call(requester, methods, [&](std::vector<CallMethodResult> r) { results = std::move(r); });
+        REQUIRE(requester.run());
+        REQUIRE(results.size() == 3);
+    };
+    call_all();
+    CHECK(called.size() == 3);
+    CHECK(results[2].output_arguments == Array<Variant>{Variant{2U}});
+    too_large = status::Bad_ResponseTooLarge;
+    call_all();
+    CHECK(called.size() == 3);
+    CHECK(results[2].status_code == status::Bad_ResponseTooLarge);
+    CHECK(results[2].output_arguments.empty());
+}
+
+TEST_CASE("Nodes are added in order, one request after the other")
+{
+    ScriptedRequester requester;
+    requester.info.operation_limits.max_nodes_per_node_management = 2;
+    std::uint32_t added = 0;
+    requester.on<AddNodesRequest, AddNodesResponse>([&](const AddNodesRequest& request) {
+        CHECK(requester.waiting() == 0);
+        AddNodesResponse response;
+        for (std::size_t i = 0; i < request.nodes_to_add.size(); ++i) {
+            response.results.emplace_back().added_node_id = NodeId{2, ++added};
+        }
+        return response;
+    });
+    std::vector<AddNodesResult> results;
+    add_nodes(requester, std::vector<AddNodesItem>(5),
+              [&](std::vector<AddNodesResult> r) { results = std::move(r); });
+    REQUIRE(requester.run());
+    REQUIRE(results.size() == 5);
+    CHECK(results[4].added_node_id == NodeId{2, 5});
+    std::vector<StatusCode> deleted;
+    delete_nodes(requester, std::vector<DeleteNodesItem>(3),
+                 [&](std::vector<StatusCode> r) { deleted = std::move(r); });
+    REQUIRE(requester.run());
+    CHECK(deleted == std::vector(3, status::Bad_ServiceUnsupported));
 }
 
 TEST_CASE_METHOD(BrowseFixture, "Browse goes on until there is no more")
@@ -561,6 +630,19 @@ TEST_CASE("The services work with a server")
     CHECK(names.front().value == Variant{QualifiedName{0, "Objects"}});
     CHECK(names[names.size() - 2].value == Variant{QualifiedName{0, "State"}});
     CHECK(names.back().status == status::Bad_NoMatch);
+
+    std::size_t endpoints = 0;
+    get_endpoints(
+        requester, "opc.tcp://localhost:4840",
+        [&](const Result<std::vector<EndpointDescription>>& r) { endpoints = r.value().size(); });
+    std::string server;
+    find_servers(requester, "opc.tcp://localhost:4840",
+                 [&](const Result<std::vector<ApplicationDescription>>& r) {
+                     server = r.value().at(0).application_uri.str();
+                 });
+    requester.run();
+    CHECK(endpoints > 1);
+    CHECK(server == "urn:busbar:test:server");
 }
 
 } // namespace busbar::client
