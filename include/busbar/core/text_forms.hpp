@@ -11,5 +11,7 @@ namespace busbar {
 [[nodiscard]] std::optional<DateTime> parse_date_time(std::string_view text);
 /// "svr=1;nsu=urn:x;i=5" with any of the first two left out (Part 6, 5.3.1.11).
 [[nodiscard]] std::optional<ExpandedNodeId> parse_expanded_node_id(std::string_view text);
+/// "Bad_Timeout", "0x800A0000" or "2148139008".
+[[nodiscard]] std::optional<StatusCode> parse_status_code(std::string_view text);
 
 } // namespace busbar
