@@ -115,6 +115,7 @@ TEST_CASE("Arrays and matrices are lists")
     CHECK(value_of("7", {T::Int32, -3}) == Variant{7});
     CHECK(value_of("[7]", {T::Int32, -3}) == Variant{Array<std::int32_t>{7}});
     CHECK(value_of("[]", {T::Int32, 2}).array_size() == 0);
+    CHECK(error_of("[[7]]", {T::Int32, -3}).starts_with("[0]: expected an Int32"));
 }
 
 TEST_CASE("A value of any type has that of its text")

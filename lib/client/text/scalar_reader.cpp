@@ -250,4 +250,18 @@ std::string expectation(BuiltInType type)
     return text;
 }
 
+std::string expectation(const binary::DynamicType& type)
+{
+    constexpr std::size_t enough = 10;
+    std::string text = "a number or name of " + printable(type.name) + ":";
+    for (std::size_t i = 0; i < type.values.size(); ++i) {
+        text += i == 0 ? " " : ", ";
+        if (i == enough) {
+            return text + "...";
+        }
+        text += printable(type.values[i].name, 64);
+    }
+    return text;
+}
+
 } // namespace busbar::client::detail

@@ -9,10 +9,8 @@
 
 namespace busbar::client::detail {
 
-/// The scalar that `from` stands for, or nothing. A String of JSON is the text as well as a name or
-/// number in quotes. `type` has the names of an enumeration, or is null.
-///
-/// There is an overload for each built-in type that a scalar of JSON can be.
+/// The scalar that `from` stands for; false if it is none of that type. A String of JSON is a text
+/// as well as a number in quotes. An overload for each built-in type that has a text.
 [[nodiscard]] bool read_scalar(const Json& from, bool& to);
 [[nodiscard]] bool read_scalar(const Json& from, std::int8_t& to);
 [[nodiscard]] bool read_scalar(const Json& from, std::uint8_t& to);
@@ -41,5 +39,7 @@ namespace busbar::client::detail {
 
 /// What a value of the type looks like, for messages: "a Byte, 0 to 255".
 [[nodiscard]] std::string expectation(BuiltInType type);
+/// The same for an enumeration: "a number or name of Mode: Off, Manual, ...".
+[[nodiscard]] std::string expectation(const binary::DynamicType& type);
 
 } // namespace busbar::client::detail

@@ -51,21 +51,6 @@ BuiltInType guessed_type(const std::vector<const Json*>& values)
     return type;
 }
 
-/// "a value of Mode: Off, Running, ...".
-std::string expectation_of(const DynamicType& type)
-{
-    constexpr std::size_t enough = 10;
-    std::string text = "a number or name of " + printable(type.name) + ":";
-    for (std::size_t i = 0; i < type.values.size(); ++i) {
-        text += i == 0 ? " " : ", ";
-        if (i == enough) {
-            return text + "...";
-        }
-        text += printable(type.values[i].name, 64);
-    }
-    return text;
-}
-
 } // namespace
 
 std::nullopt_t ValueReader::fail(const Json& found, std::string_view expected)
@@ -152,7 +137,9 @@ std::optional<ValueReader::Elements> ValueReader::elements_of(const Json& from, 
 {
     Elements elements;
     const Json* at = &from;
-    const std::size_t levels = rank > 0 ? static_cast<std::size_t>(rank) : SIZE_MAX;
+    // Part 3, 5.6.2: -3 is a scalar or an array of one dimension.
+    const std::size_t any = rank == -3 ? 1 : SIZE_MAX;
+    const std::size_t levels = rank > 0 ? static_cast<std::size_t>(rank) : any;
     while (at->kind == Json::Kind::List && elements.dimensions.size() < levels) {
         elements.dimensions.push_back(static_cast<std::uint32_t>(at->items.size()));
         if (at->items.empty()) {
@@ -279,7 +266,7 @@ bool ValueReader::read_number(const Json& from, const DynamicType& type, T& to)
         from.kind == Json::Kind::String ? number_of_name(from.text, type) : std::nullopt;
     to = number ? static_cast<T>(*number) : T{};
     if (!number) {
-        static_cast<void>(fail(from, expectation_of(type)));
+        static_cast<void>(fail(from, expectation(type)));
     }
     return number.has_value();
 }
