@@ -1,5 +1,9 @@
 #include <busbar/core/status_code.hpp>
 
+#include <charconv>
+
+#include <busbar/core/text_forms.hpp>
+
 namespace busbar {
 
 namespace {
@@ -24,6 +28,24 @@ std::string_view name(StatusCode code)
         }
     }
     return {};
+}
+
+std::optional<StatusCode> parse_status_code(std::string_view text)
+{
+    for (const Row& row : rows) {
+        if (row.name == text) {
+            return StatusCode{row.value};
+        }
+    }
+    const bool is_hexadecimal = text.starts_with("0x") || text.starts_with("0X");
+    text.remove_prefix(is_hexadecimal ? 2 : 0);
+    std::uint32_t value = 0;
+    const auto [end, error] =
+        std::from_chars(text.data(), text.data() + text.size(), value, is_hexadecimal ? 16 : 10);
+    if (error != std::errc{} || end != text.data() + text.size()) {
+        return std::nullopt;
+    }
+    return StatusCode{value};
 }
 
 } // namespace busbar

@@ -2,11 +2,12 @@
 
 #include <string_view>
 
+#include "utf8.hpp"
+
 namespace busbar {
 
-namespace {
+namespace detail {
 
-/// The length of the valid UTF-8 sequence at the front of `text`, 0 if there is none.
 std::size_t utf8_sequence(std::string_view text)
 {
     const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
@@ -33,6 +34,10 @@ std::size_t utf8_sequence(std::string_view text)
     return too_short || surrogate || too_large || c1_control ? 0 : size;
 }
 
+} // namespace detail
+
+namespace {
+
 void append_escaped(std::string& text, unsigned char byte)
 {
     constexpr std::string_view digits = "0123456789ABCDEF";
@@ -56,7 +61,7 @@ std::string printable(std::string_view text, std::size_t max_bytes)
     std::string result;
     while (!text.empty() && result.size() < max_bytes) {
         const auto first = static_cast<unsigned char>(text[0]);
-        const std::size_t size = utf8_sequence(text);
+        const std::size_t size = detail::utf8_sequence(text);
         if (size == 0 || first < 0x20 || first == 0x7F) {
             append_escaped(result, first);
             text.remove_prefix(1);

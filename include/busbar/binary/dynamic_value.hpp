@@ -192,9 +192,19 @@ struct TextLimits {
     std::size_t max_depth{16};
 };
 
+/// What is known of the types of values that are printed. Must outlive the call.
+struct TextTypes {
+    /// Structures whose encoding is among these are printed with their fields.
+    const DynamicTypes* types{nullptr};
+    /// The DataType of a Variant, for the names of an enumeration's values.
+    const DynamicType* type{nullptr};
+};
+
 /// "Point {X: 1.5, Name: "left", Mode: Running (1), Tags: ["a", null]}", for people; not to be
 /// parsed. Strings are quoted, and escaped as by printable(). About max_bytes long at most.
-[[nodiscard]] std::string to_text(const DynamicValue& value, const TextLimits& limits = {});
-[[nodiscard]] std::string to_text(const Variant& value, const TextLimits& limits = {});
+[[nodiscard]] std::string to_text(const DynamicValue& value, const TextLimits& limits = {},
+                                  const TextTypes& types = {});
+[[nodiscard]] std::string to_text(const Variant& value, const TextLimits& limits = {},
+                                  const TextTypes& types = {});
 
 } // namespace busbar::binary

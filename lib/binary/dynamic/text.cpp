@@ -13,7 +13,9 @@ namespace {
 /// Prints values into a string that stops growing at its limit.
 class TextWriter {
 public:
-    explicit TextWriter(const TextLimits& limits) : limits_{limits} {}
+    TextWriter(const TextLimits& limits, const DynamicTypes* types) : limits_{limits}, types_{types}
+    {
+    }
 
     [[nodiscard]] std::string take() { return std::move(text_); }
 
@@ -196,10 +198,24 @@ private:
             add("@" + printable(value.locale.view(), limits_.max_string));
         }
     }
+    /// Prints a structure with its fields, if its definition is known and it is what that says.
+    [[nodiscard]] bool known_structure(const ExtensionObject& value)
+    {
+        const auto known = types_ == nullptr || is_full_ ? fail(status::Bad_DecodingError)
+                                                         : decode_dynamic(value, *types_);
+        if (known && enter()) {
+            structure(*known);
+            --depth_;
+        }
+        return known.has_value();
+    }
     void print(const ExtensionObject& value, const DynamicType* type)
     {
         if (value.is_null()) {
             return add("null");
+        }
+        if (known_structure(value)) {
+            return;
         }
         print(value.encoding_id(), type);
         if (value.type() != nullptr) {
@@ -234,6 +250,7 @@ private:
     }
 
     TextLimits limits_;
+    const DynamicTypes* types_;
     std::string text_;
     std::size_t depth_{0};
     bool is_full_{false};
@@ -241,17 +258,17 @@ private:
 
 } // namespace
 
-std::string to_text(const DynamicValue& value, const TextLimits& limits)
+std::string to_text(const DynamicValue& value, const TextLimits& limits, const TextTypes& types)
 {
-    TextWriter writer{limits};
+    TextWriter writer{limits, types.types};
     writer.structure(value);
     return writer.take();
 }
 
-std::string to_text(const Variant& value, const TextLimits& limits)
+std::string to_text(const Variant& value, const TextLimits& limits, const TextTypes& types)
 {
-    TextWriter writer{limits};
-    writer.variant(value);
+    TextWriter writer{limits, types.types};
+    writer.variant(value, types.type);
     return writer.take();
 }
 

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include <tl/expected.hpp>
+
+#include <busbar/binary/dynamic_value.hpp>
+
+/// Values as text for people, and back.
+namespace busbar::client {
+
+struct TextOptions {
+    /// Structures whose encoding is among these are printed with their fields.
+    const binary::DynamicTypes* types{nullptr};
+    /// The DataType of the value if it is known: enumerations have names then.
+    const binary::DynamicType* type{nullptr};
+    binary::TextLimits limits;
+};
+
+/// As binary::to_text, with the structures and names that are known. Safe to print on a terminal.
+[[nodiscard]] std::string to_text(const Variant& value, const TextOptions& options = {});
+/// "21.5", and where they say something, status and time:
+/// "21.5 (Uncertain_LastUsableValue, 2026-11-21T06:00:00Z)".
+[[nodiscard]] std::string to_text(const DataValue& value, const TextOptions& options = {});
+
+/// What a text is to be read as: what the attributes DataType and ValueRank of a Variable say.
+struct ValueType {
+    /// Variant: any type. The text names it, "Int16:5", or it follows from the text's form.
+    BuiltInType built_in{BuiltInType::Variant};
+    /// Part 3, 5.6.2: -1 a scalar, 1 an array, more a matrix, 0 an array or matrix, -2 anything,
+    /// -3 a scalar or array.
+    std::int32_t value_rank{-1};
+    /// The names of an enumeration, or the fields of a structure; null for a built-in type.
+    const binary::DynamicType* type{nullptr};
+    /// For structures that name their type, as to_json writes them.
+    const binary::DynamicTypes* types{nullptr};
+};
+
+/// Why a text is no value of a type.
+struct ValueError {
+    /// "expected a Byte, 0 to 255, found 300"; printable.
+    std::string message;
+};
+
+/// Reads a value.
+///
+/// A scalar is the text itself: 42, true, NaN, any text for a String, 2026-11-21T06:00:00Z, base64
+/// or 0x00FF for a ByteString, ns=2;s=Pump, 2:Name, Bad_Timeout, and names or numbers for
+/// enumerations (A|B for an option set). Arrays are JSON lists, [1, 2], and matrices lists of
+/// lists; texts within are in quotes. Objects stand for a LocalizedText, {"Locale": "en", "Text":
+/// "x"}, and for structures by their fields' names. What to_json writes with types can be read as a
+/// Variant.
+[[nodiscard]] tl::expected<Variant, ValueError> parse_value(std::string_view text,
+                                                            const ValueType& type);
+
+} // namespace busbar::client

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <busbar/binary/dynamic_value.hpp>
+
+#include "json.hpp"
+
+namespace busbar::client::detail {
+
+/// The scalar that `from` stands for; false if it is none of that type. A String of JSON is a text
+/// as well as a number in quotes. An overload for each built-in type that has a text.
+[[nodiscard]] bool read_scalar(const Json& from, bool& to);
+[[nodiscard]] bool read_scalar(const Json& from, std::int8_t& to);
+[[nodiscard]] bool read_scalar(const Json& from, std::uint8_t& to);
+[[nodiscard]] bool read_scalar(const Json& from, std::int16_t& to);
+[[nodiscard]] bool read_scalar(const Json& from, std::uint16_t& to);
+[[nodiscard]] bool read_scalar(const Json& from, std::int32_t& to);
+[[nodiscard]] bool read_scalar(const Json& from, std::uint32_t& to);
+[[nodiscard]] bool read_scalar(const Json& from, std::int64_t& to);
+[[nodiscard]] bool read_scalar(const Json& from, std::uint64_t& to);
+[[nodiscard]] bool read_scalar(const Json& from, float& to);
+[[nodiscard]] bool read_scalar(const Json& from, double& to);
+[[nodiscard]] bool read_scalar(const Json& from, String& to);
+[[nodiscard]] bool read_scalar(const Json& from, XmlElement& to);
+[[nodiscard]] bool read_scalar(const Json& from, DateTime& to);
+[[nodiscard]] bool read_scalar(const Json& from, Guid& to);
+[[nodiscard]] bool read_scalar(const Json& from, ByteString& to);
+[[nodiscard]] bool read_scalar(const Json& from, NodeId& to);
+[[nodiscard]] bool read_scalar(const Json& from, ExpandedNodeId& to);
+[[nodiscard]] bool read_scalar(const Json& from, StatusCode& to);
+[[nodiscard]] bool read_scalar(const Json& from, QualifiedName& to);
+[[nodiscard]] bool read_scalar(const Json& from, LocalizedText& to);
+
+/// The number of an enumeration's value, or of "A|B" for an option set; nothing for other texts.
+[[nodiscard]] std::optional<std::int64_t> number_of_name(std::string_view text,
+                                                         const binary::DynamicType& type);
+
+/// What a value of the type looks like, for messages: "a Byte, 0 to 255".
+[[nodiscard]] std::string expectation(BuiltInType type);
+/// The same for an enumeration: "a number or name of Mode: Off, Manual, ...".
+[[nodiscard]] std::string expectation(const binary::DynamicType& type);
+
+} // namespace busbar::client::detail

@@ -1,0 +1,306 @@
+#include <busbar/client/value_json.hpp>
+
+#include <charconv>
+#include <cmath>
+
+#include "core/base64.hpp"
+#include "core/visit_built_in.hpp"
+#include "json_string.hpp"
+
+namespace busbar::client {
+
+namespace {
+
+using binary::DynamicArray;
+using binary::DynamicValue;
+
+class JsonWriter {
+public:
+    explicit JsonWriter(const JsonOptions& options) : options_{options} {}
+
+    [[nodiscard]] std::string take() { return std::move(text_); }
+
+    void write(const Variant& value)
+    {
+        if (value.is_null()) {
+            return add("null");
+        }
+        if (!options_.with_types) {
+            return content(value);
+        }
+        add("{");
+        variant_members(value);
+        add("}");
+    }
+    void write(const DataValue& value)
+    {
+        bool is_first = true;
+        add("{");
+        if (options_.with_types && !value.value.is_null()) {
+            variant_members(value.value);
+            is_first = false;
+        } else if (!options_.with_types) {
+            member("Value", is_first);
+            content(value.value);
+        }
+        if (value.status != status::Good) {
+            member("Status", is_first);
+            write(value.status);
+        }
+        time("SourceTimestamp", value.source_timestamp, is_first);
+        time("ServerTimestamp", value.server_timestamp, is_first);
+        add("}");
+    }
+    void write(const DynamicValue& value)
+    {
+        bool is_first = true;
+        add("{");
+        fields(value, is_first);
+        add("}");
+    }
+
+private:
+    void add(std::string_view text) { text_ += text; }
+    void quoted(std::string_view text) { detail::append_json_string(text_, text); }
+    void member(std::string_view name, bool& is_first)
+    {
+        add(std::exchange(is_first, false) ? "" : ",");
+        quoted(name);
+        add(":");
+    }
+    void time(std::string_view name, DateTime value, bool& is_first)
+    {
+        if (!value.is_null()) {
+            member(name, is_first);
+            write(value);
+        }
+    }
+
+    /// Calls `print` one level deeper, or adds null past the limit.
+    template <typename Print>
+    void nested(Print print)
+    {
+        if (depth_ == options_.max_depth) {
+            return add("null");
+        }
+        ++depth_;
+        print();
+        --depth_;
+    }
+    template <typename T, typename Print>
+    void list(std::span<const T> values, Print print)
+    {
+        add("[");
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            add(i == 0 ? "" : ",");
+            nested([&] { print(values[i]); });
+        }
+        add("]");
+    }
+    /// Lists of lists, by the dimensions that are left.
+    template <typename T, typename Print>
+    void matrix(std::span<const T> values, std::span<const std::uint32_t> dimensions, Print print)
+    {
+        if (dimensions.size() < 2 || dimensions.front() == 0) {
+            return list(values, print);
+        }
+        const std::size_t size = values.size() / dimensions.front();
+        add("[");
+        for (std::size_t i = 0; i < dimensions.front(); ++i) {
+            add(i == 0 ? "" : ",");
+            matrix(values.subspan(i * size, size), dimensions.subspan(1), print);
+        }
+        add("]");
+    }
+
+    void variant_members(const Variant& value)
+    {
+        add("\"UaType\":" + std::to_string(static_cast<unsigned>(value.type())) + ",\"Value\":");
+        content(value, true);
+        if (value.is_matrix()) {
+            add(",\"Dimensions\":");
+            list(value.dimensions(), [this](std::uint32_t size) { write(size); });
+        }
+    }
+    /// Of a matrix a list, whose dimensions stand beside it, or lists of lists.
+    void content(const Variant& value, bool is_flat = false)
+    {
+        if (value.is_null()) {
+            return add("null");
+        }
+        busbar::detail::visit_built_in(value.type(), [&](auto tag) {
+            using T = typename decltype(tag)::type;
+            if (const Array<T>* const values = value.array_if<T>()) {
+                const auto print = [this](const T& element) { write(element); };
+                if (values->is_null()) {
+                    add("null");
+                } else if (is_flat || !value.is_matrix()) {
+                    list(values->span(), print);
+                } else {
+                    matrix(values->span(), value.dimensions(), print);
+                }
+            } else if constexpr (!std::is_same_v<T, Variant>) {
+                nested([&] { write(*value.get_if<T>()); });
+            }
+        });
+    }
+    void fields(const DynamicValue& value, bool& is_first)
+    {
+        for (std::size_t i = 0; i < value.type().fields.size(); ++i) {
+            if (value.has(i)) {
+                member(value.type().fields[i].name, is_first);
+                nested([&] { field(value, i); });
+            }
+        }
+    }
+    void field(const DynamicValue& value, std::size_t index)
+    {
+        if (const Variant* const simple = value.value(index)) {
+            // Only a field that may hold any type needs to name it.
+            const bool is_open = value.type().fields[index].built_in == BuiltInType::Variant;
+            is_open ? write(*simple) : content(*simple);
+        } else if (const DynamicValue* const part = value.structure(index)) {
+            write(*part);
+        } else if (const DynamicArray* const parts = value.structures(index)) {
+            if (parts->values.is_null()) {
+                return add("null");
+            }
+            matrix(parts->values.span(), parts->dimensions.span(),
+                   [this](const DynamicValue& element) { write(element); });
+        }
+    }
+
+    void write(bool value) { add(value ? "true" : "false"); }
+    template <typename T>
+    requires std::is_arithmetic_v<T>
+    void write(T value)
+    {
+        if constexpr (std::is_floating_point_v<T>) {
+            if (!std::isfinite(value)) {
+                return add(std::isnan(value) ? "\"NaN\""
+                                             : (value > 0 ? "\"Infinity\"" : "\"-Infinity\""));
+            }
+        }
+        char digits[32];
+        const auto end = std::to_chars(std::begin(digits), std::end(digits), value).ptr;
+        const std::string_view number{digits, static_cast<std::size_t>(end - digits)};
+        // JSON's numbers are Doubles to many readers, which have no room for 64 bits.
+        constexpr bool is_long = std::is_integral_v<T> && sizeof(T) == 8;
+        is_long ? quoted(number) : add(number);
+    }
+    void write(const String& value) { value.is_null() ? add("null") : quoted(value.view()); }
+    void write(const ByteString& value)
+    {
+        value.is_null() ? add("null") : quoted(busbar::detail::to_base64(value.span()));
+    }
+    void write(DateTime value) { quoted(to_string(value)); }
+    void write(const Guid& value) { quoted(to_string(value)); }
+    void write(const NodeId& value) { quoted(to_string(value)); }
+    void write(const ExpandedNodeId& value) { quoted(to_string(value)); }
+    void write(const QualifiedName& value) { quoted(to_string(value)); }
+    void write(StatusCode value)
+    {
+        add("{\"Code\":" + std::to_string(value.value()));
+        const std::string_view symbol = name(value);
+        if (!symbol.empty()) {
+            add(",\"Symbol\":");
+            quoted(symbol);
+        }
+        add("}");
+    }
+    void write(const LocalizedText& value)
+    {
+        bool is_first = true;
+        add("{");
+        if (!value.locale.empty()) {
+            member("Locale", is_first);
+            write(value.locale);
+        }
+        member("Text", is_first);
+        write(value.text);
+        add("}");
+    }
+    void write(const ExtensionObject& value)
+    {
+        if (value.is_null()) {
+            return add("null");
+        }
+        if (options_.types != nullptr) {
+            if (const auto known = binary::decode_dynamic(value, *options_.types)) {
+                bool is_first = true;
+                add("{");
+                member("UaTypeId", is_first);
+                write(known->type().id);
+                fields(*known, is_first);
+                return add("}");
+            }
+        }
+        encoded(value);
+    }
+    void encoded(const ExtensionObject& value)
+    {
+        bool is_first = true;
+        add("{");
+        member("UaTypeId", is_first);
+        write(value.encoding_id());
+        if (value.body() == ExtensionObject::Body::Xml) {
+            add(",\"UaEncoding\":2,\"UaBody\":");
+            write(value.xml());
+        } else if (value.body() != ExtensionObject::Body::None) {
+            add(",\"UaEncoding\":1,\"UaBody\":");
+            write(body_of(value));
+        }
+        add("}");
+    }
+    [[nodiscard]] static ByteString body_of(const ExtensionObject& value)
+    {
+        if (value.body() != ExtensionObject::Body::Object) {
+            return value.binary();
+        }
+        binary::VectorSink sink;
+        binary::Writer writer{sink};
+        value.type()->encode(writer, value.object());
+        return ByteString{sink.take(writer.written())};
+    }
+    void write(const DiagnosticInfo& value)
+    {
+        bool is_first = true;
+        add("{");
+        if (value.additional_info) {
+            member("AdditionalInfo", is_first);
+            write(*value.additional_info);
+        }
+        add("}");
+    }
+
+    JsonOptions options_;
+    std::string text_;
+    std::size_t depth_{0};
+};
+
+template <typename T>
+std::string json_of(const T& value, const JsonOptions& options)
+{
+    JsonWriter writer{options};
+    writer.write(value);
+    return writer.take();
+}
+
+} // namespace
+
+std::string to_json(const Variant& value, const JsonOptions& options)
+{
+    return json_of(value, options);
+}
+
+std::string to_json(const DataValue& value, const JsonOptions& options)
+{
+    return json_of(value, options);
+}
+
+std::string to_json(const DynamicValue& value, const JsonOptions& options)
+{
+    return json_of(value, options);
+}
+
+} // namespace busbar::client

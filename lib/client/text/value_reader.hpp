@@ -1,0 +1,56 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <busbar/client/value_text.hpp>
+
+#include "json.hpp"
+
+namespace busbar::client::detail {
+
+/// Makes values of what parse_json read. The first failure stays in error().
+class ValueReader {
+public:
+    /// `types`, which may be null, has the structures that objects name.
+    explicit ValueReader(const binary::DynamicTypes* types) : types_{types} {}
+
+    /// Nothing, with error(), if `from` is no value of that type.
+    [[nodiscard]] std::optional<Variant> read(const Json& from, const ValueType& type);
+    /// "[3]: expected a Byte, 0 to 255, found 300"
+    [[nodiscard]] const std::string& error() const { return error_; }
+
+private:
+    /// The elements of nested lists and how many there are in each dimension.
+    struct Elements {
+        std::vector<const Json*> values;
+        std::vector<std::uint32_t> dimensions;
+    };
+
+    [[nodiscard]] std::optional<Variant> read_any(const Json& from);
+    [[nodiscard]] std::optional<Variant> read_typed(const Json& from);
+    [[nodiscard]] std::optional<Elements> elements_of(const Json& from, std::int32_t rank);
+    [[nodiscard]] bool collect(const Json& from, std::size_t level, Elements& to);
+    [[nodiscard]] std::optional<Variant> read_array(const Elements& from, const ValueType& type);
+    template <typename T>
+    [[nodiscard]] bool read_one(const Json& from, const ValueType& type, T& to);
+    template <typename T>
+    [[nodiscard]] bool read_number(const Json& from, const binary::DynamicType& type, T& to);
+    [[nodiscard]] bool read_object(const Json& from, const binary::DynamicType* type,
+                                   ExtensionObject& to);
+    [[nodiscard]] std::optional<binary::DynamicValue> read_structure(const Json& from,
+                                                                     const binary::DynamicType&);
+    [[nodiscard]] bool read_field(const Json& from, std::size_t field, binary::DynamicValue& to);
+    [[nodiscard]] bool read_structures(const Json& from, std::size_t field,
+                                       binary::DynamicValue& to);
+
+    std::nullopt_t fail(const Json& found, std::string_view expected);
+    /// Puts the place of the failure before what is known of it.
+    void within(const std::string& place);
+
+    const binary::DynamicTypes* types_;
+    std::string error_;
+};
+
+} // namespace busbar::client::detail

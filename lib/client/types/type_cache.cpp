@@ -1,0 +1,298 @@
+#include <busbar/client/type_cache.hpp>
+
+#include <busbar/client/attributes.hpp>
+#include <busbar/client/view.hpp>
+
+#include "client/services/later.hpp"
+#include "type_questions.hpp"
+#include "type_state.hpp"
+
+namespace busbar::client {
+
+namespace {
+
+/// Goes from encodings to their types, from types to what those need, and again to the values,
+/// until nothing is new or a limit is reached.
+class LearnOperation final : public detail::OperationState,
+                             public std::enable_shared_from_this<LearnOperation> {
+public:
+    LearnOperation(std::shared_ptr<TypeCache::State> cache, std::vector<Variant> values,
+                   std::function<void()> done, const ServiceOptions& options)
+        : cache_{std::move(cache)}, values_{std::move(values)}, done_{std::move(done)}, options_{
+                                                                                            options}
+    {
+    }
+
+    void begin(const std::vector<NodeId>& data_types)
+    {
+        cache_->check_revision();
+        revision_ = cache_->revision;
+        want(data_types);
+        if (wanted_.empty()) {
+            later_ = detail::later(cache_->requester,
+                                   [self = shared_from_this()] { self->look_at_values(); });
+            is_later_ = true;
+        } else {
+            ask_types();
+        }
+    }
+    void cancel() override
+    {
+        done_ = nullptr;
+        step_.cancel();
+        if (is_later_) {
+            cache_->requester.cancel(later_);
+        }
+    }
+
+private:
+    /// Also what known types need: it may be missing since an answer failed or was not waited for.
+    void want(std::vector<NodeId> types)
+    {
+        while (!types.empty()) {
+            const NodeId type = std::move(types.back());
+            types.pop_back();
+            if (detail::is_known_to_all(type) || !seen_.insert(type).second) {
+                continue;
+            }
+            const auto known = cache_->entries.find(type);
+            if (known != cache_->entries.end()) {
+                const auto needed = detail::needed_by(known->second);
+                types.insert(types.end(), needed.begin(), needed.end());
+            } else if (cache_->entries.size() + wanted_.size() < cache_->limits.max_types) {
+                wanted_.insert(type);
+            }
+        }
+    }
+    /// False, and the end, if what was asked is of no use any more or it takes too long.
+    [[nodiscard]] bool may_go_on()
+    {
+        cache_->check_revision();
+        const std::uint64_t now = cache_->revision;
+        const bool is_other_server = revision_ != 0 && revision_ != now;
+        revision_ = now;
+        if (is_other_server || ++steps_ > cache_->limits.max_steps) {
+            finish();
+            return false;
+        }
+        return true;
+    }
+
+    // One step: the types that are wanted.
+
+    void ask_types()
+    {
+        asked_.assign(wanted_.begin(), wanted_.end());
+        wanted_.clear();
+        std::vector<ReadValueId> items;
+        for (const NodeId& type : asked_) {
+            detail::ask_attributes(type, items);
+        }
+        step_ = read(
+            cache_->requester, std::move(items),
+            [self = shared_from_this()](std::vector<DataValue> values) {
+                self->attributes_ = std::move(values);
+                self->ask_references();
+            },
+            {}, options_);
+    }
+    void ask_references()
+    {
+        std::vector<BrowseDescription> items;
+        for (const NodeId& type : asked_) {
+            detail::ask_references(type, items);
+        }
+        step_ = browse(
+            cache_->requester, std::move(items),
+            [self = shared_from_this()](const std::vector<BrowseResult>& results) {
+                self->take_answers(results);
+            },
+            browse_limits(), options_);
+    }
+    void take_answers(const std::vector<BrowseResult>& references)
+    {
+        if (!may_go_on()) {
+            return;
+        }
+        std::vector<ReadValueId> items;
+        named_.clear();
+        for (std::size_t i = 0; i < asked_.size(); ++i) {
+            auto answers =
+                detail::read_answers(asked_[i],
+                                     std::span{attributes_}.subspan(i * detail::attributes_per_type,
+                                                                    detail::attributes_per_type),
+                                     std::span{references}.subspan(i * detail::browses_per_type,
+                                                                   detail::browses_per_type));
+            if (answers.has_failed || !cache_->has_room()) {
+                has_failed_ = true;
+                continue;
+            }
+            want(detail::needed_by(answers.entry));
+            if (!answers.names.is_null()) {
+                items.push_back(attribute_of(std::move(answers.names)));
+                named_.push_back(asked_[i]);
+            }
+            cache_->add(std::move(answers.entry));
+        }
+        items.empty() ? next_types() : ask_names(std::move(items));
+    }
+    void ask_names(std::vector<ReadValueId> items)
+    {
+        step_ = read(
+            cache_->requester, std::move(items),
+            [self = shared_from_this()](const std::vector<DataValue>& values) {
+                self->take_names(values);
+            },
+            {}, options_);
+    }
+    void take_names(const std::vector<DataValue>& values)
+    {
+        for (std::size_t i = 0; i < named_.size(); ++i) {
+            const auto found = cache_->entries.find(named_[i]);
+            auto definition = detail::definition_of(values[i].value);
+            if (found != cache_->entries.end() && definition) {
+                found->second.definition = *std::move(definition);
+                cache_->is_compiled = false;
+            }
+        }
+        next_types();
+    }
+    void next_types()
+    {
+        if (!wanted_.empty()) {
+            return ask_types();
+        }
+        look_at_values();
+    }
+
+    // Another step: the encodings in the values.
+
+    void look_at_values()
+    {
+        is_later_ = false;
+        const auto types = cache_->compiled();
+        detail::EncodingSearch search{*types, cache_->limits.max_structures};
+        for (const Variant& value : values_) {
+            search.look_at(value);
+        }
+        encodings_.clear();
+        std::vector<BrowseDescription> items;
+        for (const NodeId& encoding : search.take_unknown()) {
+            if (cache_->unknown_encodings.contains(encoding)) {
+                continue;
+            }
+            if (!tried_encodings_.insert(encoding).second) {
+                // Its type is there now, and cannot be used or has another encoding.
+                give_up(encoding);
+            } else if (encodings_.size() < cache_->limits.max_types) {
+                items.push_back(detail::ask_type_of(encoding));
+                encodings_.push_back(encoding);
+            }
+        }
+        if (items.empty()) {
+            return finish();
+        }
+        step_ = browse(
+            cache_->requester, std::move(items),
+            [self = shared_from_this()](const std::vector<BrowseResult>& results) {
+                self->take_types(results);
+            },
+            browse_limits(), options_);
+    }
+    void take_types(const std::vector<BrowseResult>& results)
+    {
+        if (!may_go_on()) {
+            return;
+        }
+        std::vector<NodeId> types;
+        for (std::size_t i = 0; i < encodings_.size(); ++i) {
+            auto type = detail::type_of(results[i]);
+            if (type && !type->is_null()) {
+                types.push_back(*std::move(type));
+            } else if (type &&
+                       cache_->unknown_encodings.size() < cache_->limits.max_unknown_encodings) {
+                cache_->unknown_encodings.insert(encodings_[i]);
+            }
+        }
+        want(types);
+        next_types();
+    }
+
+    /// Not to be asked for again, unless the reason may be that an answer is missing.
+    void give_up(const NodeId& encoding)
+    {
+        if (!has_failed_ &&
+            cache_->unknown_encodings.size() < cache_->limits.max_unknown_encodings) {
+            cache_->unknown_encodings.insert(encoding);
+        }
+    }
+    [[nodiscard]] BrowseLimits browse_limits() const
+    {
+        BrowseLimits limits;
+        limits.max_references_per_node = 100; // a type has a few
+        return limits;
+    }
+    void finish()
+    {
+        if (const auto done = std::exchange(done_, nullptr)) {
+            done();
+        }
+    }
+
+    std::shared_ptr<TypeCache::State> cache_;
+    std::vector<Variant> values_;
+    std::function<void()> done_;
+    ServiceOptions options_;
+    std::size_t steps_{0};
+    std::uint64_t revision_{0};
+    bool has_failed_{false};
+    Operation step_;
+    RequestId later_{0};
+    bool is_later_{false};
+
+    std::set<NodeId> wanted_;
+    std::set<NodeId> seen_;
+    std::set<NodeId> tried_encodings_;
+    std::vector<NodeId> asked_;
+    std::vector<DataValue> attributes_; // of asked_
+    std::vector<NodeId> named_;         // types whose names are read
+    std::vector<NodeId> encodings_;     // whose types are asked for
+};
+
+Operation begin(const std::shared_ptr<TypeCache::State>& state, const std::vector<NodeId>& types,
+                std::vector<Variant> values, std::function<void()> done,
+                const ServiceOptions& options)
+{
+    const auto operation =
+        std::make_shared<LearnOperation>(state, std::move(values), std::move(done), options);
+    operation->begin(types);
+    return Operation{operation};
+}
+
+} // namespace
+
+TypeCache::TypeCache(Requester& requester, TypeCacheLimits limits)
+    : state_{std::make_shared<State>(requester, limits)}
+{
+}
+TypeCache::~TypeCache() = default;
+
+std::shared_ptr<const binary::DynamicTypes> TypeCache::types() const
+{
+    state_->check_revision();
+    return state_->compiled();
+}
+
+Operation TypeCache::learn(std::vector<NodeId> data_types, std::function<void()> done,
+                           const ServiceOptions& options)
+{
+    return begin(state_, data_types, {}, std::move(done), options);
+}
+
+Operation TypeCache::learn_values(std::vector<Variant> values, std::function<void()> done,
+                                  const ServiceOptions& options)
+{
+    return begin(state_, {}, std::move(values), std::move(done), options);
+}
+
+} // namespace busbar::client

@@ -1,0 +1,101 @@
+#include "type_state.hpp"
+
+namespace busbar::client {
+
+void TypeCache::State::check_revision()
+{
+    if (revision != requester.server().revision) {
+        revision = requester.server().revision;
+        entries.clear();
+        unknown_encodings.clear();
+        types = std::make_shared<const binary::DynamicTypes>();
+        is_compiled = true;
+    }
+}
+
+void TypeCache::State::add(binary::DataTypeEntry entry)
+{
+    is_compiled = false;
+    NodeId id = entry.id;
+    entries.emplace(std::move(id), std::move(entry));
+}
+
+std::shared_ptr<const binary::DynamicTypes> TypeCache::State::compiled()
+{
+    if (!is_compiled) {
+        std::vector<binary::DataTypeEntry> all;
+        all.reserve(entries.size());
+        for (const auto& [id, entry] : entries) {
+            all.push_back(entry);
+        }
+        types = std::make_shared<const binary::DynamicTypes>(
+            binary::DynamicTypes::compile(std::move(all), limits.definitions));
+        is_compiled = true;
+    }
+    return types;
+}
+
+namespace detail {
+
+void EncodingSearch::look_at(const Variant& value)
+{
+    if (depth_ == max_depth) {
+        return;
+    }
+    ++depth_;
+    if (const auto* const object = value.get_if<ExtensionObject>()) {
+        look_at(*object);
+    } else if (const auto* const objects = value.array_if<ExtensionObject>()) {
+        for (const ExtensionObject& element : *objects) {
+            look_at(element);
+        }
+    } else if (const auto* const variants = value.array_if<Variant>()) {
+        for (const Variant& element : *variants) {
+            look_at(element);
+        }
+    } else if (const auto* const data = value.get_if<DataValue>()) {
+        look_at(data->value);
+    } else if (const auto* const list = value.array_if<DataValue>()) {
+        for (const DataValue& element : *list) {
+            look_at(element.value);
+        }
+    }
+    --depth_;
+}
+
+void EncodingSearch::look_at(const ExtensionObject& object)
+{
+    if (object.is_null() || object.body() == ExtensionObject::Body::Xml || left_ == 0) {
+        return;
+    }
+    --left_;
+    if (types_.find_encoding(object.encoding_id()) == nullptr) {
+        unknown_.insert(object.encoding_id());
+    } else if (const auto value = binary::decode_dynamic(object, types_)) {
+        look_at(*value);
+    }
+}
+
+void EncodingSearch::look_at(const binary::DynamicValue& value)
+{
+    if (depth_ == max_depth) {
+        return;
+    }
+    ++depth_;
+    for (std::size_t i = 0; i < value.type().fields.size(); ++i) {
+        if (const Variant* const simple = value.value(i)) {
+            look_at(*simple);
+        } else if (const auto* const part = value.structure(i)) {
+            look_at(*part);
+        } else if (const auto* const parts = value.structures(i)) {
+            for (const binary::DynamicValue& element : parts->values) {
+                look_at(element);
+            }
+        }
+    }
+    --depth_;
+}
+
+} // namespace detail
+
+} // namespace busbar::client
