@@ -270,6 +270,11 @@ Result<EndpointChoice> choose_endpoint(const Array<EndpointDescription>& endpoin
                  "Part 4, 5.5.4", "Change what one of the two is configured for"});
         return fail(status);
     }
+    if (best->policy->is_none()) {
+        log.write(LogLevel::Warning, "client",
+                  "INSECURE: connecting without security; the server offers " +
+                      describe_offer(endpoints));
+    }
     EndpointChoice choice{*best->endpoint, best->policy, {}};
     choice.endpoint.endpoint_url = String{url_for(*best->endpoint, reached_by)};
     if (best->token_policy != nullptr) {

@@ -34,7 +34,8 @@ struct EndpointChoice {
 /// one that the server was reached by where the server names itself differently (Part 4, 5.5.4.1).
 ///
 /// Never falls back silently: Bad_SecurityPolicyRejected, Bad_SecurityModeRejected or
-/// Bad_IdentityTokenRejected, and the log says what was offered and what was wanted.
+/// Bad_IdentityTokenRejected, and the log says what was offered and what was wanted. Of policy None
+/// the log tells in any case.
 /// Bad_ConfigurationError for a wish that this build knows nothing of, Bad_ResponseTooLarge for
 /// more endpoints than 500.
 [[nodiscard]] Result<EndpointChoice> choose_endpoint(const Array<EndpointDescription>& endpoints,
