@@ -165,6 +165,17 @@ TEST_CASE("what a hostile server says about the session is checked")
         };
         expected = status::Bad_NonceInvalid;
     }
+    fixture.connect();
+    INFO(fixture.log.text);
+    CHECK(fixture.client.state() == ClientState::Waiting);
+    CHECK(fixture.client.last_error() == expected);
+    CHECK_FALSE(fixture.log.text.empty());
+}
+
+TEST_CASE("a session has a token, and the endpoints that are known")
+{
+    RogueFixture fixture{true};
+    StatusCode expected = status::Bad_SecurityChecksFailed;
     SECTION("no authentication token")
     {
         fixture.answers.created = [](CreateSessionResponse& response) {
