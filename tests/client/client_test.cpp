@@ -126,6 +126,11 @@ TEST_CASE("what cannot be mended by another attempt ends the client, and says wh
         config.security.policies = {"Basic512"};
         expected = status::Bad_ConfigurationError;
     }
+    SECTION("a password that cannot be encrypted")
+    {
+        config.identity = client::NamedUser{"operator", std::string(65, 'x')};
+        expected = status::Bad_IdentityTokenInvalid;
+    }
     SECTION("another server")
     {
         config.server_uri = "urn:other";
@@ -140,11 +145,15 @@ TEST_CASE("what cannot be mended by another attempt ends the client, and says wh
     CHECK(plant.client.last_error() == expected);
     CHECK(plant.answers == Statuses{status::Bad_ServerNotConnected});
     CHECK(plant.urls.size() <= 2);
+    CHECK(sessions(plant) == 0);
 }
 
 TEST_CASE("a connection that breaks comes back with the same session")
 {
-    ClientFixture plant;
+    const client::UserIdentity identity =
+        GENERATE(client::UserIdentity{client::NamedUser{"operator", "operator-secret"}}, maria(),
+                 client::UserIdentity{client::IssuedUser{jwt()}});
+    ClientFixture plant{ClientFixture::configuration(identity)};
     plant.connect();
     REQUIRE(plant.is_ready());
     plant.is_carrying = false;
@@ -163,6 +172,53 @@ TEST_CASE("a connection that breaks comes back with the same session")
     CHECK(sessions(plant) == 1);
     CHECK(plant.urls.size() == 3); // the endpoint is known
     CHECK(plant.client.server().revision == 1);
+}
+
+TEST_CASE("a session that must not change its channel is replaced")
+{
+    // An anonymous one in mode Sign has nothing but its token to prove it.
+    auto config = ClientFixture::configuration(client::AnonymousUser{});
+    config.security.min_mode = MessageSecurityMode::Sign;
+    auto site = UserFixture::all_kinds();
+    std::erase_if(site.endpoints, [](const server::EndpointConfig& endpoint) {
+        return endpoint.security.mode == MessageSecurityMode::SignAndEncrypt;
+    });
+    site.endpoints[0].allows_anonymous = true;
+    ClientFixture plant{config, site};
+    plant.connect();
+    REQUIRE(plant.is_ready());
+    plant.cut();
+    plant.advance(1s);
+    CHECK(plant.is_ready());
+    CHECK(plant.urls.size() == 3);
+    CHECK(sessions(plant) == 2); // the old one times out
+    CHECK(plant.log.text.find("does not resume the session: Bad_SecurityModeInsufficient") !=
+          std::string::npos);
+    plant.advance(1min);
+    CHECK(sessions(plant) == 1);
+}
+
+TEST_CASE("another server at the same address is noticed")
+{
+    ClientFixture plant{ClientFixture::insecure()};
+    plant.connect();
+    REQUIRE(plant.is_ready());
+    CHECK(plant.log.text.find("another server") == std::string::npos);
+    const auto identity = make_identity("other");
+    auto site = UserFixture::all_kinds();
+    site.application_uri = "urn:busbar:test:other";
+    site.identity = identity;
+    plant.restart(site);
+    plant.advance(4s);
+    INFO(plant.log.text);
+    CHECK(plant.is_ready());
+    CHECK(plant.log.text.find("another server answers: urn:busbar:test:other") !=
+          std::string::npos);
+    CHECK(plant.client.server().revision == 2);
+    plant.cut();
+    plant.log.text.clear();
+    plant.advance(4s);
+    CHECK(plant.log.text.find("another server") == std::string::npos);
 }
 
 TEST_CASE("what the server has forgotten is made anew")
@@ -189,6 +245,7 @@ TEST_CASE("what the server has forgotten is made anew")
         site.identity = make_identity("server");
         plant.restart(site);
         plant.advance(4s);
+        CHECK(plant.log.text.find("another server") == std::string::npos);
     }
     SECTION("it restarted with other namespaces")
     {
