@@ -5,8 +5,11 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/client/operation.hpp>
 #include <busbar/client/requester.hpp>
+#include <busbar/core/function_ref.hpp>
 #include <busbar/core/types.hpp>
+#include <busbar/types/view.hpp>
 
 namespace busbar::client {
 
@@ -17,38 +20,61 @@ namespace busbar::client {
 ///   i=2258, ns=2;s=Pump         a NodeId
 ///   nsu=urn:acme:machine;s=Pump a NodeId with a namespace URI
 ///   /Objects/2:Machine/2:Speed  a browse path from the root folder; names as in Part 4's relative
-///                               paths, with <references>; nsu=...: may stand for the index
+///                               paths, with <references>; nsu=urn:acme:machine; may stand for 2:
+///   [ns=2;s=Line]/2:Speed       a browse path from any node; in the brackets, & stands before ]
+///                               and &
 class NodeAddress {
 public:
-    NodeAddress() = default;
-    NodeAddress(NodeId id);
+    static constexpr std::size_t max_text_length = 65'536;
+
+    /// The null NodeId.
+    NodeAddress() : NodeAddress{ExpandedNodeId{}} {}
+    NodeAddress(NodeId id) : NodeAddress{ExpandedNodeId{std::move(id)}} {}
     NodeAddress(ExpandedNodeId id);
     /// A path as above, which may begin at any node instead of the root folder.
+    /// Bad_BrowseNameInvalid if the text is none.
     [[nodiscard]] static Result<NodeAddress> path(std::string_view text,
-                                                  NodeId start = NodeId{0, 84});
+                                                  ExpandedNodeId start = NodeId{0, 84});
     /// Any of the texts above. Bad_NodeIdInvalid or Bad_BrowseNameInvalid for anything else.
     [[nodiscard]] static Result<NodeAddress> parse(std::string_view text);
 
-    /// As it was written; parse() takes it again.
+    /// A text that parse() reads as this address.
     [[nodiscard]] const std::string& text() const { return text_; }
     [[nodiscard]] bool is_path() const { return !path_.empty(); }
 
     /// The NodeId if no server must be asked: Bad_NodeIdUnknown if the server has no such
-    /// namespace, Bad_NotSupported for a path.
+    /// namespace, Bad_ServerIndexInvalid for a node of another server, Bad_NotSupported for a path.
     [[nodiscard]] Result<NodeId> node_id(const ServerInfo& server) const;
+    /// The path as the server takes it. `find_type` gives the NodeId of a ReferenceType, null if it
+    /// knows none. Errors as node_id, Bad_ReferenceTypeIdInvalid, and Bad_NotSupported if it is no
+    /// path.
+    [[nodiscard]] Result<BrowsePath>
+    browse_path(const ServerInfo& server,
+                FunctionRef<NodeId(const QualifiedName&)> find_type) const;
+
+    friend bool operator==(const NodeAddress& a, const NodeAddress& b)
+    {
+        return a.text_ == b.text_;
+    }
 
 private:
-    friend class NodeResolver;
-
     std::string text_;
     ExpandedNodeId id_;
     std::string path_;
 };
 
+/// What `id` is called on this server; errors as NodeAddress::node_id.
+[[nodiscard]] Result<NodeId> local_id(const ExpandedNodeId& id, const ServerInfo& server);
+
 /// Calls `done` with a NodeId or a status for each address, in their order; asks the server only
 /// for paths (Part 4, 5.9.4), in as few requests as its limits allow. A path with several targets
 /// is Bad_TooManyMatches, with none Bad_NoMatch.
-void resolve(Requester& requester, std::vector<NodeAddress> addresses,
-             std::function<void(std::vector<Result<NodeId>>)> done, RequestOptions options = {});
+///
+/// Names of ReferenceTypes that are not the specification's are looked up on the server. Before
+/// the first session the namespaces are not known: the operation waits for it then, as long as a
+/// request does.
+Operation resolve(Requester& requester, std::vector<NodeAddress> addresses,
+                  std::function<void(std::vector<Result<NodeId>>)> done,
+                  const ServiceOptions& options = {});
 
 } // namespace busbar::client

@@ -8,8 +8,9 @@
 #include <limits>
 #include <string>
 
+#include <busbar/core/text_forms.hpp>
+
 #include "core/visit_built_in.hpp"
-#include "filter_text.hpp"
 
 namespace busbar::server::detail {
 

@@ -1,10 +1,10 @@
-#include "filter_text.hpp"
+#include <busbar/core/text_forms.hpp>
 
 #include <algorithm>
 #include <charconv>
 #include <chrono>
 
-namespace busbar::server::detail {
+namespace busbar {
 
 namespace {
 
@@ -136,4 +136,4 @@ std::optional<ExpandedNodeId> parse_expanded_node_id(std::string_view text)
     return result;
 }
 
-} // namespace busbar::server::detail
+} // namespace busbar

@@ -5,13 +5,11 @@
 
 #include <busbar/core/types.hpp>
 
-/// The text forms that the Cast operator reads (Part 4, 7.7.3); those of Guid and NodeId are
-/// core's.
-namespace busbar::server::detail {
+namespace busbar {
 
 /// "2026-11-21T06:00:00.123Z", with "+01:00" in place of "Z", or without either for UTC.
 [[nodiscard]] std::optional<DateTime> parse_date_time(std::string_view text);
 /// "svr=1;nsu=urn:x;i=5" with any of the first two left out (Part 6, 5.3.1.11).
 [[nodiscard]] std::optional<ExpandedNodeId> parse_expanded_node_id(std::string_view text);
 
-} // namespace busbar::server::detail
+} // namespace busbar

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+#include <busbar/client/requester.hpp>
+
+namespace busbar::client {
+
+/// How a service over a list of items is carried out. It is sent in as few requests as the
+/// server's OperationLimits allow; a request that is refused for its size is sent again in halves.
+struct ServiceOptions {
+    /// For each request.
+    RequestOptions request;
+    /// What a request has at most, whatever the server allows.
+    std::uint32_t max_items_per_request{10'000};
+    /// How many requests of one operation may be under way.
+    std::uint32_t max_parallel{4};
+
+    ServiceOptions() = default;
+    ServiceOptions(RequestOptions options) : request{options} {}
+};
+
+namespace detail {
+
+class OperationState {
+public:
+    OperationState() = default;
+    OperationState(const OperationState&) = delete;
+    OperationState& operator=(const OperationState&) = delete;
+    virtual ~OperationState() = default;
+    virtual void cancel() = 0;
+};
+
+} // namespace detail
+
+/// A service that is under way, in one request or more. To be dropped by who does not want to
+/// cancel. Its handler is called once, never from within the function that began it. Safe to keep
+/// after the end of the operation and of the Requester.
+class Operation {
+public:
+    Operation() = default;
+    explicit Operation(std::weak_ptr<detail::OperationState> state) : state_{std::move(state)} {}
+
+    /// The handler will not be called; what the server keeps for the operation is released.
+    /// Nothing happens if the operation is over.
+    void cancel()
+    {
+        if (const auto state = std::exchange(state_, {}).lock()) {
+            state->cancel();
+        }
+    }
+    [[nodiscard]] bool is_under_way() const { return !state_.expired(); }
+
+private:
+    std::weak_ptr<detail::OperationState> state_;
+};
+
+} // namespace busbar::client

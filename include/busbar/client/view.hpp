@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include <busbar/client/operation.hpp>
+#include <busbar/types/view.hpp>
+
+namespace busbar::client {
+
+/// What is taken from a server that has more, or never ends.
+struct BrowseLimits {
+    /// References of one node, and of all nodes of one operation.
+    std::size_t max_references_per_node{100'000};
+    std::size_t max_references{1'000'000};
+    /// Answers without a reference in a row, with which a server says that there is more.
+    std::uint32_t max_empty_answers{10};
+    /// RequestedMaxReferencesPerNode (Part 4, 5.9.2); 0: as many as the server likes.
+    std::uint32_t references_per_answer{0};
+};
+
+/// Browses nodes (Part 4, 5.9.2) and goes on with BrowseNext until there is no more. `done` gets
+/// a result for each node, without continuation points. If a limit or a failure ended it, the
+/// status is Uncertain_NotAllNodesAvailable and there are the references that came before.
+///
+/// Where the server has too few continuation points, nodes wait for others. Continuation points
+/// that are not used up are released, also after cancel().
+Operation browse(Requester& requester, std::vector<BrowseDescription> nodes,
+                 std::function<void(std::vector<BrowseResult>)> done, BrowseLimits limits = {},
+                 const ServiceOptions& options = {});
+
+/// What browse() takes for the forward hierarchical references of a node, with all there is to
+/// know of their targets.
+[[nodiscard]] BrowseDescription children_of(NodeId node);
+
+struct TreeLimits {
+    /// Levels below the roots.
+    std::size_t max_depth{100};
+    std::size_t max_nodes{100'000};
+    BrowseLimits browse;
+};
+
+struct TreeNode {
+    static constexpr std::size_t no_parent = SIZE_MAX;
+    /// The index of the node it was found at first; no_parent for a root.
+    std::size_t parent{no_parent};
+    std::size_t depth{0};
+    /// How it was found; of a root only the node_id.
+    ReferenceDescription reference;
+    /// What browsing it gave; Good if it was not tried, being of another server.
+    StatusCode status;
+};
+
+struct BrowsedTree {
+    /// Parents before their children, level by level; each node once.
+    std::vector<TreeNode> nodes;
+    /// False if a limit or a failure kept something out.
+    bool is_complete{true};
+};
+
+/// Browses from `roots` down. `how` says along which references; its node_id is not used. Nodes of
+/// other servers are listed, not entered.
+Operation browse_tree(Requester& requester, std::vector<NodeId> roots, const BrowseDescription& how,
+                      std::function<void(BrowsedTree)> done, TreeLimits limits = {},
+                      const ServiceOptions& options = {});
+
+/// TranslateBrowsePathsToNodeIds (Part 4, 5.9.4). For NodeAddresses, see resolve().
+Operation translate(Requester& requester, std::vector<BrowsePath> paths,
+                    std::function<void(std::vector<BrowsePathResult>)> done,
+                    const ServiceOptions& options = {});
+
+/// RegisterNodes (Part 4, 5.9.5). The ids are valid for the session only.
+Operation register_nodes(Requester& requester, std::vector<NodeId> nodes,
+                         std::function<void(std::vector<Result<NodeId>>)> done,
+                         const ServiceOptions& options = {});
+
+/// UnregisterNodes (Part 4, 5.9.6). Unknown ids are no error.
+Operation unregister_nodes(Requester& requester, std::vector<NodeId> nodes,
+                           std::function<void(std::vector<StatusCode>)> done,
+                           const ServiceOptions& options = {});
+
+} // namespace busbar::client

@@ -1,0 +1,181 @@
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <busbar/client/operation.hpp>
+
+#include "batch_plan.hpp"
+#include "later.hpp"
+
+namespace busbar::client::detail {
+
+/// What an item has if its request failed; overloaded for other outcomes.
+inline void set_failed(StatusCode& outcome, StatusCode why)
+{
+    outcome = why;
+}
+inline void set_failed(DataValue& outcome, StatusCode why)
+{
+    outcome = DataValue{why};
+}
+template <typename T>
+void set_failed(Result<T>& outcome, StatusCode why)
+{
+    outcome = fail(why);
+}
+template <typename T>
+requires requires(T& outcome)
+{
+    outcome.status_code;
+}
+void set_failed(T& outcome, StatusCode why)
+{
+    outcome = T{};
+    outcome.status_code = why;
+}
+
+/// One service over a list of items, in parts of which a few are under way at a time.
+///
+/// Service has Item, Outcome, Response, is_repeatable, limit(OperationLimits),
+/// request(span of items) and results(Response&, count), an Array of what becomes an Outcome.
+/// A part that fails gives its items the status. Lives as long as a request is under way.
+template <typename Service>
+class Batch final : public OperationState, public std::enable_shared_from_this<Batch<Service>> {
+public:
+    using Item = typename Service::Item;
+    using Outcome = typename Service::Outcome;
+    using Response = typename Service::Response;
+    using Handler = std::function<void(std::vector<Outcome>)>;
+
+    Batch(Requester& requester, Service service, std::vector<Item> items, Handler handler,
+          const ServiceOptions& options)
+        : requester_{requester}, service_{std::move(service)}, items_{std::move(items)},
+          outcomes_(items_.size()), handler_{std::move(handler)}, options_{options},
+          plan_{items_.size(), options.max_items_per_request}
+    {
+    }
+
+    static std::shared_ptr<Batch> start(Requester& requester, Service service,
+                                        std::vector<Item> items, Handler handler,
+                                        const ServiceOptions& options)
+    {
+        auto batch = std::make_shared<Batch>(requester, std::move(service), std::move(items),
+                                             std::move(handler), options);
+        if (batch->items_.empty()) {
+            batch->under_way_.push_back({later(requester, [batch] { batch->finish(); }), {}});
+        } else {
+            batch->send_parts();
+        }
+        return batch;
+    }
+
+    void cancel() override
+    {
+        handler_ = nullptr;
+        static_cast<void>(plan_.take_rest());
+        for (const UnderWay& request : std::exchange(under_way_, {})) {
+            requester_.cancel(request.id);
+        }
+    }
+    /// What was not sent yet is given up with Bad_RequestCancelledByClient; the handler is called
+    /// when the rest is answered.
+    void stop()
+    {
+        for (const BatchPlan::Part& part : plan_.take_rest()) {
+            fail_part(part, status::Bad_RequestCancelledByClient);
+        }
+    }
+
+private:
+    struct UnderWay {
+        RequestId id;
+        BatchPlan::Part part;
+    };
+
+    void send_parts()
+    {
+        plan_.limit(Service::limit(requester_.server().operation_limits));
+        const std::size_t max_parallel = std::max<std::size_t>(options_.max_parallel, 1);
+        while (under_way_.size() < max_parallel) {
+            const auto part = plan_.next();
+            if (!part) {
+                break;
+            }
+            send(*part);
+        }
+        if (under_way_.empty()) {
+            finish();
+        }
+    }
+    void send(BatchPlan::Part part)
+    {
+        const std::span<const Item> items{items_.data() + part.first, part.count};
+        const RequestId id = requester_.call<Response>(
+            service_.request(items),
+            [self = this->shared_from_this(), part](Result<Response> response) {
+                self->answered(part, std::move(response));
+            },
+            options_.request);
+        under_way_.push_back({id, part});
+    }
+    void answered(BatchPlan::Part part, Result<Response> response)
+    {
+        std::erase_if(under_way_,
+                      [&](const UnderWay& sent) { return sent.part.first == part.first; });
+        if (response) {
+            take_results(part, *response);
+        } else if (!is_too_large(response.error(), Service::is_repeatable) || !plan_.halve(part)) {
+            fail_part(part, response.error());
+        }
+        send_parts();
+    }
+    void take_results(BatchPlan::Part part, Response& response)
+    {
+        auto results = Service::results(response, part.count);
+        if (results.size() != part.count) {
+            // Part 4, 5.3: there is one result for each operation.
+            return fail_part(part, status::Bad_UnknownResponse);
+        }
+        for (std::size_t i = 0; i < part.count; ++i) {
+            outcomes_[part.first + i] = std::move(results[i]);
+        }
+    }
+    void fail_part(BatchPlan::Part part, StatusCode why)
+    {
+        for (std::size_t i = 0; i < part.count; ++i) {
+            set_failed(outcomes_[part.first + i], why);
+        }
+    }
+    void finish()
+    {
+        under_way_.clear();
+        if (const Handler handler = std::exchange(handler_, nullptr)) {
+            handler(std::move(outcomes_));
+        }
+    }
+
+    Requester& requester_;
+    Service service_;
+    std::vector<Item> items_;
+    std::vector<Outcome> outcomes_;
+    Handler handler_;
+    ServiceOptions options_;
+    BatchPlan plan_;
+    std::vector<UnderWay> under_way_;
+};
+
+/// Begins a service that is nothing but a batch.
+template <typename Service>
+Operation run_batch(Requester& requester, Service service,
+                    std::vector<typename Service::Item> items,
+                    typename Batch<Service>::Handler done, const ServiceOptions& options)
+{
+    return Operation{Batch<Service>::start(requester, std::move(service), std::move(items),
+                                           std::move(done), options)};
+}
+
+} // namespace busbar::client::detail

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <busbar/client/view.hpp>
+
+#include "batch.hpp"
+
+namespace busbar::client::detail {
+
+struct BrowseService {
+    using Item = BrowseDescription;
+    using Outcome = BrowseResult;
+    using Response = BrowseResponse;
+    static constexpr bool is_repeatable = true;
+
+    static std::uint32_t limit(const OperationLimits& limits)
+    {
+        return limits.max_nodes_per_browse;
+    }
+    [[nodiscard]] BrowseRequest request(std::span<const BrowseDescription> items) const
+    {
+        BrowseRequest request;
+        request.requested_max_references_per_node = references_per_answer;
+        request.nodes_to_browse = Array<BrowseDescription>{items};
+        return request;
+    }
+    static Array<BrowseResult> results(BrowseResponse& response, std::size_t /*count*/)
+    {
+        return std::move(response.results);
+    }
+
+    std::uint32_t references_per_answer{0};
+};
+
+/// Part 4, 5.9.3.
+struct BrowseNextService {
+    using Item = ByteString;
+    using Outcome = BrowseResult;
+    using Response = BrowseNextResponse;
+    /// A continuation point is used up by the first try.
+    static constexpr bool is_repeatable = false;
+
+    static std::uint32_t limit(const OperationLimits& limits)
+    {
+        return limits.max_nodes_per_browse;
+    }
+    [[nodiscard]] BrowseNextRequest request(std::span<const ByteString> items) const
+    {
+        BrowseNextRequest request;
+        request.release_continuation_points = releases;
+        request.continuation_points = Array<ByteString>{items};
+        return request;
+    }
+    static Array<BrowseResult> results(BrowseNextResponse& response, std::size_t /*count*/)
+    {
+        return std::move(response.results);
+    }
+
+    bool releases{false};
+};
+
+} // namespace busbar::client::detail

@@ -1,0 +1,133 @@
+#include <set>
+
+#include <busbar/client/view.hpp>
+
+#include "later.hpp"
+
+namespace busbar::client {
+
+namespace {
+
+/// Browses level by level; a node that was seen is not entered again.
+class TreeOperation final : public detail::OperationState,
+                            public std::enable_shared_from_this<TreeOperation> {
+public:
+    using Done = std::function<void(BrowsedTree)>;
+
+    TreeOperation(Requester& requester, BrowseDescription how, Done done, TreeLimits limits,
+                  const ServiceOptions& options)
+        : requester_{requester}, how_{std::move(how)}, done_{std::move(done)}, limits_{limits},
+          options_{options}
+    {
+    }
+
+    void begin(std::vector<NodeId> roots)
+    {
+        for (NodeId& root : roots) {
+            ReferenceDescription reference;
+            reference.node_id = std::move(root);
+            add(TreeNode::no_parent, 0, std::move(reference));
+        }
+        if (!browse_level()) {
+            later_ = detail::later(requester_, [self = shared_from_this()] { self->finish(); });
+            is_later_ = true;
+        }
+    }
+    void cancel() override
+    {
+        done_ = nullptr;
+        step_.cancel();
+        if (is_later_) {
+            requester_.cancel(later_);
+        }
+    }
+
+private:
+    void add(std::size_t parent, std::size_t depth, ReferenceDescription reference)
+    {
+        if (seen_.contains(reference.node_id)) {
+            return;
+        }
+        if (tree_.nodes.size() >= limits_.max_nodes) {
+            tree_.is_complete = false;
+            return;
+        }
+        seen_.insert(reference.node_id);
+        if (reference.node_id.is_local()) {
+            next_.push_back(tree_.nodes.size());
+        }
+        tree_.nodes.push_back({parent, depth, std::move(reference), {}});
+    }
+    /// False if there is nothing to browse.
+    bool browse_level()
+    {
+        level_ = std::exchange(next_, {});
+        if (level_.empty()) {
+            return false;
+        }
+        if (tree_.nodes[level_.front()].depth >= limits_.max_depth) {
+            tree_.is_complete = false; // nobody knows what is below
+            return false;
+        }
+        std::vector<BrowseDescription> items;
+        for (const std::size_t node : level_) {
+            items.push_back(how_);
+            items.back().node_id = tree_.nodes[node].reference.node_id.node_id;
+        }
+        step_ = browse(
+            requester_, std::move(items),
+            [self = shared_from_this()](std::vector<BrowseResult> results) {
+                self->browsed(std::move(results));
+            },
+            limits_.browse, options_);
+        return true;
+    }
+    void browsed(std::vector<BrowseResult> results)
+    {
+        for (std::size_t i = 0; i < level_.size(); ++i) {
+            const std::size_t parent = level_[i];
+            tree_.nodes[parent].status = results[i].status_code;
+            tree_.is_complete = tree_.is_complete && results[i].status_code.is_good();
+            const std::size_t depth = tree_.nodes[parent].depth + 1;
+            for (ReferenceDescription& reference : results[i].references) {
+                add(parent, depth, std::move(reference));
+            }
+        }
+        if (!browse_level()) {
+            finish();
+        }
+    }
+    void finish()
+    {
+        if (const Done done = std::exchange(done_, nullptr)) {
+            done(std::move(tree_));
+        }
+    }
+
+    Requester& requester_;
+    BrowseDescription how_;
+    Done done_;
+    TreeLimits limits_;
+    ServiceOptions options_;
+    BrowsedTree tree_;
+    std::set<ExpandedNodeId> seen_;
+    std::vector<std::size_t> level_; // indices of nodes that are browsed now
+    std::vector<std::size_t> next_;  // and then
+    Operation step_;
+    RequestId later_{0};
+    bool is_later_{false};
+};
+
+} // namespace
+
+Operation browse_tree(Requester& requester, std::vector<NodeId> roots, const BrowseDescription& how,
+                      std::function<void(BrowsedTree)> done, TreeLimits limits,
+                      const ServiceOptions& options)
+{
+    const auto operation =
+        std::make_shared<TreeOperation>(requester, how, std::move(done), limits, options);
+    operation->begin(std::move(roots));
+    return Operation{operation};
+}
+
+} // namespace busbar::client

@@ -1,0 +1,54 @@
+#include <busbar/client/discovery.hpp>
+
+namespace busbar::client {
+
+namespace {
+
+template <typename T>
+std::vector<T> moved_out(Array<T>& from)
+{
+    return {std::make_move_iterator(from.begin()), std::make_move_iterator(from.end())};
+}
+
+} // namespace
+
+RequestId find_servers(Requester& requester, std::string_view url,
+                       Requester::Handler<std::vector<ApplicationDescription>> done,
+                       const std::vector<std::string>& server_uris, RequestOptions options)
+{
+    FindServersRequest request;
+    request.endpoint_url = String{url};
+    for (const std::string& uri : server_uris) {
+        request.server_uris.push_back(String{uri});
+    }
+    return requester.call<FindServersResponse>(
+        std::move(request),
+        [done = std::move(done)](Result<FindServersResponse> response) {
+            if (response) {
+                done(moved_out(response->servers));
+            } else {
+                done(fail(response.error()));
+            }
+        },
+        options);
+}
+
+RequestId get_endpoints(Requester& requester, std::string_view url,
+                        Requester::Handler<std::vector<EndpointDescription>> done,
+                        RequestOptions options)
+{
+    GetEndpointsRequest request;
+    request.endpoint_url = String{url};
+    return requester.call<GetEndpointsResponse>(
+        std::move(request),
+        [done = std::move(done)](Result<GetEndpointsResponse> response) {
+            if (response) {
+                done(moved_out(response->endpoints));
+            } else {
+                done(fail(response.error()));
+            }
+        },
+        options);
+}
+
+} // namespace busbar::client

@@ -1,0 +1,197 @@
+#include <map>
+
+#include <busbar/client/attributes.hpp>
+#include <busbar/client/node_address.hpp>
+#include <busbar/client/view.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "later.hpp"
+#include "reference_types.hpp"
+
+namespace busbar::client {
+
+namespace {
+
+/// In steps, each left out if there is no need: wait for a session, browse ReferenceTypes for names
+/// that are not known here, translate.
+class ResolveOperation final : public detail::OperationState,
+                               public std::enable_shared_from_this<ResolveOperation> {
+public:
+    using Done = std::function<void(std::vector<Result<NodeId>>)>;
+
+    ResolveOperation(Requester& requester, std::vector<NodeAddress> addresses, Done done,
+                     const ServiceOptions& options)
+        : requester_{requester}, addresses_{std::move(addresses)},
+          results_(addresses_.size(), fail(status::Bad_NoMatch)), done_{std::move(done)},
+          options_{options}
+    {
+    }
+
+    void begin()
+    {
+        if (requester_.server().namespaces.empty()) {
+            return wait_for_session();
+        }
+        use_ids();
+        if (paths_.empty()) {
+            later_ = detail::later(requester_, [self = shared_from_this()] { self->finish(); });
+            is_later_ = true;
+            return;
+        }
+        look_up();
+    }
+    void cancel() override
+    {
+        done_ = nullptr;
+        step_.cancel();
+        if (is_later_) {
+            requester_.cancel(later_);
+        }
+    }
+
+private:
+    void wait_for_session()
+    {
+        step_ = read(
+            requester_, {attribute_of(NodeId{0, id::Server_NamespaceArray})},
+            [self = shared_from_this()](const std::vector<DataValue>& values) {
+                self->waited(values.front().status);
+            },
+            {}, options_);
+    }
+    void waited(StatusCode status)
+    {
+        if (requester_.server().namespaces.empty() && status.is_bad()) {
+            results_.assign(results_.size(), fail(status));
+            return finish();
+        }
+        use_ids();
+        paths_.empty() ? finish() : look_up();
+    }
+    void use_ids()
+    {
+        for (std::size_t i = 0; i < addresses_.size(); ++i) {
+            if (addresses_[i].is_path()) {
+                paths_.push_back(i);
+            } else {
+                results_[i] = addresses_[i].node_id(requester_.server());
+            }
+        }
+    }
+
+    /// Makes BrowsePaths; with ReferenceTypes of the server if they are needed.
+    void look_up()
+    {
+        auto paths = make_paths();
+        if (needs_types_ && types_.empty()) {
+            BrowseDescription how = children_of(NodeId{});
+            how.reference_type_id = NodeId{0, id::HasSubtype};
+            TreeLimits limits;
+            limits.max_nodes = max_types;
+            step_ = browse_tree(
+                requester_, {NodeId{0, id::References}}, how,
+                [self = shared_from_this()](const BrowsedTree& tree) { self->learn(tree); }, limits,
+                options_);
+            return;
+        }
+        step_ = translate(
+            requester_, std::move(paths),
+            [self = shared_from_this()](const std::vector<BrowsePathResult>& results) {
+                self->translated(results);
+            },
+            options_);
+    }
+    [[nodiscard]] std::vector<BrowsePath> make_paths()
+    {
+        std::vector<BrowsePath> paths;
+        asked_.clear();
+        for (const std::size_t i : paths_) {
+            auto path = addresses_[i].browse_path(
+                requester_.server(), [this](const QualifiedName& name) { return type_of(name); });
+            if (path) {
+                paths.push_back(*std::move(path));
+                asked_.push_back(i);
+            } else {
+                results_[i] = fail(path.error());
+            }
+        }
+        return paths;
+    }
+    [[nodiscard]] NodeId type_of(const QualifiedName& name)
+    {
+        NodeId type = detail::standard_reference_type(name);
+        if (type.is_null()) {
+            needs_types_ = true;
+            const auto found = types_.find(name);
+            return found == types_.end() ? NodeId{} : found->second;
+        }
+        return type;
+    }
+    void learn(const BrowsedTree& tree)
+    {
+        types_.emplace(QualifiedName{}, NodeId{}); // it is no longer empty: asked once
+        for (const TreeNode& node : tree.nodes) {
+            if (node.parent != TreeNode::no_parent && node.reference.node_id.is_local()) {
+                types_.emplace(node.reference.browse_name, node.reference.node_id.node_id);
+            }
+        }
+        look_up();
+    }
+
+    void translated(const std::vector<BrowsePathResult>& results)
+    {
+        for (std::size_t i = 0; i < asked_.size(); ++i) {
+            results_[asked_[i]] = target_of(results[i]);
+        }
+        finish();
+    }
+    [[nodiscard]] Result<NodeId> target_of(const BrowsePathResult& result) const
+    {
+        if (result.status_code.is_bad()) {
+            return fail(result.status_code);
+        }
+        if (result.targets.size() != 1) {
+            return fail(result.targets.empty() ? status::Bad_NoMatch : status::Bad_TooManyMatches);
+        }
+        // Part 4, 7.6: a path that leaves the server ends before its last element.
+        const BrowsePathTarget& target = result.targets.front();
+        return target.remaining_path_index != UINT32_MAX
+                   ? fail(status::Bad_NoMatch)
+                   : local_id(target.target_id, requester_.server());
+    }
+    void finish()
+    {
+        if (const Done done = std::exchange(done_, nullptr)) {
+            done(std::move(results_));
+        }
+    }
+
+    static constexpr std::size_t max_types = 10'000;
+
+    Requester& requester_;
+    std::vector<NodeAddress> addresses_;
+    std::vector<Result<NodeId>> results_;
+    Done done_;
+    ServiceOptions options_;
+    Operation step_;
+    RequestId later_{0};
+    bool is_later_{false};
+    bool needs_types_{false};
+    std::vector<std::size_t> paths_; // indices of addresses_
+    std::vector<std::size_t> asked_; // those that have a BrowsePath
+    std::map<QualifiedName, NodeId> types_;
+};
+
+} // namespace
+
+Operation resolve(Requester& requester, std::vector<NodeAddress> addresses,
+                  std::function<void(std::vector<Result<NodeId>>)> done,
+                  const ServiceOptions& options)
+{
+    const auto operation = std::make_shared<ResolveOperation>(requester, std::move(addresses),
+                                                              std::move(done), options);
+    operation->begin();
+    return Operation{operation};
+}
+
+} // namespace busbar::client

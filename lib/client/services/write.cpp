@@ -1,0 +1,48 @@
+#include <busbar/client/attributes.hpp>
+
+#include "batch.hpp"
+
+namespace busbar::client {
+
+namespace {
+
+struct WriteService {
+    using Item = WriteValue;
+    using Outcome = StatusCode;
+    using Response = WriteResponse;
+    /// The same value once more changes nothing.
+    static constexpr bool is_repeatable = true;
+
+    static std::uint32_t limit(const OperationLimits& limits) { return limits.max_nodes_per_write; }
+    [[nodiscard]] static WriteRequest request(std::span<const WriteValue> items)
+    {
+        WriteRequest request;
+        request.nodes_to_write = Array<WriteValue>{items};
+        return request;
+    }
+    static Array<StatusCode> results(WriteResponse& response, std::size_t /*count*/)
+    {
+        return std::move(response.results);
+    }
+};
+
+} // namespace
+
+WriteValue value_for(NodeId node, DataValue value, AttributeId attribute,
+                     std::string_view index_range)
+{
+    WriteValue item;
+    item.node_id = std::move(node);
+    item.attribute_id = static_cast<std::uint32_t>(attribute);
+    item.index_range = index_range.empty() ? String{} : String{index_range};
+    item.value = std::move(value);
+    return item;
+}
+
+Operation write(Requester& requester, std::vector<WriteValue> items,
+                std::function<void(std::vector<StatusCode>)> done, const ServiceOptions& options)
+{
+    return detail::run_batch(requester, WriteService{}, std::move(items), std::move(done), options);
+}
+
+} // namespace busbar::client
