@@ -9,7 +9,11 @@ using Arrival = SequenceTracker::Arrival;
 namespace {
 
 struct Tracked {
-    Arrival put(std::uint32_t number) { return tracker.put({number, {}, {}}); }
+    Arrival put(std::uint32_t number)
+    {
+        NotificationMessage message{number, {}, {}};
+        return tracker.put(message);
+    }
     std::vector<std::uint32_t> take_all()
     {
         std::vector<std::uint32_t> all;

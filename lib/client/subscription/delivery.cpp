@@ -4,7 +4,7 @@
 
 namespace busbar::client::detail {
 
-void SubscriptionEngine::receive(const PublishResponse& response)
+void SubscriptionEngine::receive(PublishResponse response)
 {
     const auto found = by_server_id_.find(response.subscription_id);
     if (found == by_server_id_.end()) {
@@ -21,7 +21,7 @@ void SubscriptionEngine::receive(const PublishResponse& response)
     }
     const SubscriptionHandle handle = found->second;
     WatchedSubscription& subscription = *find(handle);
-    NotificationMessage message = response.notification_message;
+    NotificationMessage message = std::move(response.notification_message);
     if (message.publish_time.is_null()) {
         message.publish_time = response.response_header.timestamp;
     }
@@ -55,7 +55,7 @@ void SubscriptionEngine::accept(SubscriptionHandle handle, NotificationMessage m
     case SequenceTracker::Arrival::TooFar:
         jump_to(handle, number);
         if (WatchedSubscription* rest = find(handle)) {
-            rest->sequence.put(std::move(message));
+            rest->sequence.put(message);
         }
         break;
     case SequenceTracker::Arrival::Kept:

@@ -76,6 +76,7 @@ private:
 
     // Items at the server (item_creation.cpp, item_changes.cpp, item_links.cpp).
     [[nodiscard]] std::size_t batch_limit() const;
+    void queue_creation(WatchedSubscription& subscription, ItemHandle handle);
     void queue_all_items(WatchedSubscription& subscription);
     bool create_items(WatchedSubscription& subscription);
     void resolve_items(WatchedSubscription& subscription, std::vector<ItemHandle> items);
@@ -114,13 +115,13 @@ private:
     [[nodiscard]] Duration publish_timeout() const;
     void publish();
     void send_publish();
-    void published(std::uint64_t token, const Result<PublishResponse>& response);
+    void published(std::uint64_t token, Result<PublishResponse> response);
     void publish_failed(StatusCode status);
     void take_back(Array<SubscriptionAcknowledgement> acknowledgements);
     void forget_acknowledgements(std::uint32_t server_id);
     void acknowledge(std::uint32_t server_id, std::uint32_t sequence_number);
     void renew_publishes();
-    void receive(const PublishResponse& response);
+    void receive(PublishResponse response);
     void heard(WatchedSubscription& subscription, DateTime time);
     void accept(SubscriptionHandle handle, NotificationMessage message);
     void jump_to(SubscriptionHandle handle, std::uint32_t sequence_number);
@@ -197,7 +198,7 @@ std::uint64_t SubscriptionEngine::send(Request request, Handle handle, Duration 
         std::move(request),
         [this, token, handle = std::move(handle)](Result<Response> response) {
             requests_.erase(token);
-            handle(response);
+            handle(std::move(response));
             work();
         },
         {timeout, false});

@@ -45,6 +45,14 @@ std::size_t SubscriptionEngine::batch_limit() const
     return std::min(max_batch_, limit == 0 ? default_batch : std::min(limit, default_batch));
 }
 
+void SubscriptionEngine::queue_creation(WatchedSubscription& subscription, ItemHandle handle)
+{
+    if (const Item* item = items_.find(handle)) {
+        const auto timestamps = static_cast<std::size_t>(item->parameters->timestamps);
+        subscription.work.to_create[timestamps].push_back(handle);
+    }
+}
+
 void SubscriptionEngine::queue_all_items(WatchedSubscription& subscription)
 {
     subscription.work.clear();
@@ -52,8 +60,7 @@ void SubscriptionEngine::queue_all_items(WatchedSubscription& subscription)
         if (Item* item = items_.find(handle)) {
             item->is_created = false;
             item->server_id = 0;
-            const auto timestamps = static_cast<std::size_t>(item->parameters->timestamps);
-            subscription.work.to_create[timestamps].push_back(handle);
+            queue_creation(subscription, handle);
         }
     }
     for (auto& [trigger, links] : subscription.links) {
@@ -128,7 +135,10 @@ void SubscriptionEngine::items_resolved(SubscriptionHandle handle,
         if (item == nullptr) {
             continue;
         }
-        if (!nodes[i]) {
+        if (!nodes[i] && is_uncertain(nodes[i].error())) {
+            queue_creation(subscription, items[i]); // its path was not looked up
+            try_later(subscription);
+        } else if (!nodes[i]) {
             statuses.push_back({items[i], {nodes[i].error(), 0, 0, {}}});
         } else if (subscription.phase == Phase::Polling) {
             statuses.push_back({items[i], start_polling(subscription, items[i], *nodes[i])});
@@ -234,10 +244,7 @@ void SubscriptionEngine::item_creation_failed(WatchedSubscription& subscription,
         return;
     }
     for (const ItemHandle handle : items) {
-        if (const Item* item = items_.find(handle)) {
-            const auto timestamps = static_cast<std::size_t>(item->parameters->timestamps);
-            subscription.work.to_create[timestamps].push_back(handle);
-        }
+        queue_creation(subscription, handle);
     }
 }
 

@@ -61,12 +61,13 @@ void SubscriptionEngine::send_publish()
     request.subscription_acknowledgements = entry.acknowledgements;
     const std::uint64_t token = ++last_publish_;
     entry.token = send<PublishResponse>(
-        std::move(request), [this, token](const auto& response) { published(token, response); },
+        std::move(request),
+        [this, token](Result<PublishResponse> response) { published(token, std::move(response)); },
         publish_timeout());
     publishes_.emplace(token, std::move(entry));
 }
 
-void SubscriptionEngine::published(std::uint64_t token, const Result<PublishResponse>& response)
+void SubscriptionEngine::published(std::uint64_t token, Result<PublishResponse> response)
 {
     const auto found = publishes_.find(token);
     if (found == publishes_.end()) {
@@ -88,7 +89,7 @@ void SubscriptionEngine::published(std::uint64_t token, const Result<PublishResp
             lost(*find(gone->second), status::Bad_SubscriptionIdInvalid, false);
         }
     }
-    receive(*response);
+    receive(*std::move(response));
 }
 
 void SubscriptionEngine::publish_failed(StatusCode status)

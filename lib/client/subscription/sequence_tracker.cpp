@@ -21,7 +21,7 @@ std::optional<std::uint32_t> SequenceTracker::distance_to(std::uint32_t sequence
     return ahead <= last_number / 2 ? std::optional{ahead} : std::nullopt;
 }
 
-SequenceTracker::Arrival SequenceTracker::put(NotificationMessage message)
+SequenceTracker::Arrival SequenceTracker::put(NotificationMessage& message)
 {
     const auto ahead = distance_to(message.sequence_number);
     if (!ahead) {

@@ -23,7 +23,8 @@ public:
 
     explicit SequenceTracker(std::size_t max_missing) : max_missing_{max_missing} {}
 
-    Arrival put(NotificationMessage message);
+    /// Moves from `message` if it is kept.
+    Arrival put(NotificationMessage& message);
     /// The message whose turn it is, if it is here.
     [[nodiscard]] std::optional<NotificationMessage> take();
 

@@ -109,10 +109,7 @@ void SubscriptionEngine::interrupt(WatchedSubscription& subscription)
         return;
     }
     for (const ItemHandle handle : std::exchange(subscription.under_way, {})) {
-        if (const Item* item = items_.find(handle)) {
-            const auto timestamps = static_cast<std::size_t>(item->parameters->timestamps);
-            subscription.work.to_create[timestamps].push_back(handle);
-        }
+        queue_creation(subscription, handle);
     }
     if (subscription.redo) {
         std::exchange(subscription.redo, {})(subscription);
@@ -143,6 +140,14 @@ void SubscriptionEngine::transfer()
 void SubscriptionEngine::transferred(const std::vector<SubscriptionHandle>& handles,
                                      const Result<TransferSubscriptionsResponse>& response)
 {
+    if (!response && response.error() == status::Bad_Timeout) {
+        transfer();
+        return;
+    }
+    if (!response && (response.error() == status::Bad_ConnectionClosed ||
+                      response.error() == status::Bad_SecureChannelClosed)) {
+        return; // the next session tries it
+    }
     for (std::size_t i = 0; i < handles.size(); ++i) {
         WatchedSubscription* subscription = find(handles[i]);
         if (subscription == nullptr || subscription->phase != Phase::Transferring) {
@@ -191,7 +196,7 @@ TimePoint SubscriptionEngine::next_deadline() const
 
 TimePoint SubscriptionEngine::deadline_of(const WatchedSubscription& subscription) const
 {
-    TimePoint next = subscription.silent_at;
+    TimePoint next = subscription.phase == Phase::Live ? subscription.silent_at : no_deadline;
     if (!subscription.is_busy && subscription.retry_at > handled_until_) {
         next = std::min(next, subscription.retry_at);
     }
@@ -213,11 +218,12 @@ void SubscriptionEngine::handle_deadline(TimePoint now)
     if (!is_begun_) {
         begin_session();
     }
+    work();
     for_each([&](WatchedSubscription& subscription) {
         watch(subscription, now);
         poll(subscription, now);
     });
-    work();
+    publish();
 }
 
 } // namespace busbar::client::detail
