@@ -68,13 +68,14 @@ struct Gap {
     /// Empty: all items of the subscription.
     std::vector<ItemHandle> items;
     /// The last moment that notifications are complete for, and the first one again; the server's
-    /// publish time or, without one, the client's wall clock.
+    /// publish time or, without one, the time of its response. Null if there was none.
     DateTime from;
     DateTime to;
-    /// Bad_SequenceNumberUnknown or Bad_MessageNotAvailable: notifications that the server no
-    /// longer has. Bad_SubscriptionIdInvalid: the Subscription was made anew.
-    /// Good_SubscriptionTransferred, Bad_NoSubscription: polled. Bad_TooManyOperations: the user
-    /// took too long.
+    /// Bad_MessageNotAvailable: notifications that the server no longer has.
+    /// Bad_SequenceNumberUnknown: its sequence numbers leap. Bad_DecodingError: a part of a message
+    /// that is no notification. Bad_NoSubscription: it was polled. Anything else is why the
+    /// Subscription had to be made anew: Bad_SubscriptionIdInvalid, Bad_Timeout (its lifetime),
+    /// Good_SubscriptionTransferred (to somebody else), or why a transfer was refused.
     StatusCode reason;
 };
 
@@ -86,10 +87,12 @@ enum class DeliveryMode : std::uint8_t {
 };
 
 /// What the user is told. All in poll() of the Client, on its thread; spans are valid during the
-/// call. Empty functions are skipped.
+/// call. Empty functions are skipped. They may use Subscriptions as they like, and remove what they
+/// are called for, but not destroy it.
 struct SubscriptionHandlers {
     std::function<void(std::span<const DataChange>)> on_data;
     std::function<void(std::span<const EventArrived>)> on_events;
+    /// Created or changed, or why not; also if the links of a triggering item were refused.
     std::function<void(ItemHandle, const ItemStatus&)> on_item;
     std::function<void(const Gap&)> on_gap;
     /// Created or changed, with what the server revised, or not: why (Bad_ codes).
@@ -103,7 +106,7 @@ struct SubscriptionLimits {
     /// Publish requests under way, and how many the user's Subscriptions add to that (Part 4,
     /// 5.14.5): one more than there are Subscriptions, at least two, at most this.
     std::size_t max_publish_requests{10};
-    /// Sequence numbers that wait for their Republish.
+    /// Sequence numbers that wait for their Republish; a message further ahead is a Gap.
     std::size_t max_missing{1'000};
 };
 
@@ -113,7 +116,8 @@ struct SubscriptionLimits {
 /// After a session that was resumed: what is missing is fetched by Republish. After a new session:
 /// TransferSubscriptions and Republish; where that is refused the Subscription is made anew with
 /// its items. Where the server has no Subscription service set, items are polled by Read. Whatever
-/// could not be had again is a Gap. Driven by the Client that owns it.
+/// could not be had again is a Gap. Driven by the Client that owns it. The session's Publish
+/// requests are made here alone: a Subscription that answers one and is not known here is deleted.
 class Subscriptions {
 public:
     explicit Subscriptions(Requester& requester, SubscriptionLimits limits = {});
@@ -128,12 +132,14 @@ public:
                                                     SubscriptionHandlers handlers);
     Result<void> modify(SubscriptionHandle subscription, SubscriptionSettings settings);
     Result<void> remove(SubscriptionHandle subscription);
-    /// In the order of `items`.
+    /// In the order of `items`; all of them or none. Bad_TimestampsToReturnInvalid,
+    /// Bad_MonitoringModeInvalid.
     [[nodiscard]] Result<std::vector<ItemHandle>> add_items(SubscriptionHandle subscription,
                                                             std::vector<ItemSettings> items);
+    /// Everything but the node and the attribute (Part 4, 5.13.3).
     Result<void> modify_items(std::span<const ItemHandle> items, const ItemSettings& settings);
     Result<void> remove_items(std::span<const ItemHandle> items);
-    /// Part 4, 5.13.5; kept and repeated like the items.
+    /// Part 4, 5.13.5; kept and repeated like the items. `links` are all that it has from now on.
     Result<void> set_triggering(ItemHandle trigger, std::vector<ItemHandle> links);
 
     [[nodiscard]] DeliveryMode mode(SubscriptionHandle subscription) const;
@@ -149,7 +155,9 @@ public:
     void session_started(SessionStart how);
     void session_lost();
 
+    /// Due at once after a wish or a new session.
     [[nodiscard]] TimePoint next_deadline() const;
+    /// `now` is the Requester's now().
     void handle_deadline(TimePoint now);
 
 private:

@@ -1,0 +1,246 @@
+#include <catch2/catch.hpp>
+
+#include "puppet_fixture.hpp"
+
+using namespace busbar;
+using namespace busbar::test;
+using namespace std::chrono_literals;
+using client::DeliveryMode;
+using Start = Subscriptions::SessionStart;
+using Values = std::vector<std::int32_t>;
+
+TEST_CASE_METHOD(PuppetFixture, "A message is acknowledged when it was delivered", "[client]")
+{
+    start();
+    CHECK(requester.count<PublishRequest>() == 2);
+    publish(message(2)); // the first is missing
+    CHECK(heard.data.empty());
+    CHECK(publish({3, {}, {}}).subscription_acknowledgements.empty());
+    republish(1);
+    CHECK(heard.take_values() == Values{1, 2});
+    // Those that were under way have no acknowledgements; the next ones have.
+    std::vector<std::uint32_t> acknowledged;
+    for (int i = 0; i < 4; ++i) {
+        for (const auto& one : publish(message(2)).subscription_acknowledgements) {
+            acknowledged.push_back(one.sequence_number);
+        }
+    }
+    CHECK(heard.data.empty()); // it came twice
+    REQUIRE(acknowledged.size() >= 2);
+    CHECK(acknowledged[0] == 1);
+    CHECK(acknowledged[1] == 2);
+    CHECK(heard.gaps.empty());
+}
+
+TEST_CASE_METHOD(PuppetFixture, "Acknowledgements of a Publish that failed are made again",
+                 "[client]")
+{
+    start();
+    publish(message(1));
+    publish_keep_alive(2);
+    // The request sent after the first message has its acknowledgement.
+    auto request = requester.take<PublishRequest>();
+    REQUIRE(request.subscription_acknowledgements.size() == 1);
+    refuse(status::Bad_Timeout);
+    pass(1s);
+    publish_keep_alive(2);
+    request = requester.take<PublishRequest>();
+    REQUIRE(request.subscription_acknowledgements.size() == 1);
+    CHECK(request.subscription_acknowledgements[0].sequence_number == 1);
+    CHECK(request.subscription_acknowledgements[0].subscription_id == server_id);
+}
+
+TEST_CASE_METHOD(PuppetFixture, "Messages that the server no longer has are one Gap", "[client]")
+{
+    start();
+    publish(message(1));
+    publish(message(4));
+    refuse_republish(2);
+    refuse_republish(3);
+    CHECK(heard.take_values() == Values{1, 4});
+    REQUIRE(heard.gaps.size() == 1);
+    CHECK(heard.gaps[0].reason == status::Bad_MessageNotAvailable);
+    CHECK(heard.gaps[0].from == time_of(1));
+    CHECK(heard.gaps[0].to == time_of(4));
+    CHECK(heard.gaps[0].subscription == subscription);
+}
+
+TEST_CASE_METHOD(PuppetFixture, "A keep-alive message tells what is missing", "[client]")
+{
+    start();
+    publish(message(1));
+    publish_keep_alive(3);
+    refuse_republish(2);
+    publish_keep_alive(3);
+    REQUIRE(heard.gaps.size() == 1);
+    CHECK(heard.gaps[0].from == time_of(1));
+    CHECK(heard.gaps[0].to == time_of(3));
+    publish_keep_alive(3);
+    CHECK(heard.gaps.size() == 1);
+    publish(message(3));
+    CHECK(heard.take_values() == Values{1, 3});
+}
+
+TEST_CASE_METHOD(PuppetFixture, "A leap of sequence numbers is one Gap", "[client]")
+{
+    start();
+    publish(message(1));
+    publish(message(0x1000'0000));
+    CHECK(requester.count<RepublishRequest>() == 0);
+    CHECK(heard.take_values() == Values{1, 0x1000'0000});
+    REQUIRE(heard.gaps.size() == 1);
+    CHECK(heard.gaps[0].reason == status::Bad_SequenceNumberUnknown);
+    publish_keep_alive(0x2000'0000);
+    CHECK(heard.gaps.size() == 2);
+}
+
+TEST_CASE_METHOD(PuppetFixture, "A resumed session is asked for what it has", "[client]")
+{
+    start();
+    publish(message(1));
+    subscriptions.session_lost();
+    CHECK(requester.open_count() == 0);
+    CHECK(subscriptions.next_deadline() == no_deadline);
+    subscriptions.session_started(Start::Resumed);
+    settle();
+    republish(2);
+    republish(3);
+    refuse_republish(4);
+    CHECK(requester.count<RepublishRequest>() == 0);
+    CHECK(heard.take_values() == Values{1, 2, 3});
+    const auto request = publish(message(4));
+    CHECK(heard.take_values() == Values{4});
+    CHECK(request.subscription_acknowledgements.size() == 1); // of message 1
+    CHECK(heard.gaps.empty());
+}
+
+TEST_CASE_METHOD(PuppetFixture, "A Subscription that a new session may not have is made anew",
+                 "[client]")
+{
+    start(3);
+    publish(message(1));
+    subscriptions.session_lost();
+    subscriptions.session_started(Start::New);
+    settle();
+    const auto transfer = requester.take<TransferSubscriptionsRequest>();
+    CHECK(transfer.subscription_ids == Array<std::uint32_t>{server_id});
+    CHECK_FALSE(transfer.send_initial_values);
+    const StatusCode refusal = status::Bad_UserAccessDenied;
+    SECTION("by the Service")
+    {
+        refuse(refusal);
+    }
+    SECTION("one by one")
+    {
+        TransferSubscriptionsResponse response;
+        response.results.resize(1);
+        response.results[0].status_code = refusal;
+        reply(response);
+    }
+    SECTION("with too few results")
+    {
+        reply(TransferSubscriptionsResponse{});
+    }
+    CHECK(heard.statuses.back().second == DeliveryMode::None);
+    pass(2s);
+    CHECK(requester.take<DeleteSubscriptionsRequest>().subscription_ids[0] == server_id);
+    refuse(status::Bad_SubscriptionIdInvalid);
+    // It begins when its items are there.
+    CHECK_FALSE(requester.take<CreateSubscriptionRequest>().publishing_enabled);
+    reply(created(8));
+    make_items();
+    CHECK(requester.take<SetPublishingModeRequest>().publishing_enabled);
+    SetPublishingModeResponse enabled;
+    enabled.results = {status::Good};
+    reply(enabled);
+    CHECK(heard.gaps.empty());
+    auto first = message(1);
+    first.publish_time = time_of(50);
+    publish(first, 8);
+    REQUIRE(heard.gaps.size() == 1);
+    CHECK(heard.gaps[0].from == time_of(1));
+    CHECK(heard.gaps[0].to == time_of(50));
+    CHECK(heard.take_values() == Values{1, 1});
+}
+
+TEST_CASE_METHOD(PuppetFixture, "A transferred Subscription goes on where it was", "[client]")
+{
+    start();
+    publish(message(1));
+    subscriptions.session_lost();
+    subscriptions.session_started(Start::New);
+    settle();
+    static_cast<void>(requester.take<TransferSubscriptionsRequest>());
+    TransferSubscriptionsResponse response;
+    response.results.resize(1);
+    response.results[0].available_sequence_numbers = {1, 3};
+    reply(response);
+    refuse_republish(2);
+    republish(3);
+    refuse_republish(4);
+    CHECK(heard.take_values() == Values{1, 3});
+    REQUIRE(heard.gaps.size() == 1);
+    CHECK(heard.gaps[0].to == time_of(3));
+}
+
+TEST_CASE_METHOD(PuppetFixture, "A transfer that is not answered is tried again", "[client]")
+{
+    start();
+    publish(message(1));
+    subscriptions.session_lost();
+    subscriptions.session_started(Start::New);
+    settle();
+    static_cast<void>(requester.take<TransferSubscriptionsRequest>());
+    pass(60s);
+    CHECK(requester.count<TransferSubscriptionsRequest>() == 1);
+    CHECK(requester.count<CreateSubscriptionRequest>() == 0);
+    subscriptions.session_lost();
+    subscriptions.session_started(Start::Resumed); // what became of it?
+    settle();
+    CHECK(requester.count<TransferSubscriptionsRequest>() == 1);
+    CHECK(heard.gaps.empty());
+}
+
+TEST_CASE_METHOD(PuppetFixture, "A Subscription that has ended at the server is made anew",
+                 "[client]")
+{
+    start();
+    publish(message(1));
+    const StatusCode reason = GENERATE(status::Bad_Timeout, status::Good_SubscriptionTransferred);
+    pass(3s);
+    publish_status(2, reason);
+    CHECK(heard.statuses.back() == std::pair{reason, DeliveryMode::None});
+    static_cast<void>(requester.take<CreateSubscriptionRequest>());
+    CHECK(requester.count<DeleteSubscriptionsRequest>() == 0);
+    reply(created(8));
+    make_items();
+    CHECK(requester.count<SetPublishingModeRequest>() == 1);
+}
+
+TEST_CASE_METHOD(PuppetFixture, "A Subscription that is silent is looked after", "[client]")
+{
+    start();
+    publish(message(1)); // keep-alives come every 10 s
+    pass(15s);
+    CHECK(requester.count<RepublishRequest>() == 0);
+    pass(1s);
+    SECTION("it lives")
+    {
+        refuse_republish(2);
+        CHECK(requester.count<PublishRequest>() == 2);
+        publish(message(2));
+        CHECK(heard.take_values() == Values{1, 2});
+    }
+    SECTION("it is gone")
+    {
+        static_cast<void>(requester.take<RepublishRequest>());
+        refuse(status::Bad_SubscriptionIdInvalid);
+        CHECK(requester.count<CreateSubscriptionRequest>() == 1);
+    }
+    SECTION("nobody answers")
+    {
+        pass(10s);
+        CHECK(requester.count<RepublishRequest>() >= 1);
+    }
+    CHECK(heard.gaps.empty());
+}
