@@ -9,10 +9,11 @@
 #include <utility>
 
 #include <asio/ip/tcp.hpp>
-#include <asio/steady_timer.hpp>
 
 #include <busbar/core/clock.hpp>
 #include <busbar/core/result.hpp>
+
+#include "clock.hpp"
 
 namespace busbar::net::detail {
 
@@ -35,11 +36,6 @@ concept Engine = requires(E& engine, std::span<const std::byte> in, TimePoint no
         engine.is_closed()
         } -> std::same_as<bool>;
 };
-
-inline TimePoint now()
-{
-    return std::chrono::time_point_cast<Duration>(std::chrono::steady_clock::now());
-}
 
 /// One TCP connection and the engine that speaks on it. Lives as long as its handlers do.
 ///
@@ -163,19 +159,8 @@ private:
 
     void wait_for_deadline()
     {
-        const TimePoint deadline = engine_->next_deadline();
-        if (deadline == awaited_) {
-            return;
-        }
-        awaited_ = deadline;
-        timer_.cancel();
-        if (deadline == no_deadline) {
-            return;
-        }
-        timer_.expires_at(deadline);
-        timer_.async_wait([self = this->shared_from_this()](std::error_code error) {
-            if (!error && !self->has_ended_) {
-                self->awaited_ = no_deadline;
+        timer_.await(engine_->next_deadline(), [self = this->shared_from_this()] {
+            if (!self->has_ended_) {
                 self->engine_->handle_deadline(now());
                 self->changed();
             }
@@ -191,11 +176,10 @@ private:
     }
 
     asio::ip::tcp::socket socket_;
-    asio::steady_timer timer_;
+    DeadlineTimer timer_;
     E* engine_;
     Handler on_change_;
     Handler on_end_;
-    TimePoint awaited_{no_deadline};
     bool is_reading_{false};
     bool is_writing_{false};
     bool has_ended_{false};

@@ -82,7 +82,10 @@ struct ServerLoop::Impl {
         std::shared_ptr<ConnectionLink> link;
     };
 
-    explicit Impl(LogSink& l) : log{&l}, waker{context}, timer{context}, signals{context} {}
+    explicit Impl(LogSink& l)
+        : log{&l}, waker{context}, timer{context.get_executor()}, signals{context}
+    {
+    }
 
     void accept(tcp::acceptor& acceptor);
     void adopt(tcp::socket socket);
@@ -94,12 +97,11 @@ struct ServerLoop::Impl {
     LogSink* log;
     asio::io_context context;
     PipeWaker waker;
-    asio::steady_timer timer;
+    detail::DeadlineTimer timer;
     asio::signal_set signals;
     std::vector<std::unique_ptr<tcp::acceptor>> acceptors;
     std::unordered_map<std::uint64_t, Client> clients;
     server::Server* server{nullptr};
-    TimePoint awaited{no_deadline};
     bool is_stopping{false};
 };
 
@@ -170,22 +172,9 @@ void ServerLoop::Impl::after_activity()
 
 void ServerLoop::Impl::await_deadline()
 {
-    const TimePoint deadline = server->next_deadline();
-    if (deadline == awaited) {
-        return;
-    }
-    awaited = deadline;
-    timer.cancel();
-    if (deadline == no_deadline) {
-        return;
-    }
-    timer.expires_at(deadline);
-    timer.async_wait([this](std::error_code error) {
-        if (!error) {
-            awaited = no_deadline;
-            server->handle_deadline(detail::now());
-            after_activity();
-        }
+    timer.await(server->next_deadline(), [this] {
+        server->handle_deadline(detail::now());
+        after_activity();
     });
 }
 
