@@ -109,6 +109,11 @@ AsyncClient::~AsyncClient()
     impl_->stop();
 }
 
+void AsyncClient::take_from(ReverseListener& listener)
+{
+    impl_->driver->take_from(listener.queue_);
+}
+
 client::Client& AsyncClient::client()
 {
     return impl_->driver->client();

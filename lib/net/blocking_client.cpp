@@ -9,6 +9,8 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <busbar/net/reverse_listener.hpp>
+
 #include "client_driver.hpp"
 
 namespace busbar::net {
@@ -58,7 +60,8 @@ private:
 struct BlockingClient::Impl {
     Impl(client::ClientConfig config, const channel::ChannelEnvironment& environment)
         : driver{std::make_shared<detail::ClientDriver>(context.get_executor(), std::move(config),
-                                                        environment)}
+                                                        environment)},
+          log{environment.log}
     {
     }
 
@@ -68,6 +71,8 @@ struct BlockingClient::Impl {
     asio::io_context context{1};
     Interrupter interrupter{context};
     std::shared_ptr<detail::ClientDriver> driver;
+    LogSink* log;
+    std::optional<ReverseListener> listener;
 };
 
 BlockingClient::Impl::End BlockingClient::Impl::run_until(const std::function<bool()>& is_done,
@@ -99,6 +104,14 @@ BlockingClient::BlockingClient(client::ClientConfig config,
 BlockingClient::~BlockingClient()
 {
     impl_->driver->stop();
+}
+
+Result<std::uint16_t> BlockingClient::listen(std::string_view address, std::uint16_t port,
+                                             const ReverseListenerLimits& limits)
+{
+    impl_->listener.emplace(impl_->context.get_executor(), *impl_->log, limits);
+    impl_->driver->take_from(impl_->listener->queue_);
+    return impl_->listener->listen(address, port);
 }
 
 Result<void> BlockingClient::connect(Duration timeout)

@@ -60,10 +60,17 @@ void ClientLine::handle_deadline(TimePoint now)
 
 ClientDriver::ClientDriver(asio::any_io_executor executor, client::ClientConfig config,
                            const channel::ChannelEnvironment& environment, Lookup lookup)
-    : executor_{executor}, log_{environment.log},
-      connect_timeout_{config.connect_timeout}, client_{std::move(config), environment, now()},
+    : executor_{executor}, log_{environment.log}, connect_timeout_{config.connect_timeout},
+      is_reverse_{config.is_reverse}, expected_{config.server_uri, config.endpoint_url},
+      client_{std::move(config), environment, now()},
       connector_{executor, *environment.log, std::move(lookup)}, timer_{executor}
 {
+}
+
+void ClientDriver::take_from(std::shared_ptr<ReverseQueue> queue)
+{
+    queue_ = std::move(queue);
+    ticket_ = queue_->expect(expected_);
 }
 
 void ClientDriver::wake()
@@ -84,10 +91,11 @@ void ClientDriver::step()
     }
     const auto self = shared_from_this(); // a handler may destroy whom we belong to
     is_stepping_ = true;
-    const bool has_more = poll();
+    bool has_more = poll();
     is_stepping_ = false;
     while (const auto order = has_stopped_ ? std::nullopt : client_.next_order()) {
         carry_out(*order);
+        has_more = true;
     }
     if (const auto link = link_) {
         link->pump();
@@ -125,7 +133,12 @@ bool ClientDriver::poll()
 void ClientDriver::carry_out(const client::TransportOrder& order)
 {
     drop();
-    if (order.kind == client::TransportOrder::Kind::Open) {
+    if (order.kind == client::TransportOrder::Kind::Drop) {
+        // What was left to say is in good hands: the Client need not wait for it.
+        client_.disconnected(order.id, status::Bad_ConnectionClosed, now());
+    } else if (is_reverse_) {
+        open_reverse(order.id);
+    } else {
         open(order);
     }
 }
@@ -135,34 +148,56 @@ void ClientDriver::open(const client::TransportOrder& order)
     const auto url = channel::EndpointUrl::parse(order.url);
     if (!url) {
         client_.disconnected(order.id, url.error(), now());
-        wake();
         return;
     }
     connector_.start(*url, connect_timeout_,
                      [this, id = order.id](Result<asio::ip::tcp::socket> socket) {
-                         opened(id, std::move(socket));
+                         socket ? opened(id, *std::move(socket), {}) : failed(id, socket.error());
                      });
 }
 
-void ClientDriver::opened(std::uint64_t order, Result<asio::ip::tcp::socket> socket)
+void ClientDriver::open_reverse(std::uint64_t order)
 {
-    if (!socket) {
-        client_.disconnected(order, socket.error(), now());
-        step();
+    if (!queue_) {
+        log("there is no listener for the server's connection");
+        client_.disconnected(order, status::Bad_ConfigurationError, now());
         return;
     }
+    queue_->take(ticket_,
+                 [this, order](asio::ip::tcp::socket socket, const std::vector<std::byte>& hello) {
+                     opened(order, std::move(socket), hello);
+                 });
+}
+
+/// `in` was read from the connection before.
+void ClientDriver::opened(std::uint64_t order, asio::ip::tcp::socket socket,
+                          std::span<const std::byte> in)
+{
     const auto line = std::make_shared<ClientLine>(client_, order);
     link_ = std::make_shared<ClientLink>(
-        *std::move(socket), *line, [this](ClientLink&) { step(); },
+        std::move(socket), *line, [this](ClientLink&) { step(); },
         [this, line](ClientLink& link) { ended(link); });
     client_.connected(order, now());
+    if (!in.empty()) {
+        // What it refuses it answers, and then it orders the connection to be dropped.
+        static_cast<void>(client_.feed(in, now()));
+    }
     link_->start();
+    step();
+}
+
+void ClientDriver::failed(std::uint64_t order, StatusCode why)
+{
+    client_.disconnected(order, why, now());
     step();
 }
 
 void ClientDriver::drop()
 {
     connector_.cancel();
+    if (queue_) {
+        queue_->cancel(ticket_);
+    }
     if (const auto link = std::exchange(link_, nullptr)) {
         leaving_.push_back(link);
         link->engine().leave(after(farewell));
@@ -190,6 +225,9 @@ void ClientDriver::stop()
         return;
     }
     connector_.cancel();
+    if (queue_) {
+        queue_->forget(ticket_);
+    }
     timer_.cancel();
     on_step_ = nullptr;
     if (const auto link = std::exchange(link_, nullptr)) {

@@ -12,6 +12,7 @@
 #include "clock.hpp"
 #include "connector.hpp"
 #include "link.hpp"
+#include "reverse_queue.hpp"
 
 namespace busbar::net::detail {
 
@@ -52,6 +53,8 @@ public:
     ~ClientDriver() = default;
 
     [[nodiscard]] client::Client& client() { return client_; }
+    /// Connections come from here if the configuration says that the server connects to us.
+    void take_from(std::shared_ptr<ReverseQueue> queue);
     /// Called after each step.
     void on_step(std::function<void()> handler) { on_step_ = std::move(handler); }
     /// A step soon.
@@ -71,7 +74,9 @@ private:
     [[nodiscard]] bool poll();
     void carry_out(const client::TransportOrder& order);
     void open(const client::TransportOrder& order);
-    void opened(std::uint64_t order, Result<asio::ip::tcp::socket> socket);
+    void open_reverse(std::uint64_t order);
+    void opened(std::uint64_t order, asio::ip::tcp::socket socket, std::span<const std::byte> in);
+    void failed(std::uint64_t order, StatusCode why);
     void drop();
     void ended(const ClientLink& link);
     void log(const std::string& text);
@@ -79,8 +84,12 @@ private:
     asio::any_io_executor executor_;
     LogSink* log_;
     Duration connect_timeout_;
+    bool is_reverse_;
+    ExpectedServer expected_;
     client::Client client_;
     Connector connector_;
+    std::shared_ptr<ReverseQueue> queue_;
+    ReverseQueue::Ticket ticket_{0};
     DeadlineTimer timer_;
     std::shared_ptr<ClientLink> link_;
     std::vector<std::shared_ptr<ClientLink>> leaving_;

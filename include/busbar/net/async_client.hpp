@@ -8,6 +8,7 @@
 
 #include <busbar/client/client.hpp>
 #include <busbar/net/detail/async_operation.hpp>
+#include <busbar/net/reverse_listener.hpp>
 
 namespace busbar::net {
 
@@ -32,6 +33,9 @@ public:
     AsyncClient& operator=(const AsyncClient&) = delete;
     /// Drops the connection at once; operations under way end with Bad_ConnectionClosed.
     ~AsyncClient();
+
+    /// Where the server's connections come from, with ClientConfig::is_reverse. Before connect().
+    void take_from(ReverseListener& listener);
 
     using executor_type = asio::any_io_executor;
     [[nodiscard]] executor_type get_executor() const { return executor_of(*impl_); }
