@@ -46,7 +46,12 @@ struct AsyncClient::Impl : std::enable_shared_from_this<Impl> {
 void AsyncClient::Impl::call(std::shared_ptr<AsyncOperation> operation)
 {
     const auto place = calls.insert(calls.end(), operation);
-    operation->on_complete = [this, place] { calls.erase(place); };
+    operation->on_complete = [this, place] {
+        calls.erase(place);
+        if (!driver->is_stepping()) {
+            driver->wake(); // it was cancelled: there is no deadline to wait for any more
+        }
+    };
     operation->start(driver->client());
     driver->wake();
 }
