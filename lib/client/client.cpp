@@ -87,6 +87,19 @@ bool Client::Impl::send_waiting()
     return state == ClientState::Ready && connection && requests.send_one(*connection, now);
 }
 
+TimePoint Client::Impl::next_deadline() const
+{
+    TimePoint next = std::min({requests.next_deadline(), subscriptions.next_deadline(),
+                               transport.next_deadline(), attempt_ends_at});
+    if (connection && transport.state() == detail::Transport::State::Up) {
+        next = std::min(next, connection->next_deadline());
+    }
+    if (state == ClientState::Waiting && is_wanted && transport.is_none()) {
+        next = std::min(next, retry_at);
+    }
+    return state == ClientState::Ready ? std::min(next, keep_alive.next_deadline()) : next;
+}
+
 bool Client::Impl::has_work() const
 {
     return !changes.empty() || requests.has_results() || transport.lost().has_value() ||
@@ -224,21 +237,7 @@ void Client::consume(std::size_t size)
 TimePoint Client::next_deadline() const
 {
     const Impl& impl = *impl_;
-    if (impl.has_work()) {
-        return impl.now;
-    }
-    TimePoint next = std::min({impl.requests.next_deadline(), impl.subscriptions.next_deadline(),
-                               impl.transport.next_deadline()});
-    if (impl.connection) {
-        next = std::min(next, impl.connection->next_deadline());
-    }
-    if (impl.state == ClientState::Waiting) {
-        return impl.is_wanted && impl.transport.is_none() ? std::min(next, impl.retry_at) : next;
-    }
-    if (impl.state == ClientState::Ready) {
-        return std::min(next, impl.keep_alive.next_deadline());
-    }
-    return std::min(next, impl.attempt_ends_at);
+    return impl.has_work() ? impl.now : std::max(impl.now, impl.next_deadline());
 }
 
 void Client::handle_deadline(TimePoint now)

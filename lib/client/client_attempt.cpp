@@ -20,7 +20,7 @@ bool Client::Impl::advance()
         }
         return false;
     }
-    if (transport.lost()) {
+    if (transport.lost() && is_drained) {
         lose(*transport.lost());
         return true;
     }
@@ -28,14 +28,17 @@ bool Client::Impl::advance()
         lose(status::Bad_Timeout);
         return true;
     }
-    if (!transport.is_none()) {
-        if (state == ClientState::Ready && now >= keep_alive.next_deadline()) {
-            keep_alive_due();
-            return true;
-        }
-        return false;
+    if (state == ClientState::Ready && now >= keep_alive.next_deadline()) {
+        keep_alive_due();
+        return true;
     }
-    if (state == ClientState::Discovering) { // the first transport is gone
+    return transport.is_none() && go_on();
+}
+
+/// With no transport there.
+bool Client::Impl::go_on()
+{
+    if (state == ClientState::Discovering) {
         open_transport();
         return true;
     }
@@ -52,8 +55,8 @@ void Client::Impl::begin_attempt()
     // Nobody knows when the server will call.
     attempt_ends_at =
         config.is_reverse ? no_deadline : detail::deadline_after(now, config.connect_timeout);
-    if (ticket && now >= ticket_ends_at) {
-        ticket.reset();
+    if (kept_session && now >= kept_session->ends_at) {
+        kept_session.reset();
     }
     open_transport();
 }
@@ -106,7 +109,10 @@ ConnectionConfig Client::Impl::connection_config() const
     }
     to.token_policy = choice->token_policy;
     to.discovered_endpoints = discovered;
-    to.resumed_session = ticket;
+    if (kept_session && kept_session->security == to.channel.security &&
+        kept_session->server_uri == endpoint.server.application_uri.view()) {
+        to.resumed_session = kept_session->ticket;
+    }
     return to;
 }
 
@@ -136,63 +142,111 @@ void Client::Impl::choose(const Array<EndpointDescription>& offered)
     }
     discovered = offered;
     choice = *std::move(chosen);
-    drop_connection(); // advance() goes on when it is gone
+    if (kept_session && kept_session->server_uri != uri.view()) {
+        environment.log->write(LogLevel::Warning, "client",
+                               "another server answers: " +
+                                   printable(choice->endpoint.server.application_uri.view()));
+    }
+    drop_connection(false); // advance() goes on when it is gone
 }
 
-void Client::Impl::drop_connection()
+void Client::Impl::drop_connection(bool keeps_session)
 {
-    if (connection) {
+    if (connection && keeps_session) {
         connection->leave();
+    } else if (connection) {
+        connection->close(deletes_subscriptions);
     }
     transport.drop(now);
     endpoints_handle = info_handle = state_handle = 0;
     keep_alive.stop();
 }
 
-void Client::Impl::lose(StatusCode why)
+void Client::Impl::end_session()
 {
-    const bool was_ready = state == ClientState::Ready;
-    if (was_ready && config.wants_session) {
-        ticket = connection->session();
-        ticket_ends_at = detail::deadline_after(now, ticket->timeout);
-    }
-    drop_connection();
-    attempt_ends_at = no_deadline;
-    requests.end(status::Bad_ConnectionClosed, false);
-    if (was_ready && config.wants_session) {
+    if (std::exchange(is_session_told, false)) {
         subscriptions.session_lost();
     }
-    retry_later(why);
+}
+
+/// For the next connection, which needs the same security (Part 4, 5.7.3.1).
+void Client::Impl::keep_session()
+{
+    const SessionTicket& ticket = connection->session();
+    kept_session = KeptSession{ticket,
+                               {choice->policy, choice->endpoint.security_mode},
+                               choice->endpoint.server.application_uri.str(),
+                               detail::deadline_after(now, ticket.timeout)};
+}
+
+void Client::Impl::lose(StatusCode why)
+{
+    const bool had_session = state == ClientState::Ready && config.wants_session;
+    const bool was_opening = state == ClientState::Opening;
+    const bool is_choice_doubtful = is_choice_old && was_opening;
+    // What was good for a session, or was not even tried, may be good for the next.
+    const bool keeps_choice =
+        state == ClientState::Ready || (is_choice_old && state == ClientState::Connecting);
+    if (state == ClientState::Ready && now - ready_since >= config.reconnect.longest) {
+        back_off.reset();
+    }
+    if (had_session) {
+        keep_session();
+    } else if (kept_session && was_opening && ++kept_session->failures == 2) {
+        kept_session.reset(); // taking it over may be what the server stumbles over
+    }
+    drop_connection(had_session || (connection && connection->is_resumed()));
+    attempt_ends_at = no_deadline;
+    requests.end(status::Bad_ConnectionClosed, false);
+    end_session();
+    if (!keeps_choice) {
+        choice.reset();
+    }
+    failures_in_row += had_session ? 0 : 1;
+    if (had_session || may_retry(why, is_choice_doubtful)) {
+        retry_later(why);
+    } else {
+        begin_closing(why);
+    }
+}
+
+/// An old choice proves nothing: the server may have another certificate or other endpoints now.
+bool Client::Impl::may_retry(StatusCode why, bool is_choice_doubtful) const
+{
+    return is_choice_doubtful || detail::final_reason(why).empty();
 }
 
 void Client::Impl::retry_later(StatusCode why)
 {
     last_error = why;
-    ++failures_in_row;
     const ReconnectPolicy& policy = config.reconnect;
-    const bool is_last = policy.max_attempts != 0 && failures_in_row >= policy.max_attempts;
-    const std::string_view reason = detail::final_reason(why);
-    choice.reset();
-    if (!policy.is_enabled || is_last || !reason.empty()) {
+    if (!policy.is_enabled ||
+        (policy.max_attempts != 0 && failures_in_row >= policy.max_attempts)) {
         begin_closing(why);
         return;
     }
-    retry_at = now + back_off.next(*environment.random);
+    const Duration wait = back_off.next(*environment.random);
+    retry_at = detail::deadline_after(now, wait);
+    environment.log->write(
+        LogLevel::Warning, "client",
+        "no connection: " + std::string{name(why)} + "; next attempt in " +
+            std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(wait).count()) +
+            " ms");
     set_state(ClientState::Waiting, why);
 }
 
 void Client::Impl::begin_closing(StatusCode why)
 {
-    is_wanted = false;
-    attempt_ends_at = no_deadline;
-    if (state == ClientState::Ready && connection) {
-        if (config.wants_session) {
-            subscriptions.session_lost();
-        }
-        connection->close(deletes_subscriptions);
+    if (why.is_bad()) {
+        environment.log->write(LogLevel::Error, "client",
+                               "giving up: " + std::string{name(why)} + " " +
+                                   std::string{detail::final_reason(why)});
     }
-    ticket.reset();
-    drop_connection();
+    is_wanted = false;
+    kept_session.reset();
+    drop_connection(false);
+    attempt_ends_at = no_deadline;
+    end_session();
     last_error = why;
     requests.end(why.is_bad() ? status::Bad_ServerNotConnected : status::Bad_ConnectionClosed,
                  true);

@@ -13,6 +13,7 @@ bool Client::Impl::receive()
         connection->handle_deadline(now);
     }
     auto event = connection->next_event();
+    is_drained = !event;
     if (!event) {
         return false;
     }
@@ -83,7 +84,7 @@ void Client::Impl::handle_response(ConnectionEvent event)
     if (config.wants_session && state == ClientState::Ready &&
         detail::is_session_gone(event.status)) {
         lose(event.status);
-        ticket.reset();
+        kept_session.reset();
     }
 }
 
@@ -122,8 +123,10 @@ void Client::Impl::become_ready()
     if (!config.wants_session) {
         return;
     }
-    ticket = connection->session();
-    keep_alive.start(now, std::min<Duration>(config.keep_alive_interval, ticket->timeout / 3));
+    kept_session.reset();
+    keep_alive.start(
+        now, std::min<Duration>(config.keep_alive_interval, connection->session().timeout / 3));
+    is_session_told = true;
     subscriptions.session_started(is_resumed ? Subscriptions::SessionStart::Resumed
                                              : Subscriptions::SessionStart::New);
 }

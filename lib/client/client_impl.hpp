@@ -15,6 +15,16 @@
 
 namespace busbar::client {
 
+/// A session without a connection.
+struct KeptSession {
+    SessionTicket ticket;
+    channel::SecuritySetting security;
+    std::string server_uri;
+    TimePoint ends_at{no_deadline};
+    /// Connections that were lost while they took it over.
+    int failures{0};
+};
+
 /// What poll() does, one step of each kind in turn, so that none keeps the others waiting. A step
 /// is true if there was something to do.
 struct Client::Impl {
@@ -22,6 +32,7 @@ struct Client::Impl {
 
     void tell(TimePoint time);
     [[nodiscard]] bool has_work() const;
+    [[nodiscard]] TimePoint next_deadline() const;
 
     // Steps (client.cpp).
     bool announce();
@@ -47,16 +58,19 @@ struct Client::Impl {
 
     // From one attempt to the next (client_attempt.cpp).
     void set_state(ClientState next, StatusCode why);
+    bool go_on();
     void begin_attempt();
     void open_transport();
     [[nodiscard]] bool is_discovering() const;
     [[nodiscard]] ConnectionConfig connection_config() const;
     void use_connection();
-    void drop_connection();
+    void drop_connection(bool keeps_session);
     void choose(const Array<EndpointDescription>& offered);
     /// The attempt, or the connection that was Ready, ends.
     void lose(StatusCode why);
-    void forget_what_failed();
+    void keep_session();
+    void end_session();
+    [[nodiscard]] bool may_retry(StatusCode why, bool is_choice_doubtful) const;
     void retry_later(StatusCode why);
     void begin_closing(StatusCode why);
 
@@ -86,9 +100,12 @@ struct Client::Impl {
 
     detail::Transport transport;
     std::optional<Connection> connection;
-    /// The session that another connection may take over, and until when.
-    std::optional<SessionTicket> ticket;
-    TimePoint ticket_ends_at{no_deadline};
+    /// The Subscriptions were told of a session and not yet that it is lost.
+    bool is_session_told{false};
+    /// Everything that the connection had to say was heard.
+    bool is_drained{true};
+    /// The session that another connection may take over.
+    std::optional<KeptSession> kept_session;
 
     /// Requests of our own; 0: none.
     std::uint32_t endpoints_handle{0};

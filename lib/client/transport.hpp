@@ -25,8 +25,9 @@ public:
         if (state_ == State::None || state_ == State::Dropping) {
             return;
         }
-        if (lost_ || (state_ == State::Ordered && order_)) {
-            state_ = State::None; // it is gone, or nobody has heard of the order yet
+        // It is gone, or nobody has heard of the order yet.
+        if (std::exchange(lost_, std::nullopt) || (state_ == State::Ordered && order_)) {
+            state_ = State::None;
             order_.reset();
             return;
         }

@@ -54,7 +54,7 @@ public:
     }
     [[nodiscard]] channel::ChannelEnvironment environment()
     {
-        return {&random, &site->wall_clock, &log, &validator, &client_identity()};
+        return {&random, &wall_clock, &log, &validator, &client_identity()};
     }
 
     /// Lets both sides talk until nothing moves.
@@ -101,9 +101,8 @@ public:
     void restart(server::ServerConfig config)
     {
         link.reset();
-        const auto time = site->wall_clock.time;
         site = std::make_unique<UserFixture>(std::move(config));
-        site->wall_clock.time = time;
+        site->wall_clock.time = wall_clock.time;
         site->now = now;
         client.disconnected(order, status::Bad_ConnectionClosed, now);
         run();
@@ -127,6 +126,7 @@ public:
     }
 
     TimePoint now{};
+    FixedWallClock wall_clock;
     SeededRandom random{7};
     LogBook log;
     crypto::InsecureAcceptAnyCertificate accept_any;
@@ -172,6 +172,7 @@ private:
         now += time;
         site->now = now - time;
         site->advance(time);
+        wall_clock.time = site->wall_clock.time;
         if (link) {
             link->handle_deadline(now);
         }

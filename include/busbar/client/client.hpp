@@ -113,7 +113,7 @@ public:
     [[nodiscard]] ClientState state() const;
     /// Why the Client is not Ready: the last failure; Good before the first.
     [[nodiscard]] StatusCode last_error() const;
-    /// The endpoint that is used; null before the first choice.
+    /// The endpoint that is used, or will be tried next; null while none is chosen.
     [[nodiscard]] const EndpointDescription* endpoint() const;
     /// Called in poll() for each change of state, with the failure that led to it; Good if none
     /// did. Waiting: it is tried again. Closed: it is not, for a failure that another attempt
