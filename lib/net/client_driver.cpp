@@ -28,6 +28,7 @@ void ClientLine::leave(TimePoint until)
     rest_.assign(output.begin(), output.end());
     client_->consume(output.size());
     client_ = nullptr;
+    is_busy_ = false;
     until_ = until;
 }
 
@@ -98,6 +99,7 @@ void ClientDriver::step()
         has_more = true;
     }
     if (const auto link = link_) {
+        link->engine().set_busy(has_more);
         link->pump();
     }
     if (has_stopped_) {

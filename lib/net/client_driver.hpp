@@ -24,6 +24,10 @@ public:
 
     [[nodiscard]] std::uint64_t order() const { return order_; }
     void leave(TimePoint until);
+    /// The Client has not yet handled what it was fed: a server that sends more than it can take
+    /// has to wait, and holds no memory here.
+    void set_busy(bool is_busy) { is_busy_ = is_busy; }
+    [[nodiscard]] bool has_enough() const { return is_busy_; }
 
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
     [[nodiscard]] std::span<const std::byte> output() const;
@@ -37,6 +41,7 @@ private:
     std::uint64_t order_;
     std::vector<std::byte> rest_;
     std::size_t sent_{0};
+    bool is_busy_{false};
     TimePoint until_{no_deadline};
 };
 

@@ -17,7 +17,8 @@
 
 namespace busbar::net::detail {
 
-/// The shape all engines share.
+/// The shape all engines share. One that also has has_enough() is not fed while that is true; its
+/// owner calls pump() when it is over.
 template <typename E>
 concept Engine = requires(E& engine, std::span<const std::byte> in, TimePoint now, std::size_t n)
 {
@@ -131,6 +132,11 @@ private:
     {
         if (is_reading_ || is_writing_) {
             return;
+        }
+        if constexpr (requires { engine_->has_enough(); }) {
+            if (engine_->has_enough()) {
+                return;
+            }
         }
         is_reading_ = true;
         socket_.async_wait(asio::ip::tcp::socket::wait_read,

@@ -21,6 +21,7 @@ public:
     BlockingClient(client::ClientConfig config, const channel::ChannelEnvironment& environment);
     BlockingClient(const BlockingClient&) = delete;
     BlockingClient& operator=(const BlockingClient&) = delete;
+    /// Drops the connection at once; close() takes leave of the server.
     ~BlockingClient();
 
     /// Listens for the server, with ClientConfig::is_reverse, and as a ReverseListener does, but
