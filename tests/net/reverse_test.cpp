@@ -18,6 +18,7 @@
 #include "channel/output_buffer.hpp"
 #include "machine.hpp"
 #include "net/reverse_queue.hpp"
+#include "support/identity.hpp"
 
 using namespace busbar;
 using namespace std::chrono_literals;
@@ -171,6 +172,59 @@ TEST_CASE("a server has a connection for every client that needs one", "[net][re
     while (ready < 3) {
         REQUIRE(context.run_one() != 0);
     }
+}
+
+TEST_CASE("a server that is refused comes again", "[net][reverse]")
+{
+    test::ClientSurroundings around;
+    test::LogBook log;
+    around.environment.log = &log;
+    net::BlockingClient client{reverse_config("urn:another:server"), around.environment};
+    Machine machine{0, to_client_at(*client.listen("127.0.0.1", 0))};
+    const auto refusals = [&] {
+        std::size_t count = 0;
+        const std::string_view what = "is not expected: urn:busbar:test:machine at opc.tcp://";
+        for (auto at = log.text.find(what); at != std::string::npos;
+             at = log.text.find(what, at + 1)) {
+            ++count;
+        }
+        return count;
+    };
+    CHECK(client.run_until([&] { return refusals() == 3; }));
+}
+
+TEST_CASE("one client does not get all connections of a server", "[net][reverse]")
+{
+    test::ClientSurroundings around;
+    asio::io_context context;
+    net::ReverseListener listener{context.get_executor(), around.log};
+    auto to_client = to_client_at(*listener.listen("127.0.0.1", 0));
+    to_client.max_connections = 1;
+    Machine machine{0, to_client};
+    net::AsyncClient first{context.get_executor(), reverse_config(), around.environment};
+    net::AsyncClient second{context.get_executor(), reverse_config(), around.environment};
+    first.take_from(listener);
+    second.take_from(listener);
+    std::optional<bool> is_second_ready;
+    int reads = 0;
+    const std::function<void()> read = [&] {
+        first.call<ReadResponse>(test::read_request(test::state_node),
+                                 [&](const Result<ReadResponse>& response) {
+                                     REQUIRE(response);
+                                     CHECK_FALSE(is_second_ready);
+                                     ++reads < 100 ? read() : first.close([] {});
+                                 });
+    };
+    first.connect(10s, [&](const Result<void>& connected) {
+        REQUIRE(connected);
+        second.connect(10s, [&](const Result<void>& then) { is_second_ready = bool{then}; });
+        read();
+    });
+    while (!is_second_ready) {
+        REQUIRE(context.run_one() != 0);
+    }
+    CHECK(*is_second_ready);
+    CHECK(reads == 100);
 }
 
 TEST_CASE("a client without a listener is told so", "[net][reverse]")
