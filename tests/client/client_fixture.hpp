@@ -11,6 +11,7 @@
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/ids.hpp>
 
+#include "crypto/status_text.hpp"
 #include "server/user_fixture.hpp"
 
 namespace busbar::test {

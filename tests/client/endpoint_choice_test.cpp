@@ -2,6 +2,7 @@
 
 #include <busbar/client/endpoint_choice.hpp>
 
+#include "crypto/status_text.hpp"
 #include "support/identity.hpp"
 
 using namespace busbar;

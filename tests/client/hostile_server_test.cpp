@@ -5,6 +5,7 @@
 #include <busbar/client/client.hpp>
 #include <busbar/types/method.hpp>
 
+#include "crypto/status_text.hpp"
 #include "support/rogue_server.hpp"
 
 using namespace busbar;
