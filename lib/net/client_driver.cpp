@@ -70,6 +70,9 @@ ClientDriver::ClientDriver(asio::any_io_executor executor, client::ClientConfig 
 
 void ClientDriver::take_from(std::shared_ptr<ReverseQueue> queue)
 {
+    if (queue_) {
+        queue_->forget(ticket_);
+    }
     queue_ = std::move(queue);
     ticket_ = queue_->expect(expected_);
 }
