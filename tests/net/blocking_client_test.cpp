@@ -129,7 +129,7 @@ TEST_CASE("a name server that says nothing holds nobody up", "[net][client]")
 {
     test::ClientSurroundings around;
     std::promise<void> go_on;
-    std::promise<void> over;
+    const auto over = std::make_shared<std::promise<void>>(); // the thread's, too
     {
         asio::io_context context;
         auto config = test::client_config("opc.tcp://plc.example:4840");
@@ -137,10 +137,10 @@ TEST_CASE("a name server that says nothing holds nobody up", "[net][client]")
         config.reconnect.is_enabled = false;
         const auto driver = std::make_shared<net::detail::ClientDriver>(
             context.get_executor(), config, around.environment,
-            [&, wait = go_on.get_future().share()](const std::string& host) {
+            [over, wait = go_on.get_future().share()](const std::string& host) {
                 wait.wait();
                 CHECK(host == "plc.example");
-                over.set_value();
+                over->set_value();
                 return std::vector<asio::ip::address>{};
             });
         driver->client().connect(net::detail::now());
@@ -152,7 +152,7 @@ TEST_CASE("a name server that says nothing holds nobody up", "[net][client]")
         driver->stop();
     }
     go_on.set_value(); // everything else is gone
-    over.get_future().wait();
+    over->get_future().wait();
 }
 
 TEST_CASE("a running client finds a server that was started again", "[net][client]")
