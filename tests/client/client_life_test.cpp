@@ -1,7 +1,5 @@
 #include <catch2/catch.hpp>
 
-#include <busbar/types/subscription.hpp>
-
 #include "client_fixture.hpp"
 
 using namespace busbar;
@@ -341,74 +339,4 @@ TEST_CASE("a connection that breaks at any byte of the handshake is made anew")
         REQUIRE(plant.client.state() == ClientState::Closed);
     }
     CHECK(cuts > 10);
-}
-
-TEST_CASE("attempts are counted, and may be none")
-{
-    auto config = ClientFixture::insecure();
-    std::size_t expected = 0;
-    SECTION("not again")
-    {
-        config.reconnect.is_enabled = false;
-        expected = 1;
-    }
-    SECTION("three times")
-    {
-        config.reconnect.max_attempts = 3;
-        expected = 3;
-    }
-    ClientFixture plant{config};
-    plant.is_reachable = false;
-    plant.connect();
-    plant.advance(1h);
-    CHECK(plant.urls.size() == expected);
-    CHECK(plant.client.state() == ClientState::Closed);
-    CHECK(plant.client.last_error() == status::Bad_CommunicationError);
-    // Closed is not for ever if the user wants it otherwise.
-    plant.is_reachable = true;
-    plant.connect();
-    CHECK(plant.is_ready());
-}
-
-TEST_CASE("closing leaves Subscriptions to others if it is told to")
-{
-    ClientFixture plant{ClientFixture::insecure()};
-    plant.connect();
-    plant.client.call<CreateSubscriptionResponse>(
-        [] {
-            CreateSubscriptionRequest request;
-            request.requested_publishing_interval = 1'000;
-            request.requested_lifetime_count = 100;
-            return request;
-        }(),
-        [](Result<CreateSubscriptionResponse>) {});
-    plant.run();
-    REQUIRE(plant.site->server.subscription_count() == 1);
-    const bool deletes = GENERATE(false, true);
-    plant.client.close(plant.now, deletes);
-    plant.run();
-    CHECK(plant.site->server.session_count() == 0);
-    CHECK(plant.site->server.subscription_count() == (deletes ? 0 : 1));
-}
-
-TEST_CASE("without a session there is a channel")
-{
-    auto config = ClientFixture::insecure();
-    config.wants_session = false;
-    const bool is_secure = GENERATE(false, true);
-    config.security.allows_none = !is_secure;
-    ClientFixture plant{config};
-    plant.connect();
-    REQUIRE(plant.is_ready());
-    CHECK(plant.site->server.session_count() == 0);
-    CHECK(plant.urls.size() == (is_secure ? 2 : 1));
-    std::size_t endpoints = 0;
-    plant.client.call<GetEndpointsResponse>(
-        GetEndpointsRequest{}, [&](Result<GetEndpointsResponse> response) {
-            endpoints = response ? response->endpoints.size() : 0;
-        });
-    plant.run();
-    CHECK(endpoints == 3);
-    plant.advance(2h); // the token is renewed
-    CHECK(plant.is_ready());
 }
