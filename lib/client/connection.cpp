@@ -289,7 +289,9 @@ Connection::send_encoded(FunctionRef<void(binary::Writer&, const RequestHeader&)
 
 void Connection::cancel(std::uint32_t handle)
 {
-    impl_->pending.remove(handle);
+    if (impl_->pending.remove(handle)) {
+        return;
+    }
     std::erase_if(impl_->events, [&](const ConnectionEvent& event) {
         return event.kind == ConnectionEvent::Kind::Response && event.handle == handle;
     });

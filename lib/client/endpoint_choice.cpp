@@ -15,6 +15,8 @@ namespace {
 
 constexpr std::string_view transport_profile =
     "http://opcfoundation.org/UA-Profile/Transport/uatcp-uasc-uabinary";
+/// A server has a few for each of its addresses; each costs a look at its certificates.
+constexpr std::size_t max_endpoints = 500;
 /// Of what a server offers, a log line holds no more.
 constexpr std::size_t max_logged_endpoints = 20;
 
@@ -246,6 +248,9 @@ Result<EndpointChoice> choose_endpoint(const Array<EndpointDescription>& endpoin
     if (auto checked = check_wishes(wishes, log); !checked) {
         return fail(checked.error());
     }
+    if (endpoints.size() > max_endpoints) {
+        return fail(status::Bad_ResponseTooLarge);
+    }
     Step farthest = Step::Transport;
     std::optional<Candidate> best;
     for (const EndpointDescription& endpoint : endpoints) {
@@ -264,6 +269,11 @@ Result<EndpointChoice> choose_endpoint(const Array<EndpointDescription>& endpoin
                      describe_wishes(wishes, identity),
                  "Part 4, 5.5.4", "Change what one of the two is configured for"});
         return fail(status);
+    }
+    if (best->policy->is_none()) {
+        log.write(LogLevel::Warning, "client",
+                  "INSECURE: connecting without security; the server offers " +
+                      describe_offer(endpoints));
     }
     EndpointChoice choice{*best->endpoint, best->policy, {}};
     choice.endpoint.endpoint_url = String{url_for(*best->endpoint, reached_by)};

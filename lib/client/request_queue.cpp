@@ -58,15 +58,13 @@ TimePoint RequestQueue::next_deadline() const
     return by_deadline_.empty() ? no_deadline : by_deadline_.begin()->first;
 }
 
-std::optional<std::uint32_t> RequestQueue::expire(TimePoint now)
+bool RequestQueue::expire(TimePoint now)
 {
     if (by_deadline_.empty() || by_deadline_.begin()->first > now) {
-        return std::nullopt;
+        return false;
     }
-    const auto request = requests_.find(by_deadline_.begin()->second);
-    const std::uint32_t handle = request->second.handle;
-    finish(request, fail(status::Bad_Timeout));
-    return handle;
+    finish(requests_.find(by_deadline_.begin()->second), fail(status::Bad_Timeout));
+    return true;
 }
 
 bool RequestQueue::send_one(Connection& connection, TimePoint now)

@@ -40,8 +40,8 @@ public:
     /// Gives what has no deadline yet its own.
     void tell(TimePoint now);
     [[nodiscard]] TimePoint next_deadline() const;
-    /// Ends one request whose deadline has come; what it is called on the connection, or 0.
-    [[nodiscard]] std::optional<std::uint32_t> expire(TimePoint now);
+    /// Ends one request whose deadline has come. False if there is none.
+    bool expire(TimePoint now);
 
     /// Sends the request that has waited longest. False if none waits.
     bool send_one(Connection& connection, TimePoint now);

@@ -93,8 +93,9 @@ struct TransportOrder {
 ///
 /// Sans-I/O and polled. Bytes, time and what became of transports go in; bytes, orders and the next
 /// deadline come out. After any other call poll() until it is false, then look at next_order(),
-/// output() and next_deadline(). Handlers run in poll() only, and poll() does a bounded piece of
-/// work, so that a PLC task can step a Client in its cycle. One thread; the net layer has drivers.
+/// output() and next_deadline(); while poll() is true, read no more from the peer. Handlers run in
+/// poll() only, and poll() does a bounded piece of work, so that a PLC task can step a Client in
+/// its cycle. One thread; the net layer has drivers.
 ///
 /// Handlers may use the Client, but neither poll() nor destroy it.
 class Client final : public Requester {
