@@ -11,7 +11,7 @@ namespace busbar::harness {
 
 namespace {
 
-constexpr std::size_t publish_requests = 2;
+constexpr int publish_requests = 2;
 constexpr std::size_t max_values = 100'000;
 
 ReadValueId value_of(const NodeId& node)
@@ -30,7 +30,8 @@ double milliseconds(Duration time)
 } // namespace
 
 Bench::Bench(BenchOptions options)
-    : world_{options.seed}, server_{world_, std::move(options.server), options.server_parts},
+    : world_{options.seed}, request_timeout_{options.client.request_timeout},
+      server_{world_, std::move(options.server), options.server_parts},
       client_{world_, std::move(options.client), options.client_parts}
 {
 }
@@ -143,15 +144,16 @@ Result<std::uint32_t> Bench::subscription(Duration interval)
     if (const auto found = subscriptions_.find(interval); found != subscriptions_.end()) {
         return found->second;
     }
-    if (interval <= Duration{0}) {
+    if (interval <= Duration{0} || publish_requests * interval >= request_timeout_) {
         return fail(status::Bad_InvalidArgument);
     }
     CreateSubscriptionRequest request;
     request.requested_publishing_interval = milliseconds(interval);
     request.requested_lifetime_count = 10'000;
-    // Sooner than a Publish request is given up.
-    request.requested_max_keep_alive_count = static_cast<std::uint32_t>(
-        std::clamp<Duration::rep>(Duration{std::chrono::seconds{5}} / interval, 1, 100));
+    // Each of the Publish requests has its turn before it is given up.
+    const Duration keep_alive = request_timeout_ / (2 * publish_requests);
+    request.requested_max_keep_alive_count =
+        static_cast<std::uint32_t>(std::max<Duration::rep>(keep_alive / interval, 1));
     request.publishing_enabled = true;
     const auto response = client_.call<CreateSubscriptionResponse>(std::move(request));
     if (!response) {

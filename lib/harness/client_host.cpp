@@ -72,10 +72,14 @@ void ClientHost::link_lost()
 
 void ClientHost::update()
 {
-    while (client_->poll(world_.now())) {
-    }
-    while (auto order = client_->next_order()) {
-        obey(*std::move(order));
+    bool has_obeyed = true;
+    while (std::exchange(has_obeyed, false)) {
+        while (client_->poll(world_.now())) {
+        }
+        while (auto order = client_->next_order()) {
+            obey(*std::move(order));
+            has_obeyed = true;
+        }
     }
     if (link_ != nullptr) {
         link_->flush(Side::Client);

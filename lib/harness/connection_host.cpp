@@ -66,6 +66,13 @@ void ConnectionHost::feed(std::span<const std::byte> in)
     update();
 }
 
+void ConnectionHost::tell_time()
+{
+    if (is_ready_) {
+        connection_->handle_deadline(world_.now());
+    }
+}
+
 void ConnectionHost::update()
 {
     while (connection_) {

@@ -177,19 +177,16 @@ void Link::tell(Side side, Duration delay)
 
 void Link::tell_now(Side side)
 {
+    if (!std::exchange(end(other(side)).is_gone, true) && observer_ != nullptr) {
+        observer_->ended(*this, other(side));
+    }
     if (LinkEnd* const engine = std::exchange(end(side).engine, nullptr)) {
-        if (observer_ != nullptr) {
-            observer_->ended(*this, side);
-        }
         engine->link_lost();
     }
 }
 
 void Link::leave(Side side)
 {
-    if (observer_ != nullptr && end(side).engine != nullptr) {
-        observer_->ended(*this, side);
-    }
     end(side).engine = nullptr;
     is_cut_ = true;
     tell(other(side), chance_.between(Duration{0}, weather_->max_notice));
@@ -198,9 +195,6 @@ void Link::leave(Side side)
 void Link::close(Side side)
 {
     flush(side);
-    if (observer_ != nullptr && end(side).engine != nullptr) {
-        observer_->ended(*this, side);
-    }
     end(side).engine = nullptr;
     if (!end(side).is_held) {
         const TimePoint last = std::max(end(side).last_arrival, scheduler_->now());

@@ -22,6 +22,11 @@ Recorder::Recorder(std::uint64_t seed, RecordingLimits limits) : limits_{limits}
 
 void Recorder::opened(const Link& link)
 {
+    numbers_.erase(&link); // another one that was at this place
+    if (last_number_ == limits_.max_connections) {
+        recording_.is_complete = false;
+        return;
+    }
     numbers_[&link] = ++last_number_;
     add(link, {Recording::Kind::Opened, {}, 0, Side::Client, {}});
 }
@@ -39,7 +44,7 @@ void Recorder::ended(const Link& link, Side side)
 void Recorder::add(const Link& link, Recording::Entry entry)
 {
     const auto found = numbers_.find(&link);
-    if (found == numbers_.end() || found->second > limits_.max_connections ||
+    if (found == numbers_.end() || !recording_.is_complete ||
         recording_.entries.size() >= limits_.max_entries ||
         entry.bytes.size() > limits_.max_bytes - size_) {
         recording_.is_complete = false;

@@ -77,7 +77,7 @@ Result<void> Replay::run(std::string_view url)
 
 bool Replay::accept(const std::shared_ptr<Link>& link, std::string_view /*peer_address*/)
 {
-    if (link_ != nullptr) {
+    if (link_ != nullptr || played_ != Side::Server) {
         return false;
     }
     link->attach(played_, *this);
@@ -112,6 +112,12 @@ void Replay::send_due()
 
 void Replay::feed(std::span<const std::byte> in)
 {
+    // The recorded side closed without waiting for what comes now.
+    const bool has_left = next_ + 1 >= entries_.size() &&
+                          (entries_.empty() || entries_.back().kind == Recording::Kind::Ended);
+    if (has_left && came_.size() == expected_.size()) {
+        return;
+    }
     // One byte too many is enough to know.
     const std::size_t room = expected_.size() + 1 - std::min(expected_.size() + 1, came_.size());
     const auto kept = in.first(std::min(in.size(), room));

@@ -74,8 +74,7 @@ server::ServerConfig open_server_config()
     config.endpoint_url = "opc.tcp://server:4840";
     config.endpoints = {{}};
     config.endpoints[0].allows_anonymous = true;
-    config.endpoints[0].password_policy = &crypto::policy_none();
-    config.endpoints[0].allows_plain_passwords = true;
+    config.endpoints[0].allows_user_name = false; // which takes a certificate
     config.limits.max_log_lines_per_minute = 0;
     return config;
 }

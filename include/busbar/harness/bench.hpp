@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <busbar/harness/connection_host.hpp>
@@ -34,9 +36,19 @@ public:
     [[nodiscard]] server::Server& server() { return server_.server(); }
     [[nodiscard]] ConnectionHost& client() { return client_; }
 
+    /// Makes a data source that lives as long as the server needs it: what a member of a class
+    /// derived from Bench would not.
+    template <typename Source, typename... Arguments>
+    Source& make_source(Arguments&&... arguments)
+    {
+        auto made = std::make_unique<Source>(std::forward<Arguments>(arguments)...);
+        Source& source = *made;
+        owned_.push_back(std::move(made));
+        return source;
+    }
     /// Adds a Variable "ns=1;s=<name>" below Objects, whose value `source` knows by `handle`, with
-    /// CurrentRead and CurrentWrite unless `variable` says otherwise. What the AddressSpace says
-    /// if it is there already.
+    /// CurrentRead and CurrentWrite unless `variable` says otherwise. The source must outlive the
+    /// bench. What the AddressSpace says if the node is there already.
     Result<NodeId> add_variable(std::string_view name, server::DataSource& source,
                                 std::uint64_t handle, BuiltInType type);
     Result<NodeId> add_variable(std::string_view name, model::NewVariable variable);
@@ -54,7 +66,8 @@ public:
                                                 Array<Variant> arguments = {});
 
     /// Watches the value, with a Subscription that publishes and samples at `interval`. The first
-    /// value is among values() after a while. Ends with the connection.
+    /// value is among values() after a while. Ends with the connection. Bad_InvalidArgument for an
+    /// interval of half the client's request_timeout or more.
     StatusCode subscribe(const NodeId& node, Duration interval = std::chrono::milliseconds{100},
                          std::uint32_t queue_size = 100);
     /// What has come of a node that is watched, since the last call; at most the last 100,000.
@@ -71,6 +84,8 @@ private:
     void published(const Result<PublishResponse>& response);
 
     World world_;
+    Duration request_timeout_;
+    std::vector<std::unique_ptr<server::DataSource>> owned_;
     ServerHost server_;
     ConnectionHost client_;
     std::map<server::DataSource*, std::uint32_t> sources_;
@@ -79,7 +94,7 @@ private:
     /// The client handle is the index.
     std::vector<Watched> watched_;
     std::vector<SubscriptionAcknowledgement> acknowledgements_;
-    std::size_t publishing_{0};
+    int publishing_{0};
 };
 
 } // namespace busbar::harness

@@ -1,7 +1,7 @@
 #pragma once
 
-// For tests with Catch2, version 2 or 3, whose header is included before this one; the library does
-// not need it.
+// For tests with Catch2, version 2, whose header is included before this one; the library does not
+// need it.
 
 #include <string>
 #include <utility>
@@ -41,17 +41,9 @@ struct StringMaker<busbar::DataValue> {
 
 namespace busbar::harness {
 
-#if defined(CATCH_VERSION_MAJOR) && CATCH_VERSION_MAJOR < 3
-template <typename T>
-using CatchMatcher = Catch::MatcherBase<T>;
-#else
-template <typename T>
-using CatchMatcher = Catch::Matchers::MatcherBase<T>;
-#endif
-
 /// A DataValue with this value and status Good, whatever its timestamps:
 /// CHECK_THAT(read(node), holds(42)).
-class HoldsMatcher final : public CatchMatcher<DataValue> {
+class HoldsMatcher final : public Catch::MatcherBase<DataValue> {
 public:
     explicit HoldsMatcher(Variant value) : value_{std::move(value)} {}
     [[nodiscard]] bool match(const DataValue& value) const override
@@ -70,7 +62,7 @@ template <typename T>
 }
 
 /// A DataValue with this status, compared without info bits.
-class HasStatusMatcher final : public CatchMatcher<DataValue> {
+class HasStatusMatcher final : public Catch::MatcherBase<DataValue> {
 public:
     explicit HasStatusMatcher(StatusCode status) : status_{status} {}
     [[nodiscard]] bool match(const DataValue& value) const override
@@ -89,7 +81,7 @@ private:
 
 /// A Result that is a value: CHECK_THAT(bench.connect(), succeeds<void>()) shows the status if not.
 template <typename T>
-class SucceedsMatcher final : public CatchMatcher<Result<T>> {
+class SucceedsMatcher final : public Catch::MatcherBase<Result<T>> {
 public:
     [[nodiscard]] bool match(const Result<T>& result) const override { return result.has_value(); }
     [[nodiscard]] std::string describe() const override { return "is a value"; }

@@ -76,6 +76,8 @@ private:
     void link_lost() override { end(status::Bad_ConnectionClosed); }
 
     void connect();
+    /// The Connection counts a request's time from when it last heard what time it is.
+    void tell_time();
     void update();
     void handle(client::ConnectionEvent event);
     void await(Result<std::uint32_t> sent, Handler handler);
@@ -98,6 +100,7 @@ private:
 template <typename Response, typename Request>
 void ConnectionHost::send(Request request, std::function<void(Result<Response>)> then)
 {
+    tell_time();
     auto sent = is_ready_ ? connection_->send(std::move(request)) : fail(status::Bad_NotConnected);
     await(std::move(sent), [then = std::move(then), limits = config_.limits](auto body) {
         then(body ? body->template decoded<Response>(limits) : fail(body.error()));

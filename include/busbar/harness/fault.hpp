@@ -60,7 +60,7 @@ struct Fault {
     [[nodiscard]] Fault on_connection(std::size_t which) const;
     /// Only what this side sends. Of Hold and HalfOpen: whose bytes are held; who notices.
     [[nodiscard]] Fault sent_by(Side sender) const;
-    /// How often it acts; 0: always.
+    /// How often it acts, on its message and those of the same name that follow; 0: always.
     [[nodiscard]] Fault times(std::size_t number) const;
 
     Kind kind{Kind::Cut};

@@ -82,7 +82,7 @@ public:
     virtual void opened(const Link& link) = 0;
     /// Bytes that `from` has sent reach the other end now.
     virtual void arrived(const Link& link, Side from, std::span<const std::byte> bytes) = 0;
-    /// `side` has left or learns that the link is gone. Once for each side that was told.
+    /// `side` is gone, or the link between; the other end, if it is still there, learns of it now.
     virtual void ended(const Link& link, Side side) = 0;
 };
 
@@ -135,6 +135,7 @@ private:
     struct End {
         LinkEnd* engine{nullptr};
         bool was_attached{false};
+        bool is_gone{false};
         // What this end sends:
         std::deque<Piece> pieces;
         TimePoint last_arrival{};

@@ -28,7 +28,7 @@ struct Recording {
         Duration time{0};
         /// From 1, in the order in which they were opened. Bytes and ends only come after it.
         std::uint32_t connection{0};
-        /// Who has sent the bytes; who has left. Client for Opened.
+        /// Who has sent the bytes; who is gone for the other end. Client for Opened.
         Side from{Side::Client};
         /// At least one, of Bytes.
         std::vector<std::byte> bytes{};

@@ -84,6 +84,7 @@ private:
 
 /// Lets other threads, and whoever must not be called back at once, make something happen now:
 /// before the next action, or at the begin of the next run. Raised again before that, it is once.
+/// Must not be destroyed by what it does. The scheduler must outlive it.
 class Signal {
 public:
     Signal(Scheduler& scheduler, Scheduler::Action action);
