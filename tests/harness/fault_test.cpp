@@ -259,4 +259,12 @@ TEST_CASE("a certificate that is another than the client knows is refused", "[ha
     options.client.channel.server_certificate = wrong->certificates.front();
     BenchFixture accepted{options};
     CHECK_THAT(accepted.connect(), succeeds<void>());
+    // What a message carries is not seen on its way, but that it is one.
+    accepted.world().network().play(
+        {fault::answer(status::Bad_Timeout).at(Message{"ReadRequest"}),
+         fault::corrupt(100).at(Message{"MSG", 2}).sent_by(Side::Client)});
+    const NodeId state{0, 2259U};
+    CHECK_THAT(accepted.read(state), holds(std::int32_t{0}));
+    CHECK(accepted.read(state).status == status::Bad_SecureChannelClosed);
+    CHECK(accepted.world().network().pending_faults() == "answer Bad_Timeout at ReadRequest 1\n");
 }

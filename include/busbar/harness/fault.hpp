@@ -14,7 +14,8 @@ namespace busbar::harness {
 
 /// The `number`th message of a connection with this name, from 1: a message type ("HEL", "ACK",
 /// "OPN", "MSG", "CLO", "ERR") or, on a channel with policy None, where it can be seen, the name of
-/// the structure it carries ("ReadRequest", "PublishResponse"). Names are counted for themselves.
+/// the structure it carries ("ReadRequest", "PublishResponse"). Names are counted for themselves,
+/// on each connection, from when the script was played.
 struct Message {
     std::string name;
     std::size_t number{1};
@@ -52,7 +53,8 @@ struct Fault {
     [[nodiscard]] Fault at(const Message& which) const { return on(Moment::At, which); }
     /// When the message's last byte has been sent.
     [[nodiscard]] Fault after(const Message& which) const { return on(Moment::After, which); }
-    /// When a side, the client unless sent_by() says otherwise, has sent so many bytes. Not Answer.
+    /// When a side, the client unless sent_by() says otherwise, has sent so many bytes since the
+    /// connection's begin. Not Answer.
     [[nodiscard]] Fault at_byte(std::uint64_t offset) const;
     /// So long after the script was played. Not Corrupt, Delay and Answer.
     [[nodiscard]] Fault after(Duration delay) const;

@@ -11,6 +11,7 @@
 
 namespace busbar::harness {
 
+/// Who draws from a world's randomness.
 enum class Actor : std::uint8_t { Server, Client, Other };
 
 /// Servers, clients and the network between them, in virtual time: a day takes seconds, and the
