@@ -5,8 +5,8 @@
 namespace busbar::test {
 
 ClientPort::ClientPort(Scheduler& scheduler, channel::ClientChannelConfig config,
-                       const channel::ChannelEnvironment& environment,
-                       std::shared_ptr<SimulatedLink> link, Owner& owner)
+                       const channel::ChannelEnvironment& environment, std::shared_ptr<Link> link,
+                       Owner& owner)
     : scheduler_{scheduler}, link_{std::move(link)}, owner_{owner}, channel_{std::move(config),
                                                                              environment,
                                                                              scheduler.now()},
@@ -42,7 +42,7 @@ void ClientPort::update()
         }
     }
     if (!has_ended_) {
-        link_->flush(SimulatedLink::Client);
+        link_->flush(Side::Client);
         deadline_.set(channel_.next_deadline());
     }
 }
@@ -54,7 +54,7 @@ void ClientPort::send(FunctionRef<void(binary::Writer&)> encode, Handler handler
         return handler(fail(id.error()));
     }
     pending_.emplace(*id, std::move(handler));
-    link_->flush(SimulatedLink::Client);
+    link_->flush(Side::Client);
 }
 
 void ClientPort::answer(const channel::Event& event)
@@ -77,9 +77,9 @@ void ClientPort::close(bool is_proper)
     }
     if (is_proper) {
         channel_.close();
-        link_->close(SimulatedLink::Client);
+        link_->close(Side::Client);
     } else {
-        link_->leave(SimulatedLink::Client);
+        link_->leave(Side::Client);
     }
     end();
 }

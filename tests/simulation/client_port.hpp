@@ -9,7 +9,7 @@
 #include <busbar/channel/client_channel.hpp>
 #include <busbar/types/common.hpp>
 
-#include "simulated_link.hpp"
+#include "harness_names.hpp"
 #include "support/response.hpp"
 
 namespace busbar::test {
@@ -29,7 +29,7 @@ public:
     };
 
     ClientPort(Scheduler& scheduler, channel::ClientChannelConfig config,
-               const channel::ChannelEnvironment& environment, std::shared_ptr<SimulatedLink> link,
+               const channel::ChannelEnvironment& environment, std::shared_ptr<Link> link,
                Owner& owner);
 
     [[nodiscard]] const channel::SecuritySetting& security() const { return channel_.security(); }
@@ -65,7 +65,7 @@ private:
     void end();
 
     Scheduler& scheduler_;
-    std::shared_ptr<SimulatedLink> link_;
+    std::shared_ptr<Link> link_;
     Owner& owner_;
     channel::ClientChannel channel_;
     std::map<std::uint32_t, Handler> pending_;

@@ -8,8 +8,7 @@
 #include <busbar/server/process_image.hpp>
 #include <busbar/server/server.hpp>
 
-#include "chance.hpp"
-#include "scheduler.hpp"
+#include "harness_names.hpp"
 
 namespace busbar::test {
 

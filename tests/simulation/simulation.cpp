@@ -20,6 +20,19 @@ Habits draw_habits(std::size_t number, Chance& chance)
     return habits;
 }
 
+/// Reset connections, held up bytes, latencies of two continents.
+Weather bad_weather()
+{
+    Weather weather;
+    weather.max_latency = 150ms;
+    weather.has_random_cuts = true;
+    weather.stall_one_in = 200;
+    weather.max_stall = 20s;
+    weather.mean_life = 40min;
+    weather.max_notice = 120s;
+    return weather;
+}
+
 } // namespace
 
 server::ServerConfig Simulation::config()
@@ -38,10 +51,21 @@ server::ServerConfig Simulation::config()
     return config;
 }
 
+/// Threads get their turn at once, as a rule, and sometimes when there were more scans.
+harness::ServerParts Simulation::server_parts()
+{
+    harness::ServerParts parts;
+    parts.users = &users_;
+    parts.wake_delay = 2ms;
+    parts.rare_wake_delay = 250ms;
+    return parts;
+}
+
 Simulation::Simulation(const SimulationOptions& options)
-    : chance_{options.seed, 1}, plant_{scheduler_, clock_, Chance{options.seed, 2}},
-      host_{scheduler_, clock_, Chance{options.seed, 3}, config()}, jump_{scheduler_,
-                                                                          [this] { jump(); }}
+    : weather_{bad_weather()}, chance_{options.seed, 1}, plant_{scheduler_, clock_,
+                                                                Chance{options.seed, 2}},
+      host_{scheduler_, clock_, log_, Chance{options.seed, 3}, config(), server_parts()},
+      jump_{scheduler_, [this] { jump(); }}
 {
     plant_.serve(host_.server());
     const SimulationParts parts{scheduler_, clock_, weather_, plant_, host_, trace_};

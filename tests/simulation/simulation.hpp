@@ -34,6 +34,7 @@ public:
 
 private:
     [[nodiscard]] static server::ServerConfig config();
+    [[nodiscard]] harness::ServerParts server_parts();
     void jump();
     void check_counts();
     void check_empty();
@@ -42,6 +43,8 @@ private:
     JumpingClock clock_{scheduler_};
     Trace trace_{scheduler_};
     Weather weather_;
+    NullLog log_;
+    PlainUsers users_;
     Chance chance_;
     Plant plant_;
     ServerHost host_;

@@ -10,7 +10,8 @@
 #include <busbar/types/session.hpp>
 
 #include "client_port.hpp"
-#include "server_host.hpp"
+#include "harness_names.hpp"
+#include "support/server_fixture.hpp"
 #include "trace.hpp"
 #include "watched_subscription.hpp"
 

@@ -39,8 +39,8 @@ void Subscriber::calm()
 
 void Subscriber::connect()
 {
-    const auto link = std::make_shared<SimulatedLink>(parts_.scheduler, parts_.weather,
-                                                      Chance{chance_.next(), number_});
+    const auto link =
+        std::make_shared<Link>(parts_.scheduler, parts_.weather, Chance{chance_.next(), number_});
     channel::ClientChannelConfig config;
     config.endpoint_url = "opc.tcp://localhost:4840";
     config.requested_lifetime = 15min;
@@ -54,7 +54,7 @@ void Subscriber::connect()
     ClientPort::Owner& owner = *this;
     port_ =
         std::make_unique<ClientPort>(parts_.scheduler, std::move(config), environment, link, owner);
-    link->attach(SimulatedLink::Client, *port_);
+    link->attach(Side::Client, *port_);
     parts_.trace.note(number_, "connects");
     if (!parts_.host.accept(link, "192.0.2." + std::to_string(number_))) {
         violation("no place for a connection");

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "scheduler.hpp"
+#include "harness_names.hpp"
 
 namespace busbar::test {
 

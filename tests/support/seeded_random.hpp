@@ -1,27 +1,9 @@
 #pragma once
 
-#include <cstdint>
-#include <random>
-
-#include <busbar/crypto/random.hpp>
+#include <busbar/harness/seeded_random.hpp>
 
 namespace busbar::test {
 
-/// Repeats itself from a seed; never for keys that protect anything.
-class SeededRandom final : public crypto::Random {
-public:
-    explicit SeededRandom(std::uint64_t seed = 1) : engine_{seed} {}
-
-    Result<void> fill(std::span<std::byte> bytes) override
-    {
-        for (std::byte& byte : bytes) {
-            byte = static_cast<std::byte>(engine_());
-        }
-        return {};
-    }
-
-private:
-    std::mt19937_64 engine_;
-};
+using harness::SeededRandom;
 
 } // namespace busbar::test

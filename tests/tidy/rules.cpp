@@ -23,6 +23,7 @@ constexpr std::array layers = {
     Layer{"server", " core binary types crypto channel model nodes server "},
     Layer{"client", " core binary types crypto channel client "},
     Layer{"net", " core binary types crypto channel model nodes server client net "},
+    Layer{"harness", " core binary types crypto channel model nodes server client harness "},
     Layer{"controller", " core binary types crypto channel model nodes server controller "},
 };
 

@@ -5,9 +5,9 @@
 
 #include <busbar/core/clock.hpp>
 
-namespace busbar::test {
+namespace busbar::harness {
 
-/// Where a simulation's randomness comes from: the same numbers on every machine, and a stream of
+/// Where the randomness of a world comes from: the same numbers on every machine, and a stream of
 /// its own for each actor, so that what one of them draws does not move the others.
 class Chance {
 public:
@@ -44,4 +44,4 @@ private:
     std::uint64_t state_;
 };
 
-} // namespace busbar::test
+} // namespace busbar::harness

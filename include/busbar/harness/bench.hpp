@@ -1,0 +1,100 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <busbar/harness/connection_host.hpp>
+#include <busbar/harness/server_host.hpp>
+#include <busbar/types/attribute.hpp>
+#include <busbar/types/method.hpp>
+#include <busbar/types/subscription.hpp>
+
+namespace busbar::harness {
+
+/// What a bench is made of.
+struct BenchOptions {
+    std::uint64_t seed{World::seed_from_environment()};
+    server::ServerConfig server{open_server_config()};
+    ServerParts server_parts{};
+    client::ConnectionConfig client{open_connection_config()};
+    ClientParts client_parts{};
+};
+
+/// A server, a client with a session, and verbs: what a test of a data source or an address space
+/// begins with. The client connects with the first verb that needs it, and again if it has lost its
+/// connection meanwhile. Verbs run the world until they are done. One thread.
+class Bench {
+public:
+    explicit Bench(BenchOptions options = {});
+
+    [[nodiscard]] World& world() { return world_; }
+    [[nodiscard]] ServerHost& host() { return server_; }
+    [[nodiscard]] server::Server& server() { return server_.server(); }
+    [[nodiscard]] ConnectionHost& client() { return client_; }
+
+    /// Makes a data source that lives as long as the server needs it: what a member of a class
+    /// derived from Bench would not.
+    template <typename Source, typename... Arguments>
+    Source& make_source(Arguments&&... arguments)
+    {
+        auto made = std::make_unique<Source>(std::forward<Arguments>(arguments)...);
+        Source& source = *made;
+        owned_.push_back(std::move(made));
+        return source;
+    }
+    /// Adds a Variable "ns=1;s=<name>" below Objects, whose value `source` knows by `handle`, with
+    /// CurrentRead and CurrentWrite unless `variable` says otherwise. The source must outlive the
+    /// bench. What the AddressSpace says if the node is there already.
+    Result<NodeId> add_variable(std::string_view name, server::DataSource& source,
+                                std::uint64_t handle, BuiltInType type);
+    Result<NodeId> add_variable(std::string_view name, model::NewVariable variable);
+
+    /// Connects and logs in, if it is not; also after a loss.
+    Result<void> connect();
+    void run_for(Duration time) { world_.run_for(time); }
+
+    /// The Value attribute with both timestamps; a DataValue with the status if the service fails.
+    [[nodiscard]] DataValue read(const NodeId& node);
+    /// In one request.
+    [[nodiscard]] Result<Array<DataValue>> read(const std::vector<NodeId>& nodes);
+    StatusCode write(const NodeId& node, Variant value);
+    [[nodiscard]] Result<CallMethodResult> call(const NodeId& object, const NodeId& method,
+                                                Array<Variant> arguments = {});
+
+    /// Watches the value, with a Subscription that publishes and samples at `interval`. The first
+    /// value is among values() after a while. Ends with the connection. Bad_InvalidArgument for an
+    /// interval of half the client's request_timeout or more.
+    StatusCode subscribe(const NodeId& node, Duration interval = std::chrono::milliseconds{100},
+                         std::uint32_t queue_size = 100);
+    /// What has come of a node that is watched, since the last call; at most the last 100,000.
+    [[nodiscard]] std::vector<DataValue> values(const NodeId& node);
+
+private:
+    struct Watched {
+        NodeId node;
+        std::vector<DataValue> values;
+    };
+
+    [[nodiscard]] Result<std::uint32_t> subscription(Duration interval);
+    void publish();
+    void published(const Result<PublishResponse>& response);
+
+    World world_;
+    Duration request_timeout_;
+    std::vector<std::unique_ptr<server::DataSource>> owned_;
+    ServerHost server_;
+    ConnectionHost client_;
+    std::map<server::DataSource*, std::uint32_t> sources_;
+    /// By publishing interval, of this connection's session.
+    std::map<Duration, std::uint32_t> subscriptions_;
+    /// The client handle is the index.
+    std::vector<Watched> watched_;
+    std::vector<SubscriptionAcknowledgement> acknowledgements_;
+    int publishing_{0};
+};
+
+} // namespace busbar::harness

@@ -1,0 +1,123 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <busbar/client/connection.hpp>
+#include <busbar/client/requester.hpp>
+#include <busbar/harness/seeded_random.hpp>
+#include <busbar/harness/world.hpp>
+
+namespace busbar::harness {
+
+/// What a hosted client needs beside its configuration. Whatever is given must outlive the host.
+struct ClientParts {
+    /// Null: every certificate is accepted.
+    crypto::CertificateValidator* validator{nullptr};
+    /// Needed for every policy but None.
+    const channel::ApplicationIdentity* identity{nullptr};
+    /// What the server takes for the client's address.
+    std::string address{"192.0.2.1"};
+    /// From the wish for a connection to its being there, or refused.
+    Duration connect_time{std::chrono::milliseconds{1}};
+};
+
+/// For the server of open_server_config(): an anonymous user without security.
+[[nodiscard]] client::ConnectionConfig open_connection_config();
+
+/// Runs a client::Connection in a world: one connection to one server, and another when asked. One
+/// thread; the world must outlive it.
+class ConnectionHost final : private LinkEnd {
+public:
+    explicit ConnectionHost(World& world,
+                            client::ConnectionConfig config = open_connection_config(),
+                            const ClientParts& parts = {});
+    ~ConnectionHost() override;
+
+    /// Connects and opens a session, or the channel only if none is wanted; what there was before
+    /// is dropped without a word. Runs the world until that is done. Why not: Bad_Timeout, or what
+    /// the Connection was closed with.
+    Result<void> open(Duration limit = std::chrono::minutes{1});
+    /// Closes the session and the connection properly.
+    void close();
+    /// Goes without a word: the server keeps the session until it times out.
+    void drop();
+    [[nodiscard]] bool is_ready() const { return is_ready_; }
+    /// Why the last connection is no more; nothing while it is.
+    [[nodiscard]] std::optional<StatusCode> closed_by() const { return closed_by_; }
+    /// Only while there is one.
+    [[nodiscard]] client::Connection& connection() { return *connection_; }
+
+    /// Sends a request and runs the world until its response is there. The response owns its
+    /// strings. Fails with the ServiceResult if that is bad, Bad_Timeout if `limit` is over first,
+    /// Bad_ConnectionClosed if the connection is lost, Bad_NotConnected without one. Not from
+    /// within a handler.
+    template <typename Response, typename Request>
+    [[nodiscard]] Result<Response> call(Request request, Duration limit = std::chrono::minutes{1});
+    /// Sends a request; `then` gets what call() would return, once, while the world runs. It may
+    /// send others.
+    template <typename Response, typename Request>
+    void send(Request request, std::function<void(Result<Response>)> then);
+
+private:
+    using Handler = std::function<void(Result<client::ResponseBody>)>;
+
+    // LinkEnd
+    [[nodiscard]] std::span<const std::byte> output() const override
+    {
+        return connection_->output();
+    }
+    void consume(std::size_t size) override { connection_->consume(size); }
+    void feed(std::span<const std::byte> in) override;
+    void link_lost() override { end(status::Bad_ConnectionClosed); }
+
+    void connect();
+    /// The Connection counts a request's time from when it last heard what time it is.
+    void tell_time();
+    void update();
+    void handle(client::ConnectionEvent event);
+    void await(Result<std::uint32_t> sent, Handler handler);
+    void end(StatusCode status);
+
+    World& world_;
+    client::ConnectionConfig config_;
+    ClientParts parts_;
+    SeededRandom random_;
+    crypto::InsecureAcceptAnyCertificate accept_any_;
+    std::optional<client::Connection> connection_;
+    std::shared_ptr<Link> link_;
+    std::map<std::uint32_t, Handler> handlers_;
+    std::optional<StatusCode> closed_by_;
+    bool is_ready_{false};
+    Alarm connect_;
+    Alarm deadline_;
+};
+
+template <typename Response, typename Request>
+void ConnectionHost::send(Request request, std::function<void(Result<Response>)> then)
+{
+    tell_time();
+    auto sent = is_ready_ ? connection_->send(std::move(request)) : fail(status::Bad_NotConnected);
+    await(std::move(sent), [then = std::move(then), limits = config_.limits](auto body) {
+        then(body ? body->template decoded<Response>(limits) : fail(body.error()));
+    });
+}
+
+template <typename Response, typename Request>
+Result<Response> ConnectionHost::call(Request request, Duration limit)
+{
+    const auto answer = std::make_shared<std::optional<Result<Response>>>();
+    send<Response>(std::move(request), [answer](Result<Response> response) { //
+        *answer = std::move(response);
+    });
+    if (!world_.run_until([&] { return answer->has_value(); }, limit)) {
+        return fail(status::Bad_Timeout);
+    }
+    return std::move(**answer);
+}
+
+} // namespace busbar::harness

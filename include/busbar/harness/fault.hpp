@@ -1,0 +1,122 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/core/clock.hpp>
+#include <busbar/core/status_codes.hpp>
+#include <busbar/harness/link.hpp>
+
+namespace busbar::harness {
+
+/// The `number`th message of a connection with this name, from 1: a message type ("HEL", "ACK",
+/// "OPN", "MSG", "CLO", "ERR") or, on a channel with policy None, where it can be seen, the name of
+/// the structure it carries ("ReadRequest", "PublishResponse"). Names are counted for themselves,
+/// on each connection, from when the script was played.
+struct Message {
+    std::string name;
+    std::size_t number{1};
+};
+
+/// One thing that goes wrong, and when; made by the functions in `fault` and narrowed by its
+/// members:
+///
+///     fault::cut().after(Message{"PublishResponse", 3})
+///     fault::corrupt(40).at(Message{"OPN"}).sent_by(Side::Server)
+///     fault::answer(status::Bad_Timeout).at(Message{"ReadRequest"}).times(2)
+///     fault::jump_clock(6h).after(10s)
+///
+/// Acts once, on the first connection where its time comes, unless times() says otherwise. Without
+/// a time it acts on the connections that there are or, if there are none, on the next.
+struct Fault {
+    enum class Kind : std::uint8_t {
+        Delay,
+        Hold,
+        Cut,
+        HalfOpen,
+        Corrupt,
+        Split,
+        Answer,
+        JumpClock,
+        Refuse
+    };
+    enum class Moment : std::uint8_t { Before, At, After };
+
+    // When.
+
+    /// Before the message's first byte is sent.
+    [[nodiscard]] Fault before(const Message& which) const { return on(Moment::Before, which); }
+    /// To the message itself; for what acts between messages the same as before().
+    [[nodiscard]] Fault at(const Message& which) const { return on(Moment::At, which); }
+    /// When the message's last byte has been sent.
+    [[nodiscard]] Fault after(const Message& which) const { return on(Moment::After, which); }
+    /// When a side, the client unless sent_by() says otherwise, has sent so many bytes since the
+    /// connection's begin. Not Answer.
+    [[nodiscard]] Fault at_byte(std::uint64_t offset) const;
+    /// So long after the script was played. Not Corrupt, Delay and Answer.
+    [[nodiscard]] Fault after(Duration delay) const;
+    /// Only on the network's `number`th connection, from 1.
+    [[nodiscard]] Fault on_connection(std::size_t which) const;
+    /// Only what this side sends. Of Hold and HalfOpen: whose bytes are held; who notices.
+    [[nodiscard]] Fault sent_by(Side sender) const;
+    /// How often it acts, on its message and those of the same name that follow; 0: always.
+    [[nodiscard]] Fault times(std::size_t number) const;
+
+    Kind kind{Kind::Cut};
+    Moment moment{Moment::At};
+    std::optional<Message> message{};
+    std::optional<std::uint64_t> byte_offset{};
+    std::optional<Duration> time{};
+    std::optional<Side> side{};
+    std::size_t connection{0};
+    std::size_t count{1};
+    /// Delay, JumpClock; Hold: how long, 0 for ever.
+    Duration duration{0};
+    /// Corrupt: which bit of the message's first chunk. Split: the size of pieces.
+    std::size_t position{0};
+    unsigned bit{0};
+    /// Answer.
+    StatusCode status{};
+
+private:
+    [[nodiscard]] Fault on(Moment when, const Message& what) const;
+};
+
+/// What can go wrong.
+namespace fault {
+
+/// The connection is reset; what is under way is lost.
+[[nodiscard]] Fault cut();
+/// The message, and all behind it, arrives later.
+[[nodiscard]] Fault delay(Duration by);
+/// Bytes are held without a word for so long, or for ever; of both sides unless sent_by() says
+/// otherwise. The connection stays: what TCP does when a cable is pulled.
+[[nodiscard]] Fault hold(Duration time = {});
+/// The connection is gone, but only the client notices, or who sent_by() says.
+[[nodiscard]] Fault half_open();
+/// A bit of byte `position` of the message's first chunk is another; past its end, of its last
+/// byte. With at_byte() it is a bit of that byte.
+[[nodiscard]] Fault corrupt(std::size_t position, unsigned bit = 0);
+/// From then on bytes arrive one by one, or in pieces of that size.
+[[nodiscard]] Fault split(std::size_t size = 1);
+/// The request does not reach the server; its answer is a ServiceFault with this status. Only on a
+/// channel with policy None, where requests can be read on their way; the numbers of the following
+/// chunks are made to fit, so that neither side notices more.
+[[nodiscard]] Fault answer(StatusCode status);
+/// The time of day, for all in the world, is another by so much.
+[[nodiscard]] Fault jump_clock(Duration by);
+/// The next connections are refused: their number is the fault's times().
+[[nodiscard]] Fault refuse();
+
+} // namespace fault
+
+/// The fault as a line of text, for reports.
+[[nodiscard]] std::string describe(const Fault& fault);
+
+/// What goes wrong in a run. Network::play() makes it happen.
+using FaultScript = std::vector<Fault>;
+
+} // namespace busbar::harness

@@ -1,0 +1,168 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <busbar/core/clock.hpp>
+#include <busbar/harness/chance.hpp>
+#include <busbar/harness/scheduler.hpp>
+
+namespace busbar::harness {
+
+enum class Side : std::uint8_t { Client, Server };
+
+[[nodiscard]] constexpr Side other(Side side)
+{
+    return side == Side::Client ? Side::Server : Side::Client;
+}
+
+/// An engine at one end of a link.
+class LinkEnd {
+public:
+    LinkEnd() = default;
+    LinkEnd(const LinkEnd&) = delete;
+    LinkEnd& operator=(const LinkEnd&) = delete;
+    virtual ~LinkEnd() = default;
+
+    [[nodiscard]] virtual std::span<const std::byte> output() const = 0;
+    virtual void consume(std::size_t size) = 0;
+    virtual void feed(std::span<const std::byte> in) = 0;
+    /// The link has ended; it knows this end no more.
+    virtual void link_lost() = 0;
+};
+
+/// What a network does to its connections. Shared by all links and may be changed at any time. The
+/// default is a fine day.
+struct Weather {
+    /// Of each burst of bytes.
+    Duration min_latency{std::chrono::milliseconds{1}};
+    Duration max_latency{std::chrono::milliseconds{1}};
+    /// Bytes arrive in pieces of at most so many.
+    std::size_t max_piece{SIZE_MAX};
+    /// Each burst is cut at two random places, and its parts arrive one after the other.
+    bool has_random_cuts{false};
+    /// Of so many bursts of bytes one is held up, and by how much at most; 0: none.
+    std::size_t stall_one_in{0};
+    Duration max_stall{0};
+    /// How long connections live before they are reset, on average; 0: for ever. And whether those
+    /// whose time has come are reset.
+    Duration mean_life{0};
+    bool has_resets{true};
+    /// How long an end may go on without learning that it is alone.
+    Duration max_notice{0};
+};
+
+class Link;
+
+/// Sees what ends send before it is under way, and decides what of it is. Belongs to one link.
+class LinkFilter {
+public:
+    LinkFilter() = default;
+    LinkFilter(const LinkFilter&) = delete;
+    LinkFilter& operator=(const LinkFilter&) = delete;
+    virtual ~LinkFilter() = default;
+
+    /// `from` has sent `bytes`; what is to go on its way is given to Link::send().
+    virtual void pass(Link& link, Side from, std::span<const std::byte> bytes) = 0;
+};
+
+/// Is told what happens on links.
+class LinkObserver {
+public:
+    LinkObserver() = default;
+    LinkObserver(const LinkObserver&) = delete;
+    LinkObserver& operator=(const LinkObserver&) = delete;
+    virtual ~LinkObserver() = default;
+
+    virtual void opened(const Link& link) = 0;
+    /// Bytes that `from` has sent reach the other end now.
+    virtual void arrived(const Link& link, Side from, std::span<const std::byte> bytes) = 0;
+    /// `side` is gone, or the link between; the other end, if it is still there, learns of it now.
+    virtual void ended(const Link& link, Side side) = 0;
+};
+
+/// A connection as TCP makes it: bytes arrive in order, at some time, in any pieces, and are not
+/// lost as long as it lives. A reset takes all that is under way with it. One thread; scheduler
+/// and weather must outlive it. Held by shared pointers: what is under way keeps it.
+class Link : public std::enable_shared_from_this<Link> {
+public:
+    Link(Scheduler& scheduler, const Weather& weather, Chance chance);
+
+    /// The end must stay until link_lost(), leave() or close(). With both ends the link's life,
+    /// and its death, is under way.
+    void attach(Side side, LinkEnd& end);
+    /// Sends what waits in the end's output; before the other end is there nothing.
+    void flush(Side side);
+    /// The end goes without a word. The other one learns of it later, if ever.
+    void leave(Side side);
+    /// The end goes after the last byte of its output has arrived.
+    void close(Side side);
+
+    // What a test may do to it. A link that was cut is cut for good.
+
+    /// A reset: nothing arrives any more, and both ends learn of it at once.
+    void cut();
+    /// The same, but only `side` learns of it; the other end may send what it likes.
+    void cut_for(Side side);
+    /// What `from` has sent and sends, its end included, is held until release().
+    void hold(Side from);
+    void release(Side from);
+    /// From now on pieces of at most `size` bytes arrive, whatever the weather.
+    void split(std::size_t size) { max_piece_ = size; }
+
+    /// Before there are ends. Both may be null.
+    void set_filter(std::unique_ptr<LinkFilter> filter) { filter_ = std::move(filter); }
+    void set_observer(std::shared_ptr<LinkObserver> observer) { observer_ = std::move(observer); }
+    /// Puts bytes on their way as if `from` had sent them; they and what follows arrive `delay`
+    /// later than the weather says. For filters.
+    void send(Side from, std::span<const std::byte> bytes, Duration delay = {});
+
+    /// When the last byte that `from` has sent up to now arrives; in the past if it has.
+    [[nodiscard]] TimePoint last_arrival(Side from) const
+    {
+        return ends_[static_cast<std::size_t>(from)].last_arrival;
+    }
+    [[nodiscard]] bool is_cut() const { return is_cut_; }
+    [[nodiscard]] Scheduler& scheduler() const { return *scheduler_; }
+
+private:
+    using Piece = std::vector<std::byte>;
+    struct End {
+        LinkEnd* engine{nullptr};
+        bool was_attached{false};
+        bool is_gone{false};
+        // What this end sends:
+        std::deque<Piece> pieces;
+        TimePoint last_arrival{};
+        bool is_held{false};
+        /// That have arrived while held.
+        std::size_t due{0};
+    };
+
+    [[nodiscard]] End& end(Side side) { return ends_[static_cast<std::size_t>(side)]; }
+    void send_cut(Side from, std::span<const std::byte> bytes, TimePoint time);
+    void send_whole(Side from, std::span<const std::byte> bytes, TimePoint time);
+    void put(Side from, std::span<const std::byte> piece, TimePoint arrival);
+    void arrive(Side from);
+    void deliver(Side from);
+    void reset();
+    void tell(Side side, Duration delay);
+    void tell_now(Side side);
+
+    Scheduler* scheduler_;
+    const Weather* weather_;
+    Chance chance_;
+    /// By Side.
+    std::array<End, 2> ends_;
+    std::unique_ptr<LinkFilter> filter_;
+    std::shared_ptr<LinkObserver> observer_;
+    std::size_t max_piece_{SIZE_MAX};
+    bool is_cut_{false};
+};
+
+} // namespace busbar::harness

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include <busbar/core/log.hpp>
+
+namespace busbar::harness {
+
+/// Keeps what was logged, a line each, up to a size; what comes then is dropped. Any thread.
+class LogBook final : public LogSink {
+public:
+    static constexpr std::size_t max_size = 1U << 20U;
+
+    void write(LogLevel, std::string_view source, std::string_view message) override
+    {
+        const std::lock_guard lock{mutex_};
+        if (text_.size() + source.size() + message.size() < max_size) {
+            text_.append(source).append(": ").append(message).append("\n");
+        }
+    }
+    [[nodiscard]] std::string text() const
+    {
+        const std::lock_guard lock{mutex_};
+        return text_;
+    }
+    [[nodiscard]] bool contains(std::string_view text) const
+    {
+        const std::lock_guard lock{mutex_};
+        return text_.find(text) != std::string::npos;
+    }
+    void clear()
+    {
+        const std::lock_guard lock{mutex_};
+        text_.clear();
+    }
+
+private:
+    mutable std::mutex mutex_;
+    std::string text_;
+};
+
+} // namespace busbar::harness

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/core/result.hpp>
+#include <busbar/harness/fault.hpp>
+#include <busbar/harness/jumping_clock.hpp>
+#include <busbar/harness/link.hpp>
+
+namespace busbar::harness {
+
+namespace detail {
+class ActingFaults;
+} // namespace detail
+
+/// Somebody who listens on a network.
+class Acceptor {
+public:
+    Acceptor() = default;
+    Acceptor(const Acceptor&) = delete;
+    Acceptor& operator=(const Acceptor&) = delete;
+    virtual ~Acceptor() = default;
+
+    /// Gives the link its server's end; false if there is no place.
+    [[nodiscard]] virtual bool accept(const std::shared_ptr<Link>& link,
+                                      std::string_view peer_address) = 0;
+};
+
+/// Hosts, ports and connections in memory. One thread; scheduler and clock must outlive it.
+class Network {
+public:
+    Network(Scheduler& scheduler, JumpingClock& clock, std::uint64_t seed);
+    ~Network();
+    Network(const Network&) = delete;
+    Network& operator=(const Network&) = delete;
+
+    /// Who connects to the host and port of `url` ("opc.tcp://host:port/path") comes to `acceptor`
+    /// from now on, which must outlive the network or be taken back. Bad_TcpEndpointUrlInvalid.
+    Result<void> listen(std::string_view url, Acceptor& acceptor);
+    /// Nobody comes to `acceptor` any more; connections that there are stay.
+    void unlisten(const Acceptor& acceptor);
+
+    /// Connects at once; an engine that wants it to take time waits before. `client` must stay as
+    /// Link::attach says; call Link::flush when it has something to send. Bad_ConnectionRejected if
+    /// nobody listens there, it has no place or the connection is refused.
+    [[nodiscard]] Result<std::shared_ptr<Link>>
+    connect(std::string_view url, LinkEnd& client, std::string_view client_address = "192.0.2.1");
+
+    /// What the network does to all its connections; changed at any time.
+    [[nodiscard]] Weather& weather() { return weather_; }
+    /// Makes the script happen, beside those that were played before.
+    void play(const FaultScript& script);
+    void play(const Fault& fault) { play(FaultScript{fault}); }
+    /// The faults of all scripts that have not acted once, a line each: a test whose fault never
+    /// came proves nothing.
+    [[nodiscard]] std::string pending_faults() const;
+    /// Is told what happens on all later connections. Null for nobody.
+    void set_observer(std::shared_ptr<LinkObserver> observer) { observer_ = std::move(observer); }
+
+    /// Cuts all connections.
+    void cut();
+    /// From now on, and until it is called with false, every connection is refused.
+    void refuse(bool refuses = true) { refuses_ = refuses; }
+    /// How many connections were made.
+    [[nodiscard]] std::size_t connection_count() const { return connection_count_; }
+
+private:
+    void begin(const std::shared_ptr<Link>& link);
+    void act(const Fault& fault, std::size_t& acted);
+
+    Scheduler* scheduler_;
+    std::uint64_t seed_;
+    Weather weather_;
+    std::map<std::string, Acceptor*> acceptors_;
+    std::shared_ptr<detail::ActingFaults> faults_;
+    std::shared_ptr<LinkObserver> observer_;
+    std::vector<std::weak_ptr<Link>> links_;
+    std::size_t connection_count_{0};
+    bool refuses_{false};
+};
+
+} // namespace busbar::harness

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/core/result.hpp>
+#include <busbar/harness/link.hpp>
+
+namespace busbar::harness {
+
+/// What may be recorded, and read of a file.
+struct RecordingLimits {
+    std::size_t max_bytes{64U << 20U};
+    std::size_t max_entries{1'000'000};
+    std::uint32_t max_connections{10'000};
+};
+
+/// The bytes of sessions, as they arrived.
+struct Recording {
+    enum class Kind : std::uint8_t { Opened, Bytes, Ended };
+    struct Entry {
+        Kind kind{Kind::Bytes};
+        /// Since the world's begin; never before the entry above.
+        Duration time{0};
+        /// From 1, in the order in which they were opened. Bytes and ends only come after it.
+        std::uint32_t connection{0};
+        /// Who has sent the bytes; who is gone for the other end. Client for Opened.
+        Side from{Side::Client};
+        /// At least one, of Bytes.
+        std::vector<std::byte> bytes{};
+
+        friend bool operator==(const Entry&, const Entry&) = default;
+    };
+
+    /// Of the world it was made in.
+    std::uint64_t seed{0};
+    /// False if there was more than the limits allow.
+    bool is_complete{true};
+    std::vector<Entry> entries;
+
+    friend bool operator==(const Recording&, const Recording&) = default;
+
+    /// All that `from` has sent on that connection.
+    [[nodiscard]] std::vector<std::byte> stream(std::uint32_t connection, Side from) const;
+};
+
+/// Writes down what happens on links: see Network::set_observer(). Stops at the limits.
+class Recorder final : public LinkObserver {
+public:
+    explicit Recorder(std::uint64_t seed, RecordingLimits limits = {});
+
+    [[nodiscard]] const Recording& recording() const { return recording_; }
+
+    // LinkObserver
+    void opened(const Link& link) override;
+    void arrived(const Link& link, Side from, std::span<const std::byte> bytes) override;
+    void ended(const Link& link, Side side) override;
+
+private:
+    void add(const Link& link, Recording::Entry entry);
+
+    RecordingLimits limits_;
+    Recording recording_;
+    std::size_t size_{0};
+    std::map<const Link*, std::uint32_t> numbers_;
+    std::uint32_t last_number_{0};
+};
+
+/// A recording as text, to be kept in a file beside a test: a line for the format and its version,
+/// one for the seed, and one for each entry with nanoseconds, connection, "open", ">" (to the
+/// server), "<" or "end", and the bytes in hexadecimal.
+[[nodiscard]] std::string write_recording(const Recording& recording);
+/// Reads it back. Bad_DecodingError for anything else, Bad_NotSupported for another version,
+/// Bad_EncodingLimitsExceeded past the limits.
+[[nodiscard]] Result<Recording> read_recording(std::string_view text,
+                                               const RecordingLimits& limits = {});
+
+/// The recording as a capture file (libpcap's format of microseconds, version 2.4) with Ethernet,
+/// IPv4 and TCP headers around the bytes, the server on `port`: what tshark and Wireshark read, and
+/// decode as OPC UA on port 4840. 1970 is the world's begin.
+[[nodiscard]] std::vector<std::byte> to_pcap(const Recording& recording, std::uint16_t port = 4840);
+
+} // namespace busbar::harness

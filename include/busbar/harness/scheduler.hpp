@@ -1,0 +1,106 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include <busbar/core/clock.hpp>
+#include <busbar/core/function_ref.hpp>
+
+namespace busbar::harness {
+
+class Signal;
+
+/// Virtual time: what is to happen, in the order of its time and, at the same time, of asking.
+/// Nothing else moves the time, so that the same actions make the same run. One thread, but for
+/// Signal::raise().
+class Scheduler {
+public:
+    using Action = std::function<void()>;
+
+    [[nodiscard]] TimePoint now() const { return now_; }
+    /// A time in the past means now, after the action that runs.
+    void at(TimePoint time, Action action);
+    void after(Duration delay, Action action) { at(now_ + delay, std::move(action)); }
+
+    /// Lets all happen that is to happen until then; it is `end` afterwards.
+    void run_until(TimePoint end);
+    void run_for(Duration time) { run_until(now_ + time); }
+    /// The same, but stops as soon as `condition`, asked before the first and after each action,
+    /// holds. False, and it is `end`, if it never did.
+    bool run_until(FunctionRef<bool()> condition, TimePoint end);
+    /// Lets the next thing happen, whenever that is; false if there is none.
+    bool step();
+    /// When the next thing is to happen, which may be in the past; no_deadline if there is none.
+    /// A driver in real time waits until then, or for less, and calls run_until() with its clock.
+    [[nodiscard]] TimePoint next_due() const;
+
+private:
+    friend class Signal;
+    struct Entry {
+        TimePoint time;
+        std::uint64_t serial;
+        Action action;
+    };
+    static bool is_later(const Entry& a, const Entry& b);
+    void take_signals();
+    bool run_next(TimePoint end);
+
+    TimePoint now_{};
+    std::uint64_t last_serial_{0};
+    std::vector<Entry> entries_;
+    std::vector<Signal*> signals_;
+};
+
+/// Does one thing at a time that can be changed. Forgets it when destroyed. Must not be destroyed
+/// by what it does. The scheduler must outlive it.
+class Alarm {
+public:
+    Alarm(Scheduler& scheduler, Scheduler::Action action);
+    Alarm(const Alarm&) = delete;
+    Alarm& operator=(const Alarm&) = delete;
+    ~Alarm() { cancel(); }
+
+    [[nodiscard]] bool is_set() const { return state_->due != no_deadline; }
+    /// Replaces an earlier setting; no_deadline is cancel().
+    void set(TimePoint due);
+    void set_after(Duration delay) { set(scheduler_->now() + delay); }
+    void cancel() { state_->due = no_deadline; }
+
+private:
+    struct State {
+        TimePoint due{no_deadline};
+        /// When the scheduler asks next.
+        TimePoint asked{no_deadline};
+        Scheduler::Action action;
+    };
+    static void wait(Scheduler& scheduler, const std::shared_ptr<State>& state);
+
+    Scheduler* scheduler_;
+    std::shared_ptr<State> state_;
+};
+
+/// Lets other threads, and whoever must not be called back at once, make something happen now:
+/// before the next action, or at the begin of the next run. Raised again before that, it is once.
+/// Must not be destroyed by what it does. The scheduler must outlive it.
+class Signal {
+public:
+    Signal(Scheduler& scheduler, Scheduler::Action action);
+    Signal(const Signal&) = delete;
+    Signal& operator=(const Signal&) = delete;
+    ~Signal();
+
+    /// Any thread; neither blocks nor allocates.
+    void raise() { is_raised_ = true; }
+
+private:
+    friend class Scheduler;
+
+    Scheduler* scheduler_;
+    Scheduler::Action action_;
+    std::atomic<bool> is_raised_{false};
+};
+
+} // namespace busbar::harness

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <busbar/channel/client_channel.hpp>
+#include <busbar/harness/connection_host.hpp>
+#include <busbar/harness/scripted_server.hpp>
+
+namespace busbar::harness {
+
+/// A client that sends what a test wants, in and out of turn: the channel's part it does by itself,
+/// sessions and services are the test's, and so are bytes that are no message. For what a proper
+/// client sends there is ConnectionHost. One thread; the world must outlive it.
+class ScriptedClient final : private LinkEnd {
+public:
+    /// `config.endpoint_url` says where to.
+    ScriptedClient(World& world, channel::ClientChannelConfig config,
+                   const ClientParts& parts = {});
+    ~ScriptedClient() override;
+
+    /// Connects and opens the channel; runs the world until it is open. Why not, or Bad_Timeout.
+    Result<void> open(Duration limit = std::chrono::minutes{1});
+    /// Sends a request as it is, but that a request handle of 0 becomes a new one. Its RequestId;
+    /// Bad_NotConnected without a channel.
+    template <typename Request>
+    Result<std::uint32_t> send(Request request)
+    {
+        if (request.request_header.request_handle == 0) {
+            request.request_header.request_handle = ++last_handle_;
+        }
+        auto body = detail::encode_body(request);
+        return body ? send_body(*body) : fail(body.error());
+    }
+    /// Sends bytes past the channel, whole chunks or anything else.
+    void send_bytes(std::span<const std::byte> bytes);
+    /// Runs the world until a message comes, whichever: the response, or why it is none: the status
+    /// of a ServiceFault, Bad_UnknownResponse for another structure, Bad_Timeout, or what the
+    /// connection was closed with. What was expected and what came is added to the report.
+    template <typename Response>
+    [[nodiscard]] Result<Response> expect(Duration limit = std::chrono::minutes{1})
+    {
+        auto body = await(Response::binary_encoding_id, limit);
+        return body ? detail::decode_body<Response>(*body) : fail(body.error());
+    }
+    /// Runs the world until the connection is over; what the server said, Good if it said nothing.
+    [[nodiscard]] Result<StatusCode> expect_close(Duration limit = std::chrono::minutes{1});
+    /// What was expected and did not come; a line each, empty if all came.
+    [[nodiscard]] const std::string& report() const { return report_; }
+
+private:
+    // LinkEnd
+    [[nodiscard]] std::span<const std::byte> output() const override;
+    void consume(std::size_t size) override;
+    void feed(std::span<const std::byte> in) override;
+    void link_lost() override;
+
+    void update();
+    [[nodiscard]] Result<std::uint32_t> send_body(std::span<const std::byte> body);
+    [[nodiscard]] Result<std::vector<std::byte>> await(std::uint32_t encoding_id, Duration limit);
+
+    World& world_;
+    channel::ClientChannelConfig config_;
+    ClientParts parts_;
+    SeededRandom random_;
+    crypto::InsecureAcceptAnyCertificate accept_any_;
+    std::optional<channel::ClientChannel> channel_;
+    std::shared_ptr<Link> link_;
+    std::vector<std::byte> raw_;
+    std::deque<std::vector<std::byte>> messages_;
+    std::optional<StatusCode> closed_by_;
+    std::string report_;
+    std::uint32_t last_handle_{0};
+    bool is_open_{false};
+    Alarm deadline_;
+};
+
+} // namespace busbar::harness

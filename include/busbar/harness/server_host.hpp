@@ -1,0 +1,105 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/crypto/certificate_validator.hpp>
+#include <busbar/harness/seeded_random.hpp>
+#include <busbar/harness/world.hpp>
+#include <busbar/server/server.hpp>
+
+namespace busbar::harness {
+
+/// What a hosted server needs beside its configuration. Whatever is given must outlive the host.
+struct ServerParts {
+    /// Null: every certificate is accepted.
+    crypto::CertificateValidator* validator{nullptr};
+    /// Null: nobody but anonymous users.
+    server::UserStore* users{nullptr};
+    const server::AccessControl* access{nullptr};
+    /// How much later than it was woken the server looks for what data sources have completed: as
+    /// threads get their turn. One in eight times up to the second one.
+    Duration wake_delay{0};
+    Duration rare_wake_delay{0};
+};
+
+/// One endpoint without security, on which everybody may do everything: for what is under test is
+/// another thing.
+[[nodiscard]] server::ServerConfig open_server_config();
+
+/// Users of a test, with passwords that are not hashed, which would take most of a test's time.
+/// Anonymous users may do everything.
+class TestUsers final : public server::UserStore {
+public:
+    void add(std::string name, std::string password, server::UserRights rights = {});
+    [[nodiscard]] Result<server::UserIdentity> log_in(std::string_view name,
+                                                      std::string_view password) override;
+    [[nodiscard]] server::UserIdentity anonymous() const override { return everybody; }
+
+    server::UserIdentity everybody{};
+
+private:
+    struct User {
+        std::string password;
+        server::UserRights rights;
+    };
+    std::map<std::string, User, std::less<>> users_;
+};
+
+/// Runs a server in a world as the network layer does in real time. One thread; data sources may
+/// complete from others, though the world has to be driven in real time for that to make sense.
+class ServerHost final : public Acceptor, private server::Waker {
+public:
+    /// Listens at the configuration's endpoint_url. The world must outlive it. A configuration that
+    /// contradicts itself leaves the host without a server: see is_running(), and the world's log.
+    explicit ServerHost(World& world, server::ServerConfig config = open_server_config(),
+                        const ServerParts& parts = {}, model::AddressSpace address_space = {});
+    /// For links that are made by hand, without a network.
+    ServerHost(Scheduler& scheduler, const WallClock& clock, LogSink& log, Chance chance,
+               server::ServerConfig config, const ServerParts& parts = {},
+               model::AddressSpace address_space = {});
+    ~ServerHost() override;
+
+    [[nodiscard]] bool is_running() const { return server_ != nullptr; }
+    /// Only if it is_running(). What is changed from outside of a run is noticed at its begin.
+    [[nodiscard]] server::Server& server()
+    {
+        touched_.raise();
+        return *server_;
+    }
+    /// Takes a Variable's value from `source`, which must outlive the host; its index.
+    std::uint32_t add_source(server::DataSource& source) { return server_->add_source(source); }
+    [[nodiscard]] bool accept(const std::shared_ptr<Link>& link,
+                              std::string_view peer_address) override;
+
+private:
+    class Peer;
+
+    void wake() override { woken_.raise(); }
+    void await_completions();
+    /// Looks after what the last call left behind: deadlines, and output of other connections.
+    void settle();
+    void forget_ended();
+
+    Scheduler& scheduler_;
+    Network* network_{nullptr};
+    Chance chance_;
+    ServerParts parts_;
+    SeededRandom random_;
+    crypto::InsecureAcceptAnyCertificate accept_any_;
+    TestUsers anybody_;
+    std::vector<std::uint64_t> ended_;
+    Alarm deadline_;
+    Alarm completions_;
+    Alarm forget_;
+    Signal woken_;
+    Signal touched_;
+    std::unique_ptr<server::Server> server_;
+    std::map<std::uint64_t, std::unique_ptr<Peer>> peers_;
+};
+
+} // namespace busbar::harness

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+#include <busbar/core/types.hpp>
+
+/// Values as a failing test shows them: one line each, long arrays cut short.
+namespace busbar::harness {
+
+/// "Bad_Timeout"; "0x80AB0401" where the code has no name or info bits.
+[[nodiscard]] std::string text_of(StatusCode code);
+/// "Int32 42", "String \"abc\"", "Double[3] {1, 2, 3}", "null".
+[[nodiscard]] std::string text_of(const Variant& value);
+/// Value, status unless Good, and timestamps that are there.
+[[nodiscard]] std::string text_of(const DataValue& value);
+
+} // namespace busbar::harness

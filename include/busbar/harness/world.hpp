@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include <busbar/core/function_ref.hpp>
+#include <busbar/harness/jumping_clock.hpp>
+#include <busbar/harness/log_book.hpp>
+#include <busbar/harness/network.hpp>
+#include <busbar/harness/scheduler.hpp>
+
+namespace busbar::harness {
+
+/// Who draws from a world's randomness.
+enum class Actor : std::uint8_t { Server, Client, Other };
+
+/// Servers, clients and the network between them, in virtual time: a day takes seconds, and the
+/// same seed makes the same things happen. Nothing in it asks a clock, sleeps or opens a port.
+///
+/// In real time a world runs as it is. Whoever has a clock and can wait drives it:
+///
+///     world.run_until(TimePoint{elapsed()});   // on one thread, again and again
+///     wait(min(world.scheduler().next_due() - world.now(), 10ms));
+///
+/// One thread, and everything that lives in a world goes before it.
+class World {
+public:
+    explicit World(std::uint64_t seed = seed_from_environment(), DateTime begin = first_day)
+        : seed_{seed}, clock_{scheduler_, begin}
+    {
+    }
+
+    /// The number in the environment's BUSBAR_SEED; 1 if there is none.
+    [[nodiscard]] static std::uint64_t seed_from_environment();
+    /// To be shown with a test that fails: BUSBAR_SEED replays it.
+    [[nodiscard]] std::uint64_t seed() const { return seed_; }
+    /// Randomness for the next actor of a kind, with numbers of its own: the second client has the
+    /// same in each run, however many servers there are.
+    [[nodiscard]] Chance new_chance(Actor kind)
+    {
+        const auto index = static_cast<std::size_t>(kind);
+        return {seed_, (index << 32U) + ++actors_.at(index)};
+    }
+
+    [[nodiscard]] TimePoint now() const { return scheduler_.now(); }
+    void run_for(Duration time) { scheduler_.run_for(time); }
+    void run_until(TimePoint end) { scheduler_.run_until(end); }
+    /// Runs until `condition` holds, asked after each thing that happens, or the time is over;
+    /// whether it holds.
+    [[nodiscard]] bool run_until(FunctionRef<bool()> condition,
+                                 Duration limit = std::chrono::minutes{1})
+    {
+        return scheduler_.run_until(condition, now() + limit);
+    }
+    /// Lets one thing happen; false if nothing is to happen any more.
+    bool step() { return scheduler_.step(); }
+    /// Sets the time of day, forwards or back; monotonic time goes on.
+    void jump_clock(Duration by) { clock_.jump(by); }
+
+    [[nodiscard]] Scheduler& scheduler() { return scheduler_; }
+    [[nodiscard]] const WallClock& clock() const { return clock_; }
+    [[nodiscard]] Network& network() { return network_; }
+    /// What all servers and clients in it have logged.
+    [[nodiscard]] LogBook& log() { return log_; }
+
+private:
+    std::uint64_t seed_;
+    std::array<std::uint64_t, 3> actors_{};
+    Scheduler scheduler_;
+    JumpingClock clock_;
+    LogBook log_;
+    Network network_{scheduler_, clock_, seed_};
+};
+
+} // namespace busbar::harness

@@ -1,0 +1,119 @@
+#include "dissector.hpp"
+
+#include <array>
+#include <utility>
+
+#include <busbar/binary/codec.hpp>
+#include <busbar/binary/type_registry.hpp>
+#include <busbar/crypto/security_policy.hpp>
+#include <busbar/types/registry.hpp>
+
+namespace busbar::harness::detail {
+
+namespace {
+
+using channel::detail::MessageType;
+
+constexpr std::array<std::string_view, 7> type_names{"HEL", "ACK", "ERR", "RHE",
+                                                     "OPN", "MSG", "CLO"};
+
+bool is_none(std::span<const std::byte> open)
+{
+    binary::Reader reader{open, binary::Strings::Borrow};
+    reader.skip(12); // message header and SecureChannelId
+    String uri;
+    decode(reader, uri);
+    return reader.ok() && uri.view() == crypto::policy_none().uri;
+}
+
+/// The name of the structure in a plain MSG chunk; empty if it is none that is known.
+std::string_view structure_of(std::span<const std::byte> chunk)
+{
+    static const binary::TypeRegistry types{binary::namespace0_types()};
+    constexpr std::size_t header =
+        channel::detail::symmetric_header_size + channel::detail::sequence_header_size;
+    binary::Reader reader{chunk, binary::Strings::Borrow};
+    reader.skip(header);
+    NodeId id;
+    decode(reader, id);
+    const StructureType* const type = reader.ok() ? types.find(id) : nullptr;
+    return type != nullptr ? type->name : std::string_view{};
+}
+
+} // namespace
+
+std::optional<std::size_t> Frame::sequence_offset() const
+{
+    if (!is_plain) {
+        return std::nullopt;
+    }
+    if (type == MessageType::MSG || type == MessageType::CLO) {
+        return channel::detail::symmetric_header_size;
+    }
+    if (type != MessageType::OPN) {
+        return std::nullopt;
+    }
+    // Three strings and byte strings (Part 6, 6.7.2.3).
+    binary::Reader reader{bytes, binary::Strings::Borrow};
+    reader.skip(12);
+    for (int i = 0; i < 3; ++i) {
+        const auto size = reader.number<std::int32_t>();
+        reader.skip(size > 0 ? static_cast<std::size_t>(size) : 0);
+    }
+    return reader.ok() && reader.remaining() >= 8 ? std::optional{reader.offset()} : std::nullopt;
+}
+
+void Dissector::feed(Side from, std::span<const std::byte> bytes)
+{
+    Stream& stream = streams_[static_cast<std::size_t>(from)];
+    stream.bytes.insert(stream.bytes.end(), bytes.begin(), bytes.end());
+}
+
+std::optional<Frame> Dissector::take(Side from)
+{
+    Stream& stream = streams_[static_cast<std::size_t>(from)];
+    Frame frame;
+    if (!stream.is_broken && stream.bytes.size() < channel::detail::header_size) {
+        return std::nullopt;
+    }
+    if (!stream.is_broken) {
+        const auto header = channel::detail::parse_frame_header(stream.bytes, max_frame_size);
+        if (header) {
+            if (stream.bytes.size() < header->size) {
+                return std::nullopt;
+            }
+            const auto end = stream.bytes.begin() + static_cast<std::ptrdiff_t>(header->size);
+            frame.bytes.assign(stream.bytes.begin(), end);
+            stream.bytes.erase(stream.bytes.begin(), end);
+            frame.type = header->type;
+            frame.is_last = header->chunk != 'C';
+            describe(stream, frame);
+            return frame;
+        }
+        stream.is_broken = true;
+    }
+    if (stream.bytes.empty()) {
+        return std::nullopt;
+    }
+    frame.bytes = std::exchange(stream.bytes, {});
+    return frame;
+}
+
+void Dissector::describe(Stream& stream, Frame& frame)
+{
+    frame.type_name = type_names.at(static_cast<std::size_t>(frame.type));
+    if (frame.type == MessageType::OPN) {
+        is_plain_ = is_none(frame.bytes);
+    }
+    frame.is_plain = is_plain_;
+    frame.is_first = !stream.is_in_message;
+    stream.is_in_message = !frame.is_last;
+    if (frame.is_first) {
+        stream.structure_name = frame.type == MessageType::MSG && is_plain_
+                                    ? structure_of(frame.bytes)
+                                    : std::string_view{};
+    }
+    frame.structure_name = stream.structure_name;
+}
+
+} // namespace busbar::harness::detail

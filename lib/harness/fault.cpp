@@ -1,0 +1,163 @@
+#include <busbar/harness/fault.hpp>
+
+#include <array>
+
+namespace busbar::harness {
+
+namespace {
+
+Fault make(Fault::Kind kind)
+{
+    Fault made;
+    made.kind = kind;
+    return made;
+}
+
+std::string_view side_name(Side side)
+{
+    return side == Side::Client ? "client" : "server";
+}
+
+std::string moment_text(const Fault& fault)
+{
+    static constexpr std::array<std::string_view, 3> moments{" before ", " at ", " after "};
+    if (fault.message) {
+        return std::string{moments.at(static_cast<std::size_t>(fault.moment))} +
+               fault.message->name + " " + std::to_string(fault.message->number);
+    }
+    if (fault.byte_offset) {
+        return " at byte " + std::to_string(*fault.byte_offset);
+    }
+    if (fault.time) {
+        return " after " + std::to_string(std::chrono::duration<double>{*fault.time}.count()) +
+               " s";
+    }
+    return "";
+}
+
+} // namespace
+
+Fault Fault::on(Moment when, const Message& what) const
+{
+    Fault copy = *this;
+    copy.moment = when;
+    copy.message = what;
+    return copy;
+}
+
+Fault Fault::at_byte(std::uint64_t offset) const
+{
+    Fault copy = *this;
+    copy.byte_offset = offset;
+    return copy;
+}
+
+Fault Fault::after(Duration delay) const
+{
+    Fault copy = *this;
+    copy.time = delay;
+    return copy;
+}
+
+Fault Fault::on_connection(std::size_t number) const
+{
+    Fault copy = *this;
+    copy.connection = number;
+    return copy;
+}
+
+Fault Fault::sent_by(Side sender) const
+{
+    Fault copy = *this;
+    copy.side = sender;
+    return copy;
+}
+
+Fault Fault::times(std::size_t number) const
+{
+    Fault copy = *this;
+    copy.count = number;
+    return copy;
+}
+
+namespace fault {
+
+Fault cut()
+{
+    return make(Fault::Kind::Cut);
+}
+
+Fault delay(Duration by)
+{
+    Fault made = make(Fault::Kind::Delay);
+    made.duration = by;
+    return made;
+}
+
+Fault hold(Duration time)
+{
+    Fault made = make(Fault::Kind::Hold);
+    made.duration = time;
+    return made;
+}
+
+Fault half_open()
+{
+    return make(Fault::Kind::HalfOpen);
+}
+
+Fault corrupt(std::size_t position, unsigned bit)
+{
+    Fault made = make(Fault::Kind::Corrupt);
+    made.position = position;
+    made.bit = bit % 8;
+    return made;
+}
+
+Fault split(std::size_t size)
+{
+    Fault made = make(Fault::Kind::Split);
+    made.position = size;
+    return made;
+}
+
+Fault answer(StatusCode status)
+{
+    Fault made = make(Fault::Kind::Answer);
+    made.status = status;
+    return made;
+}
+
+Fault jump_clock(Duration by)
+{
+    Fault made = make(Fault::Kind::JumpClock);
+    made.duration = by;
+    return made;
+}
+
+Fault refuse()
+{
+    return make(Fault::Kind::Refuse);
+}
+
+} // namespace fault
+
+std::string describe(const Fault& fault)
+{
+    static constexpr std::array<std::string_view, 9> kinds{
+        "delay", "hold", "cut", "half open", "corrupt", "split", "answer", "jump clock", "refuse"};
+    std::string text{kinds.at(static_cast<std::size_t>(fault.kind))};
+    if (fault.kind == Fault::Kind::Answer) {
+        text += " " + std::string{name(fault.status)};
+    }
+    text += moment_text(fault);
+    if (fault.side) {
+        text += " of the " + std::string{side_name(*fault.side)};
+    }
+    if (fault.connection != 0) {
+        text += " on connection " + std::to_string(fault.connection);
+    }
+    return text;
+}
+
+} // namespace busbar::harness

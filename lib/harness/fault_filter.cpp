@@ -1,0 +1,230 @@
+#include "fault_filter.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <busbar/binary/codec.hpp>
+#include <busbar/types/common.hpp>
+
+namespace busbar::harness::detail {
+
+namespace {
+
+std::uint32_t number_at(std::span<const std::byte> bytes, std::size_t offset)
+{
+    binary::Reader reader{bytes.subspan(offset)};
+    return reader.number<std::uint32_t>();
+}
+
+void set_number(std::span<std::byte> bytes, std::size_t offset, std::uint32_t number)
+{
+    binary::SpanSink sink{bytes.subspan(offset, sizeof number)};
+    binary::Writer writer{sink};
+    writer.number(number);
+}
+
+void flip(std::span<std::byte> bytes, std::size_t position, unsigned bit)
+{
+    bytes[std::min(position, bytes.size() - 1)] ^= static_cast<std::byte>(1U << bit);
+}
+
+bool acts_on_bytes(Fault::Kind kind)
+{
+    return kind == Fault::Kind::Delay || kind == Fault::Kind::Corrupt ||
+           kind == Fault::Kind::Answer;
+}
+
+/// Hold and HalfOpen say with their side whom they hit, not who has sent the message.
+bool is_sender(const Fault& fault, Side from)
+{
+    return fault.kind == Fault::Kind::Hold || fault.kind == Fault::Kind::HalfOpen || !fault.side ||
+           *fault.side == from;
+}
+
+/// A MSG chunk of the same channel with a ServiceFault in it (Part 6, 6.7.2).
+std::vector<std::byte> make_fault(std::span<const std::byte> request, std::uint32_t number,
+                                  StatusCode status, DateTime now)
+{
+    binary::Reader reader{request};
+    reader.skip(8);
+    const auto channel_id = reader.number<std::uint32_t>();
+    const auto token_id = reader.number<std::uint32_t>();
+    reader.skip(sizeof(std::uint32_t));
+    const auto request_id = reader.number<std::uint32_t>();
+    NodeId id;
+    RequestHeader header;
+    decode(reader, id);
+    decode(reader, header);
+
+    ServiceFault fault;
+    fault.response_header.timestamp = now;
+    fault.response_header.request_handle = header.request_handle;
+    fault.response_header.service_result = status;
+    binary::VectorSink sink;
+    binary::Writer writer{sink};
+    writer.bytes(std::as_bytes(std::span{"MSGF", 4}));
+    for (const std::uint32_t field : {0U, channel_id, token_id, number, request_id}) {
+        writer.number(field);
+    }
+    encode(writer, NodeId{0, ServiceFault::binary_encoding_id});
+    encode(writer, fault);
+    auto bytes = sink.take(writer.written());
+    set_number(bytes, 4, static_cast<std::uint32_t>(bytes.size()));
+    return bytes;
+}
+
+} // namespace
+
+void FaultFilter::pass(Link& link, Side from, std::span<const std::byte> bytes)
+{
+    dissector_.feed(from, bytes);
+    while (auto frame = dissector_.take(from)) {
+        pass(link, from, *std::move(frame));
+    }
+}
+
+void FaultFilter::pass(Link& link, Side from, Frame frame)
+{
+    Stream& stream = streams_[static_cast<std::size_t>(from)];
+    renumber(from, frame);
+    if (frame.is_first) {
+        stream.delay = Duration{0};
+        stream.is_swallowed = false;
+        begin_message(link, from, frame);
+    }
+    if (stream.is_swallowed) {
+        ++swallowed_;
+    } else {
+        send(link, from, frame.bytes);
+    }
+    if (frame.is_last) {
+        end_message(link, from);
+    }
+}
+
+void FaultFilter::renumber(Side from, Frame& frame)
+{
+    const auto offset = frame.sequence_offset();
+    if (!offset || frame.bytes.size() < *offset + sizeof(std::uint32_t)) {
+        return;
+    }
+    std::uint32_t number = number_at(frame.bytes, *offset);
+    number = from == Side::Client ? number - swallowed_ : number + forged_;
+    set_number(frame.bytes, *offset, number);
+    if (from == Side::Server) {
+        server_number_ = number;
+    }
+}
+
+void FaultFilter::begin_message(Link& link, Side from, Frame& frame)
+{
+    Stream& stream = streams_[static_cast<std::size_t>(from)];
+    auto& entries = faults_->entries();
+    stream.matches.resize(entries.size());
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        Entry& entry = entries[i];
+        const auto& message = entry.fault.message;
+        const bool is_it =
+            message && is_sender(entry.fault, from) &&
+            (message->name == frame.type_name ||
+             (!frame.structure_name.empty() && message->name == frame.structure_name));
+        if (!is_it) {
+            continue;
+        }
+        const std::size_t number = ++stream.matches[i];
+        // What acts more than once goes on with the following messages.
+        const bool is_due =
+            number == message->number || (entry.fault.count != 1 && number > message->number);
+        if (is_due && entry.is_for(connection_)) {
+            meet(link, from, frame, entry);
+        }
+    }
+}
+
+void FaultFilter::meet(Link& link, Side from, Frame& frame, Entry& entry)
+{
+    Stream& stream = streams_[static_cast<std::size_t>(from)];
+    const Fault& fault = entry.fault;
+    if (fault.moment == Fault::Moment::After) {
+        stream.at_end.push_back(&entry);
+        return;
+    }
+    if (fault.kind == Fault::Kind::Answer && (from == Side::Server || !frame.is_plain)) {
+        return;
+    }
+    ++entry.acted;
+    if (!acts_on_bytes(fault.kind)) {
+        faults_->act(fault, link, from);
+    } else if (fault.kind == Fault::Kind::Delay) {
+        stream.delay += fault.duration;
+    } else if (fault.kind == Fault::Kind::Corrupt) {
+        flip(frame.bytes, fault.position, fault.bit);
+    } else {
+        stream.is_swallowed = true;
+        answer(link, frame, fault.status);
+    }
+}
+
+void FaultFilter::end_message(Link& link, Side from)
+{
+    for (Entry* const entry : std::exchange(streams_[static_cast<std::size_t>(from)].at_end, {})) {
+        if (!acts_on_bytes(entry->fault.kind) && entry->is_for(connection_)) {
+            ++entry->acted;
+            faults_->act(entry->fault, link, from);
+        }
+    }
+}
+
+FaultFilter::Entry* FaultFilter::next_at_byte(Side from, std::size_t size)
+{
+    const std::uint64_t sent = streams_[static_cast<std::size_t>(from)].sent;
+    Entry* next = nullptr;
+    for (Entry& entry : faults_->entries()) {
+        const auto& offset = entry.fault.byte_offset;
+        if (offset && *offset >= sent && *offset < sent + size && entry.is_for(connection_) &&
+            entry.fault.kind != Fault::Kind::Answer &&
+            entry.fault.side.value_or(Side::Client) == from &&
+            (next == nullptr || *offset < *next->fault.byte_offset)) {
+            next = &entry;
+        }
+    }
+    return next;
+}
+
+void FaultFilter::send(Link& link, Side from, std::span<std::byte> bytes)
+{
+    Stream& stream = streams_[static_cast<std::size_t>(from)];
+    while (!bytes.empty()) {
+        Entry* const entry = next_at_byte(from, bytes.size());
+        const std::size_t size =
+            entry == nullptr ? bytes.size()
+                             : static_cast<std::size_t>(*entry->fault.byte_offset - stream.sent);
+        if (size > 0) {
+            link.send(from, bytes.first(size), stream.delay);
+            stream.sent += size;
+            bytes = bytes.subspan(size);
+        }
+        if (entry == nullptr) {
+            return;
+        }
+        ++entry->acted;
+        if (!acts_on_bytes(entry->fault.kind)) {
+            faults_->act(entry->fault, link, from);
+        } else if (entry->fault.kind == Fault::Kind::Corrupt) {
+            flip(bytes, 0, entry->fault.bit);
+        } else {
+            stream.delay += entry->fault.duration;
+        }
+        link.send(from, bytes.first(1), stream.delay);
+        ++stream.sent;
+        bytes = bytes.subspan(1);
+    }
+}
+
+void FaultFilter::answer(Link& link, const Frame& request, StatusCode status)
+{
+    ++forged_;
+    link.send(Side::Server, make_fault(request.bytes, ++server_number_, status, faults_->now()));
+}
+
+} // namespace busbar::harness::detail

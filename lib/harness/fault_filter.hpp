@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "acting_faults.hpp"
+#include "dissector.hpp"
+
+namespace busbar::harness::detail {
+
+/// Lets faults act on what one connection carries.
+class FaultFilter final : public LinkFilter {
+public:
+    FaultFilter(std::shared_ptr<ActingFaults> faults, std::size_t connection)
+        : faults_{std::move(faults)}, connection_{connection}
+    {
+    }
+
+    void pass(Link& link, Side from, std::span<const std::byte> bytes) override;
+
+private:
+    using Entry = ActingFaults::Entry;
+    struct Stream {
+        std::uint64_t sent{0};
+        /// Faults that act when the message under way is over.
+        std::vector<Entry*> at_end;
+        /// By the fault's place: how many messages of its name have come.
+        std::vector<std::size_t> matches;
+        Duration delay{0};
+        bool is_swallowed{false};
+    };
+
+    void pass(Link& link, Side from, Frame frame);
+    void renumber(Side from, Frame& frame);
+    /// Lets the faults act whose message begins with the frame.
+    void begin_message(Link& link, Side from, Frame& frame);
+    void meet(Link& link, Side from, Frame& frame, Entry& entry);
+    void end_message(Link& link, Side from);
+    void send(Link& link, Side from, std::span<std::byte> bytes);
+    [[nodiscard]] Entry* next_at_byte(Side from, std::size_t size);
+    void answer(Link& link, const Frame& request, StatusCode status);
+
+    std::shared_ptr<ActingFaults> faults_;
+    std::size_t connection_;
+    Dissector dissector_;
+    Stream streams_[2];
+    /// Chunks that the server never saw, and that it did not send; and its last number.
+    std::uint32_t swallowed_{0};
+    std::uint32_t forged_{0};
+    std::uint32_t server_number_{0};
+};
+
+} // namespace busbar::harness::detail

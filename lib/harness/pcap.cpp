@@ -1,0 +1,197 @@
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include <busbar/binary/writer.hpp>
+#include <busbar/harness/recording.hpp>
+
+namespace busbar::harness {
+
+namespace {
+
+constexpr std::size_t ethernet_size = 14;
+constexpr std::size_t ip_size = 20;
+constexpr std::size_t tcp_size = 20;
+constexpr std::size_t max_segment_size = 1'460;
+constexpr std::uint32_t max_packet_size = 65'535;
+constexpr std::uint16_t first_client_port = 49'152;
+
+// TCP flags (RFC 9293, 3.1).
+constexpr std::uint8_t fin = 1;
+constexpr std::uint8_t syn = 2;
+constexpr std::uint8_t push = 8;
+constexpr std::uint8_t ack = 16;
+
+constexpr std::uint32_t client_address = 0xC000'0201; // 192.0.2.1, RFC 5737
+constexpr std::uint32_t server_address = 0xC000'0202;
+
+/// A packet's bytes in network order.
+class Packet {
+public:
+    void put8(std::uint8_t value) { bytes_.push_back(static_cast<std::byte>(value)); }
+    void put16(std::uint32_t value)
+    {
+        put8(static_cast<std::uint8_t>(value >> 8U));
+        put8(static_cast<std::uint8_t>(value));
+    }
+    void put32(std::uint32_t value)
+    {
+        put16(value >> 16U);
+        put16(value & 0xFFFFU);
+    }
+    void put(std::span<const std::byte> bytes)
+    {
+        bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    }
+    /// Writes the Internet checksum (RFC 1071) of all from `begin` on, and of `more`, at `offset`.
+    void seal(std::size_t begin, std::size_t size, std::size_t offset, std::uint32_t more)
+    {
+        std::uint32_t sum = more;
+        for (std::size_t i = begin; i < begin + size; ++i) {
+            const auto byte = std::to_integer<std::uint32_t>(bytes_[i]);
+            sum += (i - begin) % 2 == 0 ? byte << 8U : byte;
+            sum = (sum & 0xFFFFU) + (sum >> 16U);
+        }
+        sum = ~((sum & 0xFFFFU) + (sum >> 16U));
+        bytes_[offset] = static_cast<std::byte>(sum >> 8U);
+        bytes_[offset + 1] = static_cast<std::byte>(sum);
+    }
+    [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_; }
+
+private:
+    std::vector<std::byte> bytes_;
+};
+
+constexpr std::uint32_t words(std::uint32_t address)
+{
+    return (address >> 16U) + (address & 0xFFFFU);
+}
+
+/// Turns the entries of one recording into packets.
+class Capture {
+public:
+    explicit Capture(std::uint16_t port) : port_{port}
+    {
+        writer_.number(std::uint32_t{0xA1B2'C3D4});
+        for (const std::uint16_t part : {std::uint16_t{2}, std::uint16_t{4}}) {
+            writer_.number(part);
+        }
+        for (const std::uint32_t part : {0U, 0U, max_packet_size, 1U}) { // 1: Ethernet
+            writer_.number(part);
+        }
+    }
+
+    void add(const Recording::Entry& entry)
+    {
+        Flow& flow = flows_[entry.connection];
+        time_ = entry.time;
+        switch (entry.kind) {
+        case Recording::Kind::Opened:
+            flow.client_port =
+                static_cast<std::uint16_t>(first_client_port + entry.connection % 16'000);
+            packet(flow, Side::Client, syn, {});
+            packet(flow, Side::Server, syn | ack, {});
+            packet(flow, Side::Client, ack, {});
+            break;
+        case Recording::Kind::Bytes:
+            add_bytes(flow, entry);
+            break;
+        case Recording::Kind::Ended:
+            packet(flow, entry.from, fin | ack, {});
+            break;
+        }
+    }
+    [[nodiscard]] std::vector<std::byte> take() { return sink_.take(writer_.written()); }
+
+private:
+    struct Flow {
+        std::uint16_t client_port{0};
+        /// By Side: the next sequence number. They begin where mistakes are seen.
+        std::array<std::uint32_t, 2> next{1'000, 5'000};
+    };
+
+    void add_bytes(Flow& flow, const Recording::Entry& entry)
+    {
+        std::span<const std::byte> rest{entry.bytes};
+        while (!rest.empty()) {
+            const auto segment = rest.first(std::min(rest.size(), max_segment_size));
+            rest = rest.subspan(segment.size());
+            packet(flow, entry.from, push | ack, segment);
+        }
+    }
+    void packet(Flow& flow, Side from, std::uint8_t flags, std::span<const std::byte> data)
+    {
+        Packet packet;
+        const std::uint8_t last = from == Side::Client ? 1 : 2;
+        for (const std::uint8_t station : {std::uint8_t(3 - last), last}) { // to, from
+            packet.put32(0x0200'0000U);                                     // locally administered
+            packet.put16(station);
+        }
+        packet.put16(0x0800); // IPv4
+        put_ip(packet, from, tcp_size + data.size());
+        put_tcp(packet, flow, from, flags);
+        packet.put(data);
+        const std::size_t size = tcp_size + data.size();
+        const std::size_t begin = ethernet_size + ip_size;
+        // The pseudo header: addresses, protocol, length.
+        packet.seal(begin, size, begin + 16,
+                    words(client_address) + words(server_address) + 6 +
+                        static_cast<std::uint32_t>(size));
+        flow.next[static_cast<std::size_t>(from)] +=
+            static_cast<std::uint32_t>(data.size()) + ((flags & (syn | fin)) != 0 ? 1U : 0U);
+        write(packet);
+    }
+    void put_ip(Packet& packet, Side from, std::size_t payload)
+    {
+        packet.put16(0x4500); // version 4, five words, no service
+        packet.put16(static_cast<std::uint32_t>(ip_size + payload));
+        packet.put16(++last_packet_ & 0xFFFFU);
+        packet.put16(0x4000);         // do not fragment
+        packet.put16(64U << 8U | 6U); // time to live, TCP
+        packet.put16(0);
+        packet.put32(from == Side::Client ? client_address : server_address);
+        packet.put32(from == Side::Client ? server_address : client_address);
+        packet.seal(ethernet_size, ip_size, ethernet_size + 10, 0);
+    }
+    void put_tcp(Packet& packet, const Flow& flow, Side from, std::uint8_t flags)
+    {
+        packet.put16(from == Side::Client ? flow.client_port : port_);
+        packet.put16(from == Side::Client ? port_ : flow.client_port);
+        packet.put32(flow.next[static_cast<std::size_t>(from)]);
+        packet.put32((flags & ack) != 0 ? flow.next[static_cast<std::size_t>(other(from))] : 0);
+        packet.put8(5U << 4U); // five words
+        packet.put8(flags);
+        packet.put16(0xFFFF); // window
+        packet.put32(0);      // checksum and urgent pointer
+    }
+    void write(const Packet& packet)
+    {
+        const auto microseconds =
+            std::chrono::duration_cast<std::chrono::microseconds>(time_).count();
+        writer_.number(static_cast<std::uint32_t>(microseconds / 1'000'000));
+        writer_.number(static_cast<std::uint32_t>(microseconds % 1'000'000));
+        writer_.number(static_cast<std::uint32_t>(packet.bytes().size()));
+        writer_.number(static_cast<std::uint32_t>(packet.bytes().size()));
+        writer_.bytes(packet.bytes());
+    }
+
+    std::uint16_t port_;
+    binary::VectorSink sink_;
+    binary::Writer writer_{sink_};
+    std::map<std::uint32_t, Flow> flows_;
+    Duration time_{0};
+    std::uint32_t last_packet_{0};
+};
+
+} // namespace
+
+std::vector<std::byte> to_pcap(const Recording& recording, std::uint16_t port)
+{
+    Capture capture{port};
+    for (const Recording::Entry& entry : recording.entries) {
+        capture.add(entry);
+    }
+    return capture.take();
+}
+
+} // namespace busbar::harness

@@ -1,0 +1,166 @@
+#include <busbar/harness/scripted_client.hpp>
+
+#include <utility>
+
+#include "encoding_name.hpp"
+
+namespace busbar::harness {
+
+ScriptedClient::ScriptedClient(World& world, channel::ClientChannelConfig config,
+                               const ClientParts& parts)
+    : world_{world}, config_{std::move(config)}, parts_{parts},
+      random_{world.new_chance(Actor::Client).next()}, deadline_{world.scheduler(), [this] {
+                                                                     channel_->handle_deadline(
+                                                                         world_.now());
+                                                                     update();
+                                                                 }}
+{
+}
+
+ScriptedClient::~ScriptedClient()
+{
+    if (link_ != nullptr) {
+        link_->leave(Side::Client);
+    }
+}
+
+Result<void> ScriptedClient::open(Duration limit)
+{
+    if (link_ != nullptr) {
+        std::exchange(link_, nullptr)->leave(Side::Client);
+    }
+    is_open_ = false;
+    closed_by_.reset();
+    messages_.clear();
+    const channel::ChannelEnvironment environment{
+        &random_, &world_.clock(), &world_.log(),
+        parts_.validator != nullptr ? parts_.validator : &accept_any_, parts_.identity};
+    channel_.emplace(config_, environment, world_.now());
+    auto link = world_.network().connect(config_.endpoint_url, *this, parts_.address);
+    if (!link) {
+        return fail(link.error());
+    }
+    link_ = *std::move(link);
+    update();
+    if (!world_.run_until([this] { return is_open_ || closed_by_; }, limit)) {
+        return fail(status::Bad_Timeout);
+    }
+    if (!is_open_) {
+        return fail(closed_by_->is_bad() ? *closed_by_ : status::Bad_ConnectionClosed);
+    }
+    return {};
+}
+
+std::span<const std::byte> ScriptedClient::output() const
+{
+    return raw_.empty() ? channel_->output() : std::span<const std::byte>{raw_};
+}
+
+void ScriptedClient::consume(std::size_t size)
+{
+    if (raw_.empty()) {
+        channel_->consume(size);
+    } else {
+        raw_.erase(raw_.begin(), raw_.begin() + static_cast<std::ptrdiff_t>(size));
+    }
+}
+
+void ScriptedClient::feed(std::span<const std::byte> in)
+{
+    static_cast<void>(channel_->feed(in, world_.now()));
+    update();
+}
+
+void ScriptedClient::link_lost()
+{
+    link_.reset();
+    deadline_.cancel();
+    if (!closed_by_) {
+        closed_by_ = StatusCode{};
+    }
+}
+
+void ScriptedClient::update()
+{
+    while (auto event = channel_->next_event()) {
+        switch (event->kind) {
+        case channel::Event::Kind::Opened:
+            is_open_ = true;
+            break;
+        case channel::Event::Kind::Message:
+            messages_.push_back(std::move(event->body));
+            break;
+        case channel::Event::Kind::Closed:
+            closed_by_ = event->status;
+            break;
+        default:
+            break;
+        }
+    }
+    if (link_ == nullptr) {
+        return;
+    }
+    link_->flush(Side::Client);
+    if (channel_->is_closed()) {
+        std::exchange(link_, nullptr)->close(Side::Client);
+        deadline_.cancel();
+    } else {
+        deadline_.set(channel_->next_deadline());
+    }
+}
+
+Result<std::uint32_t> ScriptedClient::send_body(std::span<const std::byte> body)
+{
+    if (link_ == nullptr) {
+        return fail(status::Bad_NotConnected);
+    }
+    auto id = channel_->send([&](binary::Writer& writer) { writer.bytes(body); });
+    update();
+    return id;
+}
+
+void ScriptedClient::send_bytes(std::span<const std::byte> bytes)
+{
+    if (link_ != nullptr && !bytes.empty()) {
+        link_->flush(Side::Client);
+        raw_.assign(bytes.begin(), bytes.end());
+        link_->flush(Side::Client);
+    }
+}
+
+Result<std::vector<std::byte>> ScriptedClient::await(std::uint32_t encoding_id, Duration limit)
+{
+    const std::string expected = "expected " + detail::encoding_name(NodeId{0, encoding_id});
+    if (!world_.run_until([this] { return !messages_.empty() || closed_by_; }, limit)) {
+        report_ += expected + ", came nothing\n";
+        return fail(status::Bad_Timeout);
+    }
+    if (messages_.empty()) {
+        report_ += expected + ", came the end " + std::string{name(*closed_by_)} + "\n";
+        return fail(closed_by_->is_bad() ? *closed_by_ : status::Bad_ConnectionClosed);
+    }
+    auto body = std::move(messages_.front());
+    messages_.pop_front();
+    const NodeId id = detail::encoding_of(body);
+    if (id.is(encoding_id)) {
+        return body;
+    }
+    StatusCode why = status::Bad_UnknownResponse;
+    if (const auto fault = detail::decode_body<ServiceFault>(body)) {
+        why = fault->response_header.service_result;
+    }
+    report_ +=
+        expected + ", came " + detail::encoding_name(id) + " " + std::string{name(why)} + "\n";
+    return fail(why);
+}
+
+Result<StatusCode> ScriptedClient::expect_close(Duration limit)
+{
+    if (!world_.run_until([this] { return closed_by_.has_value(); }, limit)) {
+        report_ += "expected the end, which did not come\n";
+        return fail(status::Bad_Timeout);
+    }
+    return *closed_by_;
+}
+
+} // namespace busbar::harness

@@ -1,0 +1,199 @@
+#include <busbar/harness/server_host.hpp>
+
+#include <utility>
+
+namespace busbar::harness {
+
+/// The server's end of a link.
+class ServerHost::Peer final : public LinkEnd {
+public:
+    Peer(ServerHost& host, server::Connection connection, std::shared_ptr<Link> link)
+        : host_{host}, connection_{std::move(connection)}, link_{std::move(link)},
+          deadline_{host.scheduler_, [this] {
+                        connection_.handle_deadline(host_.scheduler_.now());
+                        update();
+                        host_.settle();
+                    }}
+    {
+        update();
+    }
+    ~Peer() override
+    {
+        if (!has_ended_) {
+            link_->leave(Side::Server);
+        }
+    }
+
+    [[nodiscard]] std::span<const std::byte> output() const override
+    {
+        return connection_.output();
+    }
+    void consume(std::size_t size) override { connection_.consume(size); }
+    void feed(std::span<const std::byte> in) override
+    {
+        static_cast<void>(connection_.feed(in, host_.scheduler_.now()));
+        update();
+        host_.settle();
+    }
+    void link_lost() override { end(); }
+
+    void update()
+    {
+        while (connection_.next_event()) {
+        }
+        link_->flush(Side::Server);
+        if (connection_.is_closed() && connection_.output().empty()) {
+            link_->close(Side::Server);
+            end();
+        } else {
+            deadline_.set(connection_.next_deadline());
+        }
+    }
+
+private:
+    void end()
+    {
+        deadline_.cancel();
+        if (!std::exchange(has_ended_, true)) {
+            host_.ended_.push_back(connection_.id());
+            host_.forget_.set_after(Duration{0});
+        }
+    }
+
+    ServerHost& host_;
+    server::Connection connection_;
+    std::shared_ptr<Link> link_;
+    bool has_ended_{false};
+    Alarm deadline_;
+};
+
+server::ServerConfig open_server_config()
+{
+    server::ServerConfig config;
+    config.application_uri = "urn:busbar:harness:server";
+    config.endpoint_url = "opc.tcp://server:4840";
+    config.endpoints = {{}};
+    config.endpoints[0].allows_anonymous = true;
+    config.endpoints[0].allows_user_name = false; // which takes a certificate
+    config.limits.max_log_lines_per_minute = 0;
+    return config;
+}
+
+void TestUsers::add(std::string name, std::string password, server::UserRights rights)
+{
+    users_.insert_or_assign(std::move(name), User{std::move(password), std::move(rights)});
+}
+
+Result<server::UserIdentity> TestUsers::log_in(std::string_view name, std::string_view password)
+{
+    const auto found = users_.find(name);
+    if (found == users_.end() || found->second.password != password) {
+        return fail(status::Bad_UserAccessDenied);
+    }
+    const server::UserRights& rights = found->second.rights;
+    return server::UserIdentity{UserTokenType::UserName, found->first, rights.access_level_mask,
+                                rights.roles};
+}
+
+ServerHost::ServerHost(World& world, server::ServerConfig config, const ServerParts& parts,
+                       model::AddressSpace address_space)
+    : ServerHost{world.scheduler(),
+                 world.clock(),
+                 world.log(),
+                 world.new_chance(Actor::Server),
+                 config,
+                 parts,
+                 std::move(address_space)}
+{
+    if (server_ != nullptr && world.network().listen(config.endpoint_url, *this)) {
+        network_ = &world.network();
+    }
+}
+
+ServerHost::ServerHost(Scheduler& scheduler, const WallClock& clock, LogSink& log, Chance chance,
+                       server::ServerConfig config, const ServerParts& parts,
+                       model::AddressSpace address_space)
+    : scheduler_{scheduler}, chance_{chance}, parts_{parts}, random_{chance_.next()},
+      deadline_{scheduler,
+                [this] {
+                    server_->handle_deadline(scheduler_.now());
+                    settle();
+                }},
+      completions_{scheduler,
+                   [this] {
+                       server_->handle_completions(scheduler_.now());
+                       settle();
+                   }},
+      forget_{scheduler, [this] { forget_ended(); }},
+      woken_{scheduler, [this] { await_completions(); }}, touched_{scheduler, [this] { settle(); }}
+{
+    const server::ServerEnvironment environment{&random_,
+                                                &clock,
+                                                &log,
+                                                parts.validator != nullptr ? parts.validator
+                                                                           : &accept_any_,
+                                                parts.users != nullptr ? parts.users : &anybody_,
+                                                parts.access,
+                                                this};
+    auto created = server::Server::create(std::move(config), environment, std::move(address_space));
+    if (created) {
+        server_ = std::make_unique<server::Server>(*std::move(created));
+        server_->start(scheduler.now());
+        settle();
+    }
+}
+
+ServerHost::~ServerHost()
+{
+    if (network_ != nullptr) {
+        network_->unlisten(*this);
+    }
+    peers_.clear();
+}
+
+bool ServerHost::accept(const std::shared_ptr<Link>& link, std::string_view peer_address)
+{
+    auto connection = server_->connect(peer_address, scheduler_.now());
+    if (!connection) {
+        return false;
+    }
+    const std::uint64_t id = connection->id();
+    auto peer = std::make_unique<Peer>(*this, *std::move(connection), link);
+    link->attach(Side::Server, *peer);
+    peers_.emplace(id, std::move(peer));
+    settle();
+    return true;
+}
+
+void ServerHost::await_completions()
+{
+    if (completions_.is_set()) {
+        return;
+    }
+    const bool is_rare = parts_.rare_wake_delay != Duration{0} && chance_.one_in(8);
+    const Duration most = is_rare ? parts_.rare_wake_delay : parts_.wake_delay;
+    completions_.set_after(most == Duration{0} ? most : chance_.between(Duration{0}, most));
+}
+
+void ServerHost::settle()
+{
+    if (server_ == nullptr) {
+        return;
+    }
+    while (const auto id = server_->next_changed()) {
+        if (const auto found = peers_.find(*id); found != peers_.end()) {
+            found->second->update();
+        }
+    }
+    deadline_.set(server_->next_deadline());
+}
+
+void ServerHost::forget_ended()
+{
+    for (const std::uint64_t id : std::exchange(ended_, {})) {
+        peers_.erase(id);
+    }
+    settle();
+}
+
+} // namespace busbar::harness

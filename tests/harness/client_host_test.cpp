@@ -1,0 +1,81 @@
+#include <catch2/catch.hpp>
+
+#include <memory>
+
+#include <busbar/harness/catch.hpp>
+#include <busbar/harness/client_host.hpp>
+
+using namespace busbar;
+using namespace busbar::harness;
+using namespace std::chrono_literals;
+
+namespace {
+
+ReadRequest read_state()
+{
+    ReadRequest request;
+    ReadValueId& item = request.nodes_to_read.emplace_back();
+    item.node_id = NodeId{0, 2259U}; // Server_ServerStatus_State
+    item.attribute_id = 13;
+    return request;
+}
+
+} // namespace
+
+TEST_CASE("a Client gets its connections from the world", "[harness]")
+{
+    World world;
+    ServerHost server{world};
+    ClientHost host{world};
+    CHECK_THAT(host.connect(), succeeds<void>());
+    CHECK(host.state() == client::ClientState::Ready);
+    const auto response = host.call<ReadResponse>(read_state());
+    REQUIRE(response);
+    CHECK_THAT(response->results[0], holds(0));
+    host.close();
+    CHECK(host.state() == client::ClientState::Closed);
+    world.run_for(1s);
+    CHECK(server.server().session_count() == 0);
+    CHECK(server.server().connection_count() == 0);
+}
+
+TEST_CASE("a Client comes back over a new link", "[harness]")
+{
+    World world;
+    ServerHost server{world};
+    ClientHost host{world};
+    REQUIRE(host.connect());
+    const std::size_t before = world.network().connection_count();
+    world.network().play({fault::cut(), fault::refuse().times(2)});
+    CHECK(world.run_until([&] { return host.state() != client::ClientState::Ready; }, 1s));
+    CHECK(world.run_until([&] { return host.state() == client::ClientState::Ready; }, 1min));
+    CHECK(world.network().connection_count() >= before + 3);
+    CHECK(host.call<ReadResponse>(read_state()).has_value());
+    CHECK(server.server().session_count() == 1);
+    CHECK(world.network().pending_faults() == "");
+}
+
+TEST_CASE("a Client says why it is not connected", "[harness]")
+{
+    World world;
+    ClientHost host{world};
+    const auto connected = host.connect(1min);
+    REQUIRE_FALSE(connected);
+    CHECK(connected.error() == status::Bad_ConnectionRejected);
+    ServerHost server{world};
+    CHECK(world.run_until([&] { return host.state() == client::ClientState::Ready; }, 2min));
+}
+
+TEST_CASE("a Client finds a server that was started anew", "[harness]")
+{
+    World world;
+    auto server = std::make_unique<ServerHost>(world);
+    ClientHost host{world};
+    REQUIRE(host.connect());
+    server.reset();
+    CHECK(world.run_until([&] { return host.state() != client::ClientState::Ready; }, 1min));
+    world.run_for(10s);
+    server = std::make_unique<ServerHost>(world);
+    CHECK(world.run_until([&] { return host.state() == client::ClientState::Ready; }, 2min));
+    CHECK(server->server().session_count() == 1);
+}

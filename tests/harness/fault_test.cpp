@@ -1,0 +1,270 @@
+#include <catch2/catch.hpp>
+
+#include <busbar/harness/catch.hpp>
+#include <busbar/harness/identity.hpp>
+#include <busbar/server/memory_source.hpp>
+
+using namespace busbar;
+using namespace busbar::harness;
+using namespace std::chrono_literals;
+
+namespace {
+
+/// A server with one variable, Level, that its own client reads and writes.
+class FaultBench : public BenchFixture {
+public:
+    FaultBench()
+    {
+        handle_ = memory_.add(1.5);
+        level = add_variable("Level", memory_, handle_, BuiltInType::Double).value();
+    }
+    void set(double value) { memory_.set(handle_, value); }
+    [[nodiscard]] double stored() const { return memory_.get(handle_).value.value_or<double>(0); }
+    void play(const Fault& fault) { world().network().play(fault); }
+    /// A test whose fault never came proves nothing.
+    [[nodiscard]] std::string pending() { return world().network().pending_faults(); }
+
+    NodeId level;
+
+private:
+    server::MemorySource& memory_{make_source<server::MemorySource>(world().clock())};
+    std::uint64_t handle_{0};
+};
+
+} // namespace
+
+TEST_CASE_METHOD(FaultBench, "without faults values are read, written and watched", "[harness]")
+{
+    CHECK_THAT(read(level), holds(1.5));
+    CHECK(write(level, 2.5) == status::Good);
+    CHECK(subscribe(level) == status::Good);
+    run_for(1s);
+    set(3.5);
+    run_for(1s);
+    const auto seen = values(level);
+    REQUIRE(seen.size() == 2);
+    CHECK_THAT(seen[0], holds(2.5));
+    CHECK_THAT(seen[1], holds(3.5));
+    CHECK(values(level).empty());
+    CHECK_THAT(read(NodeId{1, "Nothing"}), has_status(status::Bad_NodeIdUnknown));
+}
+
+TEST_CASE_METHOD(FaultBench, "nothing is lost in bad weather", "[harness]")
+{
+    Weather& weather = world().network().weather();
+    weather.max_latency = 150ms;
+    weather.has_random_cuts = true;
+    weather.stall_one_in = 5;
+    weather.max_stall = 4s;
+    REQUIRE(subscribe(level) == status::Good);
+    for (int i = 1; i <= 100; ++i) {
+        set(i);
+        run_for(1s);
+    }
+    run_for(30s);
+    const auto seen = values(level);
+    REQUIRE(seen.size() >= 100);
+    for (std::size_t i = 0; i < 100; ++i) {
+        CHECK_THAT(seen[seen.size() - 100 + i], holds(static_cast<double>(i + 1)));
+    }
+    CHECK(world().network().connection_count() == 1);
+}
+
+TEST_CASE_METHOD(FaultBench, "a connection is cut behind a message, which arrives", "[harness]")
+{
+    play(fault::cut().after(Message{"PublishResponse", 2}));
+    REQUIRE(subscribe(level) == status::Good);
+    run_for(1s);
+    set(2);
+    run_for(1s);
+    set(3);
+    run_for(1s);
+    CHECK(values(level).size() == 2); // the third had nobody to go to
+    CHECK_FALSE(client().is_ready());
+    CHECK(server().connection_count() == 0);
+    CHECK(server().session_count() == 1); // until it times out
+    CHECK(pending() == "");
+    CHECK_THAT(read(level), holds(3.0)); // over a new connection
+}
+
+TEST_CASE_METHOD(FaultBench, "a message before which the connection is cut does not come",
+                 "[harness]")
+{
+    play(fault::cut().before(Message{"WriteRequest"}));
+    CHECK(write(level, 9.0) == status::Bad_ConnectionClosed);
+    run_for(1s);
+    CHECK(stored() == 1.5);
+}
+
+TEST_CASE("a connection that is cut at any byte leaves nothing behind", "[harness]")
+{
+    for (const Side side : {Side::Client, Side::Server}) {
+        for (std::uint64_t offset = 0; offset < (side == Side::Client ? 620 : 800); offset += 41) {
+            FaultBench bench;
+            CAPTURE(static_cast<int>(side), offset);
+            bench.play(fault::cut().at_byte(offset).sent_by(side));
+            CHECK(bench.read(bench.level).status.is_bad());
+            CHECK(bench.pending() == "");
+            bench.run_for(2min); // past the timeout of the session
+            CHECK(bench.server().connection_count() == 0);
+            CHECK(bench.server().session_count() == 0);
+            CHECK_THAT(bench.read(bench.level), holds(1.5));
+        }
+    }
+}
+
+TEST_CASE_METHOD(FaultBench, "a delayed message takes its time and is not lost", "[harness]")
+{
+    REQUIRE(connect());
+    play(fault::delay(700ms).at(Message{"ReadResponse"}));
+    const TimePoint before = world().now();
+    CHECK_THAT(read(level), holds(1.5));
+    CHECK(world().now() - before == 702ms);
+    CHECK_THAT(read(level), holds(1.5));
+    CHECK(world().now() - before == 704ms);
+}
+
+TEST_CASE_METHOD(FaultBench, "bytes that are held time out, and arrive when they are let go",
+                 "[harness]")
+{
+    REQUIRE(connect());
+    play(fault::hold(15s).before(Message{"WriteRequest"}).sent_by(Side::Client));
+    CHECK(write(level, 4.0) == status::Bad_Timeout);
+    CHECK(stored() == 1.5);
+    run_for(6s);
+    CHECK(stored() == 4.0);
+    CHECK_THAT(read(level), holds(4.0));
+    CHECK(world().network().connection_count() == 1);
+}
+
+TEST_CASE_METHOD(FaultBench, "half of a connection stays", "[harness]")
+{
+    REQUIRE(connect());
+    play(fault::half_open());
+    run_for(1s);
+    CHECK_FALSE(client().is_ready());
+    CHECK(server().connection_count() == 1);
+    CHECK_THAT(read(level), holds(1.5));
+    CHECK(server().connection_count() == 2);
+}
+
+TEST_CASE_METHOD(FaultBench, "a session survives that every byte comes for itself", "[harness]")
+{
+    play(fault::split().times(0));
+    CHECK_THAT(read(level), holds(1.5));
+    CHECK(pending() == "");
+}
+
+TEST_CASE("a flipped bit is seen by whoever gets it", "[harness]")
+{
+    FaultBench bench;
+    SECTION("a message type that is none")
+    {
+        bench.play(fault::corrupt(0).at(Message{"ACK"}));
+        const auto opened = bench.connect();
+        REQUIRE_FALSE(opened);
+        CHECK(opened.error() == status::Bad_TcpMessageTypeInvalid);
+    }
+    SECTION("a sequence number")
+    {
+        REQUIRE(bench.connect());
+        bench.play(fault::corrupt(17).at(Message{"ReadRequest"}));
+        CHECK(bench.read(bench.level).status.is_bad());
+        CHECK(bench.server().connection_count() == 0);
+    }
+    SECTION("the same by the number of the byte")
+    {
+        bench.play(fault::corrupt(0, 3).at_byte(1)); // HEL
+        CHECK_FALSE(bench.connect());
+    }
+    CHECK(bench.pending() == "");
+    CHECK_THAT(bench.read(bench.level), holds(1.5));
+}
+
+TEST_CASE_METHOD(FaultBench, "a request is answered with a fault and does not reach the server",
+                 "[harness]")
+{
+    REQUIRE(connect());
+    play(fault::answer(status::Bad_Timeout).at(Message{"WriteRequest", 2}).times(2));
+    CHECK(write(level, 2.0) == status::Good);
+    CHECK(write(level, 3.0) == status::Bad_Timeout);
+    CHECK(write(level, 4.0) == status::Bad_Timeout);
+    CHECK(stored() == 2.0);
+    // Neither side has noticed more: the numbers of chunks go on, also over a renewal.
+    CHECK(write(level, 5.0) == status::Good);
+    CHECK(stored() == 5.0);
+    for (int i = 0; i < 100; ++i) {
+        run_for(30s);
+        CHECK_THAT(read(level), holds(5.0));
+    }
+    CHECK(world().network().connection_count() == 1);
+}
+
+TEST_CASE_METHOD(FaultBench, "connections are refused as often as the script says", "[harness]")
+{
+    play(fault::refuse().times(2));
+    CHECK(connect().error() == status::Bad_ConnectionRejected);
+    CHECK(connect().error() == status::Bad_ConnectionRejected);
+    CHECK(connect().has_value());
+    client().drop();
+    world().network().refuse();
+    CHECK(connect().error() == status::Bad_ConnectionRejected);
+    world().network().refuse(false);
+    CHECK_THAT(read(level), holds(1.5));
+}
+
+TEST_CASE_METHOD(FaultBench, "the clock jumps while a client watches", "[harness]")
+{
+    REQUIRE(subscribe(level) == status::Good);
+    play(fault::jump_clock(-6h).after(2s));
+    run_for(1s);
+    set(2);
+    run_for(2s);
+    set(3);
+    run_for(1s);
+    const auto seen = values(level);
+    REQUIRE(seen.size() == 3);
+    CHECK(seen[2].source_timestamp < seen[1].source_timestamp);
+    CHECK(client().is_ready());
+}
+
+TEST_CASE_METHOD(FaultBench, "what did not happen is told", "[harness]")
+{
+    world().network().play({fault::cut().after(Message{"PublishResponse", 3}),
+                            fault::answer(status::Bad_Timeout).at(Message{"ReadRequest"}),
+                            fault::hold().after(90s).on_connection(2)});
+    CHECK(read(level).status == status::Bad_Timeout);
+    CHECK(pending() == "cut after PublishResponse 3\nhold after 90.000000 s on connection 2\n");
+}
+
+TEST_CASE("a certificate that is another than the client knows is refused", "[harness]")
+{
+    const auto right = make_identity({});
+    const auto wrong = make_identity({});
+    IdentityOptions client_options;
+    client_options.name = "client";
+    const auto own = make_identity(client_options);
+    REQUIRE((right && wrong && own));
+    BenchOptions options;
+    options.server.identity = *wrong;
+    options.server.endpoints[0].security = {crypto::find_policy_by_name("Basic256Sha256"),
+                                            MessageSecurityMode::SignAndEncrypt};
+    options.client_parts.identity = &*own;
+    options.client.channel.security = options.server.endpoints[0].security;
+    options.client.channel.server_certificate = right->certificates.front();
+    BenchFixture refused{options};
+    REQUIRE(refused.host().is_running());
+    CHECK_FALSE(refused.connect());
+
+    options.client.channel.server_certificate = wrong->certificates.front();
+    BenchFixture accepted{options};
+    CHECK_THAT(accepted.connect(), succeeds<void>());
+    // What a message carries is not seen on its way, but that it is one.
+    accepted.world().network().play(
+        {fault::answer(status::Bad_Timeout).at(Message{"ReadRequest"}),
+         fault::corrupt(100).at(Message{"MSG", 2}).sent_by(Side::Client)});
+    const NodeId state{0, 2259U};
+    CHECK_THAT(accepted.read(state), holds(std::int32_t{0}));
+    CHECK(accepted.read(state).status == status::Bad_SecureChannelClosed);
+    CHECK(accepted.world().network().pending_faults() == "answer Bad_Timeout at ReadRequest 1\n");
+}

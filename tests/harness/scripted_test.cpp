@@ -1,0 +1,174 @@
+#include <catch2/catch.hpp>
+
+#include <busbar/harness/catch.hpp>
+#include <busbar/harness/identity.hpp>
+#include <busbar/harness/scripted_client.hpp>
+#include <busbar/harness/scripted_server.hpp>
+#include <busbar/types/discovery.hpp>
+#include <busbar/types/session.hpp>
+
+using namespace busbar;
+using namespace busbar::harness;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr const char* url = "opc.tcp://server:4840";
+
+ReadRequest read_request(const NodeId& node)
+{
+    ReadRequest request;
+    ReadValueId& item = request.nodes_to_read.emplace_back();
+    item.node_id = node;
+    item.attribute_id = 13;
+    return request;
+}
+
+ReadResponse read_response(Variant value)
+{
+    ReadResponse response;
+    response.results.push_back(DataValue{std::move(value)});
+    return response;
+}
+
+/// A client and the server that a test writes for it.
+struct Script {
+    World world;
+    ScriptedServer server{world, url};
+    ConnectionHost client{world};
+};
+
+channel::ClientChannelConfig channel_config()
+{
+    channel::ClientChannelConfig config;
+    config.endpoint_url = url;
+    return config;
+}
+
+} // namespace
+
+TEST_CASE("a scripted server says what was written down, when it was", "[harness]")
+{
+    Script script;
+    script.server.accept_session();
+    script.server.expect<ReadRequest>().reply(read_response(std::int32_t{7}), after(400ms));
+    script.server.expect<ReadRequest>().reply([](const ReadRequest& request) {
+        return read_response(String{to_string(request.nodes_to_read[0].node_id)});
+    });
+    script.server.expect<WriteRequest>().fail(status::Bad_TooManyOperations);
+    REQUIRE(script.client.open());
+    const TimePoint before = script.world.now();
+    const auto first = script.client.call<ReadResponse>(read_request(NodeId{1, 5U}));
+    REQUIRE(first);
+    CHECK_THAT(first->results[0], holds(7));
+    CHECK(script.world.now() - before == 402ms);
+    const auto second = script.client.call<ReadResponse>(read_request(NodeId{1, 5U}));
+    REQUIRE(second);
+    CHECK_THAT(second->results[0], holds(String{"ns=1;i=5"}));
+    CHECK(script.client.call<WriteResponse>(WriteRequest{}).error() ==
+          status::Bad_TooManyOperations);
+    CHECK(script.server.is_done());
+    CHECK(script.server.report() == "");
+}
+
+TEST_CASE("a client learns when a scripted server is silent, closes or goes", "[harness]")
+{
+    Script script;
+    script.server.accept_session();
+    SECTION("silent")
+    {
+        script.server.expect<ReadRequest>();
+        REQUIRE(script.client.open());
+        CHECK(script.client.call<ReadResponse>(read_request({})).error() == status::Bad_Timeout);
+        CHECK(script.client.is_ready());
+    }
+    SECTION("closes")
+    {
+        script.server.expect<ReadRequest>().close(status::Bad_TcpInternalError, after(1s));
+        REQUIRE(script.client.open());
+        CHECK_FALSE(script.client.call<ReadResponse>(read_request({})));
+        CHECK(script.client.closed_by() == status::Bad_TcpInternalError);
+    }
+    SECTION("goes")
+    {
+        script.server.expect<ReadRequest>().cut();
+        REQUIRE(script.client.open());
+        CHECK(script.client.call<ReadResponse>(read_request({})).error() ==
+              status::Bad_ConnectionClosed);
+    }
+    CHECK(script.server.report() == "");
+}
+
+TEST_CASE("what did not go by the script is told", "[harness]")
+{
+    Script script;
+    script.server.accept_session();
+    script.server.allow<PublishRequest>();
+    script.server.expect<WriteRequest>().reply(WriteResponse{});
+    REQUIRE(script.client.open());
+    script.client.send<PublishResponse>(PublishRequest{}, [](const Result<PublishResponse>&) {});
+    CHECK(script.client.call<ReadResponse>(read_request({})).error() ==
+          status::Bad_ServiceUnsupported);
+    CHECK_THAT(script.server.report(),
+               Catch::Contains("expected WriteRequest, came ReadRequest at 0.0") &&
+                   Catch::Contains("expected WriteRequest, came nothing"));
+    CHECK(script.server.came() == std::vector<std::string>{"CreateSessionRequest",
+                                                           "ActivateSessionRequest",
+                                                           "PublishRequest", "ReadRequest"});
+}
+
+TEST_CASE("a scripted client speaks to a server out of turn", "[harness]")
+{
+    World world;
+    ServerHost server{world};
+    ScriptedClient client{world, channel_config()};
+    REQUIRE(client.open());
+    // Part 4, 5.5.4: before there is a session.
+    REQUIRE(client.send(GetEndpointsRequest{}));
+    const auto endpoints = client.expect<GetEndpointsResponse>();
+    REQUIRE(endpoints);
+    CHECK(endpoints->endpoints.size() == 1);
+    CHECK(client.report() == "");
+
+    REQUIRE(client.send(read_request({})));
+    CHECK(client.expect<ReadResponse>().error() == status::Bad_SessionIdInvalid);
+    CHECK(client.report() == "expected ReadResponse, came ServiceFault Bad_SessionIdInvalid\n");
+
+    CHECK(client.expect<ReadResponse>(1s).error() == status::Bad_Timeout);
+    const std::array<std::byte, 8> nonsense{};
+    client.send_bytes(nonsense);
+    CHECK(client.expect_close().value() == status::Bad_TcpMessageTypeInvalid);
+    world.run_for(1s);
+    CHECK(server.server().connection_count() == 0);
+}
+
+TEST_CASE("users of a test log in by their password", "[harness]")
+{
+    TestUsers users;
+    users.add("operator", "secret");
+    BenchOptions options;
+    options.server.identity = make_identity({}).value(); // passwords are encrypted for it
+    options.server.endpoints[0].allows_user_name = true;
+    options.client.channel.server_certificate = options.server.identity->certificates.front();
+    options.server_parts.users = &users;
+    options.client.identity = client::NamedUser{"operator", "secret"};
+    CHECK_THAT(BenchFixture{options}.connect(), succeeds<void>());
+    options.client.identity = client::NamedUser{"operator", "wrong"};
+    CHECK(BenchFixture{options}.connect().error() == status::Bad_UserAccessDenied);
+}
+
+TEST_CASE("values are shown as a test wants to read them", "[harness]")
+{
+    CHECK(text_of(status::Bad_Timeout) == "Bad_Timeout");
+    CHECK(text_of(StatusCode{0x800A0401}) == "Bad_Timeout (0x800a0401)");
+    CHECK(text_of(Variant{}) == "null");
+    CHECK(text_of(Variant{std::int32_t{-4}}) == "Int32 -4");
+    CHECK(text_of(Variant{true}) == "Boolean true");
+    CHECK(text_of(Variant{"a\n"}) == "String \"a\\x0A\"");
+    CHECK(text_of(Variant{Array<double>{1, 2.5}}) == "Double[2] {1, 2.5}");
+    CHECK(text_of(Variant{Array<Variant>{Variant{true}}}) == "Variant[1] {Boolean true}");
+    CHECK(text_of(DataValue{Variant{std::uint8_t{3}}, status::Uncertain_LastUsableValue,
+                            DateTime::from_unix_seconds(0)}) ==
+          "Byte 3, Uncertain_LastUsableValue, source 1970-01-01T00:00:00Z");
+    CHECK(Catch::Detail::stringify(NodeId{1, "Level"}) == "ns=1;s=Level");
+}
