@@ -221,7 +221,8 @@ Result<void> Client::feed(std::span<const std::byte> in, TimePoint now)
 
 std::span<const std::byte> Client::output() const
 {
-    return impl_->connection ? impl_->connection->output() : std::span<const std::byte>{};
+    const bool has_transport = impl_->connection && !impl_->transport.is_none();
+    return has_transport ? impl_->connection->output() : std::span<const std::byte>{};
 }
 
 void Client::consume(std::size_t size)

@@ -52,9 +52,7 @@ bool Client::Impl::go_on()
 void Client::Impl::begin_attempt()
 {
     is_choice_old = choice.has_value();
-    // Nobody knows when the server will call.
-    attempt_ends_at =
-        config.is_reverse ? no_deadline : detail::deadline_after(now, config.connect_timeout);
+    attempt_ends_at = detail::deadline_after(now, config.connect_timeout);
     if (kept_session && now >= kept_session->ends_at) {
         kept_session.reset();
     }
@@ -64,6 +62,9 @@ void Client::Impl::begin_attempt()
 void Client::Impl::open_transport()
 {
     connection.reset();
+    if (config.is_reverse) {
+        attempt_ends_at = no_deadline; // nobody knows when the server will call
+    }
     transport.open(choice ? choice->endpoint.endpoint_url.str() : config.endpoint_url);
     set_state(ClientState::Connecting, {});
 }

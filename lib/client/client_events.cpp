@@ -6,6 +6,7 @@ namespace busbar::client {
 
 bool Client::Impl::receive()
 {
+    is_drained = true;
     if (!connection || transport.state() != detail::Transport::State::Up) {
         return false;
     }

@@ -347,6 +347,8 @@ TEST_CASE("a server may call instead of being called")
     plant.call();
     CHECK(plant.client.state() == ClientState::Connecting); // the endpoints are known now
     CHECK(plant.urls.size() == 2);
+    plant.advance(1h);
+    CHECK(plant.urls.size() == 2);
     plant.call();
     CHECK(plant.is_ready());
     plant.cut();
@@ -356,6 +358,20 @@ TEST_CASE("a server may call instead of being called")
     CHECK(plant.is_ready());
     CHECK(sessions(plant) == 1);
     CHECK(plant.urls.size() == 3);
+}
+
+TEST_CASE("a server that says good-bye and is gone is tried again in time")
+{
+    ClientFixture plant{ClientFixture::insecure()};
+    plant.connect();
+    REQUIRE(plant.is_ready());
+    plant.is_reachable = false;
+    plant.site->server.begin_shutdown(plant.now, "maintenance");
+    plant.advance(2s);
+    CHECK(plant.client.state() == ClientState::Waiting);
+    plant.advance(10s);
+    CHECK(plant.client.last_error() == status::Bad_CommunicationError);
+    CHECK(plant.urls.size() >= 4);
 }
 
 TEST_CASE("a driver that is stuck in a dead connection does not hold up the next one")

@@ -102,6 +102,7 @@ class Client final : public Requester {
 public:
     /// `environment` must outlive the Client; the validator decides on the server's certificate.
     Client(ClientConfig config, const channel::ChannelEnvironment& environment, TimePoint now);
+    /// Drops everything at once; handlers are not called any more.
     ~Client() override;
 
     /// Wants to be connected from now on, also after Closed.
@@ -112,7 +113,8 @@ public:
     void close(TimePoint now, bool deletes_subscriptions = true);
 
     [[nodiscard]] ClientState state() const;
-    /// Why the Client is not Ready: the last failure; Good before the first.
+    /// Why the Client is not Ready: the last failure; Good before the first and after
+    /// close().
     [[nodiscard]] StatusCode last_error() const;
     /// The endpoint that is used, or will be tried next; null while none is chosen.
     [[nodiscard]] const EndpointDescription* endpoint() const;
