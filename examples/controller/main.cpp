@@ -132,6 +132,9 @@ void print_welcome(const ControllerConfig& config, const controller::Plc& plc)
                     endpoint.allows_certificate ? ", user certificate" : "",
                     endpoint.allows_issued ? ", issued token" : "");
     }
+    for (const std::string& url : config.reverse_urls) {
+        std::printf("  connects to the client at %s\n", url.c_str());
+    }
     if (server.identity) {
         std::printf("  certificate: %s\n",
                     server.identity->certificates.front().thumbprint_text().c_str());
@@ -173,6 +176,9 @@ int serve(ControllerConfig config)
     net::ServerLoop loop{log};
 
     const std::uint16_t port = expect(loop.listen(config.address, config.port), "listening");
+    net::ReverseConnectConfig reverse;
+    reverse.client_urls = config.reverse_urls;
+    expect(loop.connect_to_clients(reverse), "connecting to clients");
     complete(config, port, wall_clock.now());
     example::Admission admission{config, log};
     server::ImageOptions image_options;

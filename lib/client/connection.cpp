@@ -3,19 +3,21 @@
 #include <algorithm>
 #include <deque>
 
+#include "pending_requests.hpp"
 #include "session.hpp"
 
 namespace busbar::client {
 
 namespace {
 
-enum class State : std::uint8_t { Connecting, Creating, Activating, Ready, Closed };
+enum class State : std::uint8_t { Connecting, Resuming, Creating, Activating, Ready, Closed };
 
-struct Pending {
-    std::uint32_t request_id{0};
-    std::uint32_t handle{0};
-    TimePoint deadline;
-};
+/// TimeoutHint counts whole milliseconds, and zero means none (Part 4, 7.33).
+std::uint32_t timeout_hint(Duration timeout)
+{
+    const auto hint = std::chrono::ceil<std::chrono::milliseconds>(timeout).count();
+    return static_cast<std::uint32_t>(std::clamp<std::int64_t>(hint, 1, UINT32_MAX));
+}
 
 } // namespace
 
@@ -26,17 +28,18 @@ struct Connection::Impl {
     {
     }
 
-    void fill(RequestHeader& header);
-    [[nodiscard]] Result<void> send(std::uint32_t handle,
-                                    FunctionRef<void(binary::Writer&)> encode);
+    [[nodiscard]] Result<std::uint32_t>
+    send(FunctionRef<void(binary::Writer&, const RequestHeader&)> encode, Duration timeout = {});
     template <typename Request>
     [[nodiscard]] Result<void> send(Request& request);
     void handle(channel::Event event);
     void handle_opened();
     void handle_response(channel::Event event);
     void create_session();
-    void activate_session(const ConnectionEvent& event);
-    void finish_activation(const ConnectionEvent& event);
+    void session_created(const ConnectionEvent& event);
+    void activate_session(State next);
+    void session_activated(const ConnectionEvent& event);
+    void become_ready();
     void end(StatusCode status);
 
     ConnectionConfig config;
@@ -44,38 +47,41 @@ struct Connection::Impl {
     channel::ClientChannel channel;
     detail::SessionData session;
     State state{State::Connecting};
+    bool is_resumed{false};
     TimePoint now;
-    std::uint32_t last_handle{0};
-    std::deque<Pending> pending; // in the order of their deadlines
+    std::uint32_t last_request_handle{0};
+    detail::PendingRequests pending;
     std::deque<ConnectionEvent> events;
 };
 
-void Connection::Impl::fill(RequestHeader& header)
+Result<std::uint32_t>
+Connection::Impl::send(FunctionRef<void(binary::Writer&, const RequestHeader&)> encode,
+                       Duration timeout)
 {
-    header.authentication_token = session.authentication_token;
-    header.timestamp = environment.wall_clock->now();
-    header.request_handle = ++last_handle;
-    header.timeout_hint = static_cast<std::uint32_t>(config.request_timeout.count());
-}
-
-Result<void> Connection::Impl::send(std::uint32_t handle, FunctionRef<void(binary::Writer&)> encode)
-{
-    const auto id = channel.send(encode);
-    if (!id) {
-        return fail(id.error());
+    if (timeout <= Duration::zero()) {
+        timeout = config.request_timeout;
     }
-    pending.push_back({*id, handle, now + config.request_timeout});
-    return {};
+    RequestHeader header;
+    header.authentication_token = session.ticket.authentication_token;
+    header.timestamp = environment.wall_clock->now();
+    header.request_handle = ++last_request_handle;
+    header.timeout_hint = timeout_hint(timeout);
+    const auto id = channel.send([&](binary::Writer& writer) { encode(writer, header); });
+    if (id) {
+        pending.add(*id, detail::deadline_after(now, timeout));
+    }
+    return id;
 }
 
 template <typename Request>
 Result<void> Connection::Impl::send(Request& request)
 {
-    fill(request.request_header);
-    return send(request.request_header.request_handle, [&](binary::Writer& writer) {
+    const auto sent = send([&](binary::Writer& writer, const RequestHeader& header) {
+        request.request_header = header;
         encode(writer, NodeId{0, Request::binary_encoding_id});
         encode(writer, request);
     });
+    return sent ? Result<void>{} : fail(sent.error());
 }
 
 void Connection::Impl::handle(channel::Event event)
@@ -98,25 +104,23 @@ void Connection::Impl::handle(channel::Event event)
 
 void Connection::Impl::handle_opened()
 {
-    if (config.wants_session) {
-        create_session();
+    if (!config.wants_session) {
+        become_ready();
+    } else if (config.resumed_session) {
+        session.ticket = *config.resumed_session;
+        activate_session(State::Resuming);
     } else {
-        state = State::Ready;
-        events.push_back({ConnectionEvent::Kind::Ready, 0, {}, {}});
+        create_session();
     }
 }
 
 void Connection::Impl::handle_response(channel::Event event)
 {
-    const auto found = std::find_if(pending.begin(), pending.end(), [&](const Pending& p) {
-        return p.request_id == event.request_id;
-    });
-    if (found == pending.end()) {
-        return; // it came too late
+    if (!pending.remove(event.request_id)) {
+        return; // it came too late, or nobody asked
     }
-    ConnectionEvent response{ConnectionEvent::Kind::Response, found->handle, event.status,
+    ConnectionEvent response{ConnectionEvent::Kind::Response, event.request_id, event.status,
                              std::move(event.body)};
-    pending.erase(found);
     if (response.status.is_good()) {
         // Every response begins with its header, a ServiceFault is nothing else.
         binary::Reader reader{response.body, binary::Strings::Borrow};
@@ -127,9 +131,9 @@ void Connection::Impl::handle_response(channel::Event event)
         response.status = reader.ok() ? header.service_result : status::Bad_DecodingError;
     }
     if (state == State::Creating) {
-        activate_session(response);
-    } else if (state == State::Activating) {
-        finish_activation(response);
+        session_created(response);
+    } else if (state == State::Activating || state == State::Resuming) {
+        session_activated(response);
     } else {
         events.push_back(std::move(response));
     }
@@ -137,6 +141,7 @@ void Connection::Impl::handle_response(channel::Event event)
 
 void Connection::Impl::create_session()
 {
+    session = {};
     auto request = detail::make_create_session(config, environment, session);
     const auto sent = request ? send(*request) : fail(request.error());
     state = State::Creating;
@@ -145,34 +150,53 @@ void Connection::Impl::create_session()
     }
 }
 
-void Connection::Impl::activate_session(const ConnectionEvent& event)
+void Connection::Impl::session_created(const ConnectionEvent& event)
 {
     const auto response = event.response<CreateSessionResponse>(config.limits);
     if (!response) {
         end(response.error());
         return;
     }
-    const auto accepted = detail::accept_session(config, *response, session);
+    const auto accepted = detail::accept_session(config, environment, *response, session);
     if (!accepted) {
         end(accepted.error());
         return;
     }
+    activate_session(State::Activating);
+}
+
+void Connection::Impl::activate_session(State next)
+{
     auto request = detail::make_activate_session(config, environment, session);
     const auto sent = request ? send(*request) : fail(request.error());
-    state = State::Activating;
+    state = next;
     if (!sent) {
         end(sent.error());
     }
 }
 
-void Connection::Impl::finish_activation(const ConnectionEvent& event)
+void Connection::Impl::session_activated(const ConnectionEvent& event)
 {
     const auto response = event.response<ActivateSessionResponse>(config.limits);
-    if (!response) {
-        end(response.error());
-        return;
+    const auto accepted =
+        response ? detail::accept_activation(config, *response, session) : fail(response.error());
+    if (accepted) {
+        is_resumed = state == State::Resuming;
+        become_ready();
+    } else if (state == State::Resuming) {
+        // Whatever the reason: the server has forgotten the session, or made another nonce for an
+        // activation whose answer was lost. If it is the user, the new session will tell.
+        environment.log->write(LogLevel::Info, "client",
+                               "the server does not resume the session: " +
+                                   std::string{name(accepted.error())});
+        create_session();
+    } else {
+        end(accepted.error());
     }
-    session.server_nonce = response->server_nonce;
+}
+
+void Connection::Impl::become_ready()
+{
     state = State::Ready;
     events.push_back({ConnectionEvent::Kind::Ready, 0, {}, {}});
 }
@@ -182,9 +206,9 @@ void Connection::Impl::end(StatusCode status)
     if (std::exchange(state, State::Closed) == State::Closed) {
         return;
     }
-    for (const Pending& request : std::exchange(pending, {})) {
+    for (const std::uint32_t handle : pending.take_all()) {
         events.push_back(
-            {ConnectionEvent::Kind::Response, request.handle, status::Bad_SecureChannelClosed, {}});
+            {ConnectionEvent::Kind::Response, handle, status::Bad_SecureChannelClosed, {}});
     }
     events.push_back({ConnectionEvent::Kind::Closed, 0, status, {}});
     channel.close();
@@ -231,21 +255,19 @@ void Connection::consume(std::size_t size)
 
 TimePoint Connection::next_deadline() const
 {
-    const TimePoint channel = impl_->channel.next_deadline();
-    return impl_->pending.empty() ? channel : std::min(channel, impl_->pending.front().deadline);
+    return std::min(impl_->channel.next_deadline(), impl_->pending.next_deadline());
 }
 
 void Connection::handle_deadline(TimePoint now)
 {
     impl_->now = now;
-    while (!impl_->pending.empty() && impl_->pending.front().deadline <= now) {
-        const std::uint32_t handle = impl_->pending.front().handle;
-        impl_->pending.pop_front();
+    while (const auto handle = impl_->pending.take_expired(now)) {
         if (impl_->state != State::Ready) {
             impl_->end(status::Bad_Timeout);
             return;
         }
-        impl_->events.push_back({ConnectionEvent::Kind::Response, handle, status::Bad_Timeout, {}});
+        impl_->events.push_back(
+            {ConnectionEvent::Kind::Response, *handle, status::Bad_Timeout, {}});
     }
     impl_->channel.handle_deadline(now);
 }
@@ -255,13 +277,38 @@ bool Connection::is_closed() const
     return impl_->channel.is_closed();
 }
 
-void Connection::close()
+Result<std::uint32_t>
+Connection::send_encoded(FunctionRef<void(binary::Writer&, const RequestHeader&)> encode,
+                         Duration timeout)
+{
+    if (impl_->state != State::Ready) {
+        return fail(status::Bad_SessionNotActivated);
+    }
+    return impl_->send(encode, timeout);
+}
+
+void Connection::cancel(std::uint32_t handle)
+{
+    if (impl_->pending.remove(handle)) {
+        return;
+    }
+    std::erase_if(impl_->events, [&](const ConnectionEvent& event) {
+        return event.kind == ConnectionEvent::Kind::Response && event.handle == handle;
+    });
+}
+
+void Connection::close(bool deletes_subscriptions)
 {
     if (impl_->state == State::Ready && impl_->config.wants_session) {
         CloseSessionRequest request;
-        request.delete_subscriptions = true;
+        request.delete_subscriptions = deletes_subscriptions;
         static_cast<void>(impl_->send(request));
     }
+    impl_->end({});
+}
+
+void Connection::leave()
+{
     impl_->end({});
 }
 
@@ -270,17 +317,19 @@ const Array<EndpointDescription>& Connection::endpoints() const
     return impl_->session.endpoints;
 }
 
-void Connection::fill(RequestHeader& header)
+const SessionTicket& Connection::session() const
 {
-    impl_->fill(header);
+    return impl_->session.ticket;
 }
 
-Result<void> Connection::send(std::uint32_t handle, FunctionRef<void(binary::Writer&)> encode)
+bool Connection::is_resumed() const
 {
-    if (impl_->state != State::Ready) {
-        return fail(status::Bad_SessionNotActivated);
-    }
-    return impl_->send(handle, encode);
+    return impl_->is_resumed;
+}
+
+const std::string& Connection::endpoint_url() const
+{
+    return impl_->channel.endpoint_url();
 }
 
 } // namespace busbar::client

@@ -1,12 +1,19 @@
 #include "session.hpp"
 
+#include <algorithm>
+#include <cmath>
+
+#include <busbar/client/endpoint_choice.hpp>
+#include <busbar/core/text.hpp>
 #include <busbar/crypto/asymmetric.hpp>
+
+#include "user_token.hpp"
 
 namespace busbar::client::detail {
 
 namespace {
 
-constexpr std::size_t nonce_size = 32; // Part 4, 5.7.2: 32 bytes or more
+constexpr std::size_t client_nonce_size = 32; // Part 4, 5.7.2: 32 bytes or more
 
 ByteString chain_of(const channel::ApplicationIdentity& identity)
 {
@@ -17,73 +24,104 @@ ByteString chain_of(const channel::ApplicationIdentity& identity)
     return ByteString{chain};
 }
 
-std::vector<std::byte> join(std::span<const std::byte> a, std::span<const std::byte> b)
-{
-    std::vector<std::byte> joined{a.begin(), a.end()};
-    joined.insert(joined.end(), b.begin(), b.end());
-    return joined;
-}
-
 const crypto::SecurityPolicy& policy_of(const ConnectionConfig& config)
 {
     return *config.channel.security.policy;
 }
 
-/// The first token policy of that kind in the endpoint that the channel uses.
-const UserTokenPolicy* find_policy(const ConnectionConfig& config, const SessionData& session,
-                                   UserTokenType type)
+/// Nothing that the server says may make us wait for ever, or never; what makes no sense is what
+/// was asked for.
+std::chrono::milliseconds session_timeout(const ConnectionConfig& config, double revised_ms)
 {
+    constexpr double least = 1'000;
+    constexpr double most = 30.0 * 86'400'000;
+    if (!std::isfinite(revised_ms) || revised_ms <= 0) {
+        return config.session_timeout;
+    }
+    return std::chrono::milliseconds{
+        static_cast<std::int64_t>(std::clamp(revised_ms, least, most))};
+}
+
+Result<void> refuse(const channel::ChannelEnvironment& environment, StatusCode status,
+                    std::string_view check, std::string found)
+{
+    explain(*environment.log, "client",
+            {status, check, std::move(found), "Part 4, 5.7.2.2",
+             "If nobody tampers with the connection, the server is at fault"});
+    return fail(status);
+}
+
+/// The certificate must be that of the channel, and its key must have signed what we sent.
+Result<void> check_proof(const ConnectionConfig& config,
+                         const channel::ChannelEnvironment& environment,
+                         const CreateSessionResponse& response, const SessionData& session)
+{
+    const crypto::Certificate& server = *config.channel.server_certificate;
+    const auto chain = crypto::parse_chain(response.server_certificate.span());
+    if (!chain || !(chain->front() == server)) {
+        return refuse(environment, status::Bad_CertificateInvalid, "server certificate",
+                      "CreateSession shows another than the channel");
+    }
+    if (response.server_nonce.size() < crypto::min_server_nonce_size) {
+        return refuse(environment, status::Bad_NonceInvalid, "server nonce",
+                      std::to_string(response.server_nonce.size()) + " bytes where 32 are due");
+    }
+    const auto fits = [&](std::span<const std::byte> certificate) {
+        return crypto::asymmetric_verify(policy_of(config), server,
+                                         join(certificate, session.client_nonce),
+                                         response.server_signature.signature.span())
+            .has_value();
+    };
+    // What was sent, or the leaf of it: servers differ.
+    if (!fits(session.client_certificate.span()) &&
+        !fits(environment.identity->certificates.front().der())) {
+        return refuse(environment, status::Bad_SecurityChecksFailed, "server signature",
+                      "it is not one over our certificate and nonce");
+    }
+    return {};
+}
+
+Result<void> check_session(const ConnectionConfig& config,
+                           const channel::ChannelEnvironment& environment,
+                           const CreateSessionResponse& response, const SessionData& session)
+{
+    if (response.authentication_token.is_null()) {
+        return refuse(environment, status::Bad_UnknownResponse, "authentication token",
+                      "CreateSession gives none");
+    }
+    if (!policy_of(config).is_none()) {
+        if (auto proven = check_proof(config, environment, response, session); !proven) {
+            return proven;
+        }
+    }
+    if (config.discovered_endpoints.is_null()) {
+        return {};
+    }
+    if (!check_endpoints(config.discovered_endpoints, response.server_endpoints)) {
+        return refuse(environment, status::Bad_SecurityChecksFailed, "endpoints of the session",
+                      "CreateSession has others than GetEndpoints, which may have been changed on "
+                      "its way");
+    }
+    return {};
+}
+
+/// The token policy for the identity in the endpoint that the channel uses.
+const UserTokenPolicy* token_policy(const ConnectionConfig& config, const SessionData& session)
+{
+    if (config.token_policy) {
+        return &*config.token_policy;
+    }
     for (const EndpointDescription& endpoint : session.endpoints) {
         if (endpoint.security_mode != config.channel.security.mode ||
             endpoint.security_policy_uri.view() != policy_of(config).uri) {
             continue;
         }
-        for (const UserTokenPolicy& policy : endpoint.user_identity_tokens) {
-            if (policy.token_type == type) {
-                return &policy;
-            }
+        if (const auto* found = find_token_policy(endpoint.user_identity_tokens,
+                                                  config.channel.security, config.identity)) {
+            return found;
         }
     }
     return nullptr;
-}
-
-Result<ExtensionObject> anonymous_token(const UserTokenPolicy& policy)
-{
-    AnonymousIdentityToken token;
-    token.policy_id = policy.policy_id;
-    return ExtensionObject::from(std::move(token));
-}
-
-Result<ExtensionObject> user_name_token(const ConnectionConfig& config, const SessionData& session,
-                                        const UserTokenPolicy& token_policy, const NamedUser& user)
-{
-    UserNameIdentityToken token;
-    token.policy_id = token_policy.policy_id;
-    token.user_name = String{user.user_name};
-    const std::span password = std::as_bytes(std::span{user.password});
-    const auto* policy = token_policy.security_policy_uri.empty()
-                             ? &policy_of(config)
-                             : crypto::find_policy(token_policy.security_policy_uri.view());
-    // A server cannot make us use a deprecated policy that we were not told to use.
-    if (policy == nullptr || (policy->is_deprecated && policy != &policy_of(config))) {
-        return fail(status::Bad_SecurityPolicyRejected);
-    }
-    if (policy->is_none() || !config.channel.server_certificate) {
-        // A password in the clear is for the server to allow and for the channel to hide.
-        if (config.channel.security.mode != MessageSecurityMode::SignAndEncrypt) {
-            return fail(status::Bad_SecurityPolicyRejected);
-        }
-        token.password = ByteString{password};
-        return ExtensionObject::from(std::move(token));
-    }
-    const auto secret = crypto::encrypt_secret(*policy, *config.channel.server_certificate,
-                                               password, session.server_nonce.span());
-    if (!secret) {
-        return fail(secret.error());
-    }
-    token.password = ByteString{*secret};
-    token.encryption_algorithm = String{policy->encryption_uri};
-    return ExtensionObject::from(std::move(token));
 }
 
 } // namespace
@@ -92,7 +130,7 @@ Result<CreateSessionRequest> make_create_session(const ConnectionConfig& config,
                                                  const channel::ChannelEnvironment& environment,
                                                  SessionData& session)
 {
-    session.client_nonce.resize(nonce_size);
+    session.client_nonce.resize(client_nonce_size);
     const auto filled = environment.random->fill(session.client_nonce);
     if (!filled) {
         return fail(filled.error());
@@ -109,54 +147,64 @@ Result<CreateSessionRequest> make_create_session(const ConnectionConfig& config,
         session.client_certificate = request.client_certificate;
     }
     request.requested_session_timeout = static_cast<double>(config.session_timeout.count());
+    request.max_response_message_size = config.channel.limits.max_message_size;
     return request;
 }
 
-Result<void> accept_session(const ConnectionConfig& config, const CreateSessionResponse& response,
-                            SessionData& session)
+Result<void> accept_session(const ConnectionConfig& config,
+                            const channel::ChannelEnvironment& environment,
+                            const CreateSessionResponse& response, SessionData& session)
 {
-    session.authentication_token = response.authentication_token;
-    session.server_nonce = response.server_nonce;
-    session.endpoints = response.server_endpoints;
-    const crypto::SecurityPolicy& policy = policy_of(config);
-    if (policy.is_none()) {
-        return {};
+    if (auto checked = check_session(config, environment, response, session); !checked) {
+        return checked;
     }
-    return crypto::asymmetric_verify(policy, *config.channel.server_certificate,
-                                     join(session.client_certificate.span(), session.client_nonce),
-                                     response.server_signature.signature.span());
+    // The response may borrow from its message, copies own.
+    session.ticket.session_id = response.session_id;
+    session.ticket.authentication_token = response.authentication_token;
+    session.ticket.server_nonce = response.server_nonce;
+    session.ticket.timeout = session_timeout(config, response.revised_session_timeout);
+    session.endpoints = response.server_endpoints;
+    return {};
 }
 
 Result<ActivateSessionRequest> make_activate_session(const ConnectionConfig& config,
                                                      const channel::ChannelEnvironment& environment,
                                                      const SessionData& session)
 {
-    const auto* user = std::get_if<NamedUser>(&config.identity);
-    const bool is_named = user != nullptr;
-    const auto* token_policy =
-        find_policy(config, session, is_named ? UserTokenType::UserName : UserTokenType::Anonymous);
-    if (token_policy == nullptr) {
+    const UserTokenPolicy* used = token_policy(config, session);
+    if (used == nullptr) {
         return fail(status::Bad_IdentityTokenRejected);
     }
-    auto token = is_named ? user_name_token(config, session, *token_policy, *user)
-                          : anonymous_token(*token_policy);
-    if (!token) {
-        return fail(token.error());
+    auto user = make_user_token(config, environment, *used, session.ticket.server_nonce);
+    if (!user) {
+        return fail(user.error());
     }
     ActivateSessionRequest request;
-    request.user_identity_token = *std::move(token);
-    const crypto::SecurityPolicy& policy = policy_of(config);
-    if (!policy.is_none()) {
-        const auto signature = crypto::asymmetric_sign(
-            policy, environment.identity->key,
-            join(config.channel.server_certificate->der(), session.server_nonce.span()));
+    request.user_identity_token = std::move(user->token);
+    request.user_token_signature = std::move(user->signature);
+    if (!policy_of(config).is_none()) {
+        auto signature = sign(policy_of(config), environment.identity->key,
+                              *config.channel.server_certificate, session.ticket.server_nonce);
         if (!signature) {
             return fail(signature.error());
         }
-        request.client_signature.algorithm = String{policy.signature_uri};
-        request.client_signature.signature = ByteString{*signature};
+        request.client_signature = *std::move(signature);
     }
     return request;
+}
+
+Result<void> accept_activation(const ConnectionConfig& config,
+                               const ActivateSessionResponse& response, SessionData& session)
+{
+    ByteString& last = session.ticket.server_nonce;
+    const bool is_fresh = response.server_nonce.size() >= crypto::min_server_nonce_size &&
+                          !std::ranges::equal(response.server_nonce.span(), last.span());
+    // Without security nothing is signed with it, and small servers leave it out.
+    if (!policy_of(config).is_none() && !is_fresh) {
+        return fail(status::Bad_NonceInvalid);
+    }
+    last = response.server_nonce;
+    return {};
 }
 
 } // namespace busbar::client::detail

@@ -7,24 +7,29 @@ namespace busbar::client::detail {
 
 /// What CreateSession gave and ActivateSession needs.
 struct SessionData {
-    NodeId authentication_token;
+    SessionTicket ticket;
     std::vector<std::byte> client_nonce;
     ByteString client_certificate;
-    ByteString server_nonce;
     Array<EndpointDescription> endpoints;
 };
 
 [[nodiscard]] Result<CreateSessionRequest> make_create_session(const ConnectionConfig& config,
                                                                const channel::ChannelEnvironment& e,
                                                                SessionData& session);
-/// Takes the response in, after its signature was checked (Part 4, 5.7.2).
+/// Takes the response in, after it was checked: the server's certificate and signature, its nonce,
+/// and that its endpoints are those of GetEndpoints (Part 4, 5.7.2).
 [[nodiscard]] Result<void> accept_session(const ConnectionConfig& config,
+                                          const channel::ChannelEnvironment& environment,
                                           const CreateSessionResponse& response,
                                           SessionData& session);
 /// Signature and user token (Part 4, 5.7.3). Bad_IdentityTokenRejected if the server takes no token
 /// of the kind that is wanted.
 [[nodiscard]] Result<ActivateSessionRequest>
-make_activate_session(const ConnectionConfig& config, const channel::ChannelEnvironment& environment,
-                      const SessionData& session);
+make_activate_session(const ConnectionConfig& config,
+                      const channel::ChannelEnvironment& environment, const SessionData& session);
+/// Takes the next nonce in. Bad_NonceInvalid if it is short or the last one.
+[[nodiscard]] Result<void> accept_activation(const ConnectionConfig& config,
+                                             const ActivateSessionResponse& response,
+                                             SessionData& session);
 
 } // namespace busbar::client::detail

@@ -41,8 +41,9 @@ struct ClientConfig {
     Duration request_timeout{std::chrono::seconds{10}};
     /// From the wish for a connection to a session, for one attempt.
     Duration connect_timeout{std::chrono::seconds{20}};
-    /// Server_State is read when nothing was heard for so long; twice without an answer and the
-    /// connection is given up.
+    /// Server_State is read when nothing was heard for so long, or for a third of the session's
+    /// timeout; twice without an answer and the connection is given up. Zero: never, and a session
+    /// without requests times out.
     Duration keep_alive_interval{std::chrono::seconds{5}};
     ReconnectPolicy reconnect;
     Duration channel_lifetime{std::chrono::hours{1}};
@@ -51,9 +52,13 @@ struct ClientConfig {
     SubscriptionLimits subscriptions;
     /// Requests that may wait or be under way together; past it Bad_TooManyOperations.
     std::size_t max_requests{10'000};
+    /// Entries that are kept of the server's NamespaceArray and of its ServerArray.
+    std::size_t max_server_names{10'000};
     /// Not empty: only a server with this ApplicationUri will do.
     std::string server_uri;
-    /// False for FindServers, GetEndpoints and RegisterServer, which need no session.
+    /// False for FindServers, GetEndpoints and RegisterServer, which need no session. Where
+    /// security.allows_none is set too, the channel is opened without security and without asking
+    /// for endpoints.
     bool wants_session{true};
     /// The server connects to us (Part 6, 7.1.2.6).
     bool is_reverse{false};
@@ -69,14 +74,16 @@ enum class ClientState : std::uint8_t {
     Closed, // by close(), or for good
 };
 
-/// What whoever drives a Client is to do with its transport. One at a time.
+/// What whoever drives a Client is to do with its transport. One at a time: the next Open comes
+/// when disconnected() has confirmed a Drop, or two seconds later; what is still there of the old
+/// connection is let go at once then.
 struct TransportOrder {
     enum class Kind : std::uint8_t {
         Open, // connect to `url`, or wait for a ReverseHello if the configuration says so
         Drop, // send what output() still has, then let the connection go
     };
     Kind kind{Kind::Open};
-    /// Open: names the attempt; answers to older ones are ignored.
+    /// Names the attempt; what is told of older ones is ignored.
     std::uint64_t id{0};
     std::string url;
 };
@@ -85,26 +92,33 @@ struct TransportOrder {
 /// keeps them alive, and has them again when they are lost, Subscriptions included.
 ///
 /// Sans-I/O and polled. Bytes, time and what became of transports go in; bytes, orders and the next
-/// deadline come out. Handlers run in poll() only, and poll() does a bounded piece of work, so that
-/// a PLC task can step a Client in its cycle. One thread; the net layer has drivers.
+/// deadline come out. After any other call poll() until it is false, then look at next_order(),
+/// output() and next_deadline(); while poll() is true, read no more from the peer. Handlers run in
+/// poll() only, and poll() does a bounded piece of work, so that a PLC task can step a Client in
+/// its cycle. One thread; the net layer has drivers.
+///
+/// Handlers may use the Client, but neither poll() nor destroy it.
 class Client final : public Requester {
 public:
     /// `environment` must outlive the Client; the validator decides on the server's certificate.
     Client(ClientConfig config, const channel::ChannelEnvironment& environment, TimePoint now);
     ~Client() override;
 
-    /// Wants to be connected from now on.
+    /// Wants to be connected from now on, also after Closed.
     void connect(TimePoint now);
-    /// Closes session and channel, and deletes Subscriptions at the server. Requests end with
-    /// Bad_ConnectionClosed.
-    void close(TimePoint now);
+    /// Closes session and channel, and deletes Subscriptions at the server or leaves them to a
+    /// client that will have them transferred. Requests end with Bad_ConnectionClosed. The state is
+    /// Closing until the transport is gone.
+    void close(TimePoint now, bool deletes_subscriptions = true);
 
     [[nodiscard]] ClientState state() const;
     /// Why the Client is not Ready: the last failure; Good before the first.
     [[nodiscard]] StatusCode last_error() const;
-    /// The endpoint that is used; null before the first choice.
+    /// The endpoint that is used, or will be tried next; null while none is chosen.
     [[nodiscard]] const EndpointDescription* endpoint() const;
-    /// Called in poll() for each change of state.
+    /// Called in poll() for each change of state, with the failure that led to it; Good if none
+    /// did. Waiting: it is tried again. Closed: it is not, for a failure that another attempt
+    /// cannot mend or one too many.
     void on_state(std::function<void(ClientState, StatusCode)> handler);
     [[nodiscard]] Subscriptions& subscriptions();
 
@@ -124,6 +138,7 @@ public:
     [[nodiscard]] std::span<const std::byte> output() const;
     void consume(std::size_t size);
     [[nodiscard]] TimePoint next_deadline() const;
+    /// Only takes the time; poll() does what is due.
     void handle_deadline(TimePoint now);
     /// Handles at most `max_steps` things that happened, a response each, and calls their handlers.
     /// True if there is more to do.

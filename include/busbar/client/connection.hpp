@@ -20,14 +20,32 @@
 
 namespace busbar::client {
 
+/// A session as another connection can take it over (Part 4, 5.7.3).
+struct SessionTicket {
+    NodeId session_id;
+    NodeId authentication_token;
+    /// The last one, which the next proofs are made with.
+    ByteString server_nonce;
+    /// RevisedSessionTimeout, within sensible bounds whatever the server said.
+    std::chrono::milliseconds timeout{0};
+};
+
 struct ConnectionConfig {
     channel::ClientChannelConfig channel;
     std::string application_name{"Busbar client"};
     std::string application_uri{"urn:busbar:client"};
     std::string session_name{"Busbar"};
     UserIdentity identity;
+    /// What the identity is sent with; none: the best that CreateSession's endpoints have for it.
+    std::optional<UserTokenPolicy> token_policy;
+    /// What GetEndpoints gave, which CreateSession has to repeat; null: there is nothing to
+    /// compare.
+    Array<EndpointDescription> discovered_endpoints;
+    /// A session of an earlier connection: it is activated again and, where the server does not
+    /// let us, another one created.
+    std::optional<SessionTicket> resumed_session;
     std::chrono::milliseconds session_timeout{60'000};
-    /// After this an open request is given up with Bad_Timeout.
+    /// After this an open request is given up with Bad_Timeout, unless it has a time of its own.
     std::chrono::milliseconds request_timeout{10'000};
     /// False for FindServers and GetEndpoints, which need no session.
     bool wants_session{true};
@@ -77,21 +95,31 @@ public:
     [[nodiscard]] bool is_closed() const;
 
     /// Sends `request`, whose header is filled in here; the handle that its Response will carry.
-    /// Any number may be under way.
+    /// Any number may be under way. Given up after `timeout`; zero: as configured.
     template <typename Request>
-    [[nodiscard]] Result<std::uint32_t> send(Request&& request);
-    /// Closes session and channel (Part 4, 5.7.4 and 5.6.3).
-    void close();
+    [[nodiscard]] Result<std::uint32_t> send(Request&& request, Duration timeout = {});
+    /// The same for a request that `encode` writes with the header that it is given.
+    [[nodiscard]] Result<std::uint32_t>
+    send_encoded(FunctionRef<void(binary::Writer&, const RequestHeader&)> encode,
+                 Duration timeout = {});
+    /// Forgets a request: no Response event will come for it.
+    void cancel(std::uint32_t handle);
+    /// Closes session and channel (Part 4, 5.7.4 and 5.6.3), with or without the Subscriptions.
+    void close(bool deletes_subscriptions = true);
+    /// Closes the channel and leaves the session to the server, for another connection.
+    void leave();
 
     /// What the server offered in CreateSession.
     [[nodiscard]] const Array<EndpointDescription>& endpoints() const;
+    /// The session once Ready; its authentication token is null if there is none.
+    [[nodiscard]] const SessionTicket& session() const;
+    /// True if that is the resumed session of the configuration.
+    [[nodiscard]] bool is_resumed() const;
+    /// The URL of our Hello; with is_reverse, the one that the server named.
+    [[nodiscard]] const std::string& endpoint_url() const;
 
 private:
     struct Impl;
-
-    void fill(RequestHeader& header);
-    [[nodiscard]] Result<void> send(std::uint32_t handle,
-                                    FunctionRef<void(binary::Writer&)> encode);
 
     std::unique_ptr<Impl> impl_;
 };
@@ -118,19 +146,16 @@ Result<T> ConnectionEvent::response(const binary::DecodeLimits& limits) const
 }
 
 template <typename Request>
-Result<std::uint32_t> Connection::send(Request&& request)
+Result<std::uint32_t> Connection::send(Request&& request, Duration timeout)
 {
     using Type = std::remove_cvref_t<Request>;
-    fill(request.request_header);
-    const std::uint32_t handle = request.request_header.request_handle;
-    const auto sent = send(handle, [&](binary::Writer& writer) {
-        encode(writer, NodeId{0, Type::binary_encoding_id});
-        encode(writer, request);
-    });
-    if (!sent) {
-        return fail(sent.error());
-    }
-    return handle;
+    return send_encoded(
+        [&](binary::Writer& writer, const RequestHeader& header) {
+            request.request_header = header;
+            encode(writer, NodeId{0, Type::binary_encoding_id});
+            encode(writer, request);
+        },
+        timeout);
 }
 
 } // namespace busbar::client

@@ -34,14 +34,18 @@ struct EndpointChoice {
 /// one that the server was reached by where the server names itself differently (Part 4, 5.5.4.1).
 ///
 /// Never falls back silently: Bad_SecurityPolicyRejected, Bad_SecurityModeRejected or
-/// Bad_IdentityTokenRejected, and the log says what was offered and what was wanted.
+/// Bad_IdentityTokenRejected, and the log says what was offered and what was wanted. Of policy None
+/// the log tells in any case.
+/// Bad_ConfigurationError for a wish that this build knows nothing of, Bad_ResponseTooLarge for
+/// more endpoints than 500.
 [[nodiscard]] Result<EndpointChoice> choose_endpoint(const Array<EndpointDescription>& endpoints,
                                                      const SecurityWishes& wishes,
                                                      const UserIdentity& identity,
                                                      std::string_view reached_by, LogSink& log);
 
-/// That CreateSession's list is what GetEndpoints gave, so that nobody on the way took the better
-/// ones away (Part 4, 5.7.2.2). Bad_SecurityChecksFailed.
+/// That CreateSession's list is what GetEndpoints gave, in any order, so that nobody on the way
+/// took the better ones away (Part 4, 5.7.2.2). Compared is what a client has to compare of the UA
+/// TCP endpoints, but for the URL. Bad_SecurityChecksFailed.
 [[nodiscard]] Result<void> check_endpoints(const Array<EndpointDescription>& discovered,
                                            const Array<EndpointDescription>& of_session);
 

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 #include <functional>
-#include <string_view>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -11,6 +11,7 @@
 #include <busbar/core/clock.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/types/common.hpp>
+#include <busbar/types/enumerations.hpp>
 #include <busbar/types/registry.hpp>
 
 namespace busbar::client {
@@ -26,6 +27,8 @@ struct OperationLimits {
     std::uint32_t max_nodes_per_translate_browse_paths{0};
     std::uint32_t max_nodes_per_node_management{0};
     std::uint32_t max_monitored_items_per_call{0};
+
+    friend bool operator==(const OperationLimits&, const OperationLimits&) = default;
 };
 
 /// What a client knows of the server its session is with; read again with every new session.
@@ -36,6 +39,10 @@ struct ServerInfo {
     OperationLimits operation_limits;
     /// Grows by one whenever something above has changed.
     std::uint64_t revision{0};
+
+    /// As it was read last, which is when the server had been silent.
+    ServerState state{ServerState::Running};
+    std::uint32_t seconds_till_shutdown{0};
 };
 
 using RequestId = std::uint64_t;

@@ -26,8 +26,8 @@ public:
     /// The client; only after connect().
     [[nodiscard]] client::Connection& client();
     /// The next event, or nothing after `timeout`.
-    [[nodiscard]] std::optional<client::ConnectionEvent> wait(Duration timeout = std::chrono::seconds{
-                                                              30});
+    [[nodiscard]] std::optional<client::ConnectionEvent>
+    wait(Duration timeout = std::chrono::seconds{30});
     /// Sends `request` and waits for its response; other events are dropped.
     template <typename Request>
     [[nodiscard]] Result<client::ConnectionEvent> call(Request&& request)

@@ -1,0 +1,256 @@
+#include <algorithm>
+
+#include <busbar/core/text.hpp>
+
+#include "client_impl.hpp"
+#include "endpoint_filter.hpp"
+#include "pending_requests.hpp"
+
+namespace busbar::client {
+
+/// The states of Part 4, 6.7: an attempt waits for its time, gets a transport, asks for endpoints
+/// over a first one if it has to, and opens channel and session over the next.
+bool Client::Impl::advance()
+{
+    if (state == ClientState::Closing) {
+        if (transport.is_none()) {
+            connection.reset();
+            set_state(ClientState::Closed, last_error);
+            return true;
+        }
+        return false;
+    }
+    if (transport.lost() && is_drained) {
+        lose(*transport.lost());
+        return true;
+    }
+    if (now >= attempt_ends_at) {
+        lose(status::Bad_Timeout);
+        return true;
+    }
+    if (state == ClientState::Ready && now >= keep_alive.next_deadline()) {
+        keep_alive_due();
+        return true;
+    }
+    return transport.is_none() && go_on();
+}
+
+/// With no transport there.
+bool Client::Impl::go_on()
+{
+    if (state == ClientState::Discovering) {
+        open_transport();
+        return true;
+    }
+    if (state == ClientState::Waiting && is_wanted && now >= retry_at) {
+        begin_attempt();
+        return true;
+    }
+    return false;
+}
+
+void Client::Impl::begin_attempt()
+{
+    is_choice_old = choice.has_value();
+    // Nobody knows when the server will call.
+    attempt_ends_at =
+        config.is_reverse ? no_deadline : detail::deadline_after(now, config.connect_timeout);
+    if (kept_session && now >= kept_session->ends_at) {
+        kept_session.reset();
+    }
+    open_transport();
+}
+
+void Client::Impl::open_transport()
+{
+    connection.reset();
+    transport.open(choice ? choice->endpoint.endpoint_url.str() : config.endpoint_url);
+    set_state(ClientState::Connecting, {});
+}
+
+/// Endpoints are asked for on a connection of their own, whose security is that of a postcard.
+bool Client::Impl::is_discovering() const
+{
+    return !choice && (config.wants_session || !config.security.allows_none);
+}
+
+ConnectionConfig Client::Impl::connection_config() const
+{
+    ConnectionConfig to;
+    to.channel.limits = config.transport;
+    to.channel.endpoint_url = config.endpoint_url;
+    to.channel.is_reverse = config.is_reverse;
+    to.channel.expected_server_uri = config.server_uri;
+    to.channel.requested_lifetime =
+        std::chrono::duration_cast<std::chrono::milliseconds>(config.channel_lifetime);
+    to.application_name = config.application_name;
+    to.application_uri = config.application_uri;
+    to.session_name = config.session_name;
+    to.identity = config.identity;
+    to.session_timeout =
+        std::chrono::duration_cast<std::chrono::milliseconds>(config.session_timeout);
+    to.request_timeout =
+        std::chrono::duration_cast<std::chrono::milliseconds>(config.request_timeout);
+    to.limits = config.decode;
+    to.wants_session = false;
+    if (!choice) {
+        return to;
+    }
+    const EndpointDescription& endpoint = choice->endpoint;
+    to.wants_session = config.wants_session;
+    to.channel.endpoint_url = endpoint.endpoint_url.str();
+    to.channel.security = {choice->policy, endpoint.security_mode};
+    if (const auto chain = crypto::parse_chain(endpoint.server_certificate.span())) {
+        to.channel.server_certificate = chain->front();
+    }
+    // The certificate names the application that the endpoint is of (Part 4, 6.1.3).
+    if (to.channel.expected_server_uri.empty()) {
+        to.channel.expected_server_uri = endpoint.server.application_uri.str();
+    }
+    to.token_policy = choice->token_policy;
+    to.discovered_endpoints = discovered;
+    if (kept_session && kept_session->security == to.channel.security &&
+        kept_session->server_uri == endpoint.server.application_uri.view()) {
+        to.resumed_session = kept_session->ticket;
+    }
+    return to;
+}
+
+void Client::Impl::use_connection()
+{
+    if (config.is_reverse) {
+        attempt_ends_at = detail::deadline_after(now, config.connect_timeout);
+    }
+    connection.emplace(connection_config(), environment, now);
+    set_state(is_discovering() ? ClientState::Discovering : ClientState::Opening, {});
+}
+
+void Client::Impl::choose(const Array<EndpointDescription>& offered)
+{
+    auto chosen = detail::choose_endpoint(offered, config.security,
+                                          config.wants_session ? &config.identity : nullptr,
+                                          connection->endpoint_url(), *environment.log);
+    if (!chosen) {
+        return lose(chosen.error());
+    }
+    const String& uri = chosen->endpoint.server.application_uri;
+    if (!config.server_uri.empty() && uri.view() != config.server_uri) {
+        environment.log->write(LogLevel::Error, "client",
+                               "this is " + printable(uri.view()) + " and not " +
+                                   config.server_uri);
+        return lose(status::Bad_ServerUriInvalid);
+    }
+    discovered = offered;
+    choice = *std::move(chosen);
+    if (kept_session && kept_session->server_uri != uri.view()) {
+        environment.log->write(LogLevel::Warning, "client",
+                               "another server answers: " +
+                                   printable(choice->endpoint.server.application_uri.view()));
+    }
+    drop_connection(false); // advance() goes on when it is gone
+}
+
+void Client::Impl::drop_connection(bool keeps_session)
+{
+    if (connection && keeps_session) {
+        connection->leave();
+    } else if (connection) {
+        connection->close(deletes_subscriptions);
+    }
+    transport.drop(now);
+    endpoints_handle = info_handle = state_handle = 0;
+    keep_alive.stop();
+}
+
+void Client::Impl::end_session()
+{
+    if (std::exchange(is_session_told, false)) {
+        subscriptions.session_lost();
+    }
+}
+
+/// For the next connection, which needs the same security (Part 4, 5.7.3.1).
+void Client::Impl::keep_session()
+{
+    const SessionTicket& ticket = connection->session();
+    kept_session = KeptSession{ticket,
+                               {choice->policy, choice->endpoint.security_mode},
+                               choice->endpoint.server.application_uri.str(),
+                               detail::deadline_after(now, ticket.timeout)};
+}
+
+void Client::Impl::lose(StatusCode why)
+{
+    const bool had_session = state == ClientState::Ready && config.wants_session;
+    const bool was_opening = state == ClientState::Opening;
+    const bool is_choice_doubtful = is_choice_old && was_opening;
+    // What was good for a session, or was not even tried, may be good for the next.
+    const bool keeps_choice =
+        state == ClientState::Ready || (is_choice_old && state == ClientState::Connecting);
+    if (state == ClientState::Ready && now - ready_since >= config.reconnect.longest) {
+        back_off.reset();
+    }
+    if (had_session) {
+        keep_session();
+    } else if (kept_session && was_opening && ++kept_session->failures == 2) {
+        kept_session.reset(); // taking it over may be what the server stumbles over
+    }
+    drop_connection(had_session || (connection && connection->is_resumed()));
+    attempt_ends_at = no_deadline;
+    requests.end(status::Bad_ConnectionClosed, false);
+    end_session();
+    if (!keeps_choice) {
+        choice.reset();
+    }
+    failures_in_row += had_session ? 0 : 1;
+    if (had_session || may_retry(why, is_choice_doubtful)) {
+        retry_later(why);
+    } else {
+        begin_closing(why);
+    }
+}
+
+/// An old choice proves nothing: the server may have another certificate or other endpoints now.
+bool Client::Impl::may_retry(StatusCode why, bool is_choice_doubtful) const
+{
+    return is_choice_doubtful || detail::final_reason(why).empty();
+}
+
+void Client::Impl::retry_later(StatusCode why)
+{
+    last_error = why;
+    const ReconnectPolicy& policy = config.reconnect;
+    if (!policy.is_enabled ||
+        (policy.max_attempts != 0 && failures_in_row >= policy.max_attempts)) {
+        begin_closing(why);
+        return;
+    }
+    const Duration wait = back_off.next(*environment.random);
+    retry_at = detail::deadline_after(now, wait);
+    environment.log->write(
+        LogLevel::Warning, "client",
+        "no connection: " + std::string{name(why)} + "; next attempt in " +
+            std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(wait).count()) +
+            " ms");
+    set_state(ClientState::Waiting, why);
+}
+
+void Client::Impl::begin_closing(StatusCode why)
+{
+    if (why.is_bad()) {
+        environment.log->write(LogLevel::Error, "client",
+                               "giving up: " + std::string{name(why)} + " " +
+                                   std::string{detail::final_reason(why)});
+    }
+    is_wanted = false;
+    kept_session.reset();
+    drop_connection(false);
+    attempt_ends_at = no_deadline;
+    end_session();
+    last_error = why;
+    requests.end(why.is_bad() ? status::Bad_ServerNotConnected : status::Bad_ConnectionClosed,
+                 true);
+    set_state(ClientState::Closing, why);
+}
+
+} // namespace busbar::client

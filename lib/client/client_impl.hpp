@@ -1,0 +1,122 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <utility>
+
+#include <busbar/client/client.hpp>
+#include <busbar/client/connection.hpp>
+
+#include "keep_alive.hpp"
+#include "reconnect.hpp"
+#include "request_queue.hpp"
+#include "server_info.hpp"
+#include "transport.hpp"
+
+namespace busbar::client {
+
+/// A session without a connection.
+struct KeptSession {
+    SessionTicket ticket;
+    channel::SecuritySetting security;
+    std::string server_uri;
+    TimePoint ends_at{no_deadline};
+    /// Connections that were lost while they took it over.
+    int failures{0};
+};
+
+/// What poll() does, one step of each kind in turn, so that none keeps the others waiting. A step
+/// is true if there was something to do.
+struct Client::Impl {
+    Impl(Client& owner, ClientConfig c, const channel::ChannelEnvironment& e, TimePoint start);
+
+    void tell(TimePoint time);
+    [[nodiscard]] bool has_work() const;
+    [[nodiscard]] TimePoint next_deadline() const;
+
+    // Steps (client.cpp).
+    bool announce();
+    bool deliver();
+    bool expire();
+    bool run_subscriptions();
+    bool send_waiting();
+    // Steps (client_events.cpp and client_attempt.cpp).
+    bool receive();
+    bool advance();
+
+    // What the connection tells (client_events.cpp).
+    void handle(ConnectionEvent event);
+    void connection_ready();
+    void handle_response(ConnectionEvent event);
+    void endpoints_arrived(const ConnectionEvent& event);
+    void info_arrived(const ConnectionEvent& event);
+    void state_arrived(const ConnectionEvent& event);
+    void become_ready();
+    template <typename Request>
+    void ask(Request request, std::uint32_t& handle, Duration timeout = {});
+    void keep_alive_due();
+
+    // From one attempt to the next (client_attempt.cpp).
+    void set_state(ClientState next, StatusCode why);
+    bool go_on();
+    void begin_attempt();
+    void open_transport();
+    [[nodiscard]] bool is_discovering() const;
+    [[nodiscard]] ConnectionConfig connection_config() const;
+    void use_connection();
+    void drop_connection(bool keeps_session);
+    void choose(const Array<EndpointDescription>& offered);
+    /// The attempt, or the connection that was Ready, ends.
+    void lose(StatusCode why);
+    void keep_session();
+    void end_session();
+    [[nodiscard]] bool may_retry(StatusCode why, bool is_choice_doubtful) const;
+    void retry_later(StatusCode why);
+    void begin_closing(StatusCode why);
+
+    Client& client;
+    ClientConfig config;
+    channel::ChannelEnvironment environment;
+    TimePoint now;
+
+    ClientState state{ClientState::Waiting};
+    StatusCode last_error;
+    std::function<void(ClientState, StatusCode)> state_handler;
+    std::deque<std::pair<ClientState, StatusCode>> changes;
+
+    bool is_wanted{false};
+    bool deletes_subscriptions{true};
+    detail::BackOff back_off;
+    std::uint32_t failures_in_row{0};
+    TimePoint retry_at{TimePoint::min()};
+    TimePoint attempt_ends_at{no_deadline};
+    TimePoint ready_since{};
+
+    /// What the last GetEndpoints gave; none if it has to be asked again.
+    Array<EndpointDescription> discovered;
+    std::optional<EndpointChoice> choice;
+    /// The choice is that of an earlier attempt.
+    bool is_choice_old{false};
+
+    detail::Transport transport;
+    std::optional<Connection> connection;
+    /// The Subscriptions were told of a session and not yet that it is lost.
+    bool is_session_told{false};
+    /// Everything that the connection had to say was heard.
+    bool is_drained{true};
+    /// The session that another connection may take over.
+    std::optional<KeptSession> kept_session;
+
+    /// Requests of our own; 0: none.
+    std::uint32_t endpoints_handle{0};
+    std::uint32_t info_handle{0};
+    std::uint32_t state_handle{0};
+    detail::ServerInfoReader reader;
+    ServerInfo info;
+    detail::KeepAlive keep_alive;
+
+    detail::RequestQueue requests;
+    Subscriptions subscriptions;
+};
+
+} // namespace busbar::client

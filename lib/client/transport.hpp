@@ -1,0 +1,86 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <busbar/client/client.hpp>
+
+namespace busbar::client::detail {
+
+/// What became of the one transport that a Client has, and the orders for whoever drives it.
+class Transport {
+public:
+    enum class State : std::uint8_t { None, Ordered, Up, Dropping };
+
+    void open(std::string url)
+    {
+        state_ = State::Ordered;
+        lost_.reset();
+        order_ = TransportOrder{TransportOrder::Kind::Open, ++id_, std::move(url)};
+    }
+    /// Whoever drives it may be stuck in a dead connection: the Client goes on without it then.
+    void drop(TimePoint now)
+    {
+        if (state_ == State::None || state_ == State::Dropping) {
+            return;
+        }
+        // It is gone, or nobody has heard of the order yet.
+        if (std::exchange(lost_, std::nullopt) || (state_ == State::Ordered && order_)) {
+            state_ = State::None;
+            order_.reset();
+            return;
+        }
+        state_ = State::Dropping;
+        give_up_at_ = now + std::chrono::seconds{2};
+        order_ = TransportOrder{TransportOrder::Kind::Drop, id_, {}};
+    }
+    [[nodiscard]] std::optional<TransportOrder> next_order()
+    {
+        return std::exchange(order_, std::nullopt);
+    }
+    /// False if the order is an old one.
+    bool connected(std::uint64_t order)
+    {
+        const bool is_it = order == id_ && state_ == State::Ordered && !lost_;
+        state_ = is_it ? State::Up : state_;
+        return is_it;
+    }
+    void disconnected(std::uint64_t order, StatusCode why)
+    {
+        if (order != id_) {
+            return;
+        }
+        if (state_ == State::Dropping) {
+            state_ = State::None;
+            order_.reset();
+        } else if (state_ != State::None && !lost_) {
+            lost_ = why.is_bad() ? why : StatusCode{status::Bad_ConnectionClosed};
+        }
+    }
+    /// Ends a drop that nobody confirmed.
+    void check(TimePoint now)
+    {
+        if (state_ == State::Dropping && now >= give_up_at_) {
+            state_ = State::None;
+            order_.reset();
+        }
+    }
+    [[nodiscard]] TimePoint next_deadline() const
+    {
+        return state_ == State::Dropping ? give_up_at_ : no_deadline;
+    }
+    [[nodiscard]] State state() const { return state_; }
+    [[nodiscard]] bool is_none() const { return state_ == State::None; }
+    /// Why it is gone, if it went by itself.
+    [[nodiscard]] std::optional<StatusCode> lost() const { return lost_; }
+
+private:
+    State state_{State::None};
+    std::uint64_t id_{0};
+    std::optional<TransportOrder> order_;
+    std::optional<StatusCode> lost_;
+    TimePoint give_up_at_{no_deadline};
+};
+
+} // namespace busbar::client::detail

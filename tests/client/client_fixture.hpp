@@ -1,0 +1,239 @@
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <busbar/client/client.hpp>
+#include <busbar/core/attribute_id.hpp>
+#include <busbar/types/attribute.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "server/user_fixture.hpp"
+
+namespace busbar::test {
+
+/// A Client and the server of a fixture, joined by memory in virtual time, with a network between
+/// them that can be cut.
+class ClientFixture {
+public:
+    explicit ClientFixture(client::ClientConfig config = named_user(),
+                           server::ServerConfig server = UserFixture::all_kinds())
+        : server_config{server}, site{std::make_unique<UserFixture>(std::move(server))},
+          client{std::move(config), environment(), now}
+    {
+        validator.used = &accept_any;
+        client.on_state([this](client::ClientState state, StatusCode why) {
+            states.emplace_back(state, why);
+            if (also_on_state) {
+                also_on_state(state);
+            }
+        });
+    }
+
+    [[nodiscard]] static client::ClientConfig configuration(client::UserIdentity identity)
+    {
+        client::ClientConfig config;
+        config.endpoint_url = "opc.tcp://localhost:4840";
+        config.application_uri = "urn:busbar:test:client";
+        config.identity = std::move(identity);
+        return config;
+    }
+    [[nodiscard]] static client::ClientConfig named_user()
+    {
+        return configuration(client::NamedUser{"operator", "operator-secret"});
+    }
+    /// Without security, which the server allows to anonymous users.
+    [[nodiscard]] static client::ClientConfig insecure()
+    {
+        auto config = configuration(client::AnonymousUser{});
+        config.security.allows_none = true;
+        return config;
+    }
+    [[nodiscard]] channel::ChannelEnvironment environment()
+    {
+        return {&random, &wall_clock, &log, &validator, &client_identity()};
+    }
+
+    /// Lets both sides talk until nothing moves.
+    void run()
+    {
+        while (step()) {
+        }
+    }
+    /// Wants a session, and lets it come.
+    void connect()
+    {
+        client.connect(now);
+        run();
+    }
+    [[nodiscard]] bool is_ready() const { return client.state() == client::ClientState::Ready; }
+
+    /// Time passes; everything that is due on the way happens at its moment.
+    void advance(Duration time)
+    {
+        const TimePoint end = now + time;
+        while (true) {
+            const TimePoint next = std::clamp(next_deadline(), now, end);
+            pass(next - now);
+            run();
+            if (next == end) {
+                break;
+            }
+        }
+    }
+    /// The clock jumps: nobody was awake in between.
+    void jump(Duration time)
+    {
+        pass(time);
+        run();
+    }
+    /// The connection breaks. What is on its way is lost; the server notices.
+    void cut(StatusCode why = status::Bad_ConnectionClosed)
+    {
+        link.reset();
+        client.disconnected(order, why, now);
+        run();
+    }
+    /// Another server takes the place of the old one.
+    void restart(server::ServerConfig config)
+    {
+        link.reset();
+        site = std::make_unique<UserFixture>(std::move(config));
+        site->wall_clock.time = wall_clock.time;
+        site->now = now;
+        client.disconnected(order, status::Bad_ConnectionClosed, now);
+        run();
+    }
+
+    /// Reads Server_State; what became of it is in `answers`.
+    client::RequestId read(client::RequestOptions options = {})
+    {
+        ReadRequest request;
+        ReadValueId value;
+        value.node_id = NodeId{0, id::Server_ServerStatus_State};
+        value.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
+        request.nodes_to_read = {value};
+        return client.call<ReadResponse>(
+            std::move(request),
+            [this](Result<ReadResponse> response) {
+                answers.push_back(response ? response->response_header.service_result
+                                           : response.error());
+            },
+            options);
+    }
+
+    TimePoint now{};
+    FixedWallClock wall_clock;
+    SeededRandom random{7};
+    LogBook log;
+    crypto::InsecureAcceptAnyCertificate accept_any;
+    /// Of the client; the server has its own.
+    class Switch final : public crypto::CertificateValidator {
+    public:
+        [[nodiscard]] Checked<void> validate(const crypto::CertificateChain& chain,
+                                             const crypto::ValidationContext& context) override
+        {
+            ++asked;
+            return used->validate(chain, context);
+        }
+        crypto::CertificateValidator* used{nullptr};
+        int asked{0};
+    };
+    Switch validator{};
+    server::ServerConfig server_config;
+    std::unique_ptr<UserFixture> site;
+    client::Client client;
+
+    std::vector<std::pair<client::ClientState, StatusCode>> states;
+    std::vector<StatusCode> answers;
+    std::function<void(client::ClientState)> also_on_state;
+    /// Every transport that was ordered, in turn.
+    std::vector<std::string> urls;
+    /// False: connecting fails.
+    bool is_reachable{true};
+    /// False: what either says does not arrive.
+    bool is_carrying{true};
+    /// Bytes to the client that arrive yet before the connection breaks.
+    std::size_t bytes_left{SIZE_MAX};
+    std::optional<server::Connection> link;
+    std::uint64_t order{0};
+
+private:
+    [[nodiscard]] TimePoint next_deadline() const
+    {
+        TimePoint next = std::min(client.next_deadline(), site->server.next_deadline());
+        return link ? std::min(next, link->next_deadline()) : next;
+    }
+    void pass(Duration time)
+    {
+        now += time;
+        site->now = now - time;
+        site->advance(time);
+        wall_clock.time = site->wall_clock.time;
+        if (link) {
+            link->handle_deadline(now);
+        }
+        client.handle_deadline(now);
+    }
+    bool step()
+    {
+        bool moved = client.poll(now);
+        if (link && is_carrying) {
+            moved = carry(client, *link, now) || moved;
+            moved = to_client() || moved;
+        }
+        if (link && link->is_closed() && link->output().empty()) {
+            cut_quietly();
+            moved = true;
+        }
+        if (auto wanted = client.next_order()) {
+            obey(*wanted);
+            moved = true;
+        }
+        return moved;
+    }
+    bool to_client()
+    {
+        auto bytes = take_output(*link);
+        const bool breaks = bytes.size() > bytes_left;
+        bytes.resize(std::min(bytes.size(), bytes_left));
+        bytes_left = bytes_left == SIZE_MAX ? bytes_left : bytes_left - bytes.size();
+        if (!bytes.empty()) {
+            static_cast<void>(client.feed(bytes, now));
+        }
+        if (breaks) {
+            client.poll(now);
+            cut_quietly();
+        }
+        return !bytes.empty() || breaks;
+    }
+    void cut_quietly()
+    {
+        link.reset();
+        client.disconnected(order, status::Bad_ConnectionClosed, now);
+    }
+    void obey(const client::TransportOrder& wanted)
+    {
+        if (wanted.kind == client::TransportOrder::Kind::Drop) {
+            if (link && is_carrying) {
+                carry(client, *link, now);
+            }
+            link.reset();
+            client.disconnected(wanted.id, {}, now);
+            return;
+        }
+        urls.push_back(wanted.url);
+        order = wanted.id;
+        if (!is_reachable) {
+            client.disconnected(order, status::Bad_CommunicationError, now);
+            return;
+        }
+        link.emplace(site->server.connect("192.0.2.1", now).value());
+        client.connected(order, now);
+    }
+};
+
+} // namespace busbar::test

@@ -1,0 +1,356 @@
+#include <catch2/catch.hpp>
+
+#include <busbar/client/endpoint_choice.hpp>
+
+#include "support/identity.hpp"
+
+using namespace busbar;
+using namespace busbar::client;
+using namespace busbar::test;
+
+namespace {
+
+constexpr std::string_view profile =
+    "http://opcfoundation.org/UA-Profile/Transport/uatcp-uasc-uabinary";
+constexpr auto none = MessageSecurityMode::None;
+constexpr auto sign = MessageSecurityMode::Sign;
+constexpr auto encrypt = MessageSecurityMode::SignAndEncrypt;
+
+std::string_view uri(std::string_view name)
+{
+    const auto* policy = crypto::find_policy_by_name(name);
+    return policy != nullptr ? policy->uri : name;
+}
+
+UserTokenPolicy token(UserTokenType type, std::string_view policy = {})
+{
+    UserTokenPolicy token;
+    token.policy_id = String{std::to_string(static_cast<int>(type)) + std::string{policy}};
+    token.token_type = type;
+    token.security_policy_uri = policy.empty() ? String{} : String{uri(policy)};
+    if (type == UserTokenType::IssuedToken) {
+        token.issued_token_type = "http://opcfoundation.org/UA/UserToken#JWT";
+    }
+    return token;
+}
+
+EndpointDescription endpoint(std::string_view policy, MessageSecurityMode mode,
+                             std::uint8_t level = 0,
+                             Array<UserTokenPolicy> tokens = {token(UserTokenType::Anonymous),
+                                                              token(UserTokenType::UserName)})
+{
+    EndpointDescription endpoint;
+    endpoint.endpoint_url = "opc.tcp://plc:4840/server";
+    endpoint.server.application_uri = "urn:busbar:test:server";
+    endpoint.server_certificate = ByteString{server_identity().certificates.front().der()};
+    endpoint.security_policy_uri = uri(policy);
+    endpoint.security_mode = mode;
+    endpoint.security_level = level;
+    endpoint.transport_profile_uri = profile;
+    endpoint.user_identity_tokens = std::move(tokens);
+    return endpoint;
+}
+
+const UserIdentity nobody{AnonymousUser{}};
+const UserIdentity somebody{NamedUser{"a", "b"}};
+
+Result<EndpointChoice> choose(const Array<EndpointDescription>& endpoints,
+                              const SecurityWishes& wishes = {},
+                              const UserIdentity& identity = nobody)
+{
+    NullLog log;
+    return choose_endpoint(endpoints, wishes, identity, "opc.tcp://plc:4840", log);
+}
+
+struct Row {
+    const char* what;
+    Array<EndpointDescription> offered;
+    SecurityWishes wishes;
+    UserIdentity identity;
+    /// Which of them, or why none.
+    Result<std::size_t> expected;
+};
+
+} // namespace
+
+TEST_CASE("the best endpoint that both sides allow is chosen, or none")
+{
+    const SecurityWishes any{{}, sign, true};
+    const SecurityWishes signed_too{{}, sign, false};
+    const SecurityWishes old_too{{"Basic256Sha256", "Aes256_Sha256_RsaPss"}, encrypt, false};
+    auto other_transport = endpoint("Basic256Sha256", encrypt);
+    other_transport.transport_profile_uri =
+        "http://opcfoundation.org/UA-Profile/Transport/https-uabinary";
+    auto no_certificate = endpoint("Aes256_Sha256_RsaPss", encrypt);
+    no_certificate.server_certificate = ByteString{std::vector<std::byte>(20)};
+    const auto name_only = [](std::string_view policy) {
+        return Array<UserTokenPolicy>{token(UserTokenType::UserName, policy)};
+    };
+    const auto no = [](StatusCode status) { return Result<std::size_t>{fail(status)}; };
+    const auto row = GENERATE_REF(values<Row>({
+        {"mode before policy",
+         {endpoint("Aes256_Sha256_RsaPss", sign, 9), endpoint("Basic256Sha256", encrypt)},
+         any,
+         nobody,
+         1},
+        {"policy before level",
+         {endpoint("Basic256Sha256", encrypt, 9), endpoint("Aes256_Sha256_RsaPss", encrypt, 1)},
+         any,
+         nobody,
+         1},
+        {"level at last",
+         {endpoint("Basic256Sha256", encrypt, 1), endpoint("Basic256Sha256", encrypt, 2),
+          endpoint("Basic256Sha256", encrypt, 1)},
+         any,
+         nobody,
+         1},
+        {"wishes rank policies",
+         {endpoint("Aes256_Sha256_RsaPss", encrypt), endpoint("Basic256Sha256", encrypt)},
+         old_too,
+         nobody,
+         1},
+        {"anything before None",
+         {endpoint("None", none, 255), endpoint("Basic256Sha256", sign)},
+         any,
+         nobody,
+         1},
+        {"None if that is all, and allowed", {endpoint("None", none)}, any, nobody, 0},
+        {"None is not fallen back to",
+         {endpoint("None", none)},
+         signed_too,
+         nobody,
+         no(status::Bad_SecurityPolicyRejected)},
+        {"None is not fallen back to because of the user",
+         {endpoint("Basic256Sha256", encrypt, 0, {token(UserTokenType::UserName)}),
+          endpoint("None", none)},
+         {},
+         nobody,
+         no(status::Bad_IdentityTokenRejected)},
+        {"Sign is not fallen back to",
+         {endpoint("Basic256Sha256", sign)},
+         {},
+         nobody,
+         no(status::Bad_SecurityModeRejected)},
+        {"Sign if allowed", {endpoint("Basic256Sha256", sign)}, signed_too, nobody, 0},
+        {"a policy that is not wanted",
+         {endpoint("Aes128_Sha256_RsaOaep", encrypt)},
+         old_too,
+         nobody,
+         no(status::Bad_SecurityPolicyRejected)},
+        {"a policy that nobody knows",
+         {endpoint("http://example/policy", encrypt)},
+         any,
+         nobody,
+         no(status::Bad_SecurityPolicyRejected)},
+        {"a deprecated policy is used when named only",
+         {endpoint("Basic128Rsa15", encrypt)},
+         signed_too,
+         nobody,
+         no(status::Bad_SecurityPolicyRejected)},
+        {"a wish that means nothing",
+         {endpoint("Basic256Sha256", encrypt)},
+         {{"Basic256Sha265"}, encrypt, false},
+         nobody,
+         no(status::Bad_ConfigurationError)},
+        {"mode None with a policy",
+         {endpoint("Basic256Sha256", none)},
+         any,
+         nobody,
+         no(status::Bad_SecurityPolicyRejected)},
+        {"policy None with a mode",
+         {endpoint("None", encrypt)},
+         any,
+         nobody,
+         no(status::Bad_SecurityPolicyRejected)},
+        {"no mode at all",
+         {endpoint("Basic256Sha256", MessageSecurityMode::Invalid)},
+         any,
+         nobody,
+         no(status::Bad_SecurityPolicyRejected)},
+        {"a mode that does not exist",
+         {endpoint("Basic256Sha256", static_cast<MessageSecurityMode>(7))},
+         any,
+         nobody,
+         no(status::Bad_SecurityPolicyRejected)},
+        {"a certificate that is none",
+         {no_certificate, endpoint("Basic256Sha256", encrypt)},
+         any,
+         nobody,
+         1},
+        {"another transport",
+         {other_transport},
+         any,
+         nobody,
+         no(status::Bad_SecurityPolicyRejected)},
+        {"nothing", {}, any, nobody, no(status::Bad_SecurityPolicyRejected)},
+        {"no token for a user",
+         {endpoint("Basic256Sha256", encrypt, 0, {})},
+         any,
+         somebody,
+         no(status::Bad_IdentityTokenRejected)},
+        {"a password is not sent in the clear over None",
+         {endpoint("None", none, 0, name_only({}))},
+         any,
+         somebody,
+         no(status::Bad_IdentityTokenRejected)},
+        {"nor over a channel that only signs",
+         {endpoint("Basic256Sha256", sign, 0, name_only("None"))},
+         any,
+         somebody,
+         no(status::Bad_IdentityTokenRejected)},
+        {"an encrypting channel hides it",
+         {endpoint("Basic256Sha256", encrypt, 0, name_only("None"))},
+         any,
+         somebody,
+         0},
+        {"or its own policy",
+         {endpoint("None", none, 0, name_only("Basic256Sha256"))},
+         any,
+         somebody,
+         0},
+        {"but no deprecated or unknown one",
+         {endpoint("None", none, 0, name_only("Basic128Rsa15"))},
+         any,
+         somebody,
+         no(status::Bad_IdentityTokenRejected)},
+    }));
+    CAPTURE(row.what);
+    LogBook log;
+    const auto choice =
+        choose_endpoint(row.offered, row.wishes, row.identity, "opc.tcp://plc:4840", log);
+    REQUIRE(choice.has_value() == row.expected.has_value());
+    if (choice) {
+        CHECK(choice->endpoint == row.offered[*row.expected]);
+        CHECK(choice->policy->uri == choice->endpoint.security_policy_uri.view());
+        CHECK(log.text.empty() != choice->policy->is_none());
+    } else {
+        CHECK(choice.error() == row.expected.error());
+        CHECK_FALSE(log.text.empty());
+    }
+}
+
+TEST_CASE("a refusal says what was offered and what was wanted")
+{
+    LogBook log;
+    CHECK_FALSE(choose_endpoint({endpoint("None", none), endpoint("Basic256Sha256", sign)},
+                                {{"Aes256_Sha256_RsaPss"}, encrypt, false}, somebody,
+                                "opc.tcp://plc", log));
+    CHECK(log.text.find("None/None (anonymous, user name); Basic256Sha256/Sign") !=
+          std::string::npos);
+    CHECK(log.text.find("Aes256_Sha256_RsaPss with at least SignAndEncrypt, for user name") !=
+          std::string::npos);
+}
+
+TEST_CASE("of several token policies the one that protects best is taken")
+{
+    const Array<UserTokenPolicy> tokens{token(UserTokenType::UserName, "None"),
+                                        token(UserTokenType::UserName, "Basic256Sha256"),
+                                        token(UserTokenType::UserName, "Aes256_Sha256_RsaPss"),
+                                        token(UserTokenType::UserName, "Aes128_Sha256_RsaOaep")};
+    const auto choice = choose({endpoint("Basic256Sha256", encrypt, 0, tokens)}, {}, somebody);
+    REQUIRE(choice);
+    CHECK(choice->token_policy == tokens[2]);
+}
+
+TEST_CASE("an issued token needs a policy of its type")
+{
+    const auto tokens = Array<UserTokenPolicy>{token(UserTokenType::IssuedToken)};
+    const Array<EndpointDescription> offered{endpoint("Basic256Sha256", encrypt, 0, tokens)};
+    CHECK(choose(offered, {}, IssuedUser{"x"}));
+    CHECK(choose(offered, {}, IssuedUser{"x", "urn:kerberos"}).error() ==
+          status::Bad_IdentityTokenRejected);
+}
+
+TEST_CASE("the URL is one that leads to the server")
+{
+    const auto [named, reached_by, expected] =
+        GENERATE(table<std::string_view, std::string_view, std::string_view>({
+            {"opc.tcp://plc:4840/a", "opc.tcp://plc:4840", "opc.tcp://plc:4840/a"},
+            {"opc.tcp://PLC:4841/a", "opc.tcp://plc:4840", "opc.tcp://PLC:4841/a"},
+            {"opc.tcp://internal:4840/a", "opc.tcp://10.0.0.1:5000", "opc.tcp://10.0.0.1:5000"},
+            {"opc.tcp://evil.example", "opc.tcp://plc:4840/b", "opc.tcp://plc:4840/b"},
+            {"https://plc", "opc.tcp://plc:4840", "opc.tcp://plc:4840"},
+            {"", "opc.tcp://plc:4840", "opc.tcp://plc:4840"},
+        }));
+    auto offered = endpoint("Basic256Sha256", encrypt);
+    offered.endpoint_url = named;
+    NullLog log;
+    const auto choice = choose_endpoint({offered}, {}, nobody, reached_by, log);
+    REQUIRE(choice);
+    CHECK(choice->endpoint.endpoint_url.view() == expected);
+}
+
+TEST_CASE("CreateSession has to repeat the endpoints of GetEndpoints")
+{
+    const Array<EndpointDescription> discovered{endpoint("Basic256Sha256", sign, 1),
+                                                endpoint("Basic256Sha256", encrypt, 2)};
+    Array<EndpointDescription> again = discovered;
+    bool is_same = false;
+    SECTION("as they were")
+    {
+        is_same = true;
+    }
+    SECTION("in another order")
+    {
+        std::swap(again[0], again[1]);
+        is_same = true;
+    }
+    SECTION("without what need not be repeated")
+    {
+        again[0].server_certificate = {};
+        again[0].server.application_name = LocalizedText{"other"};
+        again[0].endpoint_url = "opc.tcp://other";
+        is_same = true;
+    }
+    SECTION("with another transport")
+    {
+        again.push_back(endpoint("Basic256Sha256", encrypt, 7));
+        again[2].transport_profile_uri = "urn:other";
+        is_same = true;
+    }
+    SECTION("one less")
+    {
+        again.pop_back();
+    }
+    SECTION("one more")
+    {
+        again.push_back(endpoint("Aes256_Sha256_RsaPss", encrypt, 3));
+    }
+    SECTION("one twice")
+    {
+        again.push_back(again[0]);
+    }
+    SECTION("another mode")
+    {
+        again[0].security_mode = encrypt;
+    }
+    SECTION("another policy")
+    {
+        again[0].security_policy_uri = uri("Aes256_Sha256_RsaPss");
+    }
+    SECTION("another level")
+    {
+        again[0].security_level = 3;
+    }
+    SECTION("another application")
+    {
+        again[0].server.application_uri = "urn:other";
+    }
+    SECTION("another token policy")
+    {
+        again[1].user_identity_tokens[1].security_policy_uri = uri("None");
+    }
+    SECTION("a token policy less")
+    {
+        again[1].user_identity_tokens.pop_back();
+    }
+    SECTION("none")
+    {
+        again = {};
+    }
+    const auto checked = check_endpoints(discovered, again);
+    CHECK(checked.has_value() == is_same);
+    if (!checked) {
+        CHECK(checked.error() == status::Bad_SecurityChecksFailed);
+    }
+}
