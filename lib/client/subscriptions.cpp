@@ -1,20 +1,88 @@
 #include <busbar/client/subscriptions.hpp>
 
+#include "subscription/engine.hpp"
+
 namespace busbar::client {
 
-struct Subscriptions::Impl {};
+struct Subscriptions::Impl : detail::SubscriptionEngine {
+    using SubscriptionEngine::SubscriptionEngine;
+};
 
-Subscriptions::Subscriptions(Requester& /*requester*/, SubscriptionLimits /*limits*/) {}
+Subscriptions::Subscriptions(Requester& requester, SubscriptionLimits limits)
+    : impl_{std::make_unique<Impl>(requester, limits)}
+{
+}
+
 Subscriptions::~Subscriptions() = default;
 
-void Subscriptions::session_started(SessionStart /*how*/) {}
-void Subscriptions::session_lost() {}
+Result<SubscriptionHandle> Subscriptions::create(SubscriptionSettings settings,
+                                                 SubscriptionHandlers handlers)
+{
+    return impl_->create(settings, std::move(handlers));
+}
+
+Result<void> Subscriptions::modify(SubscriptionHandle subscription, SubscriptionSettings settings)
+{
+    return impl_->modify(subscription, settings);
+}
+
+Result<void> Subscriptions::remove(SubscriptionHandle subscription)
+{
+    return impl_->remove(subscription);
+}
+
+Result<std::vector<ItemHandle>> Subscriptions::add_items(SubscriptionHandle subscription,
+                                                         std::vector<ItemSettings> items)
+{
+    return impl_->add_items(subscription, std::move(items));
+}
+
+Result<void> Subscriptions::modify_items(std::span<const ItemHandle> items,
+                                         const ItemSettings& settings)
+{
+    return impl_->modify_items(items, settings);
+}
+
+Result<void> Subscriptions::remove_items(std::span<const ItemHandle> items)
+{
+    return impl_->remove_items(items);
+}
+
+Result<void> Subscriptions::set_triggering(ItemHandle trigger, std::vector<ItemHandle> links)
+{
+    return impl_->set_triggering(trigger, std::move(links));
+}
+
+DeliveryMode Subscriptions::mode(SubscriptionHandle subscription) const
+{
+    const auto* found = impl_->find(subscription);
+    return found == nullptr || !impl_->has_session() ? DeliveryMode::None : found->mode();
+}
+
+std::uint32_t Subscriptions::server_id(SubscriptionHandle subscription) const
+{
+    const auto* found = impl_->find(subscription);
+    return found == nullptr ? 0 : found->server_id;
+}
+
+void Subscriptions::session_started(SessionStart how)
+{
+    impl_->session_started(how == SessionStart::New);
+}
+
+void Subscriptions::session_lost()
+{
+    impl_->session_lost();
+}
 
 TimePoint Subscriptions::next_deadline() const
 {
-    return no_deadline;
+    return impl_->next_deadline();
 }
 
-void Subscriptions::handle_deadline(TimePoint /*now*/) {}
+void Subscriptions::handle_deadline(TimePoint now)
+{
+    impl_->handle_deadline(now);
+}
 
 } // namespace busbar::client

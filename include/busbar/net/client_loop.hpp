@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <busbar/client/connection.hpp>
+#include <busbar/net/system.hpp>
 
 namespace busbar::net {
 
@@ -48,12 +49,6 @@ private:
 
     struct Impl;
     std::unique_ptr<Impl> impl_;
-};
-
-/// The time of day.
-class SystemWallClock final : public WallClock {
-public:
-    [[nodiscard]] DateTime now() const override;
 };
 
 } // namespace busbar::net

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include <busbar/core/data_value.hpp>
+#include <busbar/core/deadband.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/model/address_space.hpp>
 #include <busbar/types/data_types.hpp>
@@ -44,7 +45,8 @@ public:
              last.source_picoseconds != data.source_picoseconds)) {
             return true;
         }
-        return has_deadband_ ? is_past_deadband(last.value, value) : !(last.value == value);
+        return has_deadband_ ? is_past_deadband(last.value, value, deadband_)
+                             : !(last.value == value);
     }
     /// False if equal values never pass, whatever their timestamps are.
     [[nodiscard]] bool looks_at_time() const
@@ -55,7 +57,6 @@ public:
 private:
     /// The bits that a queue sets are no change.
     [[nodiscard]] static bool is_other_status(StatusCode a, StatusCode b);
-    [[nodiscard]] bool is_past_deadband(const Variant& last, const Variant& value) const;
 
     DataChangeTrigger trigger_{DataChangeTrigger::StatusValue};
     bool has_deadband_{false};

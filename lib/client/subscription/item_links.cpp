@@ -1,0 +1,90 @@
+#include <algorithm>
+#include <iterator>
+
+#include "engine.hpp"
+
+namespace busbar::client::detail {
+
+bool SubscriptionEngine::link_items(WatchedSubscription& subscription)
+{
+    auto& queue = subscription.work.to_link;
+    while (!queue.empty()) {
+        const ItemHandle trigger = queue.front();
+        queue.pop_front();
+        const Item* item = items_.find(trigger);
+        const auto links = subscription.links.find(trigger);
+        if (item == nullptr || !item->is_created || links == subscription.links.end()) {
+            continue;
+        }
+        SetTriggeringRequest request;
+        request.subscription_id = subscription.server_id;
+        request.triggering_item_id = item->server_id;
+        if (choose_links(links->second, request)) {
+            queue.push_front(trigger);
+        }
+        if (!request.links_to_add.empty() || !request.links_to_remove.empty()) {
+            send_links(subscription, std::move(request), trigger);
+            return true;
+        }
+    }
+    return false;
+}
+
+bool SubscriptionEngine::choose_links(Links& links, SetTriggeringRequest& request)
+{
+    std::vector<ItemHandle> changed;
+    std::set_difference(links.made.begin(), links.made.end(), links.wished.begin(),
+                        links.wished.end(), std::back_inserter(changed));
+    const std::size_t removed_count = changed.size();
+    std::set_difference(links.wished.begin(), links.wished.end(), links.made.begin(),
+                        links.made.end(), std::back_inserter(changed));
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < changed.size(); ++i) {
+        const Item* item = items_.find(changed[i]);
+        const bool is_removed = i < removed_count;
+        if (item == nullptr || !item->is_created) {
+            continue;
+        }
+        if (count == batch_limit()) {
+            return true;
+        }
+        ++count;
+        (is_removed ? request.links_to_remove : request.links_to_add).push_back(item->server_id);
+        const auto place = std::lower_bound(links.made.begin(), links.made.end(), changed[i]);
+        if (is_removed) {
+            links.made.erase(place);
+        } else {
+            links.made.insert(place, changed[i]);
+        }
+    }
+    return false;
+}
+
+void SubscriptionEngine::send_links(WatchedSubscription& subscription, SetTriggeringRequest request,
+                                    ItemHandle trigger)
+{
+    const std::size_t count = request.links_to_add.size() + request.links_to_remove.size();
+    const auto redo = [trigger](WatchedSubscription& changed) {
+        const auto links = changed.links.find(trigger);
+        if (links != changed.links.end()) {
+            links->second.made.clear(); // a link that is there already does no harm
+            changed.work.to_link.push_back(trigger);
+        }
+    };
+    change<SetTriggeringResponse>(
+        subscription, std::move(request), count, redo,
+        [this, trigger](WatchedSubscription& changed, const auto& response) {
+            if (!response) {
+                report_items(changed, {{trigger, {response.error(), 0, 0, {}}}});
+                return;
+            }
+            const auto& results = response->add_results;
+            const auto bad = std::find_if(results.begin(), results.end(),
+                                          [](StatusCode result) { return result.is_bad(); });
+            if (bad != results.end()) {
+                report_items(changed, {{trigger, {*bad, 0, 0, {}}}});
+            }
+        });
+}
+
+} // namespace busbar::client::detail
