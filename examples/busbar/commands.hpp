@@ -1,0 +1,24 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "context.hpp"
+
+/// One function for each command, in a file of its name: adds the command to the program and has
+/// `run` carry it out if it is the one that the user gave.
+namespace busbar::cli {
+
+void add_discover(CLI::App& app, Run& run);
+void add_endpoints(CLI::App& app, Run& run);
+void add_browse(CLI::App& app, Run& run);
+void add_read(CLI::App& app, Run& run);
+void add_write(CLI::App& app, Run& run);
+void add_subscribe(CLI::App& app, Run& run);
+void add_call(CLI::App& app, Run& run);
+void add_events(CLI::App& app, Run& run);
+void add_export(CLI::App& app, Run& run);
+void add_cert(CLI::App& app, Run& run);
+void add_bench(CLI::App& app, Run& run);
+void add_completion(CLI::App& app, Run& run);
+
+} // namespace busbar::cli

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "failure.hpp"
+#include "output.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace busbar::cli {
+
+/// The options that all commands have.
+struct Options {
+    std::string url{"opc.tcp://localhost:4840"};
+    std::string user;
+    std::string password;
+    std::string password_file;
+    std::string user_certificate;
+    std::string user_key;
+    /// Short names of security policies; empty: all good ones.
+    std::vector<std::string> policies;
+    /// "Sign" or "SignAndEncrypt".
+    std::string mode{"SignAndEncrypt"};
+    bool is_insecure{false};
+    /// Empty: below the user's data folder.
+    std::string pki;
+    bool trusts{false};
+    double timeout{20}; // seconds
+    bool is_verbose{false};
+    bool is_json{false};
+};
+
+/// What a command works with.
+struct Context {
+    Options options;
+    Output out{stdout};
+    Output err{stderr};
+};
+
+/// Carries a command out; throws Failure or OutputClosed.
+using Run = std::function<Exit(Context&)>;
+
+/// Adds the options to the program.
+void add_options(CLI::App& app, Options& options);
+/// The command line as CLI11 wants it, last argument first. CLI11 would take "[1, 2]" for two
+/// arguments: a blank before it keeps it whole, which whole() removes.
+[[nodiscard]] std::vector<std::string> protected_arguments(int count, char** arguments);
+[[nodiscard]] std::string whole(const std::string& argument);
+/// Takes the URL off the front of a command's arguments if there is one.
+void take_url(std::vector<std::string>& arguments, Options& options);
+/// The same for a command that has no other argument; throws Failure if there is one.
+void take_only_url(std::vector<std::string>& arguments, Options& options);
+/// The same for a command that needs another argument; throws Failure if there is none.
+void take_url_before(std::vector<std::string>& arguments, Options& options);
+[[nodiscard]] bool is_url(const std::string& text);
+
+} // namespace busbar::cli

@@ -1,0 +1,99 @@
+#include <memory>
+
+#include <busbar/types/discovery.hpp>
+
+#include "commands.hpp"
+#include "discovery.hpp"
+#include "display_text.hpp"
+#include "json_writer.hpp"
+#include "table.hpp"
+
+namespace busbar::cli {
+
+namespace {
+
+std::string_view type_name(ApplicationType type)
+{
+    switch (type) {
+    case ApplicationType::Server:
+        return "Server";
+    case ApplicationType::Client:
+        return "Client";
+    case ApplicationType::ClientAndServer:
+        return "ClientAndServer";
+    case ApplicationType::DiscoveryServer:
+        return "DiscoveryServer";
+    }
+    return "?";
+}
+
+std::string json_of(const Array<ApplicationDescription>& servers)
+{
+    JsonWriter json;
+    json.open_array();
+    for (const ApplicationDescription& server : servers) {
+        json.open_object();
+        json.member("name", server.application_name.text.view());
+        json.member("uri", server.application_uri.view());
+        json.member("productUri", server.product_uri.view());
+        json.member("type", type_name(server.application_type));
+        json.key("discoveryUrls").open_array();
+        for (const String& url : server.discovery_urls) {
+            json.text(url.view());
+        }
+        json.close_array().close_object();
+    }
+    return json.close_array().document();
+}
+
+void print(Output& out, const Array<ApplicationDescription>& servers)
+{
+    Table table{{{"NAME"}, {"TYPE"}, {"APPLICATION URI", 12}, {"URL", 24}}};
+    for (const ApplicationDescription& server : servers) {
+        const std::size_t rows = std::max<std::size_t>(1, server.discovery_urls.size());
+        for (std::size_t i = 0; i < rows; ++i) {
+            const std::string url =
+                i < server.discovery_urls.size() ? safe(server.discovery_urls[i].view()) : "-";
+            if (i == 0) {
+                table.add({{safe(server.application_name.text.view())},
+                           {std::string{type_name(server.application_type)}},
+                           {safe(server.application_uri.view())},
+                           {url}});
+            } else {
+                table.add({{}, {}, {}, {url}});
+            }
+        }
+    }
+    table.print(out);
+}
+
+Exit discover(Context& context)
+{
+    DiscoveryConnection connection{context};
+    FindServersRequest request;
+    request.endpoint_url = context.options.url;
+    const auto response = connection.call<FindServersResponse>(std::move(request));
+    if (context.options.is_json) {
+        context.out.line(json_of(response.servers));
+    } else {
+        print(context.out, response.servers);
+    }
+    return Exit::Good;
+}
+
+} // namespace
+
+void add_discover(CLI::App& app, Run& run)
+{
+    auto* command = app.add_subcommand("discover", "Lists the servers that a server knows of.");
+    auto arguments = std::make_shared<std::vector<std::string>>();
+    command->add_option("URL", *arguments, "server, mostly a discovery server");
+    command->callback([&run, arguments] {
+        run = [arguments](Context& context) {
+            take_only_url(*arguments, context.options);
+            return discover(context);
+        };
+    });
+}
+
+} // namespace busbar::cli

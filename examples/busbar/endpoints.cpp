@@ -1,0 +1,171 @@
+#include <memory>
+
+#include <busbar/crypto/certificate.hpp>
+#include <busbar/crypto/security_policy.hpp>
+#include <busbar/types/discovery.hpp>
+
+#include "commands.hpp"
+#include "discovery.hpp"
+#include "display_text.hpp"
+#include "json_writer.hpp"
+#include "table.hpp"
+
+namespace busbar::cli {
+
+namespace {
+
+std::string_view mode_name(MessageSecurityMode mode)
+{
+    switch (mode) {
+    case MessageSecurityMode::None:
+        return "None";
+    case MessageSecurityMode::Sign:
+        return "Sign";
+    case MessageSecurityMode::SignAndEncrypt:
+        return "SignAndEncrypt";
+    default:
+        return "?";
+    }
+}
+
+std::string_view token_name(UserTokenType type)
+{
+    switch (type) {
+    case UserTokenType::Anonymous:
+        return "anonymous";
+    case UserTokenType::UserName:
+        return "name";
+    case UserTokenType::Certificate:
+        return "certificate";
+    case UserTokenType::IssuedToken:
+        return "token";
+    }
+    return "?";
+}
+
+/// "Basic256Sha256", or the URI's end for a policy that this build does not know.
+std::string policy_name(const String& uri)
+{
+    if (const crypto::SecurityPolicy* policy = crypto::find_policy(uri.view())) {
+        return std::string{policy->name};
+    }
+    return safe(uri.view().substr(uri.view().find('#') + 1));
+}
+
+std::string tokens_of(const EndpointDescription& endpoint)
+{
+    std::string tokens;
+    for (const UserTokenPolicy& policy : endpoint.user_identity_tokens) {
+        const std::string_view name = token_name(policy.token_type);
+        if (tokens.find(name) == std::string::npos) {
+            tokens += (tokens.empty() ? "" : ",") + std::string{name};
+        }
+    }
+    return tokens.empty() ? "-" : tokens;
+}
+
+/// The leaf of what an endpoint gives.
+std::optional<crypto::Certificate> certificate_of(const EndpointDescription& endpoint)
+{
+    auto chain = crypto::parse_chain(endpoint.server_certificate.span());
+    return chain ? std::optional{chain->front()} : std::nullopt;
+}
+
+std::string json_of(const Array<EndpointDescription>& endpoints)
+{
+    JsonWriter json;
+    json.open_array();
+    for (const EndpointDescription& endpoint : endpoints) {
+        json.open_object();
+        json.member("url", endpoint.endpoint_url.view());
+        json.member("mode", mode_name(endpoint.security_mode));
+        json.member("policy", endpoint.security_policy_uri.view());
+        json.member("level", std::int64_t{endpoint.security_level});
+        json.key("users").open_array();
+        for (const UserTokenPolicy& policy : endpoint.user_identity_tokens) {
+            json.text(token_name(policy.token_type));
+        }
+        json.close_array();
+        if (const auto certificate = certificate_of(endpoint)) {
+            json.member("thumbprint", certificate->thumbprint_text());
+        }
+        json.member("transport", endpoint.transport_profile_uri.view());
+        json.close_object();
+    }
+    return json.close_array().document();
+}
+
+Style style_of(MessageSecurityMode mode)
+{
+    return mode == MessageSecurityMode::SignAndEncrypt ? Style::Good
+           : mode == MessageSecurityMode::Sign         ? Style::Uncertain
+                                                       : Style::Bad;
+}
+
+void print_certificates(Output& out, const Array<EndpointDescription>& endpoints)
+{
+    std::vector<crypto::Certificate> seen;
+    for (const EndpointDescription& endpoint : endpoints) {
+        const auto certificate = certificate_of(endpoint);
+        if (!certificate || std::find(seen.begin(), seen.end(), *certificate) != seen.end()) {
+            continue;
+        }
+        seen.push_back(*certificate);
+        std::string hosts;
+        for (const std::string& host : certificate->host_names()) {
+            hosts += " " + safe(host);
+        }
+        out.line("certificate " + certificate->thumbprint_text());
+        out.line("  subject  " + safe(certificate->subject()));
+        out.line("  hosts   " + (hosts.empty() ? " none" : hosts));
+        out.line("  valid    " + to_string(certificate->valid_from()) + " to " +
+                 to_string(certificate->valid_to()));
+    }
+}
+
+void print(Output& out, const Array<EndpointDescription>& endpoints)
+{
+    Table table{{{"MODE"}, {"POLICY"}, {"LEVEL", 5, true}, {"USERS"}, {"URL", 16}}};
+    for (const EndpointDescription& endpoint : endpoints) {
+        table.add(
+            {{std::string{mode_name(endpoint.security_mode)}, style_of(endpoint.security_mode)},
+             {policy_name(endpoint.security_policy_uri)},
+             {std::to_string(endpoint.security_level)},
+             {tokens_of(endpoint)},
+             {safe(endpoint.endpoint_url.view())}});
+    }
+    table.print(out);
+    print_certificates(out, endpoints);
+}
+
+Exit show_endpoints(Context& context)
+{
+    DiscoveryConnection connection{context};
+    GetEndpointsRequest request;
+    request.endpoint_url = context.options.url;
+    const auto response = connection.call<GetEndpointsResponse>(std::move(request));
+    if (context.options.is_json) {
+        context.out.line(json_of(response.endpoints));
+    } else {
+        print(context.out, response.endpoints);
+    }
+    return Exit::Good;
+}
+
+} // namespace
+
+void add_endpoints(CLI::App& app, Run& run)
+{
+    auto* command =
+        app.add_subcommand("endpoints", "Shows what security and logins a server offers.");
+    auto arguments = std::make_shared<std::vector<std::string>>();
+    command->add_option("URL", *arguments, "server");
+    command->callback([&run, arguments] {
+        run = [arguments](Context& context) {
+            take_only_url(*arguments, context.options);
+            return show_endpoints(context);
+        };
+    });
+}
+
+} // namespace busbar::cli

@@ -1,0 +1,114 @@
+#include "failure.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <busbar/core/status_codes.hpp>
+
+#include "display_text.hpp"
+#include "json_writer.hpp"
+#include "status_help.hpp"
+
+namespace busbar::cli {
+
+namespace {
+
+constexpr std::array not_connected{
+    status::Bad_Timeout,
+    status::Bad_ConnectionClosed,
+    status::Bad_CommunicationError,
+    status::Bad_ServerNotConnected,
+    status::Bad_NoCommunication,
+    status::Bad_NotConnected,
+    status::Bad_SecureChannelClosed,
+    status::Bad_SecureChannelIdInvalid,
+    status::Bad_TcpEndpointUrlInvalid,
+    status::Bad_TcpServerTooBusy,
+    status::Bad_TcpMessageTypeInvalid,
+    status::Bad_TcpInternalError,
+    status::Bad_ServerHalted,
+    status::Bad_Shutdown,
+    status::Bad_SessionClosed,
+    status::Bad_ConnectionRejected,
+    status::Bad_Disconnect,
+    status::Bad_ProtocolVersionUnsupported,
+};
+constexpr std::array refused{
+    status::Bad_SecurityChecksFailed,       status::Bad_SecurityPolicyRejected,
+    status::Bad_SecurityModeRejected,       status::Bad_SecurityModeInsufficient,
+    status::Bad_IdentityTokenInvalid,       status::Bad_IdentityTokenRejected,
+    status::Bad_UserSignatureInvalid,       status::Bad_ApplicationSignatureInvalid,
+    status::Bad_NoValidCertificates,        status::Bad_UserAccessDenied,
+    status::Bad_IdentityChangeNotSupported,
+};
+
+/// All codes that concern certificates have such a name.
+bool is_about_certificate(StatusCode code)
+{
+    return name(code).starts_with("Bad_Certificate");
+}
+
+std::string status_text(StatusCode code)
+{
+    const std::string_view known = name(code);
+    char number[16];
+    std::snprintf(number, sizeof number, "0x%08X", code.value());
+    return known.empty() ? std::string{number} : std::string{known};
+}
+
+} // namespace
+
+Exit exit_of(StatusCode code)
+{
+    const auto is_in = [code](const auto& list) {
+        return std::find(list.begin(), list.end(), code.code()) != list.end();
+    };
+    if (is_in(refused) || is_about_certificate(code)) {
+        return Exit::Refused;
+    }
+    return is_in(not_connected) ? Exit::NotConnected : Exit::Failed;
+}
+
+Failure::Failure(StatusCode code, const std::string& what, std::string advice)
+    : std::runtime_error{what}, exit{exit_of(code)}, status{code}, hint{std::move(advice)}
+{
+    if (hint.empty()) {
+        hint = help_for(code).hint;
+    }
+}
+
+std::string text_of(const Failure& failure, const Output& out)
+{
+    const std::size_t columns = std::min<std::size_t>(out.columns(), 100);
+    std::string what = safe(failure.what());
+    if (failure.status != StatusCode{}) {
+        what += ": " + status_text(failure.status);
+    }
+    constexpr std::string_view program = "busbar: ";
+    std::string text = out.styled(Style::Bad, program) + wrap(what, columns - program.size(), 2);
+    if (failure.status != StatusCode{}) {
+        if (const std::string_view meaning = help_for(failure.status).meaning; !meaning.empty()) {
+            text += "\n  " + wrap(meaning, columns - 2, 2);
+        }
+    }
+    if (!failure.hint.empty()) {
+        text +=
+            "\n  " + out.styled(Style::Bold, "hint: ") + wrap(safe(failure.hint), columns - 8, 8);
+    }
+    return text + "\n";
+}
+
+std::string json_of(const Failure& failure)
+{
+    JsonWriter json;
+    json.open_object().key("error").open_object().member("message", failure.what());
+    if (failure.status != StatusCode{}) {
+        json.member("status", failure.status);
+        json.member("meaning", help_for(failure.status).meaning);
+    }
+    json.member("hint", failure.hint);
+    json.member("exit", static_cast<std::int64_t>(failure.exit));
+    return json.close_object().close_object().document() + "\n";
+}
+
+} // namespace busbar::cli

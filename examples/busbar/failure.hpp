@@ -1,0 +1,50 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include <busbar/core/status_code.hpp>
+
+#include "output.hpp"
+
+namespace busbar::cli {
+
+/// What the program ends with. Part of its interface: scripts go by it.
+enum class Exit : int {
+    Good = 0,
+    Failed = 1,       // the server, or the disk, said no
+    Usage = 2,        // the command line is wrong
+    NotConnected = 3, // no server there, or it went away
+    Refused = 4,      // security: a certificate, the user, or what the endpoint offers
+    Partly = 5,       // some of several nodes failed, the others did not
+};
+
+/// The user pressed Ctrl+C.
+struct Interrupted {};
+
+/// Ends a command. `what()` says what was tried and failed.
+class Failure final : public std::runtime_error {
+public:
+    Failure(Exit code, const std::string& what, std::string advice = {})
+        : std::runtime_error{what}, exit{code}, hint{std::move(advice)}
+    {
+    }
+    /// The exit code and the hint follow from the status; `advice` replaces that hint.
+    Failure(StatusCode code, const std::string& what, std::string advice = {});
+
+    Exit exit;
+    /// Good if no service or connection is to blame.
+    StatusCode status;
+    /// What the user can do; may be empty.
+    std::string hint;
+};
+
+[[nodiscard]] Exit exit_of(StatusCode status);
+
+/// For people: one line for what failed and the status, one for what to do.
+[[nodiscard]] std::string text_of(const Failure& failure, const Output& out);
+/// {"error": {...}} for scripts.
+[[nodiscard]] std::string json_of(const Failure& failure);
+
+} // namespace busbar::cli

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include <busbar/core/date_time.hpp>
+#include <busbar/core/status_code.hpp>
+
+namespace busbar::cli {
+
+/// Writes one JSON document (RFC 8259) on one line. Members are written in the order of the calls;
+/// the caller closes what it opens.
+class JsonWriter {
+public:
+    JsonWriter& open_object() { return open('{'); }
+    JsonWriter& close_object() { return close('}'); }
+    JsonWriter& open_array() { return open('['); }
+    JsonWriter& close_array() { return close(']'); }
+    JsonWriter& key(std::string_view name);
+
+    /// Bytes that are no UTF-8 become U+FFFD.
+    JsonWriter& text(std::string_view value);
+    JsonWriter& number(std::int64_t value) { return raw(std::to_string(value)); }
+    JsonWriter& number(double value);
+    JsonWriter& boolean(bool value) { return raw(value ? "true" : "false"); }
+    JsonWriter& null() { return raw("null"); }
+    /// JSON that somebody else wrote.
+    JsonWriter& raw(std::string_view json);
+
+    JsonWriter& member(std::string_view name, std::string_view value)
+    {
+        return key(name).text(value);
+    }
+    JsonWriter& member(std::string_view name, const char* value) { return key(name).text(value); }
+    JsonWriter& member(std::string_view name, bool value) { return key(name).boolean(value); }
+    JsonWriter& member(std::string_view name, std::int64_t value)
+    {
+        return key(name).number(value);
+    }
+    JsonWriter& member(std::string_view name, double value) { return key(name).number(value); }
+    /// Null for no time.
+    JsonWriter& member(std::string_view name, DateTime value);
+    /// {"code": 2147483648, "symbol": "Bad"}, as Part 6, 5.4.2.12 has it.
+    JsonWriter& member(std::string_view name, StatusCode value);
+
+    [[nodiscard]] const std::string& document() const { return text_; }
+
+private:
+    JsonWriter& open(char bracket);
+    JsonWriter& close(char bracket);
+    void separate();
+
+    std::string text_;
+    bool needs_comma_{false};
+};
+
+} // namespace busbar::cli

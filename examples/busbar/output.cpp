@@ -1,0 +1,104 @@
+#include "output.hpp"
+
+#include <charconv>
+#include <cstdlib>
+#include <optional>
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+namespace busbar::cli {
+
+namespace {
+
+std::string_view environment(const char* name)
+{
+    const char* const text = std::getenv(name);
+    return text == nullptr ? std::string_view{} : std::string_view{text};
+}
+
+bool is_utf8_locale()
+{
+    for (const char* name : {"LC_ALL", "LC_CTYPE", "LANG"}) {
+        if (const std::string_view value = environment(name); !value.empty()) {
+            return value.find("UTF-8") != std::string_view::npos ||
+                   value.find("utf8") != std::string_view::npos;
+        }
+    }
+    return false;
+}
+
+std::optional<winsize> size_of(std::FILE* file)
+{
+    winsize size{};
+    if (::ioctl(::fileno(file), TIOCGWINSZ, &size) != 0) {
+        return std::nullopt;
+    }
+    return size;
+}
+
+std::string_view code_of(Style style)
+{
+    switch (style) {
+    case Style::Bold:
+        return "\x1b[1m";
+    case Style::Dim:
+        return "\x1b[2m";
+    case Style::Good:
+        return "\x1b[32m";
+    case Style::Uncertain:
+        return "\x1b[33m";
+    case Style::Bad:
+        return "\x1b[31m";
+    case Style::Plain:
+        break;
+    }
+    return "";
+}
+
+} // namespace
+
+Output::Output(std::FILE* file)
+    : file_{file}, is_terminal_{::isatty(::fileno(file)) == 1},
+      has_colour_{is_terminal_ && environment("NO_COLOR").empty() && environment("TERM") != "dumb"},
+      has_unicode_{is_utf8_locale()}
+{
+    std::setvbuf(file, nullptr, _IOLBF, 1U << 16U);
+}
+
+std::size_t Output::columns() const
+{
+    if (const auto size = is_terminal_ ? size_of(file_) : std::nullopt) {
+        return size->ws_col == 0 ? 80 : size->ws_col;
+    }
+    const std::string_view text = environment("COLUMNS");
+    std::size_t columns = 0;
+    std::from_chars(text.data(), text.data() + text.size(), columns);
+    return columns < 20 ? SIZE_MAX : columns;
+}
+
+std::size_t Output::rows() const
+{
+    const auto size = is_terminal_ ? size_of(file_) : std::nullopt;
+    return !size ? SIZE_MAX : size->ws_row == 0 ? 24 : size->ws_row;
+}
+
+void Output::write(std::string_view text)
+{
+    std::fwrite(text.data(), 1, text.size(), file_);
+    std::fflush(file_);
+    // A line that could not go out shows here only.
+    if (std::ferror(file_) != 0) {
+        throw OutputClosed{};
+    }
+}
+
+std::string Output::styled(Style style, std::string_view text) const
+{
+    if (!has_colour_ || style == Style::Plain || text.empty()) {
+        return std::string{text};
+    }
+    return std::string{code_of(style)}.append(text).append("\x1b[0m");
+}
+
+} // namespace busbar::cli

@@ -1,0 +1,152 @@
+#include <memory>
+
+#include "commands.hpp"
+#include "display_text.hpp"
+#include "names.hpp"
+#include "nodes.hpp"
+#include "table.hpp"
+#include "value.hpp"
+
+namespace busbar::cli {
+
+namespace {
+
+struct Arguments {
+    std::vector<std::string> nodes;
+    std::string attribute{"Value"};
+    std::string range;
+    bool has_all{false};
+    bool is_plain{false};
+};
+
+/// What the statuses of several nodes make of the command.
+Exit exit_of_all(const std::vector<DataValue>& values)
+{
+    const auto bad = std::count_if(values.begin(), values.end(),
+                                   [](const DataValue& value) { return value.status.is_bad(); });
+    if (bad == 0) {
+        return Exit::Good;
+    }
+    return static_cast<std::size_t>(bad) == values.size() ? Exit::Failed : Exit::Partly;
+}
+
+void print_json(Output& out, const std::vector<NamedNode>& nodes,
+                const std::vector<DataValue>& values, const Types& types)
+{
+    JsonWriter json;
+    json.open_array();
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        json.open_object().member("node", nodes[i].text);
+        if (nodes[i].id) {
+            json.member("nodeId", to_string(*nodes[i].id));
+        }
+        append_json(json, values[i], types);
+        json.close_object();
+    }
+    out.line(json.close_array().document());
+}
+
+void print(Output& out, const std::vector<NamedNode>& nodes, const std::vector<DataValue>& values,
+           const Types& types)
+{
+    Table table{{{"NODE", 16, false, true}, {"VALUE", 20}, {"SOURCE TIME", 11}}};
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        table.add({{safe(nodes[i].text)},
+                   {text_of(values[i], types), style_of(values[i].status)},
+                   {time_of_day(values[i].source_timestamp), Style::Dim}});
+    }
+    table.print(out);
+}
+
+Exit read_values(Context& context, Connection& connection, const Arguments& arguments)
+{
+    const auto attribute = find_attribute(arguments.attribute);
+    if (!attribute) {
+        throw Failure{Exit::Usage, arguments.attribute + ": no attribute",
+                      "attributes are Value, DataType, AccessLevel, DisplayName, ..."};
+    }
+    const auto nodes = find_nodes(connection, arguments.nodes);
+    const auto values = read_nodes(connection, nodes, *attribute, arguments.range);
+    if (nodes.size() == 1 && values.front().status.is_bad()) {
+        throw Failure{values.front().status, nodes.front().text};
+    }
+    const Types types = connection.types_of(values);
+    if (context.options.is_json) {
+        print_json(context.out, nodes, values, types);
+    } else if (arguments.is_plain) {
+        for (const DataValue& value : values) {
+            context.out.line(text_of(value, types));
+        }
+    } else {
+        print(context.out, nodes, values, types);
+    }
+    return exit_of_all(values);
+}
+
+/// All attributes that the node has.
+Exit read_all(Context& context, Connection& connection, const std::string& text)
+{
+    const NodeId node = find_node(connection, text);
+    std::vector<AttributeId> attributes;
+    for (std::uint32_t id = 1; id <= static_cast<std::uint32_t>(AttributeId::AccessLevelEx); ++id) {
+        attributes.push_back(static_cast<AttributeId>(id));
+    }
+    const auto values = read_attributes(connection, node, attributes);
+    if (values.front().status.is_bad()) {
+        throw Failure{values.front().status, text};
+    }
+    const Types types = connection.types_of(values);
+    JsonWriter json;
+    json.open_object().member("node", text).key("attributes").open_object();
+    Table table{{{"ATTRIBUTE"}, {"VALUE", 20}}};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (values[i].status == status::Bad_AttributeIdInvalid) {
+            continue;
+        }
+        const std::string attribute{name(attributes[i])};
+        json.key(attribute).open_object();
+        append_json(json, values[i], types);
+        json.close_object();
+        const auto* class_number = values[i].value.get_if<std::int32_t>();
+        const bool is_class = attributes[i] == AttributeId::NodeClass && class_number != nullptr;
+        table.add({{attribute},
+                   {is_class ? std::string{name(static_cast<NodeClass>(*class_number))}
+                             : text_of(values[i], types),
+                    style_of(values[i].status)}});
+    }
+    if (context.options.is_json) {
+        context.out.line(json.close_object().close_object().document());
+    } else {
+        table.print(context.out);
+    }
+    return Exit::Good;
+}
+
+} // namespace
+
+void add_read(CLI::App& app, Run& run)
+{
+    auto* command = app.add_subcommand("read", "Reads values, or other attributes, of nodes.");
+    const auto arguments = std::make_shared<Arguments>();
+    command->add_option("NODE", arguments->nodes, "[URL] and nodes")->required();
+    command->add_option("-a,--attribute", arguments->attribute, "instead of Value")
+        ->type_name("NAME");
+    command->add_option("--range", arguments->range, "elements of arrays: 3, 0:9 or 1,0:2");
+    command->add_flag("--all", arguments->has_all, "all attributes of the nodes");
+    command->add_flag("--value", arguments->is_plain, "nothing but the values, one per line");
+    command->callback([&run, arguments] {
+        run = [arguments](Context& context) {
+            take_url_before(arguments->nodes, context.options);
+            Connection connection{context};
+            if (!arguments->has_all) {
+                return read_values(context, connection, *arguments);
+            }
+            for (const std::string& node : arguments->nodes) {
+                read_all(context, connection, node);
+            }
+            return Exit::Good;
+        };
+    });
+}
+
+} // namespace busbar::cli

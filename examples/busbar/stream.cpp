@@ -1,0 +1,115 @@
+#include "stream.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include "display_text.hpp"
+#include "json_writer.hpp"
+#include "value.hpp"
+
+namespace busbar::cli {
+
+void add_stream_options(CLI::App& command, StreamEnd& end)
+{
+    command.add_option("-n,--count", end.count, "end after so many; 0 for no end")->type_name("N");
+    command.add_option("--duration", end.seconds, "end after so long; 0 for no end")
+        ->type_name("SECONDS");
+}
+
+Stream::Stream(Context& context, Connection& connection, const StreamEnd& end)
+    : context_{&context}, connection_{&connection}, end_{end}
+{
+    watch_connection();
+}
+
+void Stream::watch_connection()
+{
+    connection_->client().on_state([this](client::ClientState state, StatusCode why) {
+        if (state == client::ClientState::Waiting && !was_lost_) {
+            was_lost_ = true;
+            push([this, why] { report("connection lost (" + text_of(why) + "), trying again"); });
+        } else if (state == client::ClientState::Ready && was_lost_) {
+            was_lost_ = false;
+            push([this] { report("connected again"); });
+        } else if (state == client::ClientState::Closed && why.is_bad()) {
+            push([this, why] { throw Failure{why, context_->options.url}; });
+        }
+    });
+}
+
+bool Stream::count()
+{
+    if (end_.count != 0 && counted_ >= end_.count) {
+        return false;
+    }
+    ++counted_;
+    return true;
+}
+
+void Stream::run(const std::function<void()>& tick)
+{
+    using Clock = std::chrono::steady_clock;
+    const auto begin = Clock::now();
+    const auto is_over = [&] {
+        const std::chrono::duration<double> passed = Clock::now() - begin;
+        return (end_.count != 0 && counted_ >= end_.count) ||
+               (end_.seconds > 0 && passed.count() >= end_.seconds);
+    };
+    while (!is_over() && !connection_->is_interrupted()) {
+        connection_->blocking().run_until([this] { return !work_.empty(); },
+                                          std::chrono::milliseconds{100});
+        for (auto work = std::exchange(work_, {}); !work.empty(); work.pop_front()) {
+            work.front()();
+        }
+        tick();
+    }
+}
+
+void Stream::report(const std::string& text)
+{
+    if (!context_->options.is_json) {
+        context_->err.line("busbar: " + text);
+    }
+}
+
+void Stream::report_gap(const client::Gap& gap, const std::vector<std::string>& nodes)
+{
+    if (!context_->options.is_json) {
+        report("something may be missing between " + time_of_day(gap.from) + " and " +
+               time_of_day(gap.to) + ": " + text_of(gap.reason));
+        return;
+    }
+    JsonWriter json;
+    json.open_object().key("gap").open_object();
+    json.member("from", gap.from).member("to", gap.to).member("reason", gap.reason);
+    json.key("nodes").open_array();
+    for (const std::string& node : nodes) {
+        json.text(node);
+    }
+    context_->out.line(json.close_array().close_object().close_object().document());
+}
+
+client::SubscriptionHandlers
+Stream::handlers(std::function<std::string(client::ItemHandle)> node_of)
+{
+    client::SubscriptionHandlers handlers;
+    handlers.on_gap = [this, node_of = std::move(node_of)](const client::Gap& gap) {
+        std::vector<std::string> nodes;
+        for (const client::ItemHandle item : gap.items) {
+            nodes.push_back(node_of(item));
+        }
+        push([this, gap, nodes = std::move(nodes)] { report_gap(gap, nodes); });
+    };
+    handlers.on_status = [this](StatusCode status, client::DeliveryMode mode,
+                                const CreateSubscriptionResponse&) {
+        if (status.is_bad() && mode == client::DeliveryMode::None && !is_created_) {
+            push([status] { throw Failure{status, "the subscription"}; });
+        }
+        is_created_ = is_created_ || !status.is_bad();
+        if (mode == client::DeliveryMode::Polling) {
+            push([this] { report("the server has no subscriptions: values are read instead"); });
+        }
+    };
+    return handlers;
+}
+
+} // namespace busbar::cli

@@ -1,0 +1,116 @@
+#include "user.hpp"
+
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+
+#include <termios.h>
+#include <unistd.h>
+
+#include <busbar/crypto/own_certificate.hpp>
+
+namespace busbar::cli {
+
+namespace {
+
+/// The terminal shows nothing of what is typed while this lives.
+class SilentTerminal {
+public:
+    SilentTerminal()
+    {
+        ::tcgetattr(STDIN_FILENO, &before_);
+        ::termios silent = before_;
+        silent.c_lflag &= ~static_cast<::tcflag_t>(ECHO);
+        ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &silent);
+    }
+    SilentTerminal(const SilentTerminal&) = delete;
+    SilentTerminal& operator=(const SilentTerminal&) = delete;
+    ~SilentTerminal() { ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &before_); }
+
+private:
+    ::termios before_{};
+};
+
+std::string ask_password(Context& context)
+{
+    if (::isatty(STDIN_FILENO) != 1 || !context.err.is_terminal()) {
+        throw Failure{Exit::Usage, "there is no password for " + context.options.user,
+                      "give --password-file FILE or set BUSBAR_PASSWORD"};
+    }
+    context.err.write("Password of " + context.options.user + ": ");
+    std::string password;
+    {
+        const SilentTerminal silent;
+        std::getline(std::cin, password);
+    }
+    context.err.write("\n");
+    return password;
+}
+
+std::string read_password(const std::string& path)
+{
+    std::ifstream file{path};
+    std::string password;
+    if (!std::getline(file, password)) {
+        throw Failure{Exit::Usage, path + ": no password in it", "its first line is the password"};
+    }
+    return password;
+}
+
+std::string password_of(Context& context)
+{
+    const Options& options = context.options;
+    if (!options.password_file.empty()) {
+        return read_password(options.password_file);
+    }
+    if (!options.password.empty()) {
+        context.err.line("busbar: warning: others on this machine can read passwords of arguments");
+        return options.password;
+    }
+    const char* const variable = std::getenv("BUSBAR_PASSWORD");
+    return variable != nullptr ? variable : ask_password(context);
+}
+
+crypto::Secret read_file(const std::string& path)
+{
+    std::ifstream file{path, std::ios::binary};
+    return crypto::Secret{std::string_view{std::string{std::istreambuf_iterator<char>{file}, {}}}};
+}
+
+client::CertificateUser certificate_user(const Options& options)
+{
+    if (options.user_key.empty()) {
+        throw Failure{Exit::Usage, "the user's certificate has no key", "give --user-key FILE"};
+    }
+    const auto certificate =
+        crypto::Certificate::parse_file(read_file(options.user_certificate).span());
+    if (!certificate) {
+        throw Failure{certificate.error(), options.user_certificate};
+    }
+    const auto key = crypto::PrivateKey::parse(read_file(options.user_key).span());
+    if (!key) {
+        throw Failure{key.error(), options.user_key,
+                      "it must be an RSA key without a passphrase, PEM or DER"};
+    }
+    if (!key->belongs_to(*certificate)) {
+        throw Failure{Exit::Usage,
+                      options.user_key + ": not the key of " + options.user_certificate};
+    }
+    return {*certificate, std::make_shared<const crypto::PrivateKey>(*key)};
+}
+
+} // namespace
+
+client::UserIdentity user_of(Context& context)
+{
+    if (!context.options.user_certificate.empty()) {
+        return certificate_user(context.options);
+    }
+    if (!context.options.user.empty()) {
+        return client::NamedUser{context.options.user, password_of(context)};
+    }
+    return client::AnonymousUser{};
+}
+
+} // namespace busbar::cli

@@ -1,0 +1,77 @@
+#include <catch2/catch.hpp>
+
+#include <busbar/core/status_codes.hpp>
+
+#include "display_text.hpp"
+#include "failure.hpp"
+#include "json_writer.hpp"
+#include "status_help.hpp"
+#include "table.hpp"
+
+using namespace busbar;
+using namespace busbar::cli;
+
+TEST_CASE("nothing that a server says changes what a terminal does")
+{
+    CHECK(safe("\x1b[2J\r\nno") == "\\x1B[2J\\x0D\\x0Ano");
+    CHECK(safe("\xC2\x9B"
+               "2J") == "\\xC2\\x9B2J");
+    CHECK(safe("\xE2\x80\xAE"
+               "txt.exe") == "\\u202Etxt.exe"); // right-to-left override
+    CHECK(safe("Stückzahl 数") == "Stückzahl 数");
+    CHECK(JsonWriter{}.text("\x1b\xC2\x9B\"\\\x80").document() ==
+          "\"\\u001b\\u009b\\\"\\\\\\ufffd\"");
+}
+
+TEST_CASE("text is cut and wrapped by the columns that it takes")
+{
+    CHECK(display_width("数量") == 4);
+    CHECK(display_width("e\xCC\x81") == 1); // e and a combining accent
+    CHECK(cut("abcdef", 6) == "abcdef");
+    CHECK(cut("abcdefg", 6) == "abc...");
+    CHECK(cut("数量数量", 6) == "数...");
+    CHECK(cut("abcdef", 2) == "..");
+    CHECK(cut_front("/Objects/2:Speed", 10) == "...2:Speed");
+    CHECK(cut_front("数量数量", 6) == "...量");
+    CHECK(wrap("one two three", 9, 2) == "one two\n  three");
+    CHECK(wrap("", 9, 2).empty());
+}
+
+TEST_CASE("a table fits, and cuts what may be cut")
+{
+    const Output out{stdout};
+    Table table{{{"NODE", 8}, {"N", 1, true}, {"VALUE", 6}}};
+    table.add({{"ns=2;s=SomethingLong"}, {"7"}, {"a long text that is a value"}});
+    table.add({{"i=1"}, {"12"}, {"x"}});
+    for (const std::string& line : table.lines(out, 30)) {
+        INFO(line);
+        CHECK(display_width(line) <= 30);
+    }
+    const auto whole = table.lines(out, SIZE_MAX);
+    CHECK(whole[1] == "ns=2;s=SomethingLong   7  a long text that is a value");
+    CHECK(whole[2] == "i=1                   12  x");
+    CHECK(display_width(table.lines(out, 5)[1]) == 8 + 2 + 1 + 2 + 6); // never below the least
+}
+
+TEST_CASE("what went wrong decides the exit code")
+{
+    CHECK(exit_of(status::Bad_CertificateUntrusted) == Exit::Refused);
+    CHECK(exit_of(status::Bad_UserAccessDenied) == Exit::Refused);
+    CHECK(exit_of(status::Bad_Timeout) == Exit::NotConnected);
+    CHECK(exit_of(status::Bad_NodeIdUnknown) == Exit::Failed);
+}
+
+TEST_CASE("a status is explained, with what can be done")
+{
+    const Failure failure{status::Bad_NodeIdUnknown, "ns=2;s=\x1b[31mX"};
+    const std::string text = text_of(failure, Output{stdout});
+    CHECK(text.find("Bad_NodeIdUnknown") != std::string::npos);
+    CHECK(text.find("hint: ") != std::string::npos);
+    CHECK(text.find('\x1b') == std::string::npos);
+    // Info bits do not matter.
+    const StatusCode overflow{status::Bad_Timeout.value() | 0x480U};
+    CHECK(help_for(overflow).meaning == help_for(status::Bad_Timeout).meaning);
+    CHECK(help_for(StatusCode{0x8FFF0000U}).meaning.empty());
+    const std::string number = text_of(Failure{StatusCode{0x8FFF0000U}, "x"}, Output{stdout});
+    CHECK(number.find("0x8FFF0000") != std::string::npos);
+}
