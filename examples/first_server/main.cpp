@@ -16,8 +16,9 @@ static Result<void> serve(net::Application& application, server::UserStore& user
                           std::uint16_t port)
 {
     net::ServerLoop loop{log};
-    auto server = server::Server::create(application.server_config(),
-                                         application.server_environment(loop, &users));
+    auto server = server::Server::create(
+        application.server_config("opc.tcp://localhost:" + std::to_string(port)),
+        application.server_environment(loop, &users));
     if (!server) {
         return fail(server.error());
     }

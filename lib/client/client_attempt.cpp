@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include <busbar/channel/endpoint_url.hpp>
 #include <busbar/core/text.hpp>
 
 #include "client_impl.hpp"
@@ -126,6 +127,31 @@ void Client::Impl::use_connection()
     set_state(is_discovering() ? ClientState::Discovering : ClientState::Opening, {});
 }
 
+/// The channel asks again when it is opened. Here nothing has been encrypted for the server yet,
+/// and the user learns of a stranger also while the server does not know this client (Part
+/// 4, 6.1.3).
+Checked<void> Client::Impl::check_certificate(const EndpointChoice& chosen) const
+{
+    if (chosen.policy->is_none() || environment.validator == nullptr) {
+        return {};
+    }
+    const EndpointDescription& endpoint = chosen.endpoint;
+    const auto chain = crypto::parse_chain(endpoint.server_certificate.span());
+    if (!chain) {
+        return refuse({status::Bad_CertificateInvalid,
+                       "server certificate",
+                       "the endpoint shows none that can be read",
+                       "Part 4, 7.14",
+                       {}});
+    }
+    const auto url = channel::EndpointUrl::parse(endpoint.endpoint_url.view());
+    return environment.validator->validate(*chain,
+                                           {chosen.policy, environment.wall_clock->now(),
+                                            endpoint.server.application_uri.view(),
+                                            url ? std::string_view{url->host} : std::string_view{},
+                                            crypto::CertificatePurpose::ServerApplication});
+}
+
 void Client::Impl::choose(const Array<EndpointDescription>& offered)
 {
     auto chosen = detail::choose_endpoint(offered, config.security,
@@ -144,6 +170,10 @@ void Client::Impl::choose(const Array<EndpointDescription>& offered)
     if (kept_session && kept_session->server_uri != uri.view()) {
         environment.log->write(LogLevel::Warning, "client",
                                "another server answers: " + printable(uri.view()));
+    }
+    if (const auto trusted = check_certificate(*chosen); !trusted) {
+        explain(*environment.log, "client", trusted.error());
+        return lose(trusted.error().status);
     }
     discovered = offered;
     choice = *std::move(chosen);

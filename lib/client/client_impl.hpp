@@ -65,6 +65,7 @@ struct Client::Impl {
     [[nodiscard]] ConnectionConfig connection_config() const;
     void use_connection();
     void drop_connection(bool keeps_session);
+    [[nodiscard]] Checked<void> check_certificate(const EndpointChoice& chosen) const;
     void choose(const Array<EndpointDescription>& offered);
     /// The attempt, or the connection that was Ready, ends.
     void lose(StatusCode why);

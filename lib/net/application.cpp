@@ -73,9 +73,10 @@ Checked<std::unique_ptr<Application>> Application::open(ApplicationSettings sett
     return std::unique_ptr<Application>{new Application{std::move(impl)}};
 }
 
-server::ServerConfig Application::server_config() const
+server::ServerConfig Application::server_config(std::string endpoint_url) const
 {
     server::ServerConfig config;
+    config.endpoint_url = std::move(endpoint_url);
     config.application_uri = impl_->settings.uri;
     config.application_name = impl_->settings.name;
     config.host_names = impl_->settings.host_names;

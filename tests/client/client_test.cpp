@@ -94,6 +94,17 @@ TEST_CASE("no secret goes to a server that is not trusted")
     CHECK(plant.site->users.asked == 0);
 }
 
+TEST_CASE("a server that is not trusted gets no channel, whether it trusts this client or not")
+{
+    ClientFixture plant;
+    ListValidator nobody;
+    plant.validator.used = &nobody;
+    plant.connect();
+    CHECK(plant.client.last_error() == status::Bad_CertificateUntrusted);
+    CHECK(plant.urls.size() == 1); // for its endpoints
+    CHECK(plant.log.text.find("Trust List Check") != std::string::npos);
+}
+
 TEST_CASE("what cannot be mended by another attempt ends the client, and says why")
 {
     auto config = ClientFixture::named_user();

@@ -41,9 +41,9 @@ public:
     Application& operator=(const Application&) = delete;
     ~Application();
 
-    /// A secure server with the application's names and certificate; the endpoints are those of
-    /// ServerConfig, the URL is still to be set.
-    [[nodiscard]] server::ServerConfig server_config() const;
+    /// A secure server with the application's names and certificate, which clients find at
+    /// `endpoint_url`; its port is the one to listen on. The endpoints are those of ServerConfig.
+    [[nodiscard]] server::ServerConfig server_config(std::string endpoint_url) const;
     /// `loop` wakes the server up for its data sources. Without users nobody can log in.
     [[nodiscard]] server::ServerEnvironment server_environment(ServerLoop& loop,
                                                                server::UserStore* users = nullptr);

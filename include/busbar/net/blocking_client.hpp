@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <busbar/client/client.hpp>
+#include <busbar/client/operation.hpp>
 #include <busbar/net/reverse_limits.hpp>
 
 namespace busbar::net {
@@ -46,6 +47,24 @@ public:
             return fail(status::Bad_RequestInterrupted);
         }
         return *std::move(answer);
+    }
+    /// Begins an operation, whose handler is given a T, and waits for that T; also
+    /// Bad_RequestInterrupted.
+    ///
+    ///     client.wait_for<std::vector<DataValue>>([&](auto done) {
+    ///         return client::read(client.client(), items, done);
+    ///     });
+    template <typename T, typename Begin>
+    [[nodiscard]] Result<T> wait_for(Begin begin)
+    {
+        std::optional<T> result;
+        client::Operation operation =
+            begin(std::function<void(T)>{[&](T value) { result = std::move(value); }});
+        if (!run_until([&] { return result.has_value(); })) {
+            operation.cancel();
+            return fail(status::Bad_RequestInterrupted);
+        }
+        return *std::move(result);
     }
     /// Serves the connection until `is_done`, which is asked after everything that happened. False
     /// if it was interrupted or `timeout` is over.
