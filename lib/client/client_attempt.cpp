@@ -140,13 +140,12 @@ void Client::Impl::choose(const Array<EndpointDescription>& offered)
                                    config.server_uri);
         return lose(status::Bad_ServerUriInvalid);
     }
-    discovered = offered;
-    choice = *std::move(chosen);
     if (kept_session && kept_session->server_uri != uri.view()) {
         environment.log->write(LogLevel::Warning, "client",
-                               "another server answers: " +
-                                   printable(choice->endpoint.server.application_uri.view()));
+                               "another server answers: " + printable(uri.view()));
     }
+    discovered = offered;
+    choice = *std::move(chosen);
     drop_connection(false); // advance() goes on when it is gone
 }
 

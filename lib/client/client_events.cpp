@@ -9,9 +9,7 @@ bool Client::Impl::receive()
     if (!connection || transport.state() != detail::Transport::State::Up) {
         return false;
     }
-    if (connection->next_deadline() <= now) {
-        connection->handle_deadline(now);
-    }
+    connection->handle_deadline(now); // which also tells the time of what is sent next
     auto event = connection->next_event();
     is_drained = !event;
     if (!event) {

@@ -40,6 +40,9 @@ struct Connection::Impl {
     void activate_session(State next);
     void session_activated(const ConnectionEvent& event);
     void become_ready();
+    void close_session(bool deletes_subscriptions);
+    [[nodiscard]] bool has_session() const;
+    void abandon(StatusCode status);
     void end(StatusCode status);
 
     ConnectionConfig config;
@@ -159,7 +162,7 @@ void Connection::Impl::session_created(const ConnectionEvent& event)
     }
     const auto accepted = detail::accept_session(config, environment, *response, session);
     if (!accepted) {
-        end(accepted.error());
+        abandon(accepted.error());
         return;
     }
     activate_session(State::Activating);
@@ -170,8 +173,10 @@ void Connection::Impl::activate_session(State next)
     auto request = detail::make_activate_session(config, environment, session);
     const auto sent = request ? send(*request) : fail(request.error());
     state = next;
-    if (!sent) {
-        end(sent.error());
+    if (!sent && next == State::Resuming) {
+        create_session();
+    } else if (!sent) {
+        abandon(sent.error());
     }
 }
 
@@ -191,7 +196,7 @@ void Connection::Impl::session_activated(const ConnectionEvent& event)
                                    std::string{name(accepted.error())});
         create_session();
     } else {
-        end(accepted.error());
+        abandon(accepted.error());
     }
 }
 
@@ -199,6 +204,29 @@ void Connection::Impl::become_ready()
 {
     state = State::Ready;
     events.push_back({ConnectionEvent::Kind::Ready, 0, {}, {}});
+}
+
+void Connection::Impl::close_session(bool deletes_subscriptions)
+{
+    CloseSessionRequest request;
+    request.delete_subscriptions = deletes_subscriptions;
+    static_cast<void>(send(request));
+}
+
+/// One that is taken over is not ours yet.
+bool Connection::Impl::has_session() const
+{
+    return state != State::Resuming && state != State::Closed &&
+           !session.ticket.authentication_token.is_null();
+}
+
+/// The server shall not keep a session that nobody will use.
+void Connection::Impl::abandon(StatusCode status)
+{
+    if (has_session()) {
+        close_session(true);
+    }
+    end(status);
 }
 
 void Connection::Impl::end(StatusCode status)
@@ -263,7 +291,7 @@ void Connection::handle_deadline(TimePoint now)
     impl_->now = now;
     while (const auto handle = impl_->pending.take_expired(now)) {
         if (impl_->state != State::Ready) {
-            impl_->end(status::Bad_Timeout);
+            impl_->abandon(status::Bad_Timeout);
             return;
         }
         impl_->events.push_back(
@@ -299,10 +327,8 @@ void Connection::cancel(std::uint32_t handle)
 
 void Connection::close(bool deletes_subscriptions)
 {
-    if (impl_->state == State::Ready && impl_->config.wants_session) {
-        CloseSessionRequest request;
-        request.delete_subscriptions = deletes_subscriptions;
-        static_cast<void>(impl_->send(request));
+    if (impl_->has_session()) {
+        impl_->close_session(deletes_subscriptions);
     }
     impl_->end({});
 }

@@ -155,12 +155,12 @@ Result<void> accept_session(const ConnectionConfig& config,
                             const channel::ChannelEnvironment& environment,
                             const CreateSessionResponse& response, SessionData& session)
 {
-    if (auto checked = check_session(config, environment, response, session); !checked) {
-        return checked;
-    }
     // The response may borrow from its message, copies own.
     session.ticket.session_id = response.session_id;
     session.ticket.authentication_token = response.authentication_token;
+    if (auto checked = check_session(config, environment, response, session); !checked) {
+        return checked;
+    }
     session.ticket.server_nonce = response.server_nonce;
     session.ticket.timeout = session_timeout(config, response.revised_session_timeout);
     session.endpoints = response.server_endpoints;

@@ -16,8 +16,9 @@ struct SessionData {
 [[nodiscard]] Result<CreateSessionRequest> make_create_session(const ConnectionConfig& config,
                                                                const channel::ChannelEnvironment& e,
                                                                SessionData& session);
-/// Takes the response in, after it was checked: the server's certificate and signature, its nonce,
-/// and that its endpoints are those of GetEndpoints (Part 4, 5.7.2).
+/// Takes the response in, and checks it: the server's certificate and signature, its nonce, and
+/// that its endpoints are those of GetEndpoints (Part 4, 5.7.2). After a failure the session is
+/// good for nothing but CloseSession.
 [[nodiscard]] Result<void> accept_session(const ConnectionConfig& config,
                                           const channel::ChannelEnvironment& environment,
                                           const CreateSessionResponse& response,

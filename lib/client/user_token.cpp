@@ -99,13 +99,19 @@ Result<ProtectedSecret> protect(const TokenContext& context, std::string_view se
     if (auto checked = check_server(context); !checked) {
         return fail(checked.error());
     }
+    if (secret.size() > max_size) {
+        return fail(refuse(context, status::Bad_IdentityTokenInvalid,
+                           "it has more than " + std::to_string(max_size) + " bytes")
+                        .error());
+    }
     const auto encrypted =
         crypto::encrypt_secret(context.security, *context.config.channel.server_certificate, bytes,
                                context.server_nonce.span(), max_size);
     if (!encrypted) {
-        return fail(refuse(context, encrypted.error(),
-                           "it cannot be encrypted: too long, or the server's nonce too short")
-                        .error());
+        return fail(
+            refuse(context, encrypted.error(),
+                   "it cannot be encrypted: the server's nonce is too short, or its key unfit")
+                .error());
     }
     return ProtectedSecret{ByteString{*encrypted}, String{context.security.encryption_uri}};
 }

@@ -11,6 +11,7 @@
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/ids.hpp>
 
+#include "crypto/status_text.hpp"
 #include "server/user_fixture.hpp"
 
 namespace busbar::test {
@@ -21,8 +22,9 @@ class ClientFixture {
 public:
     explicit ClientFixture(client::ClientConfig config = named_user(),
                            server::ServerConfig server = UserFixture::all_kinds())
-        : server_config{server}, site{std::make_unique<UserFixture>(std::move(server))},
-          client{std::move(config), environment(), now}
+        : is_reverse{config.is_reverse}, server_config{server},
+          site{std::make_unique<UserFixture>(std::move(server))}, client{std::move(config),
+                                                                         environment(), now}
     {
         validator.used = &accept_any;
         client.on_state([this](client::ClientState state, StatusCode why) {
@@ -125,6 +127,14 @@ public:
             options);
     }
 
+    /// The server calls, as the client waits for it to.
+    void call()
+    {
+        accept();
+        run();
+    }
+
+    const bool is_reverse;
     TimePoint now{};
     FixedWallClock wall_clock;
     SeededRandom random{7};
@@ -152,6 +162,8 @@ public:
     std::function<void(client::ClientState)> also_on_state;
     /// Every transport that was ordered, in turn.
     std::vector<std::string> urls;
+    /// False: orders are left alone.
+    bool is_obeying{true};
     /// False: connecting fails.
     bool is_reachable{true};
     /// False: what either says does not arrive.
@@ -189,11 +201,11 @@ private:
             cut_quietly();
             moved = true;
         }
-        if (auto wanted = client.next_order()) {
+        auto wanted = is_obeying ? client.next_order() : std::nullopt;
+        if (wanted) {
             obey(*wanted);
-            moved = true;
         }
-        return moved;
+        return moved || wanted;
     }
     bool to_client()
     {
@@ -231,7 +243,16 @@ private:
             client.disconnected(order, status::Bad_CommunicationError, now);
             return;
         }
+        if (!is_reverse) {
+            accept();
+        }
+    }
+    void accept()
+    {
         link.emplace(site->server.connect("192.0.2.1", now).value());
+        if (is_reverse) {
+            static_cast<void>(link->reverse_hello("opc.tcp://localhost:4840"));
+        }
         client.connected(order, now);
     }
 };

@@ -2,6 +2,7 @@
 
 #include <busbar/client/endpoint_choice.hpp>
 
+#include "crypto/status_text.hpp"
 #include "support/identity.hpp"
 
 using namespace busbar;
@@ -71,23 +72,21 @@ struct Row {
     Result<std::size_t> expected;
 };
 
-} // namespace
+const SecurityWishes any{{}, sign, true};
+const SecurityWishes signed_too{{}, sign, false};
+const SecurityWishes two_policies{{"Basic256Sha256", "Aes256_Sha256_RsaPss"}, encrypt, false};
 
-TEST_CASE("the best endpoint that both sides allow is chosen, or none")
+Result<std::size_t> no(StatusCode status)
 {
-    const SecurityWishes any{{}, sign, true};
-    const SecurityWishes signed_too{{}, sign, false};
-    const SecurityWishes old_too{{"Basic256Sha256", "Aes256_Sha256_RsaPss"}, encrypt, false};
-    auto other_transport = endpoint("Basic256Sha256", encrypt);
-    other_transport.transport_profile_uri =
-        "http://opcfoundation.org/UA-Profile/Transport/https-uabinary";
+    return fail(status);
+}
+
+/// Which of several is the best.
+std::vector<Row> ranked()
+{
     auto no_certificate = endpoint("Aes256_Sha256_RsaPss", encrypt);
     no_certificate.server_certificate = ByteString{std::vector<std::byte>(20)};
-    const auto name_only = [](std::string_view policy) {
-        return Array<UserTokenPolicy>{token(UserTokenType::UserName, policy)};
-    };
-    const auto no = [](StatusCode status) { return Result<std::size_t>{fail(status)}; };
-    const auto row = GENERATE_REF(values<Row>({
+    return {
         {"mode before policy",
          {endpoint("Aes256_Sha256_RsaPss", sign, 9), endpoint("Basic256Sha256", encrypt)},
          any,
@@ -106,7 +105,7 @@ TEST_CASE("the best endpoint that both sides allow is chosen, or none")
          1},
         {"wishes rank policies",
          {endpoint("Aes256_Sha256_RsaPss", encrypt), endpoint("Basic256Sha256", encrypt)},
-         old_too,
+         two_policies,
          nobody,
          1},
         {"anything before None",
@@ -115,89 +114,94 @@ TEST_CASE("the best endpoint that both sides allow is chosen, or none")
          nobody,
          1},
         {"None if that is all, and allowed", {endpoint("None", none)}, any, nobody, 0},
-        {"None is not fallen back to",
-         {endpoint("None", none)},
-         signed_too,
-         nobody,
-         no(status::Bad_SecurityPolicyRejected)},
-        {"None is not fallen back to because of the user",
-         {endpoint("Basic256Sha256", encrypt, 0, {token(UserTokenType::UserName)}),
-          endpoint("None", none)},
-         {},
-         nobody,
-         no(status::Bad_IdentityTokenRejected)},
-        {"Sign is not fallen back to",
-         {endpoint("Basic256Sha256", sign)},
-         {},
-         nobody,
-         no(status::Bad_SecurityModeRejected)},
         {"Sign if allowed", {endpoint("Basic256Sha256", sign)}, signed_too, nobody, 0},
-        {"a policy that is not wanted",
-         {endpoint("Aes128_Sha256_RsaOaep", encrypt)},
-         old_too,
-         nobody,
-         no(status::Bad_SecurityPolicyRejected)},
-        {"a policy that nobody knows",
-         {endpoint("http://example/policy", encrypt)},
-         any,
-         nobody,
-         no(status::Bad_SecurityPolicyRejected)},
-        {"a deprecated policy is used when named only",
-         {endpoint("Basic128Rsa15", encrypt)},
-         signed_too,
-         nobody,
-         no(status::Bad_SecurityPolicyRejected)},
-        {"a wish that means nothing",
-         {endpoint("Basic256Sha256", encrypt)},
-         {{"Basic256Sha265"}, encrypt, false},
-         nobody,
-         no(status::Bad_ConfigurationError)},
-        {"mode None with a policy",
-         {endpoint("Basic256Sha256", none)},
-         any,
-         nobody,
-         no(status::Bad_SecurityPolicyRejected)},
-        {"policy None with a mode",
-         {endpoint("None", encrypt)},
-         any,
-         nobody,
-         no(status::Bad_SecurityPolicyRejected)},
-        {"no mode at all",
-         {endpoint("Basic256Sha256", MessageSecurityMode::Invalid)},
-         any,
-         nobody,
-         no(status::Bad_SecurityPolicyRejected)},
-        {"a mode that does not exist",
-         {endpoint("Basic256Sha256", static_cast<MessageSecurityMode>(7))},
-         any,
-         nobody,
-         no(status::Bad_SecurityPolicyRejected)},
         {"a certificate that is none",
          {no_certificate, endpoint("Basic256Sha256", encrypt)},
          any,
          nobody,
          1},
-        {"another transport",
-         {other_transport},
+    };
+}
+
+/// What is not fallen back to.
+std::vector<Row> refused()
+{
+    auto other_transport = endpoint("Basic256Sha256", encrypt);
+    other_transport.transport_profile_uri =
+        "http://opcfoundation.org/UA-Profile/Transport/https-uabinary";
+    const auto policy = no(status::Bad_SecurityPolicyRejected);
+    return {
+        {"None", {endpoint("None", none)}, signed_too, nobody, policy},
+        {"Sign",
+         {endpoint("Basic256Sha256", sign)},
+         {},
+         nobody,
+         no(status::Bad_SecurityModeRejected)},
+        {"a policy that is not wanted",
+         {endpoint("Aes128_Sha256_RsaOaep", encrypt)},
+         two_policies,
+         nobody,
+         policy},
+        {"a policy that nobody knows",
+         {endpoint("http://example/policy", encrypt)},
          any,
          nobody,
-         no(status::Bad_SecurityPolicyRejected)},
-        {"nothing", {}, any, nobody, no(status::Bad_SecurityPolicyRejected)},
+         policy},
+        {"a deprecated policy that nobody named",
+         {endpoint("Basic128Rsa15", encrypt)},
+         signed_too,
+         nobody,
+         policy},
+        {"a wish that means nothing",
+         {endpoint("Basic256Sha256", encrypt)},
+         {{"Basic256Sha265"}, encrypt, false},
+         nobody,
+         no(status::Bad_ConfigurationError)},
+        {"mode None with a policy", {endpoint("Basic256Sha256", none)}, any, nobody, policy},
+        {"policy None with a mode", {endpoint("None", encrypt)}, any, nobody, policy},
+        {"no mode at all",
+         {endpoint("Basic256Sha256", MessageSecurityMode::Invalid)},
+         any,
+         nobody,
+         policy},
+        {"a mode that does not exist",
+         {endpoint("Basic256Sha256", static_cast<MessageSecurityMode>(7))},
+         any,
+         nobody,
+         policy},
+        {"another transport", {other_transport}, any, nobody, policy},
+        {"nothing", {}, any, nobody, policy},
+    };
+}
+
+/// What can be used for a user.
+std::vector<Row> with_tokens()
+{
+    const auto name_only = [](std::string_view policy) {
+        return Array<UserTokenPolicy>{token(UserTokenType::UserName, policy)};
+    };
+    const auto refusal = no(status::Bad_IdentityTokenRejected);
+    return {
+        {"None is not fallen back to because of the user",
+         {endpoint("Basic256Sha256", encrypt, 0, name_only({})), endpoint("None", none)},
+         {},
+         nobody,
+         refusal},
         {"no token for a user",
          {endpoint("Basic256Sha256", encrypt, 0, {})},
          any,
          somebody,
-         no(status::Bad_IdentityTokenRejected)},
+         refusal},
         {"a password is not sent in the clear over None",
          {endpoint("None", none, 0, name_only({}))},
          any,
          somebody,
-         no(status::Bad_IdentityTokenRejected)},
+         refusal},
         {"nor over a channel that only signs",
          {endpoint("Basic256Sha256", sign, 0, name_only("None"))},
          any,
          somebody,
-         no(status::Bad_IdentityTokenRejected)},
+         refusal},
         {"an encrypting channel hides it",
          {endpoint("Basic256Sha256", encrypt, 0, name_only("None"))},
          any,
@@ -212,8 +216,12 @@ TEST_CASE("the best endpoint that both sides allow is chosen, or none")
          {endpoint("None", none, 0, name_only("Basic128Rsa15"))},
          any,
          somebody,
-         no(status::Bad_IdentityTokenRejected)},
-    }));
+         refusal},
+    };
+}
+
+void check(const Row& row)
+{
     CAPTURE(row.what);
     LogBook log;
     const auto choice =
@@ -226,6 +234,17 @@ TEST_CASE("the best endpoint that both sides allow is chosen, or none")
     } else {
         CHECK(choice.error() == row.expected.error());
         CHECK_FALSE(log.text.empty());
+    }
+}
+
+} // namespace
+
+TEST_CASE("the best endpoint that both sides allow is chosen, or none")
+{
+    for (const auto& rows : {ranked(), refused(), with_tokens()}) {
+        for (const Row& row : rows) {
+            check(row);
+        }
     }
 }
 
@@ -282,75 +301,39 @@ TEST_CASE("the URL is one that leads to the server")
 
 TEST_CASE("CreateSession has to repeat the endpoints of GetEndpoints")
 {
-    const Array<EndpointDescription> discovered{endpoint("Basic256Sha256", sign, 1),
-                                                endpoint("Basic256Sha256", encrypt, 2)};
-    Array<EndpointDescription> again = discovered;
-    bool is_same = false;
-    SECTION("as they were")
-    {
-        is_same = true;
-    }
-    SECTION("in another order")
-    {
-        std::swap(again[0], again[1]);
-        is_same = true;
-    }
-    SECTION("without what need not be repeated")
-    {
-        again[0].server_certificate = {};
-        again[0].server.application_name = LocalizedText{"other"};
-        again[0].endpoint_url = "opc.tcp://other";
-        is_same = true;
-    }
-    SECTION("with another transport")
-    {
-        again.push_back(endpoint("Basic256Sha256", encrypt, 7));
-        again[2].transport_profile_uri = "urn:other";
-        is_same = true;
-    }
-    SECTION("one less")
-    {
-        again.pop_back();
-    }
-    SECTION("one more")
-    {
-        again.push_back(endpoint("Aes256_Sha256_RsaPss", encrypt, 3));
-    }
-    SECTION("one twice")
-    {
-        again.push_back(again[0]);
-    }
-    SECTION("another mode")
-    {
-        again[0].security_mode = encrypt;
-    }
-    SECTION("another policy")
-    {
-        again[0].security_policy_uri = uri("Aes256_Sha256_RsaPss");
-    }
-    SECTION("another level")
-    {
-        again[0].security_level = 3;
-    }
-    SECTION("another application")
-    {
-        again[0].server.application_uri = "urn:other";
-    }
-    SECTION("another token policy")
-    {
-        again[1].user_identity_tokens[1].security_policy_uri = uri("None");
-    }
-    SECTION("a token policy less")
-    {
-        again[1].user_identity_tokens.pop_back();
-    }
-    SECTION("none")
-    {
-        again = {};
-    }
-    const auto checked = check_endpoints(discovered, again);
-    CHECK(checked.has_value() == is_same);
-    if (!checked) {
-        CHECK(checked.error() == status::Bad_SecurityChecksFailed);
-    }
+    using Endpoints = Array<EndpointDescription>;
+    const Endpoints discovered{endpoint("Basic256Sha256", sign, 1),
+                               endpoint("Basic256Sha256", encrypt, 2)};
+    const auto expect = [&](bool is_same, const char* what, auto change) {
+        CAPTURE(what);
+        Endpoints again = discovered;
+        change(again);
+        const auto checked = check_endpoints(discovered, again);
+        CHECK((checked ? StatusCode{} : checked.error()) ==
+              (is_same ? StatusCode{} : StatusCode{status::Bad_SecurityChecksFailed}));
+    };
+    expect(true, "as they were", [](Endpoints&) {});
+    expect(true, "another order", [](Endpoints& all) { std::swap(all[0], all[1]); });
+    expect(true, "no certificate", [](Endpoints& all) { all[0].server_certificate = {}; });
+    expect(true, "another URL", [](Endpoints& all) { all[0].endpoint_url = "opc.tcp://other"; });
+    expect(true, "another name",
+           [](Endpoints& all) { all[0].server.application_name = LocalizedText{"other"}; });
+    expect(true, "one more of another transport", [](Endpoints& all) {
+        all.push_back(endpoint("Basic256Sha256", encrypt, 7));
+        all[2].transport_profile_uri = "urn:other";
+    });
+    expect(false, "one less", [](Endpoints& all) { all.pop_back(); });
+    expect(false, "one twice", [](Endpoints& all) { all.push_back(EndpointDescription{all[0]}); });
+    expect(false, "another mode", [](Endpoints& all) { all[0].security_mode = encrypt; });
+    expect(false, "another policy",
+           [](Endpoints& all) { all[0].security_policy_uri = uri("Aes256_Sha256_RsaPss"); });
+    expect(false, "another level", [](Endpoints& all) { all[0].security_level = 3; });
+    expect(false, "another application",
+           [](Endpoints& all) { all[0].server.application_uri = "urn:other"; });
+    expect(false, "another token policy", [](Endpoints& all) {
+        all[1].user_identity_tokens[1].security_policy_uri = uri("None");
+    });
+    expect(false, "a token policy less",
+           [](Endpoints& all) { all[1].user_identity_tokens.pop_back(); });
+    expect(false, "none", [](Endpoints& all) { all = {}; });
 }

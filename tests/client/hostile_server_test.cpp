@@ -5,6 +5,7 @@
 #include <busbar/client/client.hpp>
 #include <busbar/types/method.hpp>
 
+#include "crypto/status_text.hpp"
 #include "support/rogue_server.hpp"
 
 using namespace busbar;
@@ -48,6 +49,12 @@ public:
         client.handle_deadline(now);
         run();
     }
+    void cut()
+    {
+        server.reset();
+        client.disconnected(last_order, status::Bad_ConnectionClosed, now);
+        run();
+    }
     void connect()
     {
         client.connect(now);
@@ -72,6 +79,9 @@ public:
     client::Client client;
     std::vector<StatusCode> results;
     int connections{0};
+    /// The last connection that was dropped ended with CloseSession.
+    bool was_closed{false};
+    std::uint64_t last_order{0};
 
 private:
     [[nodiscard]] static client::ClientConfig config(bool is_secure)
@@ -89,12 +99,19 @@ private:
     }
     void obey(const client::TransportOrder& order)
     {
-        server.reset();
         if (order.kind == client::TransportOrder::Kind::Drop) {
+            if (server) {
+                carry(client, *server, now);
+                was_closed = !server->requests.empty() &&
+                             server->requests.back().is(CloseSessionRequest::binary_encoding_id);
+            }
+            server.reset();
             client.disconnected(order.id, {}, now);
             return;
         }
+        server.reset();
         ++connections;
+        last_order = order.id;
         server.emplace(answers, environment(server_identity()), now);
         client.connected(order.id, now);
     }
@@ -164,6 +181,17 @@ TEST_CASE("what a hostile server says about the session is checked")
         };
         expected = status::Bad_NonceInvalid;
     }
+    fixture.connect();
+    INFO(fixture.log.text);
+    CHECK(fixture.client.state() == ClientState::Waiting);
+    CHECK(fixture.client.last_error() == expected);
+    CHECK_FALSE(fixture.log.text.empty());
+}
+
+TEST_CASE("a session has a token, and the endpoints that are known")
+{
+    RogueFixture fixture{true};
+    StatusCode expected = status::Bad_SecurityChecksFailed;
     SECTION("no authentication token")
     {
         fixture.answers.created = [](CreateSessionResponse& response) {
@@ -189,6 +217,8 @@ TEST_CASE("what a hostile server says about the session is checked")
     fixture.connect();
     INFO(fixture.log.text);
     CHECK(fixture.client.state() == ClientState::Waiting);
+    // Part 4, 5.7.2.2: the session is closed.
+    CHECK(fixture.was_closed == (expected == status::Bad_SecurityChecksFailed));
     CHECK(fixture.client.last_error() == expected);
     CHECK_FALSE(fixture.log.text.empty());
 }
@@ -342,6 +372,28 @@ TEST_CASE("answers that nobody asked for, or that come twice, are dropped")
     fixture.run();
     CHECK(fixture.results.size() == 1);
     CHECK(fixture.is_ready());
+}
+
+TEST_CASE("a server that stumbles over a session that is taken over gets a new one")
+{
+    RogueFixture fixture;
+    fixture.connect();
+    int taken_over = 0;
+    fixture.answers.raw = [&](const NodeId& id) -> std::optional<std::vector<std::byte>> {
+        // Without CreateSession before it.
+        if (id.is(ActivateSessionRequest::binary_encoding_id) &&
+            fixture.server->requests.size() == 1) {
+            ++taken_over;
+            return std::vector<std::byte>{};
+        }
+        return std::nullopt;
+    };
+    fixture.cut();
+    for (int i = 0; i < 8 && !fixture.is_ready(); ++i) {
+        fixture.advance(10s);
+    }
+    CHECK(fixture.is_ready());
+    CHECK(taken_over == 2);
 }
 
 TEST_CASE("a session that the server no longer knows is replaced")

@@ -27,6 +27,8 @@ struct RogueAnswers {
     /// Asked first, with the NodeId of the request's encoding: the body of the answer, an empty one
     /// for no answer at all.
     std::function<std::optional<std::vector<std::byte>>(const NodeId& request)> raw;
+    /// Changes any body before it is sent.
+    std::function<void(std::vector<std::byte>&)> body;
     /// What OpenSecureChannel allows.
     std::vector<channel::SecuritySetting> security{{}};
 };
@@ -48,8 +50,8 @@ template <typename T>
     return body_of(fault);
 }
 
-/// One connection of a server that knows just enough to have a session, and lies as it is told. Its
-/// identity is server_identity(). `answers` must outlive it.
+/// One connection of a server that knows just enough to have a session, and lies as it is told.
+/// `answers` must outlive it.
 class RogueServer {
 public:
     RogueServer(const RogueAnswers& answers, const channel::ChannelEnvironment& environment,
@@ -105,7 +107,11 @@ private:
                 return body->empty() ? void() : send(event.request_id, *body);
             }
         }
-        send(event.request_id, honest(id, reader));
+        auto body = honest(id, reader);
+        if (answers_->body) {
+            answers_->body(body);
+        }
+        send(event.request_id, body);
     }
     [[nodiscard]] std::vector<std::byte> honest(const NodeId& id, binary::Reader& reader)
     {
@@ -151,7 +157,7 @@ private:
             EndpointDescription& endpoint = all.emplace_back();
             endpoint.endpoint_url = "opc.tcp://localhost:4840";
             endpoint.server.application_uri = "urn:busbar:test:server";
-            endpoint.server_certificate = ByteString{server_identity().certificates.front().der()};
+            endpoint.server_certificate = certificate();
             endpoint.security_mode = security.mode;
             endpoint.security_policy_uri = security.policy->uri;
             UserTokenPolicy& policy = endpoint.user_identity_tokens.emplace_back();
@@ -169,7 +175,7 @@ private:
         response.authentication_token = NodeId{1, 2};
         response.revised_session_timeout = request.requested_session_timeout;
         response.server_nonce = nonce();
-        response.server_certificate = ByteString{server_identity().certificates.front().der()};
+        response.server_certificate = certificate();
         response.server_endpoints = endpoints();
         const auto& policy = *channel_.security().policy;
         if (!policy.is_none()) {
@@ -177,10 +183,16 @@ private:
                                         request.client_certificate.span().end()};
             text.insert(text.end(), request.client_nonce.span().begin(),
                         request.client_nonce.span().end());
-            response.server_signature.signature =
-                ByteString{crypto::asymmetric_sign(policy, server_identity().key, text).value()};
+            response.server_signature.signature = ByteString{
+                crypto::asymmetric_sign(policy, environment_.identity->key, text).value()};
         }
         return response;
+    }
+    [[nodiscard]] ByteString certificate() const
+    {
+        return environment_.identity != nullptr
+                   ? ByteString{environment_.identity->certificates.front().der()}
+                   : ByteString{};
     }
     [[nodiscard]] ByteString nonce() const
     {

@@ -95,7 +95,8 @@ public:
     [[nodiscard]] bool is_closed() const;
 
     /// Sends `request`, whose header is filled in here; the handle that its Response will carry.
-    /// Any number may be under way. Given up after `timeout`; zero: as configured.
+    /// Any number may be under way. Given up `timeout` after the last time that feed() or
+    /// handle_deadline() told; zero: as configured.
     template <typename Request>
     [[nodiscard]] Result<std::uint32_t> send(Request&& request, Duration timeout = {});
     /// The same for a request that `encode` writes with the header that it is given.
