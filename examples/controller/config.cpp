@@ -4,6 +4,8 @@
 #include <fstream>
 #include <iterator>
 
+#include <busbar/channel/endpoint_url.hpp>
+
 #include "plc_section.hpp"
 #include "security_section.hpp"
 
@@ -34,6 +36,17 @@ void read_server(const TomlTable& table, ControllerConfig& config)
 #endif
 }
 
+void read_reverse_connect(const TomlTable& table, ControllerConfig& config)
+{
+    table.allow({"urls"});
+    config.reverse_urls = table.texts("urls");
+    for (const std::string& url : config.reverse_urls) {
+        if (!channel::EndpointUrl::parse(url)) {
+            table.fail("urls", "opc.tcp://host:port of each client");
+        }
+    }
+}
+
 void read_limits(const TomlTable& table, server::ServerLimits& limits)
 {
     table.allow({"connections", "sessions", "nodes_per_read", "nodes_per_write", "nodes_per_browse",
@@ -53,9 +66,10 @@ void read_limits(const TomlTable& table, server::ServerLimits& limits)
 
 ControllerConfig read_root(const TomlTable& root)
 {
-    root.allow({"server", "certificates", "endpoint", "users", "limits", "plc"});
+    root.allow({"server", "reverse_connect", "certificates", "endpoint", "users", "limits", "plc"});
     ControllerConfig config;
     read_server(root.table("server"), config);
+    read_reverse_connect(root.table("reverse_connect"), config);
     read_certificates(root.table("certificates"), config);
     read_limits(root.table("limits"), config.server.limits);
     read_users(root.table("users"), config);

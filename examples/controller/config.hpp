@@ -58,6 +58,8 @@ struct ControllerConfig {
     /// "" is every address of the machine.
     std::string address;
     std::uint16_t port{4840};
+    /// Listeners of clients that cannot reach the server; it connects to them.
+    std::vector<std::string> reverse_urls;
     /// Where the keys of all channels are written, in builds with BUSBAR_KEY_LOG; empty for
     /// nowhere.
     std::string key_log;

@@ -12,8 +12,8 @@
 #include <busbar/controller/plc_nodes.hpp>
 #include <busbar/controller/plc_task.hpp>
 #include <busbar/crypto/password_hash.hpp>
-#include <busbar/net/client_loop.hpp>
 #include <busbar/net/server_loop.hpp>
+#include <busbar/net/system.hpp>
 #include <busbar/net/worker_thread.hpp>
 #ifdef BUSBAR_KEY_LOG
 #include <busbar/net/key_log_file.hpp>
@@ -33,17 +33,6 @@ using example::ConfigError;
 using example::ControllerConfig;
 
 namespace {
-
-class StderrLog final : public LogSink {
-public:
-    void write(LogLevel level, std::string_view source, std::string_view text) override
-    {
-        static constexpr const char* names[] = {"debug", "info", "warning", "error"};
-        std::fprintf(stderr, "%s: %.*s: %.*s\n", names[static_cast<int>(level)],
-                     static_cast<int>(source.size()), source.data(), static_cast<int>(text.size()),
-                     text.data());
-    }
-};
 
 std::string host_name()
 {
@@ -132,6 +121,9 @@ void print_welcome(const ControllerConfig& config, const controller::Plc& plc)
                     endpoint.allows_certificate ? ", user certificate" : "",
                     endpoint.allows_issued ? ", issued token" : "");
     }
+    for (const std::string& url : config.reverse_urls) {
+        std::printf("  connects to the client at %s\n", url.c_str());
+    }
     if (server.identity) {
         std::printf("  certificate: %s\n",
                     server.identity->certificates.front().thumbprint_text().c_str());
@@ -167,12 +159,15 @@ void print_statistics(const controller::PlcTask::Statistics& statistics)
 
 int serve(ControllerConfig config)
 {
-    StderrLog log;
+    net::StderrLog log{LogLevel::Debug};
     net::SystemWallClock wall_clock;
     crypto::SystemRandom random;
     net::ServerLoop loop{log};
 
     const std::uint16_t port = expect(loop.listen(config.address, config.port), "listening");
+    net::ReverseConnectConfig reverse;
+    reverse.client_urls = config.reverse_urls;
+    expect(loop.connect_to_clients(reverse), "connecting to clients");
     complete(config, port, wall_clock.now());
     example::Admission admission{config, log};
     server::ImageOptions image_options;

@@ -134,11 +134,4 @@ void ClientLoop::close()
     }
 }
 
-DateTime SystemWallClock::now() const
-{
-    using Ticks = std::chrono::duration<std::int64_t, std::ratio<1, DateTime::ticks_per_second>>;
-    return DateTime::from_unix(
-        std::chrono::duration_cast<Ticks>(std::chrono::system_clock::now().time_since_epoch()));
-}
-
 } // namespace busbar::net

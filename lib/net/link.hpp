@@ -9,14 +9,16 @@
 #include <utility>
 
 #include <asio/ip/tcp.hpp>
-#include <asio/steady_timer.hpp>
 
 #include <busbar/core/clock.hpp>
 #include <busbar/core/result.hpp>
 
+#include "clock.hpp"
+
 namespace busbar::net::detail {
 
-/// The shape all engines share.
+/// The shape all engines share. One that also has has_enough() is not fed while that is true; its
+/// owner calls pump() when it is over.
 template <typename E>
 concept Engine = requires(E& engine, std::span<const std::byte> in, TimePoint now, std::size_t n)
 {
@@ -35,11 +37,6 @@ concept Engine = requires(E& engine, std::span<const std::byte> in, TimePoint no
         engine.is_closed()
         } -> std::same_as<bool>;
 };
-
-inline TimePoint now()
-{
-    return std::chrono::time_point_cast<Duration>(std::chrono::steady_clock::now());
-}
 
 /// One TCP connection and the engine that speaks on it. Lives as long as its handlers do.
 ///
@@ -136,6 +133,11 @@ private:
         if (is_reading_ || is_writing_) {
             return;
         }
+        if constexpr (requires { engine_->has_enough(); }) {
+            if (engine_->has_enough()) {
+                return;
+            }
+        }
         is_reading_ = true;
         socket_.async_wait(asio::ip::tcp::socket::wait_read,
                            [self = this->shared_from_this()](std::error_code error) {
@@ -163,19 +165,8 @@ private:
 
     void wait_for_deadline()
     {
-        const TimePoint deadline = engine_->next_deadline();
-        if (deadline == awaited_) {
-            return;
-        }
-        awaited_ = deadline;
-        timer_.cancel();
-        if (deadline == no_deadline) {
-            return;
-        }
-        timer_.expires_at(deadline);
-        timer_.async_wait([self = this->shared_from_this()](std::error_code error) {
-            if (!error && !self->has_ended_) {
-                self->awaited_ = no_deadline;
+        timer_.await(engine_->next_deadline(), [self = this->shared_from_this()] {
+            if (!self->has_ended_) {
                 self->engine_->handle_deadline(now());
                 self->changed();
             }
@@ -191,11 +182,10 @@ private:
     }
 
     asio::ip::tcp::socket socket_;
-    asio::steady_timer timer_;
+    DeadlineTimer timer_;
     E* engine_;
     Handler on_change_;
     Handler on_end_;
-    TimePoint awaited_{no_deadline};
     bool is_reading_{false};
     bool is_writing_{false};
     bool has_ended_{false};

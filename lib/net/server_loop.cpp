@@ -2,18 +2,22 @@
 
 #include <atomic>
 #include <exception>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
 #include <asio/io_context.hpp>
-#include <asio/ip/v6_only.hpp>
 #include <asio/posix/stream_descriptor.hpp>
 #include <asio/post.hpp>
 #include <asio/signal_set.hpp>
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <busbar/channel/endpoint_url.hpp>
+
 #include "link.hpp"
+#include "listener.hpp"
+#include "reverse_dialer.hpp"
 
 namespace busbar::net {
 
@@ -66,13 +70,6 @@ private:
     char buffer_[64]{};
 };
 
-/// The server itself logs what became of a connection.
-void drain(server::Connection& connection)
-{
-    while (connection.next_event()) {
-    }
-}
-
 } // namespace
 
 struct ServerLoop::Impl {
@@ -82,10 +79,14 @@ struct ServerLoop::Impl {
         std::shared_ptr<ConnectionLink> link;
     };
 
-    explicit Impl(LogSink& l) : log{&l}, waker{context}, timer{context}, signals{context} {}
+    explicit Impl(LogSink& l)
+        : log{&l}, waker{context}, timer{context.get_executor()}, signals{context}
+    {
+    }
 
-    void accept(tcp::acceptor& acceptor);
-    void adopt(tcp::socket socket);
+    enum class Direction : std::uint8_t { FromClient, ToClient };
+    std::optional<std::uint64_t> adopt(tcp::socket socket, Direction direction);
+    void drain(server::Connection& connection);
     void drop(std::uint64_t id);
     void after_activity();
     void await_deadline();
@@ -94,44 +95,32 @@ struct ServerLoop::Impl {
     LogSink* log;
     asio::io_context context;
     PipeWaker waker;
-    asio::steady_timer timer;
+    detail::DeadlineTimer timer;
     asio::signal_set signals;
-    std::vector<std::unique_ptr<tcp::acceptor>> acceptors;
+    std::vector<std::shared_ptr<detail::Listener>> listeners;
+    ReverseConnectConfig reverse_connect;
+    std::vector<std::unique_ptr<detail::ReverseDialer>> dialers;
     std::unordered_map<std::uint64_t, Client> clients;
     server::Server* server{nullptr};
-    TimePoint awaited{no_deadline};
     bool is_stopping{false};
 };
 
-void ServerLoop::Impl::accept(tcp::acceptor& acceptor)
-{
-    acceptor.async_accept([this, &acceptor](std::error_code error, tcp::socket socket) {
-        if (error == asio::error::operation_aborted) {
-            return;
-        }
-        if (!error) {
-            adopt(std::move(socket));
-        } else {
-            log->write(LogLevel::Warning, "net", "accept: " + error.message());
-        }
-        if (!is_stopping) {
-            accept(acceptor);
-        }
-    });
-}
-
-void ServerLoop::Impl::adopt(tcp::socket socket)
+/// The connection's id, unless it is refused or gone already.
+std::optional<std::uint64_t> ServerLoop::Impl::adopt(tcp::socket socket, Direction direction)
 {
     std::error_code error;
     const auto peer = socket.remote_endpoint(error);
     if (error) {
-        return;
+        return std::nullopt;
     }
     auto connection = server->connect(peer.address().to_string(), detail::now());
     if (!connection) {
-        return; // the server has said why
+        return std::nullopt; // the server has said why
     }
     auto owned = std::make_unique<server::Connection>(*std::move(connection));
+    if (direction == Direction::ToClient && !owned->reverse_hello(server->config().endpoint_url)) {
+        return std::nullopt;
+    }
     const std::uint64_t id = owned->id();
     auto link = std::make_shared<ConnectionLink>(
         std::move(socket), *owned,
@@ -143,11 +132,27 @@ void ServerLoop::Impl::adopt(tcp::socket socket)
     clients.emplace(id, Client{std::move(owned), link});
     link->start();
     after_activity();
+    return id;
+}
+
+/// The server itself logs what became of a connection.
+void ServerLoop::Impl::drain(server::Connection& connection)
+{
+    while (const auto event = connection.next_event()) {
+        if (event->kind == server::ConnectionEvent::Kind::Opened) {
+            for (const auto& dialer : dialers) {
+                dialer->opened(connection.id());
+            }
+        }
+    }
 }
 
 void ServerLoop::Impl::drop(std::uint64_t id)
 {
     clients.erase(id);
+    for (const auto& dialer : dialers) {
+        dialer->ended(id);
+    }
     after_activity();
 }
 
@@ -170,22 +175,9 @@ void ServerLoop::Impl::after_activity()
 
 void ServerLoop::Impl::await_deadline()
 {
-    const TimePoint deadline = server->next_deadline();
-    if (deadline == awaited) {
-        return;
-    }
-    awaited = deadline;
-    timer.cancel();
-    if (deadline == no_deadline) {
-        return;
-    }
-    timer.expires_at(deadline);
-    timer.async_wait([this](std::error_code error) {
-        if (!error) {
-            awaited = no_deadline;
-            server->handle_deadline(detail::now());
-            after_activity();
-        }
+    timer.await(server->next_deadline(), [this] {
+        server->handle_deadline(detail::now());
+        after_activity();
     });
 }
 
@@ -194,9 +186,11 @@ void ServerLoop::Impl::begin_stop()
     if (std::exchange(is_stopping, true)) {
         return;
     }
-    for (const auto& acceptor : acceptors) {
-        std::error_code ignored;
-        acceptor->close(ignored);
+    for (const auto& listener : listeners) {
+        listener->close();
+    }
+    for (const auto& dialer : dialers) {
+        dialer->stop();
     }
     server->begin_shutdown(detail::now(), "the server is being stopped");
     after_activity();
@@ -212,42 +206,34 @@ server::Waker& ServerLoop::waker()
 
 Result<std::uint16_t> ServerLoop::listen(std::string_view address, std::uint16_t port)
 {
-    std::error_code error;
-    const auto refuse = [&] {
-        impl_->log->write(LogLevel::Error, "net",
-                          "cannot listen on " + std::string{address} + ":" + std::to_string(port) +
-                              ": " + error.message());
-        return fail(status::Bad_CommunicationError);
-    };
-    auto ip = address.empty() ? asio::ip::address{asio::ip::address_v6::any()}
-                              : asio::ip::make_address(std::string{address}, error);
-    if (error) {
-        return refuse();
+    const auto listener =
+        std::make_shared<detail::Listener>(impl_->context.get_executor(), *impl_->log);
+    const auto bound = listener->open(address, port);
+    if (bound) {
+        impl_->listeners.push_back(listener);
     }
-    auto acceptor = std::make_unique<tcp::acceptor>(impl_->context);
-    acceptor->open(ip.is_v6() ? tcp::v6() : tcp::v4(), error);
-    if (error && address.empty()) { // a machine without IPv6
-        ip = asio::ip::address_v4::any();
-        acceptor->open(tcp::v4(), error);
-    }
-    if (!error && ip.is_v6()) {
-        acceptor->set_option(asio::ip::v6_only{!address.empty()}, error);
-    }
-    if (!error) {
-        acceptor->set_option(tcp::acceptor::reuse_address{true}, error);
-    }
-    if (!error) {
-        acceptor->bind({ip, port}, error);
-    }
-    if (!error) {
-        acceptor->listen(asio::socket_base::max_listen_connections, error);
-    }
-    if (error) {
-        return refuse();
-    }
-    const std::uint16_t bound = acceptor->local_endpoint(error).port();
-    impl_->acceptors.push_back(std::move(acceptor));
     return bound;
+}
+
+Result<void> ServerLoop::connect_to_clients(ReverseConnectConfig config)
+{
+    std::vector<channel::EndpointUrl> urls;
+    for (const std::string& text : config.client_urls) {
+        auto url = channel::EndpointUrl::parse(text);
+        if (!url) {
+            return fail(url.error());
+        }
+        urls.push_back(*std::move(url));
+    }
+    impl_->reverse_connect = std::move(config);
+    for (channel::EndpointUrl& url : urls) {
+        impl_->dialers.push_back(std::make_unique<detail::ReverseDialer>(
+            impl_->context.get_executor(), *impl_->log, std::move(url), impl_->reverse_connect,
+            [impl = impl_.get()](tcp::socket socket) {
+                return impl->adopt(std::move(socket), Impl::Direction::ToClient);
+            }));
+    }
+    return {};
 }
 
 void ServerLoop::stop_on_signals()
@@ -265,8 +251,13 @@ void ServerLoop::run(server::Server& server)
 {
     impl_->server = &server;
     server.start(detail::now());
-    for (const auto& acceptor : impl_->acceptors) {
-        impl_->accept(*acceptor);
+    for (const auto& listener : impl_->listeners) {
+        listener->start([impl = impl_.get()](tcp::socket socket) {
+            impl->adopt(std::move(socket), Impl::Direction::FromClient);
+        });
+    }
+    for (const auto& dialer : impl_->dialers) {
+        dialer->start();
     }
     impl_->waker.wait([this] {
         impl_->server->handle_completions(detail::now());

@@ -94,7 +94,8 @@ export const openHouse = {
  * A running controller: its port, its endpoint and stop(), which resolves to the exit code. `prepare` may
  * fill the folder of the certificates before it starts.
  */
-export async function startController({ endpoints, trustsAll = false, users, prepare, nodesets = [] } = openHouse) {
+export async function startController({ endpoints, trustsAll = false, users, prepare, nodesets = [],
+  reverseUrls = [] } = openHouse) {
   const program = process.env.BUSBAR_CONTROLLER;
   const folder = mkdtempSync(join(tmpdir(), "busbar-interop-"));
   const certificates = join(folder, "pki");
@@ -107,6 +108,8 @@ export async function startController({ endpoints, trustsAll = false, users, pre
 port = ${port}
 min_channel_lifetime_ms = 1000
 nodesets = ${JSON.stringify(nodesets)}
+[reverse_connect]
+urls = ${JSON.stringify(reverseUrls)}
 [certificates]
 folder = "${certificates}"
 trust_all_clients = ${trustsAll}

@@ -95,6 +95,17 @@ certificates = "write"
     CHECK_FALSE(config.server.endpoints[0].allows_issued);
 }
 
+TEST_CASE("clients that the server connects to are configured")
+{
+    CHECK(parse("").reverse_urls.empty());
+    const ControllerConfig config = parse(R"(
+[reverse_connect]
+urls = ["opc.tcp://scada:4841", "opc.tcp://[::1]:4842"]
+)");
+    CHECK(config.reverse_urls ==
+          std::vector<std::string>{"opc.tcp://scada:4841", "opc.tcp://[::1]:4842"});
+}
+
 TEST_CASE("what is wrong is told with its place, and what was expected")
 {
     struct Row {
@@ -106,6 +117,8 @@ TEST_CASE("what is wrong is told with its place, and what was expected")
         {"[server]\nport = 70000", "plant.toml:2: port: found 70000, expected a number from 0"},
         {"[server]\nport = \"x\"", "plant.toml:2: port: found "},
         {"[server\nport = 1", "plant.toml:1: "},
+        {"[reverse_connect]\nurls = [\"scada:4841\"]", "plant.toml:2: urls: found "},
+        {"[reverse_connect]\nurl = \"opc.tcp://scada\"", "found \"url\", expected one of: urls"},
         {"[certificates]\nkey_bits = 1024", "plant.toml:2: key_bits: found 1024"},
         {"[certificates]\nlimits = \"nj\"", "expected default, nj501, nx102 or rd81opc96"},
         {"[certificates]\nsuppress = [\"trust list check\"]", "expected some of: security policy"},

@@ -1,27 +1,39 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <string_view>
 #include <utility>
 
 #include <busbar/client/client.hpp>
+#include <busbar/net/reverse_limits.hpp>
 
 namespace busbar::net {
 
 /// A client::Client for programs that do one thing after the other. The connection is served while
-/// a call of this class waits, and only then. One thread.
+/// a call of this class waits, and only then. One thread. Calls that wait are not for handlers,
+/// where they end as if interrupted. What handlers throw is logged.
 class BlockingClient {
 public:
-    /// `environment` must outlive the object.
+    /// `environment`, which needs a log, must outlive the object.
     BlockingClient(client::ClientConfig config, const channel::ChannelEnvironment& environment);
     BlockingClient(const BlockingClient&) = delete;
     BlockingClient& operator=(const BlockingClient&) = delete;
+    /// Drops the connection at once; close() takes leave of the server.
     ~BlockingClient();
 
+    /// Listens for the server, with ClientConfig::is_reverse, and as a ReverseListener does, but
+    /// only while a call of this class waits. Before connect(). The port, or
+    /// Bad_CommunicationError with the reason in the log.
+    [[nodiscard]] Result<std::uint16_t> listen(std::string_view address, std::uint16_t port,
+                                               const ReverseListenerLimits& limits = {});
     /// Waits for the session (or channel, if no session is wanted), at most `timeout`: Bad_Timeout,
-    /// or the first failure that another attempt cannot mend.
+    /// Bad_RequestInterrupted, or the first failure that another attempt cannot mend. The Client
+    /// goes on trying, in later calls, unless it is closed.
     [[nodiscard]] Result<void> connect(Duration timeout = std::chrono::seconds{20});
-    /// Sends `request` and waits for its response.
+    /// Sends `request` and waits for its response; also Bad_RequestInterrupted.
     template <typename Response, typename Request>
     [[nodiscard]] Result<Response> call(Request request, client::RequestOptions options = {})
     {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <busbar/client/connection.hpp>
+#include <busbar/net/system.hpp>
 
 namespace busbar::net {
 
@@ -26,8 +27,8 @@ public:
     /// The client; only after connect().
     [[nodiscard]] client::Connection& client();
     /// The next event, or nothing after `timeout`.
-    [[nodiscard]] std::optional<client::ConnectionEvent> wait(Duration timeout = std::chrono::seconds{
-                                                              30});
+    [[nodiscard]] std::optional<client::ConnectionEvent>
+    wait(Duration timeout = std::chrono::seconds{30});
     /// Sends `request` and waits for its response; other events are dropped.
     template <typename Request>
     [[nodiscard]] Result<client::ConnectionEvent> call(Request&& request)
@@ -48,12 +49,6 @@ private:
 
     struct Impl;
     std::unique_ptr<Impl> impl_;
-};
-
-/// The time of day.
-class SystemWallClock final : public WallClock {
-public:
-    [[nodiscard]] DateTime now() const override;
 };
 
 } // namespace busbar::net

@@ -6,6 +6,7 @@
 
 #include <busbar/core/log.hpp>
 #include <busbar/core/result.hpp>
+#include <busbar/net/reverse_connect.hpp>
 #include <busbar/server/server.hpp>
 #include <busbar/server/waker.hpp>
 
@@ -27,6 +28,9 @@ public:
     /// Listens on `address` ("" is every address of the machine, IPv4 and IPv6) and `port` (0 is
     /// any that is free). The port, or Bad_CommunicationError with the reason in the log.
     [[nodiscard]] Result<std::uint16_t> listen(std::string_view address, std::uint16_t port);
+    /// Connects to clients that cannot reach the server, and keeps one connection to each open that
+    /// waits to be used, from run() on. Bad_TcpEndpointUrlInvalid. Once, before run().
+    [[nodiscard]] Result<void> connect_to_clients(ReverseConnectConfig config);
     /// Ends run() cleanly when the process gets SIGINT or SIGTERM.
     void stop_on_signals();
     /// Returns when the server has stopped: clients see State Shutdown first, then their

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+
+#include <busbar/core/clock.hpp>
+
+namespace busbar::net {
+
+/// What strangers may make a listener hold.
+struct ReverseListenerLimits {
+    /// Connections that wait for their ReverseHello or for a client that needs them. One more, and
+    /// the oldest is closed.
+    std::size_t max_waiting{32};
+    /// For the ReverseHello to come (Part 6, 7.1.3: never more than two minutes).
+    Duration hello_timeout{std::chrono::seconds{5}};
+    /// How long a connection is kept for a client that does not need it yet.
+    Duration hold_time{std::chrono::seconds{20}};
+};
+
+} // namespace busbar::net

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string_view>
+
+#include <busbar/core/clock.hpp>
+#include <busbar/core/log.hpp>
+
+namespace busbar::net {
+
+/// The time of day. Any thread.
+class SystemWallClock final : public WallClock {
+public:
+    [[nodiscard]] DateTime now() const override;
+};
+
+/// Writes a line to stderr for each message from a level on. Any thread.
+class StderrLog final : public LogSink {
+public:
+    explicit StderrLog(LogLevel from = LogLevel::Info) : from_{from} {}
+    void write(LogLevel level, std::string_view source, std::string_view text) override;
+
+private:
+    LogLevel from_;
+};
+
+} // namespace busbar::net

@@ -1,0 +1,166 @@
+#include <busbar/net/blocking_client.hpp>
+
+#include <atomic>
+#include <cerrno>
+#include <system_error>
+
+#include <asio/io_context.hpp>
+#include <asio/posix/stream_descriptor.hpp>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <busbar/net/reverse_listener.hpp>
+
+#include "client_driver.hpp"
+
+namespace busbar::net {
+
+namespace {
+
+/// Wakes up whoever waits in an io_context, from anywhere.
+class Interrupter {
+public:
+    explicit Interrupter(asio::io_context& context)
+        : event_{context, ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)}
+    {
+        wait();
+    }
+    /// Async-signal-safe: a lock-free flag and a system call that does not block.
+    void interrupt()
+    {
+        const int saved = errno;
+        is_interrupted_ = true;
+        const std::uint64_t one = 1;
+        static_cast<void>(!::write(event_.native_handle(), &one, sizeof one));
+        errno = saved;
+    }
+    /// True once for what was asked so far.
+    [[nodiscard]] bool take() { return is_interrupted_.exchange(false); }
+
+private:
+    static_assert(std::atomic<bool>::is_always_lock_free);
+
+    void wait()
+    {
+        event_.async_wait(asio::posix::stream_descriptor::wait_read, [this](std::error_code error) {
+            std::uint64_t count = 0;
+            if (!error) {
+                static_cast<void>(!::read(event_.native_handle(), &count, sizeof count));
+                wait();
+            }
+        });
+    }
+
+    asio::posix::stream_descriptor event_;
+    std::atomic<bool> is_interrupted_{false};
+};
+
+} // namespace
+
+struct BlockingClient::Impl {
+    Impl(client::ClientConfig config, const channel::ChannelEnvironment& environment)
+        : driver{std::make_shared<detail::ClientDriver>(context.get_executor(), std::move(config),
+                                                        environment)},
+          log{environment.log}
+    {
+    }
+
+    enum class End { Done, Interrupted, Late };
+    End run_until(const std::function<bool()>& is_done, TimePoint until);
+
+    asio::io_context context{1};
+    Interrupter interrupter{context};
+    std::shared_ptr<detail::ClientDriver> driver;
+    LogSink* log;
+    std::optional<ReverseListener> listener;
+};
+
+BlockingClient::Impl::End BlockingClient::Impl::run_until(const std::function<bool()>& is_done,
+                                                          TimePoint until)
+{
+    if (driver->is_stepping()) {
+        return End::Interrupted; // a handler that waits would wait for itself
+    }
+    driver->step();
+    while (!is_done()) {
+        if (interrupter.take()) {
+            return End::Interrupted;
+        }
+        if (detail::now() >= until) {
+            return End::Late;
+        }
+        context.restart();
+        context.run_one_until(until);
+    }
+    return End::Done;
+}
+
+BlockingClient::BlockingClient(client::ClientConfig config,
+                               const channel::ChannelEnvironment& environment)
+    : impl_{std::make_unique<Impl>(std::move(config), environment)}
+{
+}
+
+BlockingClient::~BlockingClient()
+{
+    impl_->driver->stop();
+}
+
+Result<std::uint16_t> BlockingClient::listen(std::string_view address, std::uint16_t port,
+                                             const ReverseListenerLimits& limits)
+{
+    impl_->listener.emplace(impl_->context.get_executor(), *impl_->log, limits);
+    impl_->driver->take_from(impl_->listener->queue_);
+    return impl_->listener->listen(address, port);
+}
+
+Result<void> BlockingClient::connect(Duration timeout)
+{
+    client::Client& client = impl_->driver->client();
+    client.connect(detail::now());
+    const auto is_decided = [&] {
+        return client.state() == client::ClientState::Ready ||
+               client.state() == client::ClientState::Closed;
+    };
+    const auto end = impl_->run_until(is_decided, detail::after(timeout));
+    if (end != Impl::End::Done) {
+        return fail(end == Impl::End::Late ? status::Bad_Timeout : status::Bad_RequestInterrupted);
+    }
+    if (client.state() == client::ClientState::Ready) {
+        return {};
+    }
+    const StatusCode why = client.last_error();
+    return fail(why.is_bad() ? why : status::Bad_ConnectionClosed);
+}
+
+bool BlockingClient::run_until(const std::function<bool()>& is_done, Duration timeout)
+{
+    return impl_->run_until(is_done, detail::after(timeout)) == Impl::End::Done;
+}
+
+bool BlockingClient::run_for(Duration time)
+{
+    return impl_->run_until([] { return false; }, detail::after(time)) == Impl::End::Late;
+}
+
+void BlockingClient::interrupt()
+{
+    impl_->interrupter.interrupt();
+}
+
+void BlockingClient::close()
+{
+    detail::ClientDriver& driver = *impl_->driver;
+    driver.client().close(detail::now());
+    const auto is_over = [&] {
+        return driver.client().state() == client::ClientState::Closed && !driver.has_connection();
+    };
+    impl_->run_until(is_over, detail::after(std::chrono::seconds{2}));
+}
+
+client::Client& BlockingClient::client()
+{
+    return impl_->driver->client();
+}
+
+} // namespace busbar::net

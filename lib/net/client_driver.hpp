@@ -1,0 +1,107 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <asio/any_io_executor.hpp>
+
+#include <busbar/client/client.hpp>
+
+#include "clock.hpp"
+#include "connector.hpp"
+#include "link.hpp"
+#include "reverse_queue.hpp"
+
+namespace busbar::net::detail {
+
+/// The connection that a Client was given, as an engine for a Link. Once it leaves, it has what the
+/// Client still had to say and a little time to say it: the Client may have a new one meanwhile.
+class ClientLine {
+public:
+    ClientLine(client::Client& client, std::uint64_t order) : client_{&client}, order_{order} {}
+
+    [[nodiscard]] std::uint64_t order() const { return order_; }
+    void leave(TimePoint until);
+    /// The Client has not yet handled what it was fed: a server that sends more than it can take
+    /// has to wait, and holds no memory here.
+    void set_busy(bool is_busy) { is_busy_ = is_busy; }
+    [[nodiscard]] bool has_enough() const { return is_busy_; }
+
+    Result<void> feed(std::span<const std::byte> in, TimePoint now);
+    [[nodiscard]] std::span<const std::byte> output() const;
+    void consume(std::size_t size);
+    [[nodiscard]] TimePoint next_deadline() const { return until_; }
+    void handle_deadline(TimePoint now);
+    [[nodiscard]] bool is_closed() const { return client_ == nullptr; }
+
+private:
+    client::Client* client_; // null once it leaves
+    std::uint64_t order_;
+    std::vector<std::byte> rest_;
+    std::size_t sent_{0};
+    bool is_busy_{false};
+    TimePoint until_{no_deadline};
+};
+
+/// Does for one Client what it orders: connections, bytes, time. Everything happens on the
+/// executor, in small steps. What a user's callback throws is logged, and the next is called.
+class ClientDriver : public std::enable_shared_from_this<ClientDriver> {
+public:
+    /// `environment` must outlive the object; it needs a log. stop() must be called before the last
+    /// owner goes.
+    ClientDriver(asio::any_io_executor executor, client::ClientConfig config,
+                 const channel::ChannelEnvironment& environment, Lookup lookup = system_lookup);
+    ClientDriver(const ClientDriver&) = delete;
+    ClientDriver& operator=(const ClientDriver&) = delete;
+    ~ClientDriver() = default;
+
+    [[nodiscard]] client::Client& client() { return client_; }
+    /// Connections come from here if the configuration says that the server connects to us.
+    void take_from(std::shared_ptr<ReverseQueue> queue);
+    /// Called after each step.
+    void on_step(std::function<void()> handler) { on_step_ = std::move(handler); }
+    /// A step soon.
+    void wake();
+    /// Handles what happened, a bounded piece of it, and sees to it that the rest is handled soon.
+    /// Does nothing when called from a handler of the Client, for which is_stepping() is true.
+    void step();
+    [[nodiscard]] bool is_stepping() const { return is_stepping_; }
+    /// True while there is a connection, be it one that only sends its last bytes.
+    [[nodiscard]] bool has_connection() const { return link_ || !leaving_.empty(); }
+    /// Drops every connection at once; no handler is called any more.
+    void stop();
+
+private:
+    using ClientLink = Link<ClientLine>;
+
+    [[nodiscard]] bool poll();
+    void carry_out(const client::TransportOrder& order);
+    void open(const client::TransportOrder& order);
+    void open_reverse(std::uint64_t order);
+    void opened(std::uint64_t order, asio::ip::tcp::socket socket, std::span<const std::byte> in);
+    void failed(std::uint64_t order, StatusCode why);
+    void drop();
+    void ended(const ClientLink& link);
+    void log(const std::string& text);
+
+    asio::any_io_executor executor_;
+    LogSink* log_;
+    Duration connect_timeout_;
+    bool is_reverse_;
+    ExpectedServer expected_;
+    client::Client client_;
+    Connector connector_;
+    std::shared_ptr<ReverseQueue> queue_;
+    ReverseQueue::Ticket ticket_{0};
+    DeadlineTimer timer_;
+    std::shared_ptr<ClientLink> link_;
+    std::vector<std::shared_ptr<ClientLink>> leaving_;
+    std::function<void()> on_step_;
+    bool is_woken_{false};
+    bool is_stepping_{false};
+    bool has_stopped_{false};
+};
+
+} // namespace busbar::net::detail

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include <asio/any_io_executor.hpp>
+#include <asio/ip/tcp.hpp>
+#include <asio/steady_timer.hpp>
+
+#include <busbar/channel/endpoint_url.hpp>
+#include <busbar/core/clock.hpp>
+#include <busbar/core/log.hpp>
+#include <busbar/core/result.hpp>
+
+#include "name_lookup.hpp"
+
+namespace busbar::net::detail {
+
+/// Connects to a host by whichever of its addresses answers first: the next is tried when one was
+/// refused, or did not answer for a quarter of a second, as RFC 8305 has it. All calls on the
+/// executor, never blocking.
+class Connector {
+public:
+    using Handler = std::function<void(Result<asio::ip::tcp::socket>)>;
+
+    /// `log` must outlive the object.
+    Connector(asio::any_io_executor executor, LogSink& log, Lookup lookup = system_lookup);
+    Connector(const Connector&) = delete;
+    Connector& operator=(const Connector&) = delete;
+    ~Connector();
+
+    /// Calls `handler` once, later, unless cancelled or started anew: Bad_Timeout, or
+    /// Bad_CommunicationError with the reason in the log.
+    void start(const channel::EndpointUrl& url, Duration timeout, Handler handler);
+    void cancel();
+
+private:
+    struct Attempt;
+
+    asio::any_io_executor executor_;
+    LogSink* log_;
+    NameLookup names_;
+    std::shared_ptr<Attempt> attempt_;
+};
+
+} // namespace busbar::net::detail

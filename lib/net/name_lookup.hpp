@@ -1,0 +1,55 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include <asio/any_io_executor.hpp>
+#include <asio/ip/address.hpp>
+
+namespace busbar::net::detail {
+
+/// The addresses of a host; none if it has none. Called on a thread of its own: may block.
+using Lookup = std::function<std::vector<asio::ip::address>(const std::string& host)>;
+
+[[nodiscard]] std::vector<asio::ip::address> system_lookup(const std::string& host);
+
+/// Finds addresses without holding anybody up. A name server that does not answer blocks
+/// getaddrinfo for as long as it likes, and nothing can cancel that; so its thread is left to
+/// itself, at most one at a time. All calls on the executor.
+class NameLookup {
+public:
+    using Handler = std::function<void(std::vector<asio::ip::address>)>;
+
+    NameLookup(asio::any_io_executor executor, Lookup lookup);
+    NameLookup(const NameLookup&) = delete;
+    NameLookup& operator=(const NameLookup&) = delete;
+    /// Does not wait for the thread.
+    ~NameLookup();
+
+    /// Calls `handler` later, in place of one that still waits. An address needs no thread.
+    void start(std::string host, Handler handler);
+    /// The handler is not called any more.
+    void cancel();
+
+private:
+    /// What the thread and its owner share.
+    struct Shared {
+        std::mutex mutex;
+        NameLookup* owner;
+    };
+
+    void run_thread();
+    void finish(const std::string& host, std::vector<asio::ip::address> addresses);
+
+    asio::any_io_executor executor_;
+    Lookup lookup_;
+    std::shared_ptr<Shared> shared_;
+    std::string host_;
+    Handler handler_;
+    bool is_running_{false};
+};
+
+} // namespace busbar::net::detail
