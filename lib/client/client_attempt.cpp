@@ -64,6 +64,7 @@ void Client::Impl::begin_attempt()
 void Client::Impl::open_transport()
 {
     connection.reset();
+    is_drained = true; // what the last one still had to say is not heard any more
     transport.open(choice ? choice->endpoint.endpoint_url.str() : config.endpoint_url);
     set_state(ClientState::Connecting, {});
 }
