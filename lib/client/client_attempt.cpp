@@ -72,7 +72,8 @@ void Client::Impl::open_transport()
 /// Endpoints are asked for on a connection of their own, whose security is that of a postcard.
 bool Client::Impl::is_discovering() const
 {
-    return !choice && (config.wants_session || !config.security.allows_none);
+    return !choice &&
+           (config.wants_session || config.asks_for_endpoints || !config.security.allows_none);
 }
 
 ConnectionConfig Client::Impl::connection_config() const
@@ -239,7 +240,8 @@ void Client::Impl::begin_closing(StatusCode why)
 {
     if (why.is_bad()) {
         environment.log->write(LogLevel::Error, "client",
-                               "giving up: " + std::string{name(why)} + " " +
+                               (config.reconnect.is_enabled ? "giving up: " : "no connection: ") +
+                                   std::string{name(why)} + " " +
                                    std::string{detail::final_reason(why)});
     }
     is_wanted = false;
