@@ -238,11 +238,11 @@ void Client::Impl::retry_later(StatusCode why)
 
 void Client::Impl::begin_closing(StatusCode why)
 {
-    if (why.is_bad()) {
+    const std::string_view reason = detail::final_reason(why);
+    // Who wants one attempt only may make more of them: the end of one is no news.
+    if (why.is_bad() && (config.reconnect.is_enabled || !reason.empty())) {
         environment.log->write(LogLevel::Error, "client",
-                               (config.reconnect.is_enabled ? "giving up: " : "no connection: ") +
-                                   std::string{name(why)} + " " +
-                                   std::string{detail::final_reason(why)});
+                               "giving up: " + std::string{name(why)} + " " + std::string{reason});
     }
     is_wanted = false;
     kept_session.reset();
