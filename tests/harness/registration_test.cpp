@@ -10,14 +10,20 @@
 #include <busbar/harness/identity.hpp>
 #include <busbar/harness/registration_host.hpp>
 
+#include "discovery_world.hpp"
+
 using namespace busbar;
 using namespace busbar::harness;
 using namespace std::chrono_literals;
+using test::discovery_url;
+using test::found_servers;
+using test::open_client;
+using test::open_wishes;
+using test::press;
+using test::server_uri;
 
 namespace {
 
-constexpr const char* discovery_url = "opc.tcp://discovery:4840/UADiscovery";
-constexpr const char* server_uri = "urn:busbar:harness:press";
 const channel::SecuritySetting secure{crypto::find_policy_by_name("Basic256Sha256"),
                                       MessageSecurityMode::SignAndEncrypt};
 
@@ -33,27 +39,6 @@ const channel::ApplicationIdentity& discovery_identity()
     return identity;
 }
 
-client::RegistrationSettings press()
-{
-    client::RegistrationSettings settings;
-    RegisteredServer& server = settings.server;
-    server.server_uri = server_uri;
-    server.product_uri = "urn:busbar";
-    server.server_names.push_back(LocalizedText{String{"en"}, String{"Press"}});
-    server.server_names.push_back(LocalizedText{String{"de"}, String{"Presse"}});
-    server.discovery_urls.push_back(String{"opc.tcp://press:4840"});
-    settings.mdns.server_capabilities.push_back(String{"DA"});
-    settings.interval = 5min;
-    return settings;
-}
-
-client::SecurityWishes open_wishes()
-{
-    client::SecurityWishes wishes;
-    wishes.allows_none = true;
-    return wishes;
-}
-
 /// Trusts every certificate that is right for the application it is shown for.
 class ChecksApplication final : public crypto::CertificateValidator {
 public:
@@ -63,12 +48,6 @@ public:
         return crypto::check_certificate(chain.front(), context);
     }
 };
-
-/// Without security, for which there is nobody's certificate.
-client::ClientConfig open_client()
-{
-    return client::registration_client(discovery_url, open_wishes(), server_uri, false);
-}
 
 client::ClientConfig secure_client(client::SecurityWishes wishes = {})
 {
@@ -99,24 +78,6 @@ std::size_t lines_with(World& world, std::string_view text)
         ++count;
     }
     return count;
-}
-
-/// What a client is told that looks for servers, by their names.
-std::string found_servers(World& world, FindServersRequest request = {})
-{
-    client::ConnectionConfig config = open_connection_config();
-    config.channel.endpoint_url = discovery_url;
-    config.wants_session = false;
-    ConnectionHost client{world, config};
-    REQUIRE(client.open());
-    const auto response = client.call<FindServersResponse>(std::move(request));
-    REQUIRE(response);
-    std::string names;
-    for (const ApplicationDescription& server : response->servers) {
-        names += server.application_name.text.str() + ";";
-    }
-    client.close();
-    return names;
 }
 
 } // namespace
@@ -228,18 +189,6 @@ TEST_CASE("an old discovery server gets RegisterServer", "[registration]")
     }
 }
 
-TEST_CASE("some old discovery servers close the connection", "[registration]")
-{
-    World world;
-    ScriptedServer discovery{world, discovery_url};
-    discovery.expect<RegisterServer2Request>().close(status::Bad_ServiceUnsupported);
-    discovery.expect<RegisterServerRequest>().reply(RegisterServerResponse{});
-    RegistrationHost press_server{world, open_client(), press()};
-    press_server.start();
-    CHECK(press_server.await_registered(true, 5s));
-    CHECK(discovery.report() == "");
-}
-
 TEST_CASE("a discovery server that is away is asked ever less often", "[registration]")
 {
     World world;
@@ -265,91 +214,6 @@ TEST_CASE("a discovery server that is away is asked ever less often", "[registra
     CHECK(lines_with(world, "is registered") == 2);
 }
 
-TEST_CASE("attempts begin after a second and double up to the interval", "[registration]")
-{
-    World world;
-    ScriptedServer discovery{world, discovery_url};
-    discovery.allow<RegisterServer2Request>().fail(status::Bad_ServerUriInvalid);
-    RegistrationHost press_server{world, open_client(), press()};
-    press_server.start();
-    world.run_for(3s);
-    CHECK(discovery.came().size() >= 2);
-    CHECK(discovery.came().size() <= 3);
-    world.run_for(1h);
-    const std::size_t before = discovery.came().size();
-    world.run_for(2h);
-    CHECK(discovery.came().size() - before >= 24); // once in an interval
-    CHECK(discovery.came().size() - before <= 30); // or a fifth sooner
-}
-
-TEST_CASE("answers that are none leave the server unregistered and go on", "[registration]")
-{
-    World world;
-    ScriptedServer discovery{world, discovery_url};
-    RegistrationHost press_server{world, open_client(), press()};
-    constexpr int attempts = 7; // of 70 seconds, each wait twice as long
-    const auto ends_with = [&](StatusCode expected) {
-        press_server.start();
-        world.run_for(70s);
-        CHECK_FALSE(press_server.is_registered());
-        CHECK(press_server.registration().last_result() == expected);
-        discovery.allow<RegisterServer2Request>().reply(RegisterServer2Response{});
-        CHECK(press_server.await_registered(true, 5min));
-    };
-    SECTION("another response")
-    {
-        for (int i = 0; i < attempts; ++i) {
-            discovery.expect<RegisterServer2Request>().reply(FindServersResponse{});
-        }
-        ends_with(status::Bad_DecodingError);
-    }
-    SECTION("both services are said to be unknown")
-    {
-        for (int i = 0; i < attempts; ++i) {
-            discovery.expect<RegisterServer2Request>().fail(status::Bad_ServiceUnsupported);
-            discovery.expect<RegisterServerRequest>().fail(status::Bad_ServiceUnsupported);
-        }
-        ends_with(status::Bad_ServiceUnsupported);
-    }
-    SECTION("a lost connection that is none")
-    {
-        // For which the Registration gives the Client a minute to say more.
-        for (int i = 0; i < 2; ++i) {
-            discovery.expect<RegisterServer2Request>().fail(status::Bad_SecureChannelClosed);
-        }
-        ends_with(status::Bad_Timeout);
-    }
-    SECTION("none at all")
-    {
-        for (int i = 0; i < 5; ++i) { // each takes ten seconds
-            discovery.expect<RegisterServer2Request>();
-        }
-        ends_with(status::Bad_Timeout);
-    }
-    SECTION("the connection is cut")
-    {
-        for (int i = 0; i < attempts; ++i) {
-            discovery.expect<RegisterServer2Request>().cut();
-        }
-        ends_with(status::Bad_ConnectionClosed);
-    }
-}
-
-TEST_CASE("what is said of the mDNS configuration does not matter", "[registration]")
-{
-    World world;
-    ScriptedServer discovery{world, discovery_url};
-    RegisterServer2Response response;
-    for (int i = 0; i < 1'000; ++i) {
-        response.configuration_results.push_back(status::Bad_NotSupported);
-    }
-    discovery.expect<RegisterServer2Request>().reply(response);
-    RegistrationHost press_server{world, open_client(), press()};
-    press_server.start();
-    CHECK(press_server.await_registered(true, 5s));
-    CHECK(world.log().contains("mDNS: Bad_NotSupported"));
-}
-
 TEST_CASE("a discovery server that shows another's certificate is refused", "[registration]")
 {
     World world;
@@ -365,6 +229,24 @@ TEST_CASE("a discovery server that shows another's certificate is refused", "[re
     CHECK_FALSE(press_server.is_registered());
     CHECK(press_server.registration().last_result() == status::Bad_CertificateUriInvalid);
     CHECK(discovery.count("RegisterServer2Request") == 0);
+}
+
+TEST_CASE("a discovery server may come back with another certificate", "[registration]")
+{
+    World world;
+    DiscoveryServerOptions options = secure_options();
+    auto discovery = std::make_unique<DiscoveryServer>(world, options);
+    RegistrationHost press_server{world, secure_client(), press(), press_parts()};
+    press_server.start();
+    REQUIRE(press_server.await_registered(true, 5s));
+    discovery.reset();
+    const auto renewed = make_identity({"discovery"});
+    REQUIRE(renewed);
+    options.identity = &*renewed;
+    discovery = std::make_unique<DiscoveryServer>(world, options);
+    world.run_for(5min + 5s);
+    CHECK(press_server.is_registered());
+    CHECK(discovery->find(server_uri) != nullptr);
 }
 
 TEST_CASE("the time of day may jump", "[registration]")
@@ -483,80 +365,4 @@ TEST_CASE("settings that a discovery server would refuse are refused before", "[
           status::Bad_InvalidArgument);
     CHECK(refused([](auto& s) { s.interval = 9s; }) == status::Bad_OutOfRange);
     CHECK(refused([](auto& s) { s.interval = 601s; }) == status::Bad_OutOfRange);
-}
-
-TEST_CASE("the discovery server of the harness keeps its rules", "[registration]")
-{
-    World world;
-    DiscoveryServerOptions options;
-    options.limits.max_servers = 2;
-    DiscoveryServer discovery{world, options};
-    client::ConnectionConfig config = open_connection_config();
-    config.channel.endpoint_url = discovery_url;
-    config.wants_session = false;
-    ConnectionHost client{world, config};
-    REQUIRE(client.open());
-    const auto send = [&](RegisteredServer server) {
-        RegisterServerRequest request;
-        request.server = std::move(server);
-        const auto response = client.call<RegisterServerResponse>(std::move(request));
-        return response ? StatusCode{} : response.error();
-    };
-    RegisteredServer server = press().server;
-    server.is_online = true;
-
-    SECTION("entries are forgotten after ten minutes")
-    {
-        CHECK(send(server) == status::Good);
-        world.run_for(9min);
-        CHECK(discovery.find(server_uri) != nullptr);
-        world.run_for(1min);
-        CHECK(discovery.find(server_uri) == nullptr);
-    }
-    SECTION("but for those with a semaphore file, as long as that is there")
-    {
-        server.semaphore_file_path = "/run/press";
-        CHECK(send(server) == status::Bad_SemaphoreFileMissing);
-        discovery.semaphore_files().insert("/run/press");
-        server.is_online = false; // counts less
-        CHECK(send(server) == status::Good);
-        world.run_for(1h);
-        CHECK(discovery.find(server_uri) != nullptr);
-        discovery.semaphore_files().clear();
-        CHECK(discovery.find(server_uri) == nullptr);
-    }
-    SECTION("what is missing is named")
-    {
-        const auto refused = [&](auto change) {
-            RegisteredServer changed = server;
-            change(changed);
-            return send(changed);
-        };
-        CHECK(refused([](auto& s) { s.server_uri = {}; }) == status::Bad_ServerUriInvalid);
-        CHECK(refused([](auto& s) { s.server_names.clear(); }) == status::Bad_ServerNameMissing);
-        CHECK(refused([](auto& s) { s.discovery_urls.clear(); }) ==
-              status::Bad_DiscoveryUrlMissing);
-        CHECK(refused([](auto& s) { s.server_type = ApplicationType::Client; }) ==
-              status::Bad_InvalidArgument);
-        CHECK(refused([](auto& s) { s.product_uri = std::string(5'000, 'x'); }) ==
-              status::Bad_InvalidArgument);
-        CHECK(discovery.entries().empty());
-    }
-    SECTION("there are not too many")
-    {
-        for (const char* uri : {"urn:a", "urn:b", "urn:c", "urn:a"}) {
-            server.server_uri = uri;
-            CHECK(send(server) == (server.server_uri.view() == "urn:c"
-                                       ? StatusCode{status::Bad_ResourceUnavailable}
-                                       : StatusCode{}));
-        }
-    }
-    SECTION("servers are found by URI and named in the client's language")
-    {
-        CHECK(send(server) == status::Good);
-        FindServersRequest request;
-        request.server_uris.push_back(String{server_uri});
-        request.locale_ids.push_back(String{"de"});
-        CHECK(found_servers(world, request) == "Presse;");
-    }
 }
