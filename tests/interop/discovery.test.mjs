@@ -52,6 +52,7 @@ test("the controller is found while it runs, and no longer", async () => {
   const controller = await startController({ ...openHouse, discoveryUrl });
   const registered = () => controller.output().includes(`${applicationUri} is registered`);
   assert.ok(await eventually(registered), controller.output());
+  assert.doesNotMatch(controller.output(), /INSECURE/);
   assert.deepEqual(await registeredUrls(), [`opc.tcp://${hostname()}:${controller.port}`]);
   assert.equal(await controller.stop(), 0);
   assert.deepEqual(await registeredUrls(), []);
