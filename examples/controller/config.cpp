@@ -47,6 +47,19 @@ void read_reverse_connect(const TomlTable& table, ControllerConfig& config)
     }
 }
 
+/// Part 4, 5.5.5.1: registered anew after ten minutes at the latest.
+void read_discovery(const TomlTable& table, DiscoveryConfig& config)
+{
+    table.allow({"url", "interval_s", "allow_none"});
+    config.url = table.text("url", "");
+    if (!config.url.empty() && !channel::EndpointUrl::parse(config.url)) {
+        table.fail("url", "opc.tcp://host:port of the discovery server");
+    }
+    config.interval =
+        std::chrono::seconds{table.integer("interval_s", config.interval.count(), 10, 600)};
+    config.allows_none = table.flag("allow_none", false);
+}
+
 void read_limits(const TomlTable& table, server::ServerLimits& limits)
 {
     table.allow({"connections", "sessions", "nodes_per_read", "nodes_per_write", "nodes_per_browse",
@@ -66,10 +79,12 @@ void read_limits(const TomlTable& table, server::ServerLimits& limits)
 
 ControllerConfig read_root(const TomlTable& root)
 {
-    root.allow({"server", "reverse_connect", "certificates", "endpoint", "users", "limits", "plc"});
+    root.allow({"server", "reverse_connect", "discovery", "certificates", "endpoint", "users",
+                "limits", "plc"});
     ControllerConfig config;
     read_server(root.table("server"), config);
     read_reverse_connect(root.table("reverse_connect"), config);
+    read_discovery(root.table("discovery"), config.discovery);
     read_certificates(root.table("certificates"), config);
     read_limits(root.table("limits"), config.server.limits);
     read_users(root.table("users"), config);

@@ -52,6 +52,15 @@ struct CertificateConfig {
     crypto::ValidationSettings validation;
 };
 
+/// The discovery server that clients find this controller with.
+struct DiscoveryConfig {
+    /// Empty: there is none.
+    std::string url;
+    std::chrono::seconds interval{300};
+    /// A discovery server without security will do.
+    bool allows_none{false};
+};
+
 /// Everything a configuration file says.
 struct ControllerConfig {
     server::ServerConfig server;
@@ -60,6 +69,7 @@ struct ControllerConfig {
     std::uint16_t port{4840};
     /// Listeners of clients that cannot reach the server; it connects to them.
     std::vector<std::string> reverse_urls;
+    DiscoveryConfig discovery;
     /// Where the keys of all channels are written, in builds with BUSBAR_KEY_LOG; empty for
     /// nowhere.
     std::string key_log;

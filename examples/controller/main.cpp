@@ -6,6 +6,7 @@
 #include <malloc.h>
 #include <unistd.h>
 
+#include <busbar/channel/endpoint_url.hpp>
 #include <busbar/controller/plc.hpp>
 #include <busbar/controller/plc_events.hpp>
 #include <busbar/controller/plc_methods.hpp>
@@ -74,6 +75,9 @@ T expect(Result<T> result, const std::string& what)
 
 bool needs_certificate(const ControllerConfig& config)
 {
+    if (!config.discovery.url.empty() && !config.discovery.allows_none) {
+        return true;
+    }
     for (const server::EndpointConfig& endpoint : config.server.endpoints) {
         if (!endpoint.security.policy->is_none() || endpoint.allows_user_name ||
             endpoint.allows_certificate || endpoint.allows_issued) {
@@ -103,6 +107,37 @@ void complete(ControllerConfig& config, std::uint16_t port, DateTime now)
     }
 }
 
+/// How others reach us, as far as this machine knows.
+std::string public_url(const ControllerConfig& config, std::uint16_t port)
+{
+    const std::string& address = config.address;
+    const bool is_every = address.empty() || address == "0.0.0.0" || address == "::";
+    channel::EndpointUrl url;
+    url.host = is_every ? host_name() : address;
+    url.port = port;
+    return url.text();
+}
+
+void register_with_discovery_server(net::ServerLoop& loop, const ControllerConfig& config,
+                                    std::uint16_t port,
+                                    const channel::ChannelEnvironment& environment)
+{
+    if (config.discovery.url.empty()) {
+        return;
+    }
+    client::SecurityWishes wishes;
+    wishes.min_mode = MessageSecurityMode::Sign;
+    wishes.allows_none = config.discovery.allows_none;
+    net::DiscoveryRegistrationConfig registration;
+    registration.client =
+        client::registration_client(config.discovery.url, wishes, config.server.application_uri,
+                                    environment.identity != nullptr);
+    registration.settings = net::registration_of(config.server, {public_url(config, port)});
+    registration.settings.interval = config.discovery.interval;
+    expect(loop.register_with(std::move(registration), environment),
+           "registering with " + config.discovery.url);
+}
+
 void print_welcome(const ControllerConfig& config, const controller::Plc& plc)
 {
     const server::ServerConfig& server = config.server;
@@ -123,6 +158,9 @@ void print_welcome(const ControllerConfig& config, const controller::Plc& plc)
     }
     for (const std::string& url : config.reverse_urls) {
         std::printf("  connects to the client at %s\n", url.c_str());
+    }
+    if (!config.discovery.url.empty()) {
+        std::printf("  registers with the discovery server at %s\n", config.discovery.url.c_str());
     }
     if (server.identity) {
         std::printf("  certificate: %s\n",
@@ -193,6 +231,9 @@ int serve(ControllerConfig config)
         environment.key_log = key_log.get();
     }
 #endif
+    register_with_discovery_server(loop, config, port,
+                                   {&random, &wall_clock, &log, environment.validator,
+                                    config.server.identity ? &*config.server.identity : nullptr});
     auto server = expect(server::Server::create(config.server, environment), "the server");
     controller::PlcNodesOptions nodes;
     nodes.source = server.add_source(source);

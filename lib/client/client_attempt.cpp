@@ -66,6 +66,7 @@ void Client::Impl::open_transport()
     if (config.is_reverse) {
         attempt_ends_at = no_deadline; // nobody knows when the server will call
     }
+    is_drained = true; // what the last one still had to say is not heard any more
     transport.open(choice ? choice->endpoint.endpoint_url.str() : config.endpoint_url);
     set_state(ClientState::Connecting, {});
 }
@@ -73,7 +74,8 @@ void Client::Impl::open_transport()
 /// Endpoints are asked for on a connection of their own, whose security is that of a postcard.
 bool Client::Impl::is_discovering() const
 {
-    return !choice && (config.wants_session || !config.security.allows_none);
+    return !choice &&
+           (config.wants_session || config.asks_for_endpoints || !config.security.allows_none);
 }
 
 ConnectionConfig Client::Impl::connection_config() const
@@ -267,10 +269,11 @@ void Client::Impl::retry_later(StatusCode why)
 
 void Client::Impl::begin_closing(StatusCode why)
 {
-    if (why.is_bad()) {
+    const std::string_view reason = detail::final_reason(why);
+    // Who wants one attempt only may make more of them: the end of one is no news.
+    if (why.is_bad() && (config.reconnect.is_enabled || !reason.empty())) {
         environment.log->write(LogLevel::Error, "client",
-                               "giving up: " + std::string{name(why)} + " " +
-                                   std::string{detail::final_reason(why)});
+                               "giving up: " + std::string{name(why)} + " " + std::string{reason});
     }
     is_wanted = false;
     kept_session.reset();

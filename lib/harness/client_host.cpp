@@ -16,7 +16,7 @@ client::ClientConfig open_client_config()
 
 ClientHost::ClientHost(World& world, client::ClientConfig config, const ClientParts& parts)
     : world_{world}, parts_{parts}, random_{world.new_chance(Actor::Client).next()},
-      environment_{&random_, &world.clock(), &world.log(),
+      environment_{&random_, &world.clock(), parts.log != nullptr ? parts.log : &world.log(),
                    parts.validator != nullptr ? parts.validator : &accept_any_, parts.identity},
       client_{std::make_unique<client::Client>(std::move(config), environment_, world.now())},
       open_{world.scheduler(), [this] { open(); }}, deadline_{world.scheduler(),
@@ -85,6 +85,9 @@ void ClientHost::update()
         link_->flush(Side::Client);
     }
     deadline_.set(client_->next_deadline());
+    if (on_step_) {
+        on_step_();
+    }
 }
 
 void ClientHost::obey(client::TransportOrder order)

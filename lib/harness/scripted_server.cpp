@@ -100,7 +100,9 @@ private:
             due.time += step->delay;
             due.end = step->end;
             if (step->answer) {
+                server_.channel_ = &channel_;
                 auto body = step->answer(request, now);
+                server_.channel_ = nullptr;
                 due.body = body ? *std::move(body)
                                 : make_fault(request, body.error(), now).value_or(due.body);
             }

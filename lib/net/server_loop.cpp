@@ -1,5 +1,6 @@
 #include <busbar/net/server_loop.hpp>
 
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <optional>
@@ -15,6 +16,7 @@
 
 #include <busbar/channel/endpoint_url.hpp>
 
+#include "discovery_registration.hpp"
 #include "link.hpp"
 #include "listener.hpp"
 #include "reverse_dialer.hpp"
@@ -91,6 +93,7 @@ struct ServerLoop::Impl {
     void after_activity();
     void await_deadline();
     void begin_stop();
+    [[nodiscard]] bool has_stopped() const;
 
     LogSink* log;
     asio::io_context context;
@@ -100,6 +103,7 @@ struct ServerLoop::Impl {
     std::vector<std::shared_ptr<detail::Listener>> listeners;
     ReverseConnectConfig reverse_connect;
     std::vector<std::unique_ptr<detail::ReverseDialer>> dialers;
+    std::vector<std::unique_ptr<detail::DiscoveryRegistration>> registrations;
     std::unordered_map<std::uint64_t, Client> clients;
     server::Server* server{nullptr};
     bool is_stopping{false};
@@ -166,11 +170,17 @@ void ServerLoop::Impl::after_activity()
             link->pump();
         }
     }
-    if (is_stopping && server->is_stopped() && clients.empty()) {
+    if (has_stopped()) {
         context.stop();
         return;
     }
     await_deadline();
+}
+
+bool ServerLoop::Impl::has_stopped() const
+{
+    return is_stopping && server->is_stopped() && clients.empty() &&
+           std::ranges::all_of(registrations, [](const auto& one) { return one->is_stopped(); });
 }
 
 void ServerLoop::Impl::await_deadline()
@@ -191,6 +201,9 @@ void ServerLoop::Impl::begin_stop()
     }
     for (const auto& dialer : dialers) {
         dialer->stop();
+    }
+    for (const auto& registration : registrations) {
+        registration->stop([this] { after_activity(); });
     }
     server->begin_shutdown(detail::now(), "the server is being stopped");
     after_activity();
@@ -236,6 +249,20 @@ Result<void> ServerLoop::connect_to_clients(ReverseConnectConfig config)
     return {};
 }
 
+Result<void> ServerLoop::register_with(DiscoveryRegistrationConfig config,
+                                       const channel::ChannelEnvironment& environment)
+{
+    if (auto checked = client::Registration::check(config.settings); !checked) {
+        return fail(checked.error());
+    }
+    if (const auto url = channel::EndpointUrl::parse(config.client.endpoint_url); !url) {
+        return fail(url.error());
+    }
+    impl_->registrations.push_back(std::make_unique<detail::DiscoveryRegistration>(
+        impl_->context.get_executor(), std::move(config), environment));
+    return {};
+}
+
 void ServerLoop::stop_on_signals()
 {
     impl_->signals.add(SIGINT);
@@ -259,6 +286,9 @@ void ServerLoop::run(server::Server& server)
     for (const auto& dialer : impl_->dialers) {
         dialer->start();
     }
+    for (const auto& registration : impl_->registrations) {
+        registration->start();
+    }
     impl_->waker.wait([this] {
         impl_->server->handle_completions(detail::now());
         impl_->after_activity();
@@ -274,6 +304,7 @@ void ServerLoop::run(server::Server& server)
         }
     }
     impl_->clients.clear();
+    impl_->registrations.clear();
 }
 
 void ServerLoop::stop()

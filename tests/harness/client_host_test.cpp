@@ -4,6 +4,7 @@
 
 #include <busbar/harness/catch.hpp>
 #include <busbar/harness/client_host.hpp>
+#include <busbar/types/discovery.hpp>
 
 using namespace busbar;
 using namespace busbar::harness;
@@ -78,4 +79,24 @@ TEST_CASE("a Client finds a server that was started anew", "[harness]")
     server = std::make_unique<ServerHost>(world);
     CHECK(world.run_until([&] { return host.state() == client::ClientState::Ready; }, 2min));
     CHECK(server->server().session_count() == 1);
+}
+
+TEST_CASE("a Client that a handler closed is told that it is refused now", "[harness]")
+{
+    World world;
+    auto server = std::make_unique<ServerHost>(world);
+    client::ClientConfig config = open_client_config();
+    config.wants_session = false;
+    config.reconnect.is_enabled = false;
+    ClientHost host{world, config};
+    REQUIRE(host.connect());
+    host.client().call<GetEndpointsResponse>(
+        GetEndpointsRequest{},
+        [&](const Result<GetEndpointsResponse>&) { host.client().close(world.now()); });
+    const auto is_closed = [&] { return host.state() == client::ClientState::Closed; };
+    REQUIRE(world.run_until(is_closed, 1s));
+    server.reset();
+    const auto connected = host.connect(1min);
+    REQUIRE_FALSE(connected);
+    CHECK(connected.error() == status::Bad_ConnectionRejected);
 }

@@ -95,7 +95,7 @@ export const openHouse = {
  * fill the folder of the certificates before it starts.
  */
 export async function startController({ endpoints, trustsAll = false, users, prepare, nodesets = [],
-  reverseUrls = [] } = openHouse) {
+  reverseUrls = [], discoveryUrl = "" } = openHouse) {
   const program = process.env.BUSBAR_CONTROLLER;
   const folder = mkdtempSync(join(tmpdir(), "busbar-interop-"));
   const certificates = join(folder, "pki");
@@ -110,6 +110,8 @@ min_channel_lifetime_ms = 1000
 nodesets = ${JSON.stringify(nodesets)}
 [reverse_connect]
 urls = ${JSON.stringify(reverseUrls)}
+[discovery]
+url = "${discoveryUrl}"
 [certificates]
 folder = "${certificates}"
 trust_all_clients = ${trustsAll}

@@ -1,5 +1,7 @@
 #include <catch2/catch.hpp>
 
+#include <atomic>
+
 #include "machine.hpp"
 
 using namespace busbar;
@@ -41,6 +43,27 @@ private:
     NullLog log_;
     net::SystemWallClock clock_;
     crypto::SystemRandom random_;
+};
+
+/// Knows when a text was logged.
+class AwaitedLog final : public LogSink {
+public:
+    explicit AwaitedLog(std::string text) : text_{std::move(text)} {}
+
+    void write(LogLevel, std::string_view, std::string_view text) override
+    {
+        has_come_ = has_come_ || text.find(text_) != std::string_view::npos;
+    }
+    void await() const
+    {
+        while (!has_come_) {
+            std::this_thread::yield();
+        }
+    }
+
+private:
+    const std::string text_;
+    std::atomic<bool> has_come_{false};
 };
 
 } // namespace
@@ -99,4 +122,45 @@ TEST_CASE("nobody there is an error, not a hang", "[net]")
     const auto connected = loop.connect(config, {&random, &clock, &log, nullptr, nullptr});
     REQUIRE_FALSE(connected);
     CHECK(connected.error() == status::Bad_CommunicationError);
+}
+
+TEST_CASE("a server that no discovery server takes serves and stops as ever", "[net]")
+{
+    Machine no_discovery_server;
+    AwaitedLog log{"is not registered, which is tried again: Bad_ServiceUnsupported"};
+    net::SystemWallClock clock;
+    crypto::SystemRandom random;
+    server::PasswordUsers users;
+    net::ServerLoop loop{log};
+    const auto port = loop.listen("127.0.0.1", 0);
+    REQUIRE(port);
+    const server::ServerConfig config = test::server_config(*port);
+    const channel::ChannelEnvironment surroundings{&random, &clock, &log, nullptr, nullptr};
+
+    net::DiscoveryRegistrationConfig registration;
+    registration.settings = net::registration_of(config, {config.endpoint_url});
+    CHECK(loop.register_with(registration, surroundings).error() ==
+          status::Bad_TcpEndpointUrlInvalid);
+    client::SecurityWishes wishes;
+    wishes.allows_none = true;
+    registration.client = client::registration_client(no_discovery_server.url(), wishes,
+                                                      config.application_uri, false);
+    REQUIRE(loop.register_with(registration, surroundings));
+    registration.settings.server.discovery_urls.clear();
+    CHECK(loop.register_with(registration, surroundings).error() ==
+          status::Bad_DiscoveryUrlMissing);
+
+    server::ServerEnvironment environment;
+    environment.random = &random;
+    environment.wall_clock = &clock;
+    environment.log = &log;
+    environment.users = &users;
+    environment.waker = &loop.waker();
+    auto server = server::Server::create(config, environment);
+    REQUIRE(server);
+    std::thread thread{[&] { loop.run(*server); }};
+    log.await();
+    loop.stop();
+    thread.join();
+    CHECK(server->is_stopped());
 }

@@ -106,6 +106,26 @@ urls = ["opc.tcp://scada:4841", "opc.tcp://[::1]:4842"]
           std::vector<std::string>{"opc.tcp://scada:4841", "opc.tcp://[::1]:4842"});
 }
 
+TEST_CASE("a discovery server is configured")
+{
+    for (const std::string& none :
+         {std::string{}, example_file("controller.toml"), std::string{"[discovery]\nurl = \"\""}}) {
+        const auto discovery = parse(none).discovery;
+        CHECK(discovery.url.empty());
+        CHECK(discovery.interval == std::chrono::minutes{5});
+        CHECK_FALSE(discovery.allows_none);
+    }
+    const ControllerConfig config = parse(R"(
+[discovery]
+url = "opc.tcp://lds:4840/UADiscovery"
+interval_s = 600
+allow_none = true
+)");
+    CHECK(config.discovery.url == "opc.tcp://lds:4840/UADiscovery");
+    CHECK(config.discovery.interval == std::chrono::minutes{10});
+    CHECK(config.discovery.allows_none);
+}
+
 TEST_CASE("what is wrong is told with its place, and what was expected")
 {
     struct Row {
@@ -119,6 +139,9 @@ TEST_CASE("what is wrong is told with its place, and what was expected")
         {"[server\nport = 1", "plant.toml:1: "},
         {"[reverse_connect]\nurls = [\"scada:4841\"]", "plant.toml:2: urls: found "},
         {"[reverse_connect]\nurl = \"opc.tcp://scada\"", "found \"url\", expected one of: urls"},
+        {"[discovery]\nurl = \"lds:4840\"", "plant.toml:2: url: found "},
+        {"[discovery]\ninterval_s = 9", "interval_s: found 9, expected a number from 10"},
+        {"[discovery]\ninterval_s = 601", "interval_s: found 601"},
         {"[certificates]\nkey_bits = 1024", "plant.toml:2: key_bits: found 1024"},
         {"[certificates]\nlimits = \"nj\"", "expected default, nj501, nx102 or rd81opc96"},
         {"[certificates]\nsuppress = [\"trust list check\"]", "expected some of: security policy"},

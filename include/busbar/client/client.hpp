@@ -60,6 +60,8 @@ struct ClientConfig {
     /// security.allows_none is set too, the channel is opened without security and without asking
     /// for endpoints.
     bool wants_session{true};
+    /// Endpoints are asked for even so: security is better than none where the server has any.
+    bool asks_for_endpoints{false};
     /// The server connects to us (Part 6, 7.1.2.6).
     bool is_reverse{false};
 };

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <busbar/client/client.hpp>
 #include <busbar/harness/connection_host.hpp>
@@ -27,6 +28,8 @@ public:
         return *client_;
     }
     [[nodiscard]] client::ClientState state() const { return client_->state(); }
+    /// Called after each of the Client's steps.
+    void on_step(std::function<void()> handler) { on_step_ = std::move(handler); }
 
     /// Lets the Client connect and runs the world until it is Ready. Its last_error() if it gave up
     /// or the time is over, Bad_Timeout if there is none.
@@ -67,6 +70,7 @@ private:
     std::unique_ptr<client::Client> client_;
     std::shared_ptr<Link> link_;
     client::TransportOrder order_;
+    std::function<void()> on_step_;
     Alarm open_;
     Alarm deadline_;
     Signal touched_;

@@ -20,6 +20,8 @@ struct ClientParts {
     crypto::CertificateValidator* validator{nullptr};
     /// Needed for every policy but None.
     const channel::ApplicationIdentity* identity{nullptr};
+    /// Null: the world's.
+    LogSink* log{nullptr};
     /// What the server takes for the client's address.
     std::string address{"192.0.2.1"};
     /// From the wish for a connection to its being there, or refused.

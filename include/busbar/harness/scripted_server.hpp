@@ -45,6 +45,17 @@ struct ScriptStep {
     std::optional<StatusCode> end;
 };
 
+template <typename T>
+struct AsResult {
+    using Type = Result<T>;
+};
+template <typename T>
+struct AsResult<Result<T>> {
+    using Type = Result<T>;
+};
+template <typename T>
+using ResultOf = typename AsResult<T>::Type;
+
 template <typename Structure>
 [[nodiscard]] Result<Structure> decode_body(std::span<const std::byte> body)
 {
@@ -82,7 +93,8 @@ public:
     explicit Expectation(detail::ScriptStep& step) : step_{&step} {}
 
     /// Answers with `response`, whose header gets the request's handle and, if it has none, the
-    /// time; or with what a function makes of the request.
+    /// time; or with what a function makes of the request, a ServiceFault if that is a Result that
+    /// failed.
     template <typename Response>
     void reply(Response response, After delay = {})
     {
@@ -119,7 +131,11 @@ private:
             if (!request) {
                 return busbar::fail(request.error());
             }
-            auto response = make(*request);
+            detail::ResultOf<decltype(make(*request))> made = make(*request);
+            if (!made) {
+                return busbar::fail(made.error());
+            }
+            auto& response = *made;
             response.response_header.request_handle = request->request_header.request_handle;
             if (response.response_header.timestamp == DateTime{}) {
                 response.response_header.timestamp = now;
@@ -177,6 +193,9 @@ public:
     /// Names of all requests that came, in their order, the first 10,000.
     [[nodiscard]] const std::vector<std::string>& came() const { return came_; }
 
+    /// The channel that a request came through; only for functions that make its response.
+    [[nodiscard]] const channel::ServerChannel& channel() const { return *channel_; }
+
     [[nodiscard]] bool accept(const std::shared_ptr<Link>& link,
                               std::string_view peer_address) override;
 
@@ -198,6 +217,7 @@ private:
     std::vector<std::string> unexpected_;
     std::vector<std::unique_ptr<Peer>> peers_;
     std::uint32_t last_channel_id_{0};
+    const channel::ServerChannel* channel_{nullptr};
 };
 
 } // namespace busbar::harness

@@ -6,6 +6,7 @@
 
 #include <busbar/core/log.hpp>
 #include <busbar/core/result.hpp>
+#include <busbar/net/discovery_registration.hpp>
 #include <busbar/net/reverse_connect.hpp>
 #include <busbar/server/server.hpp>
 #include <busbar/server/waker.hpp>
@@ -31,6 +32,12 @@ public:
     /// Connects to clients that cannot reach the server, and keeps one connection to each open that
     /// waits to be used, from run() on. Bad_TcpEndpointUrlInvalid. Once, before run().
     [[nodiscard]] Result<void> connect_to_clients(ReverseConnectConfig config);
+    /// Keeps the server registered with a discovery server from run() on, and takes that back when
+    /// it is stopped, which may take settings.farewell longer. What `environment` points to must
+    /// live until run() has returned. What Registration::check says, Bad_TcpEndpointUrlInvalid.
+    /// Before run(); once for each discovery server.
+    [[nodiscard]] Result<void> register_with(DiscoveryRegistrationConfig config,
+                                             const channel::ChannelEnvironment& environment);
     /// Ends run() cleanly when the process gets SIGINT or SIGTERM.
     void stop_on_signals();
     /// Returns when the server has stopped: clients see State Shutdown first, then their

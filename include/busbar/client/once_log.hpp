@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <mutex>
+#include <string_view>
+#include <vector>
+
+#include <busbar/core/log.hpp>
+
+namespace busbar::client {
+
+/// Passes each text on once, so that what is tried again and again does not fill the log. Any
+/// thread.
+class OnceLog final : public LogSink {
+public:
+    /// Texts that are told apart; what is new past them is dropped until forget().
+    static constexpr std::size_t max_texts = 64;
+
+    /// `log` must outlive the object.
+    explicit OnceLog(LogSink& log) : log_{&log} {}
+
+    void write(LogLevel level, std::string_view source, std::string_view text) override;
+    /// Something has changed: everything is worth being told again.
+    void forget();
+
+private:
+    LogSink* log_;
+    std::mutex mutex_;
+    /// Hashes: texts of a peer may be long.
+    std::vector<std::size_t> told_;
+};
+
+} // namespace busbar::client

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/harness/scripted_server.hpp>
+#include <busbar/types/discovery.hpp>
+
+namespace busbar::harness {
+
+/// What a discovery server keeps; what is more is refused with Bad_ResourceUnavailable, or with
+/// Bad_InvalidArgument if it is one server's.
+struct DiscoveryServerLimits {
+    std::size_t max_servers{1'000};
+    /// Names of one server, its URLs, capabilities and configurations, each.
+    std::size_t max_entries{32};
+    /// Bytes of one text.
+    std::size_t max_text{4'096};
+};
+
+/// Whatever is given must outlive the server.
+struct DiscoveryServerOptions {
+    std::string url{"opc.tcp://discovery:4840/UADiscovery"};
+    std::string application_uri{"urn:busbar:harness:discovery"};
+    /// The endpoints. Without security there is always FindServers and GetEndpoints (Part 4,
+    /// 5.5.1).
+    std::vector<channel::SecuritySetting> endpoints{{}};
+    /// Takes registrations over None as well.
+    bool allows_unsecured{true};
+    bool knows_register_server_2{true};
+    /// An entry that is not renewed for so long is forgotten (Part 4, 5.5.5.1).
+    Duration lifetime{std::chrono::minutes{10}};
+    DiscoveryServerLimits limits;
+    /// Null: every certificate is accepted.
+    crypto::CertificateValidator* validator{nullptr};
+    /// Needed for every policy but None.
+    const channel::ApplicationIdentity* identity{nullptr};
+};
+
+/// A discovery server for tests (Part 4, 5.5; Part 12, 5): FindServers, GetEndpoints,
+/// RegisterServer and RegisterServer2; no mDNS. Other services are answered with
+/// Bad_ServiceUnsupported. One thread; the world must outlive it.
+class DiscoveryServer {
+public:
+    struct Entry {
+        RegisteredServer server;
+        /// Of RegisterServer2; empty with RegisterServer.
+        std::vector<std::string> capabilities;
+        TimePoint expires_at{no_deadline};
+    };
+
+    explicit DiscoveryServer(World& world, DiscoveryServerOptions options = {});
+
+    /// Those that are registered now, by their URI.
+    [[nodiscard]] const std::map<std::string, Entry, std::less<>>& entries();
+    /// Null if it is not registered.
+    [[nodiscard]] const Entry* find(std::string_view server_uri);
+    /// Names of all requests that came, in their order.
+    [[nodiscard]] const std::vector<std::string>& came() const { return server_.came(); }
+    /// How often a request with this name came.
+    [[nodiscard]] std::size_t count(std::string_view request) const;
+    /// The semaphore files that there are (Part 4, 7.32): entries with one last as long as it.
+    [[nodiscard]] std::set<std::string, std::less<>>& semaphore_files() { return files_; }
+
+private:
+    void answer_requests();
+    [[nodiscard]] ApplicationDescription describe_itself() const;
+    [[nodiscard]] FindServersResponse find_servers(const FindServersRequest& request);
+    [[nodiscard]] GetEndpointsResponse get_endpoints() const;
+    [[nodiscard]] Result<RegisterServer2Response>
+    register_extended(const RegisterServer2Request& request);
+    [[nodiscard]] Result<void> register_server(const RegisteredServer& server,
+                                               std::vector<std::string> capabilities);
+    [[nodiscard]] StatusCode check_caller(const RegisteredServer& server) const;
+    [[nodiscard]] StatusCode check_texts(const RegisteredServer& server) const;
+    void forget_expired();
+
+    World& world_;
+    DiscoveryServerOptions options_;
+    ScriptedServer server_;
+    std::map<std::string, Entry, std::less<>> entries_;
+    std::set<std::string, std::less<>> files_;
+};
+
+} // namespace busbar::harness

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <busbar/client/registration.hpp>
+#include <busbar/server/server_config.hpp>
+
+namespace busbar::net {
+
+/// A discovery server, and what it is told; see ServerLoop::register_with.
+struct DiscoveryRegistrationConfig {
+    /// From client::registration_client().
+    client::ClientConfig client;
+    client::RegistrationSettings settings;
+};
+
+/// What is to be registered of a server with this configuration, which clients reach at
+/// `discovery_urls`.
+[[nodiscard]] client::RegistrationSettings
+registration_of(const server::ServerConfig& config, const std::vector<std::string>& discovery_urls);
+
+} // namespace busbar::net

@@ -1,0 +1,114 @@
+#include <catch2/catch.hpp>
+
+#include <string>
+#include <utility>
+
+#include <busbar/harness/catch.hpp>
+
+#include "discovery_world.hpp"
+
+using namespace busbar;
+using namespace busbar::harness;
+using namespace std::chrono_literals;
+using test::server_uri;
+
+namespace {
+
+/// Somebody who sends a discovery server what registrations would not.
+class Caller {
+public:
+    explicit Caller(DiscoveryServerOptions options = {}) : discovery{world, std::move(options)}
+    {
+        REQUIRE(client_.open());
+    }
+    StatusCode send(RegisteredServer server)
+    {
+        RegisterServerRequest request;
+        request.server = std::move(server);
+        const auto response = client_.call<RegisterServerResponse>(std::move(request));
+        return response ? StatusCode{} : response.error();
+    }
+
+    World world;
+    DiscoveryServer discovery;
+
+private:
+    ConnectionHost client_{world, test::discovery_connection()};
+};
+
+RegisteredServer online_press()
+{
+    RegisteredServer server = test::press().server;
+    server.is_online = true;
+    return server;
+}
+
+} // namespace
+
+TEST_CASE("the discovery server of the harness forgets who is silent", "[registration]")
+{
+    Caller caller;
+    RegisteredServer server = online_press();
+    SECTION("for ten minutes")
+    {
+        CHECK(caller.send(server) == status::Good);
+        caller.world.run_for(9min);
+        CHECK(caller.discovery.find(server_uri) != nullptr);
+        caller.world.run_for(1min);
+        CHECK(caller.discovery.find(server_uri) == nullptr);
+    }
+    SECTION("but for those with a semaphore file, as long as that is there")
+    {
+        server.semaphore_file_path = "/run/press";
+        CHECK(caller.send(server) == status::Bad_SemaphoreFileMissing);
+        caller.discovery.semaphore_files().insert("/run/press");
+        server.is_online = false; // counts less
+        CHECK(caller.send(server) == status::Good);
+        caller.world.run_for(1h);
+        CHECK(caller.discovery.find(server_uri) != nullptr);
+        caller.discovery.semaphore_files().clear();
+        CHECK(caller.discovery.find(server_uri) == nullptr);
+    }
+}
+
+TEST_CASE("the discovery server of the harness names what is missing", "[registration]")
+{
+    Caller caller;
+    const auto refused = [&](auto change) {
+        RegisteredServer changed = online_press();
+        change(changed);
+        return caller.send(changed);
+    };
+    CHECK(refused([](auto& s) { s.server_uri = {}; }) == status::Bad_ServerUriInvalid);
+    CHECK(refused([](auto& s) { s.server_names.clear(); }) == status::Bad_ServerNameMissing);
+    CHECK(refused([](auto& s) { s.discovery_urls.clear(); }) == status::Bad_DiscoveryUrlMissing);
+    CHECK(refused([](auto& s) { s.server_type = ApplicationType::Client; }) ==
+          status::Bad_InvalidArgument);
+    CHECK(refused([](auto& s) { s.product_uri = std::string(5'000, 'x'); }) ==
+          status::Bad_InvalidArgument);
+    CHECK(caller.discovery.entries().empty());
+}
+
+TEST_CASE("the discovery server of the harness has its limits", "[registration]")
+{
+    DiscoveryServerOptions options;
+    options.limits.max_servers = 2;
+    Caller caller{options};
+    for (const char* uri : {"urn:a", "urn:b", "urn:c", "urn:a"}) {
+        RegisteredServer server = online_press();
+        server.server_uri = uri;
+        CHECK(caller.send(server) == (server.server_uri.view() == "urn:c"
+                                          ? StatusCode{status::Bad_ResourceUnavailable}
+                                          : StatusCode{}));
+    }
+}
+
+TEST_CASE("servers are found by URI and named in the client's language", "[registration]")
+{
+    Caller caller;
+    CHECK(caller.send(online_press()) == status::Good);
+    FindServersRequest request;
+    request.server_uris.push_back(String{server_uri});
+    request.locale_ids.push_back(String{"de"});
+    CHECK(test::found_servers(caller.world, request) == "Presse;");
+}
