@@ -10,6 +10,29 @@ using detail::Record;
 using detail::ReferenceList;
 using detail::Tables;
 
+namespace {
+
+/// Looked up at the end that has fewer, since a folder may have very many. Both ends have it but
+/// for HasModellingRule, whose inverse is not kept.
+bool has_reference(const AddressSpace& space, NodeIndex source, NodeIndex type, NodeIndex target)
+{
+    const ReferenceCursor forward = space.references(source);
+    const ReferenceCursor inverse = space.references(target);
+    const bool has_inverse = type != space.find(detail::id_has_modelling_rule);
+    const bool is_inverse = has_inverse && inverse.at_most() < forward.at_most();
+    const NodeIndex other = is_inverse ? source : target;
+    ReferenceCursor cursor = is_inverse ? inverse : forward;
+    while (const auto reference = cursor.next()) {
+        if (reference->type == type && reference->target == other &&
+            reference->is_forward != is_inverse) {
+            return true;
+        }
+    }
+    return false;
+}
+
+} // namespace
+
 std::optional<Reference> ReferenceCursor::next()
 {
     while (position_ < end_) {
@@ -176,12 +199,8 @@ Result<void> AddressSpace::add_reference(NodeIndex source, const NodeId& type, N
     if (source == target && is_subtype_of(reference_type, detail::id_hierarchical_references)) {
         return fail(status::Bad_ReferenceNotAllowed);
     }
-    ReferenceCursor cursor = references(source);
-    while (const auto reference = cursor.next()) {
-        if (reference->is_forward && reference->type == reference_type &&
-            reference->target == target) {
-            return fail(status::Bad_DuplicateReferenceNotAllowed);
-        }
+    if (has_reference(*this, source, reference_type, target)) {
+        return fail(status::Bad_DuplicateReferenceNotAllowed);
     }
     tables_->add_entry(source, Entry{reference_type, target, true});
     tables_->add_entry(target, Entry{reference_type, source, false});

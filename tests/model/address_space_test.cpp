@@ -190,6 +190,26 @@ TEST_CASE_METHOD(ModelFixture, "References can be added and removed")
     CHECK(children(a) == Names{"variable"});
 }
 
+// With a look at all others for each of them this takes minutes.
+TEST_CASE_METHOD(ModelFixture, "A node takes very many references, and none of them twice")
+{
+    const NodeIndex folder = add_folder("folder", objects);
+    const NodeIndex hub = add_folder("hub", objects);
+    const NodeId organizes{0, id::Organizes};
+    std::vector<NodeIndex> nodes;
+    for (std::size_t i = 0; i < 50'000; ++i) {
+        nodes.push_back(add_folder(std::to_string(i), folder));
+        REQUIRE(space.add_reference(hub, organizes, nodes.back()));
+        REQUIRE(space.add_reference(nodes.back(), organizes, hub));
+    }
+    for (const NodeIndex node : {nodes.front(), nodes[nodes.size() / 2], nodes.back()}) {
+        for (const auto& [source, target] : {std::pair{folder, node}, {hub, node}, {node, hub}}) {
+            CHECK(status_of(space.add_reference(source, organizes, target)) ==
+                  status::Bad_DuplicateReferenceNotAllowed);
+        }
+    }
+}
+
 TEST_CASE_METHOD(ModelFixture, "A removed node takes its children and references along")
 {
     const NodeIndex folder = add_folder("folder", objects);
