@@ -256,6 +256,32 @@ TEST_CASE_METHOD(NodeSetFixture, "UTF-16 is read like UTF-8")
     CHECK(error_of({{"u.xml", utf16}}).starts_with("u.xml:3: ns=1;s=V: "));
 }
 
+TEST_CASE_METHOD(NodeSetFixture, "The limits for large models have room for a million variables")
+{
+    constexpr std::size_t count = 100;
+    constexpr std::size_t factor = 1'000'000 / count;
+    std::string text;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::string id = "i=" + std::to_string(1'000'000 + i);
+        text += variable_text(id, "DataType=\"i=6\"", "<Int32>1</Int32>");
+    }
+    // As many variables as a part of the limits allows.
+    const auto part_of = [](NodeSetLimits limits, std::size_t nodes) {
+        limits.max_file_size /= factor;
+        limits.max_nodes = nodes;
+        limits.max_references /= factor;
+        limits.max_value_elements /= factor;
+        limits.max_value_fields /= factor;
+        limits.max_kept_xml /= factor;
+        return limits;
+    };
+    const std::vector<NodeSetSource> file{{"t.xml", nodeset_text(text)}};
+    const NodeSetLimits large = limits_for_large_models();
+    CHECK_FALSE(error_of(file, part_of({}, count)).empty());
+    CHECK_FALSE(error_of(file, part_of(large, count - 1)).empty());
+    CHECK(load(file, part_of(large, large.max_nodes / factor)).node_count == count);
+}
+
 TEST_CASE_METHOD(NodeSetFixture, "Long files take no longer than they must")
 {
     // One chain, one star and one value of many elements: each a square if a step is not careful.
