@@ -41,15 +41,6 @@ private:
     std::filesystem::path path_;
 };
 
-/// Room for a million variables and the objects that hold them.
-model::NodeSetLimits generous()
-{
-    model::NodeSetLimits limits;
-    limits.max_file_size = std::size_t{2} << 30U;
-    limits.max_nodes = 2'000'000;
-    return limits;
-}
-
 /// The most that was resident since reset_peak(), in MB.
 double peak_megabytes()
 {
@@ -86,7 +77,7 @@ Load load(const std::vector<std::string>& files)
     const std::size_t heap = heap_in_use();
     model::AddressSpace space;
     const auto begin = Clock::now();
-    auto loaded = model::load_nodesets(space, sources, generous());
+    auto loaded = model::load_nodesets(space, sources, model::limits_for_large_models());
     const double load_us = elapsed_us(begin);
     if (!loaded) {
         std::fprintf(stderr, "%s\n", loaded.error().front().text().c_str());

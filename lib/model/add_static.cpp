@@ -33,6 +33,8 @@ private:
     void set_details(const StaticNode& node, Record& record);
     void set_variable(const StaticVariable& variable, Record& record);
     [[nodiscard]] Variant value(const StaticText& at) const;
+    [[nodiscard]] bool has_other_namespaces() const;
+    void map_values();
     void set_texts();
     void set_access();
     void add_references(std::uint32_t index);
@@ -74,6 +76,9 @@ Result<void> StaticCopy::run()
     }
     set_access();
     graft_.link();
+    if (has_other_namespaces()) {
+        map_values();
+    }
     graft_.keep();
     return {};
 }
@@ -131,15 +136,41 @@ Result<void> StaticCopy::create_nodes()
     return {};
 }
 
-/// The decoded value with this server's namespace indices.
+/// With the namespace indices of the tables.
 Variant StaticCopy::value(const StaticText& at) const
 {
     const std::string_view bytes = from_.values.substr(at.offset, at.size);
     binary::Reader reader{std::as_bytes(std::span{bytes.data(), bytes.size()})};
     Variant value;
     decode(reader, value);
-    detail::map_namespaces(value, namespaces_);
     return value;
+}
+
+bool StaticCopy::has_other_namespaces() const
+{
+    for (std::size_t i = 0; i < namespaces_.size(); ++i) {
+        if (namespaces_[i] != i) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// Gives values this server's namespace indices. Structures are read by the definitions of their
+/// types, which may be among these nodes: they must have been linked.
+void StaticCopy::map_values()
+{
+    DataTypes compiled;
+    const detail::StructureTypes types{space_, compiled};
+    for (std::size_t i = 0; i < from_.nodes.size(); ++i) {
+        const StaticNode& node = from_.nodes[i];
+        const auto node_class = NodeClass{node.node_class};
+        if ((node_class == NodeClass::Variable || node_class == NodeClass::VariableType) &&
+            node.details != no_details && from_.variables[node.details].value.size != 0) {
+            detail::Extra& extra = graft_.record(graft_.created()[i]).make_extra();
+            detail::map_namespaces(extra.value, namespaces_, &types);
+        }
+    }
 }
 
 void StaticCopy::set_details(const StaticNode& node, Record& record)
@@ -158,7 +189,8 @@ void StaticCopy::set_details(const StaticNode& node, Record& record)
         record.make_extra().inverse_name = LocalizedText{String{text(from_.texts[node.details])}};
         break;
     case NodeClass::DataType: {
-        const Variant decoded = value(from_.texts[node.details]);
+        Variant decoded = value(from_.texts[node.details]);
+        detail::map_namespaces(decoded, namespaces_);
         if (const auto* const definition = decoded.get_if<ExtensionObject>()) {
             record.make_extra().definition = *definition;
         }

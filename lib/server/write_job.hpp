@@ -21,7 +21,8 @@ struct WriteContext {
     model::AddressSpace& space;
     DataSources& sources;
     UserRights rights;
-    /// Null: bodies of structures without generated type are taken as they come.
+    /// Null: bodies of structures without generated type, and numbers that an enumeration does not
+    /// have, are taken as they come.
     model::DataTypes* data_types{nullptr};
     binary::DecodeLimits limits{};
 };

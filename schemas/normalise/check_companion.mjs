@@ -43,7 +43,7 @@ function leftOut(elements, resolve) {
   for (const element of elements) {
     const isEncoding = typeOf(element) === "i=76";
     const isOther = isEncoding && element.attributes.BrowseName !== "Default Binary";
-    if (isOther || ["i=69", "i=72", "i=75"].includes(typeOf(element)))
+    if (isOther || ["i=69", "i=72"].includes(typeOf(element)))
       out.add(element.attributes.NodeId);
   }
   for (const element of elements) {

@@ -11,8 +11,8 @@ const classes = {
   DT: "UADataType",
   RT: "UAReferenceType",
 };
-// DataTypeDescriptionType, DataTypeDictionaryType, DataTypeSystemType: deprecated, not in schemas/.
-const dictionaryTypes = [69, 72, 75];
+// DataTypeDescriptionType, DataTypeDictionaryType: deprecated, not in schemas/.
+const dictionaryTypes = [69, 72];
 
 /** Rows of a CSV with a header line as objects; quotes as in RFC 4180. */
 function readCsv(file) {

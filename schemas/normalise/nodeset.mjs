@@ -27,12 +27,7 @@ const keptAttributes = [
 const dataTypeEncodingType = 76;
 const dataTypeDescriptionType = 69;
 const dataTypeDictionaryType = 72;
-const dataTypeSystemType = 75;
-const deprecatedTypes = new Set([
-  dataTypeDescriptionType,
-  dataTypeDictionaryType,
-  dataTypeSystemType,
-]);
+const deprecatedTypes = new Set([dataTypeDescriptionType, dataTypeDictionaryType]);
 
 /** The number of a node of namespace 0; of any other the text of its NodeId. */
 const keyOf = (id) => {
@@ -120,7 +115,8 @@ export const typeDefinitionOf = (node) =>
   node.references.find((r) => r.forward && r.type === 40)?.target;
 
 /**
- * Without the encodings other than Default Binary and without the deprecated type dictionaries.
+ * Without the encodings other than Default Binary and without the deprecated type dictionaries. The
+ * systems that these are parts of (i=92, i=93) stay: files with dictionaries have them below there.
  * References to nodes of other files, for which `isForeign` is true, stay.
  */
 export function withoutDictionaries(nodes, isForeign = () => false) {

@@ -16,13 +16,14 @@ const nodeOpcua = createRequire(import.meta.url).resolve("node-opcua");
 const main = createRequire(nodeOpcua).resolve("node-opcua-nodesets");
 const folder = path.join(main.slice(0, main.lastIndexOf("node-opcua-nodesets")), "node-opcua-nodesets", "nodesets");
 
-test("they load together and re-read equal", { skip: !process.env.BUSBAR_NODESET_TEST }, () => {
+test("they load together and re-read equal, and each with what it requires", { skip: !process.env.BUSBAR_NODESET_TEST }, () => {
   const run = spawnSync(process.env.BUSBAR_NODESET_TEST, ["Published*"], {
     env: { ...process.env, BUSBAR_NODESETS: folder },
     encoding: "utf8",
   });
   assert.equal(run.status, 0, run.stdout);
   assert.match(run.stdout, /\d+ namespaces/);
+  assert.match(run.stdout, /[3-9]\d models in \d+ files/);
 });
 
 test("one server has them all, and a client reads their structures", { timeout: 180_000 }, async () => {

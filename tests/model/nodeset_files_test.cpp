@@ -1,6 +1,10 @@
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
+#include <set>
+
+#include <model/nodeset/document.hpp>
 
 #include "nodeset_fixture.hpp"
 
@@ -31,7 +35,74 @@ std::vector<NodeSetSource> published_files()
     return files;
 }
 
+constexpr const char* opc_ua = "http://opcfoundation.org/UA/";
+
+/// The files by the URIs of their models, and what these require.
+class Library {
+public:
+    explicit Library(const std::vector<NodeSetSource>& files)
+    {
+        for (const NodeSetSource& file : files) {
+            nodeset::Document document;
+            REQUIRE(document.load_file(file.name).empty());
+            for (const NodeSetModel& model : document.models()) {
+                files_[model.uri] = file.name;
+                for (const NodeSetModel& required : model.required) {
+                    required_[file.name].insert(required.uri);
+                }
+            }
+        }
+        files_.erase(opc_ua); // which every AddressSpace has
+    }
+
+    [[nodiscard]] const std::map<std::string, std::string>& files() const { return files_; }
+
+    /// The file of a model and those that it requires, which may require others.
+    [[nodiscard]] std::set<std::string> with_required(const std::string& uri) const
+    {
+        std::set<std::string> result;
+        std::vector<std::string> open{uri};
+        while (!open.empty()) {
+            const auto found = files_.find(open.back());
+            open.pop_back();
+            if (found == files_.end() || !result.insert(found->second).second) {
+                continue;
+            }
+            const auto required = required_.find(found->second);
+            if (required != required_.end()) {
+                open.insert(open.end(), required->second.begin(), required->second.end());
+            }
+        }
+        return result;
+    }
+
+private:
+    std::map<std::string, std::string> files_;
+    std::map<std::string, std::set<std::string>> required_;
+};
+
 } // namespace
+
+TEST_CASE("Published NodeSets load with nothing but the models that they require")
+{
+    const auto files = published_files();
+    const Library library{files};
+    WARN(library.files().size() << " models in " << files.size() << " files");
+    for (const auto& [uri, file] : library.files()) {
+        std::vector<NodeSetSource> sources;
+        for (const std::string& name : library.with_required(uri)) {
+            sources.push_back({name});
+        }
+        AddressSpace space;
+        const auto loaded = load_nodesets(space, sources);
+        std::string errors;
+        for (const NodeSetError& error : loaded ? std::vector<NodeSetError>{} : loaded.error()) {
+            errors += error.text() + '\n';
+        }
+        INFO(uri << ": " << file << " and " << sources.size() - 1 << " required\n" << errors);
+        CHECK(errors.empty());
+    }
+}
 
 TEST_CASE_METHOD(NodeSetFixture, "Published NodeSets load together and re-read equal")
 {

@@ -37,6 +37,25 @@ const char* const rich =
     "<Extensions><Extension><x:Tool xmlns:x=\"urn:x\" a=\"1\">text</x:Tool></Extension>"
     "</Extensions></UAVariable>";
 
+/// A type dictionary (Part 5, Annex D) of one file: a Variable of the type system `system` with a
+/// description of one type.
+std::string dictionary_text(const std::string& id, const std::string& system)
+{
+    return "<UAVariable NodeId=\"ns=1;s=" + id + "\" BrowseName=\"1:" + id +
+           "\" DataType=\"i=15\"><References>"
+           "<Reference ReferenceType=\"i=47\" IsForward=\"false\">" +
+           system +
+           "</Reference><Reference ReferenceType=\"i=40\">i=72</Reference></References>"
+           "<Value><ByteString>PGE+PC9hPg==</ByteString></Value></UAVariable>"
+           "<UAVariable NodeId=\"ns=1;s=" +
+           id +
+           ".Point\" BrowseName=\"1:Point\" DataType=\"i=12\"><References>"
+           "<Reference ReferenceType=\"i=47\" IsForward=\"false\">ns=1;s=" +
+           id +
+           "</Reference><Reference ReferenceType=\"i=40\">i=69</Reference></References>"
+           "<Value><String>Point</String></Value></UAVariable>";
+}
+
 } // namespace
 
 TEST_CASE_METHOD(NodeSetFixture, "A model loaded or linked gives the same address space")
@@ -120,6 +139,28 @@ TEST_CASE_METHOD(NodeSetFixture, "Required models must be there and new enough")
     NodeSetFixture newer;
     newer.load({user("urn:base", "ModelVersion=\"1.9.0\" PublicationDate=\"2999-01-01T00:00:00Z\""),
                 base("ModelVersion=\"1.10.0\" PublicationDate=\"2024-01-01T00:00:00Z\"")});
+}
+
+TEST_CASE_METHOD(NodeSetFixture, "Files with type dictionaries have them below those of OPC UA")
+{
+    load(dictionary_text("Binary", "i=93") + dictionary_text("Xml", "i=92"));
+    const auto is_below = [&](NodeIndex node, NodeIndex parent) {
+        ReferenceCursor cursor = space.references(node);
+        auto reference = cursor.next();
+        while (reference && (reference->is_forward || reference->target != parent)) {
+            reference = cursor.next();
+        }
+        return reference.has_value();
+    };
+    const auto check = [&](const std::string& dictionary, std::uint32_t system) {
+        INFO(dictionary);
+        CHECK(is_below(find(dictionary), space.find(system)));
+        CHECK(is_below(space.find(system), space.find(id::DataTypesFolder)));
+        CHECK(value(dictionary + ".Point") == Variant{"Point"});
+    };
+    check("ns=1;s=Binary", id::OPCBinarySchema_TypeSystem);
+    check("ns=1;s=Xml", id::XmlSchema_TypeSystem);
+    CHECK(space.type_definition(find("ns=1;s=Xml")) == space.find(id::DataTypeDictionaryType));
 }
 
 TEST_CASE_METHOD(NodeSetFixture, "What the address space has no place for is kept beside it")
@@ -213,6 +254,32 @@ TEST_CASE_METHOD(NodeSetFixture, "UTF-16 is read like UTF-8")
     load({{"t.xml", utf16}});
     CHECK(value("s=V") == Variant{"\xC3\xA9"});
     CHECK(error_of({{"u.xml", utf16}}).starts_with("u.xml:3: ns=1;s=V: "));
+}
+
+TEST_CASE_METHOD(NodeSetFixture, "The limits for large models have room for a million variables")
+{
+    constexpr std::size_t count = 100;
+    constexpr std::size_t factor = 1'000'000 / count;
+    std::string text;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::string id = "i=" + std::to_string(1'000'000 + i);
+        text += variable_text(id, "DataType=\"i=6\"", "<Int32>1</Int32>");
+    }
+    // As many variables as a part of the limits allows.
+    const auto part_of = [](NodeSetLimits limits, std::size_t nodes) {
+        limits.max_file_size /= factor;
+        limits.max_nodes = nodes;
+        limits.max_references /= factor;
+        limits.max_value_elements /= factor;
+        limits.max_value_fields /= factor;
+        limits.max_kept_xml /= factor;
+        return limits;
+    };
+    const std::vector<NodeSetSource> file{{"t.xml", nodeset_text(text)}};
+    const NodeSetLimits large = limits_for_large_models();
+    CHECK_FALSE(error_of(file, part_of({}, count)).empty());
+    CHECK_FALSE(error_of(file, part_of(large, count - 1)).empty());
+    CHECK(load(file, part_of(large, large.max_nodes / factor)).node_count == count);
 }
 
 TEST_CASE_METHOD(NodeSetFixture, "Long files take no longer than they must")

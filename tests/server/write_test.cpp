@@ -118,6 +118,59 @@ TEST_CASE_METHOD(WriteFixture, "a value has the Variable's type and shape")
     CHECK(value_of(speed) == Variant{std::int16_t{7}});
 }
 
+TEST_CASE_METHOD(WriteFixture, "an enumeration takes its own values only (Part 4, 5.11.4.4)")
+{
+    const auto add_enumeration = [&](const char* name, const NodeId& base,
+                                     std::initializer_list<std::int64_t> values) {
+        EnumDefinition definition;
+        for (const std::int64_t value : values) {
+            definition.fields.push_back({});
+            definition.fields.back().value = value;
+            definition.fields.back().name = String{"V" + std::to_string(value)};
+        }
+        model::NewNode node;
+        node.id = NodeId{namespace_index, name};
+        node.browse_name = QualifiedName{namespace_index, name};
+        node.parent = space.find(base);
+        REQUIRE(model::add_enumeration_type(space, node, std::move(definition)));
+        return node.id;
+    };
+    const auto add_variable = [&](const char* name, const NodeId& data_type, Variant value,
+                                  std::int32_t rank = -1) {
+        model::NewVariable variable;
+        variable.data_type = data_type;
+        variable.value_rank = rank;
+        variable.access_level = test::read_write;
+        variable.value = std::move(value);
+        return add(name, variable);
+    };
+    const NodeId modes = add_enumeration("Modes", NodeId{0, id::Enumeration}, {0, 1, 2});
+    const NodeId sparse = add_enumeration("Sparse", modes, {-5, 1, 700});
+    const NodeId mode = add_variable("Mode", modes, Variant{0});
+    const NodeId level = add_variable("Level", sparse, Variant{1});
+    const NodeId all = add_variable("All", sparse, Variant{Array<std::int32_t>{1, 1}}, 1);
+    const NodeId any = add_variable("Any", NodeId{0, id::Enumeration}, Variant{0});
+    for (const std::int32_t good : {0, 1, 2}) {
+        CHECK(write(mode, Variant{good}) == status::Good);
+    }
+    for (const std::int32_t bad : {-1, 3, INT32_MIN, INT32_MAX}) {
+        CHECK(write(mode, Variant{bad}) == status::Bad_OutOfRange);
+    }
+    CHECK(value_of(mode) == Variant{2});
+    CHECK(write(mode, Variant{std::uint8_t{1}}) == status::Bad_TypeMismatch);
+    for (const std::int32_t good : {-5, 700, 1}) {
+        CHECK(write(level, Variant{good}) == status::Good);
+    }
+    for (const std::int32_t bad : {0, 2, 699}) {
+        CHECK(write(level, Variant{bad}) == status::Bad_OutOfRange);
+    }
+    CHECK(write(all, Variant{Array<std::int32_t>{700, 2}}) == status::Bad_OutOfRange);
+    CHECK(write(all, Variant{Array<std::int32_t>{2}}, "1") == status::Bad_OutOfRange);
+    CHECK(write(all, Variant{Array<std::int32_t>{-5}}, "1") == status::Good);
+    CHECK(value_of(all) == Variant{Array<std::int32_t>{1, -5}});
+    CHECK(write(any, Variant{12'345}) == status::Good); // which has no values of its own
+}
+
 TEST_CASE_METHOD(WriteFixture, "a ByteString is taken for an array of Byte (Part 4, 5.11.4.2)")
 {
     const NodeId bytes = add("Bytes", id::Byte, Array<std::uint8_t>{1, 2, 3}, 3, 1);

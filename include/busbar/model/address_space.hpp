@@ -217,8 +217,8 @@ public:
     Result<NodeIndex> add_data_type(const NewNode& node, const NewDataType& type);
     /// Copies generated nodes of another namespace, whose namespaces are added as needed. What they
     /// refer to must be there already. Bad_NodeIdExists if one of them is. Namespace indices in
-    /// values become those of this AddressSpace, but for bodies of structures that are not
-    /// Argument: those are taken over as they are.
+    /// values become those of this AddressSpace, also within structures whose DataTypeDefinitions
+    /// are here; bodies of others are taken over as they are.
     Result<void> add(const StaticNodes& nodes);
 
     /// Adds the reference in both directions. Bad_DuplicateReferenceNotAllowed if it is there,

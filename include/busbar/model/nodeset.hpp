@@ -43,7 +43,8 @@ struct NodeSetSummary {
 ///
 /// Every type, target of a hierarchical reference, type definition and DataType must be in the
 /// files or in `space`; so must every RequiredModel, in the version that is asked for or a later
-/// one (Part 6, F.5). XML with a DOCTYPE is refused.
+/// one (Part 6, F.5). XML with a DOCTYPE is refused. Larger models than the default `limits` allow
+/// want limits_for_large_models().
 ///
 /// With errors, of which there is at least one then, `space` is as it was before.
 [[nodiscard]] tl::expected<NodeSetSummary, std::vector<NodeSetError>>
