@@ -215,7 +215,12 @@ void Client::Impl::lose(StatusCode why)
 {
     const bool had_session = state == ClientState::Ready && config.wants_session;
     const bool was_opening = state == ClientState::Opening;
-    const bool is_choice_doubtful = is_choice_old && was_opening;
+    // An Error message proves nothing about a policy that the endpoints have, or that every server
+    // has for GetEndpoints: whatever is on the way may have spoilt what was asked for.
+    const bool is_policy_disputed =
+        connection && connection->is_closed() &&
+        (why == status::Bad_SecurityPolicyRejected || why == status::Bad_SecurityModeRejected);
+    const bool is_choice_doubtful = (is_choice_old && was_opening) || is_policy_disputed;
     // What was good for a session, or was not even tried, may be good for the next.
     const bool keeps_choice =
         state == ClientState::Ready || (is_choice_old && state == ClientState::Connecting);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <deque>
 #include <functional>
 #include <optional>
 #include <utility>
@@ -27,6 +28,10 @@ struct RogueAnswers {
     /// Asked first, with the NodeId of the request's encoding: the body of the answer, an empty one
     /// for no answer at all.
     std::function<std::optional<std::vector<std::byte>>(const NodeId& request)> raw;
+    /// Asked for services that the server knows nothing of, with what follows the NodeId: the body
+    /// of the answer, an empty one for no answer now.
+    std::function<std::optional<std::vector<std::byte>>(const NodeId& request, binary::Reader&)>
+        other;
     /// Changes any body before it is sent.
     std::function<void(std::vector<std::byte>&)> body;
     /// What OpenSecureChannel allows.
@@ -84,6 +89,8 @@ public:
 
     /// The ids of requests that were answered.
     std::vector<std::uint32_t> answered;
+    /// Of those that `other` had no answer for yet.
+    std::deque<std::uint32_t> unanswered;
     /// The NodeIds of the encodings of all requests.
     std::vector<NodeId> requests;
 
@@ -108,6 +115,10 @@ private:
             }
         }
         auto body = honest(id, reader);
+        if (body.empty()) {
+            unanswered.push_back(event.request_id);
+            return;
+        }
         if (answers_->body) {
             answers_->body(body);
         }
@@ -139,6 +150,11 @@ private:
                 answers_->read(request, response);
             }
             return body_of(response);
+        }
+        if (answers_->other) {
+            if (auto body = answers_->other(id, reader)) {
+                return *std::move(body);
+            }
         }
         return fault(status::Bad_ServiceUnsupported);
     }

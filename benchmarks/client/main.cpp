@@ -1,0 +1,227 @@
+// What a client costs: per value that it reads and per notification that it is sent, without the
+// server's part; and how many connections and requests one thread has in a second when client and
+// server are both in it. Bytes go through memory; there is no network.
+
+#include <cstdio>
+#include <utility>
+#include <vector>
+
+#include <busbar/types/attribute.hpp>
+
+#include "plant.hpp"
+
+using namespace busbar;
+using namespace busbar::bench;
+using namespace std::chrono_literals;
+
+namespace {
+
+/// A Client with a session at a plant.
+class User {
+public:
+    explicit User(Plant& plant)
+        : client{plant.client_config(), plant.client_environment(), plant.now}, plant_{&plant}
+    {
+        client.connect(plant.now);
+        run();
+        if (client.state() != client::ClientState::Ready) {
+            give_up("a session", client.last_error());
+        }
+    }
+
+    /// Until nothing moves any more.
+    void run()
+    {
+        for (bool moved = true; std::exchange(moved, false);) {
+            watch.time([&] {
+                while (client.poll(plant_->now)) {
+                }
+            });
+            if (auto order = client.next_order()) {
+                obey(*order);
+                moved = true;
+            }
+            moved = (is_connected_ && plant_->carry(client, watch)) || moved;
+        }
+    }
+    void read(const ReadRequest& request)
+    {
+        ReadRequest copy = request;
+        bool is_done = false;
+        watch.time([&] {
+            client.call<ReadResponse>(std::move(copy), [&](const Result<ReadResponse>& response) {
+                is_done = response && response->results.size() == request.nodes_to_read.size();
+            });
+        });
+        run();
+        if (!is_done) {
+            give_up("Read", client.last_error());
+        }
+    }
+
+    /// The client's part.
+    Stopwatch watch;
+    client::Client client;
+
+private:
+    void obey(const client::TransportOrder& order)
+    {
+        is_connected_ = order.kind == client::TransportOrder::Kind::Open;
+        if (is_connected_) {
+            plant_->accept();
+            client.connected(order.id, plant_->now);
+        } else {
+            plant_->drop();
+            client.disconnected(order.id, {}, plant_->now);
+        }
+    }
+
+    Plant* plant_;
+    bool is_connected_{false};
+};
+
+[[nodiscard]] ReadRequest read_of(std::uint32_t count)
+{
+    ReadRequest request;
+    request.timestamps_to_return = TimestampsToReturn::Source;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        ReadValueId& item = request.nodes_to_read.emplace_back();
+        item.node_id = NodeId{1, i};
+        item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
+    }
+    return request;
+}
+
+/// Of the client alone, in ns.
+double read_cost(Plant& plant, std::uint32_t values, int rounds)
+{
+    User user{plant};
+    const ReadRequest request = read_of(values);
+    user.read(request);
+    user.watch.reset();
+    for (int i = 0; i < rounds; ++i) {
+        user.read(request);
+    }
+    return user.watch.seconds() * 1e9 / rounds / values;
+}
+
+double notification_cost(Plant& plant, std::uint32_t rounds)
+{
+    User user{plant};
+    std::size_t arrived = 0;
+    client::SubscriptionHandlers handlers;
+    handlers.on_data = [&](std::span<const client::DataChange> changes) {
+        arrived += changes.size();
+    };
+    client::SubscriptionSettings settings;
+    settings.publishing_interval = 100ms;
+    auto& subscriptions = user.client.subscriptions();
+    const auto subscription = expect("create", subscriptions.create(settings, handlers));
+    std::vector<client::ItemSettings> items(variable_count);
+    for (std::uint32_t i = 0; i < variable_count; ++i) {
+        items[i].node = NodeId{1, i};
+        items[i].sampling_interval = 100ms;
+    }
+    static_cast<void>(expect("items", subscriptions.add_items(subscription, std::move(items))));
+    const auto pass = [&] {
+        plant.pass(100ms);
+        user.run();
+    };
+    user.run();
+    pass();
+    pass();
+    arrived = 0;
+    user.watch.reset();
+    for (std::uint32_t i = 1; i <= rounds; ++i) {
+        plant.set_all(i);
+        pass();
+        pass();
+    }
+    if (arrived != std::size_t{rounds} * variable_count) {
+        give_up("notifications are missing", status::Bad_Timeout);
+    }
+    return user.watch.seconds() * 1e9 / static_cast<double>(arrived);
+}
+
+/// With the server's part.
+double round_trips_per_second(Plant& plant, int rounds)
+{
+    User user{plant};
+    const ReadRequest request = read_of(1);
+    Stopwatch both;
+    both.time([&] {
+        for (int i = 0; i < rounds; ++i) {
+            user.read(request);
+        }
+    });
+    return rounds / both.seconds();
+}
+
+void connect_once(Plant& plant, Stopwatch& watch)
+{
+    plant.accept();
+    std::optional<client::Connection> client;
+    watch.time(
+        [&] { client.emplace(plant.connection_config(), plant.client_environment(), plant.now); });
+    bool is_ready = false;
+    const auto poll = [&] {
+        while (auto event = client->next_event()) {
+            is_ready = is_ready || event->kind == client::ConnectionEvent::Kind::Ready;
+        }
+    };
+    for (bool moved = true; moved && !is_ready;) {
+        moved = plant.carry(*client, watch);
+        watch.time(poll);
+    }
+    if (!is_ready) {
+        give_up("connecting", status::Bad_ConnectionClosed);
+    }
+    client->close();
+    while (plant.carry(*client, watch)) {
+        poll();
+    }
+    plant.drop();
+}
+
+/// With the server's part, and the client's share of it.
+std::pair<double, double> connects_per_second(Plant& plant, int rounds)
+{
+    Stopwatch both;
+    Stopwatch own;
+    connect_once(plant, own);
+    own.reset();
+    both.time([&] {
+        for (int i = 0; i < rounds; ++i) {
+            connect_once(plant, own);
+        }
+    });
+    return {rounds / both.seconds(), own.seconds() / both.seconds()};
+}
+
+void print(const char* what, double none, double secure, const char* unit)
+{
+    std::printf("%-42s %12.0f %12.0f %s\n", what, none, secure, unit);
+}
+
+} // namespace
+
+/// busbar-client-bench
+int main()
+{
+    Plant none{false};
+    Plant secure{true};
+    std::printf("%-42s %12s %12s\n", "", "None", "Sign+Encrypt");
+    print("client, a value of Read 1,000", read_cost(none, 1'000, 500),
+          read_cost(secure, 1'000, 500), "ns");
+    print("client, a value of Read 25,000", read_cost(none, 25'000, 40),
+          read_cost(secure, 25'000, 40), "ns");
+    print("client, a notification of 25,000 items", notification_cost(none, 40),
+          notification_cost(secure, 40), "ns");
+    print("Read of one value, client and server", round_trips_per_second(none, 50'000),
+          round_trips_per_second(secure, 50'000), "/s");
+    const auto plain = connects_per_second(none, 2'000);
+    const auto encrypted = connects_per_second(secure, 100);
+    print("connect, activate, close, both sides", plain.first, encrypted.first, "/s");
+    print("of that the client's part", plain.second * 100, encrypted.second * 100, "%");
+    return 0;
+}
