@@ -171,9 +171,7 @@ echo "Long-Password-123" > "$work/password"
 run 4 read i=2258
 tells "Bad_IdentityTokenRejected"
 login="--user operator --password-file $work/password"
-run 4 read i=2258 $login
-tells "own.der"
-mv "$work"/busbar-certificates/rejected/certs/* "$work/busbar-certificates/trusted/certs/"
+# First the server is a stranger to busbar, then busbar to the server.
 run 4 read i=2258 $login
 tells "busbar cert trust"
 json 4 read i=2258 $login
@@ -183,6 +181,9 @@ has '"list":"rejected"'
 thumbprint=$(sed 's/.*"list":"rejected"[^}]*"thumbprint":"\([0-9A-F]*\)".*/\1/' "$work/out")
 run 0 cert show "$thumbprint"
 run 0 cert trust "$thumbprint"
+run 4 read i=2258 $login
+tells "own.der"
+mv "$work"/busbar-certificates/rejected/certs/* "$work/busbar-certificates/trusted/certs/"
 run 0 read i=2258 $login
 run 0 cert reject "$thumbprint"
 run 4 read i=2258 $login
