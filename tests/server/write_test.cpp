@@ -132,7 +132,7 @@ TEST_CASE_METHOD(WriteFixture, "an enumeration takes its own values only (Part 4
         node.id = NodeId{namespace_index, name};
         node.browse_name = QualifiedName{namespace_index, name};
         node.parent = space.find(base);
-        REQUIRE(model::add_enumeration_type(space, node, std::move(definition)));
+        REQUIRE(space.add_data_type(node, {ExtensionObject::from(std::move(definition)), false}));
         return node.id;
     };
     const auto add_variable = [&](const char* name, const NodeId& data_type, Variant value,
