@@ -10,13 +10,11 @@
 #include <type_traits>
 #include <vector>
 
-#include <busbar/binary/codec.hpp>
-#include <busbar/binary/type_registry.hpp>
 #include <busbar/channel/client_channel.hpp>
+#include <busbar/client/response.hpp>
 #include <busbar/client/user_identity.hpp>
 #include <busbar/types/common.hpp>
 #include <busbar/types/discovery.hpp>
-#include <busbar/types/registry.hpp>
 
 namespace busbar::client {
 
@@ -131,19 +129,7 @@ Result<T> ConnectionEvent::response(const binary::DecodeLimits& limits) const
     if (status.is_bad()) {
         return fail(status);
     }
-    static const binary::TypeRegistry types{binary::namespace0_types()};
-    binary::Reader reader{body, binary::Strings::Borrow, &types, limits};
-    NodeId id;
-    T structure;
-    decode(reader, id);
-    if (!id.is(T::binary_encoding_id)) {
-        return fail(status::Bad_DecodingError);
-    }
-    decode(reader, structure);
-    if (!reader.ok()) {
-        return fail(reader.status());
-    }
-    return structure;
+    return decode_response<T>(body, binary::Strings::Borrow, limits);
 }
 
 template <typename Request>

@@ -6,13 +6,11 @@
 #include <utility>
 #include <vector>
 
-#include <busbar/binary/codec.hpp>
-#include <busbar/binary/type_registry.hpp>
+#include <busbar/client/response.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/types/common.hpp>
 #include <busbar/types/enumerations.hpp>
-#include <busbar/types/registry.hpp>
 
 namespace busbar::client {
 
@@ -63,19 +61,7 @@ struct ResponseBody {
     template <typename T>
     [[nodiscard]] Result<T> decoded(const binary::DecodeLimits& limits) const
     {
-        static const binary::TypeRegistry types{binary::namespace0_types()};
-        binary::Reader reader{bytes, binary::Strings::Own, &types, limits};
-        NodeId id;
-        T structure;
-        decode(reader, id);
-        if (!id.is(T::binary_encoding_id)) {
-            return fail(status::Bad_DecodingError);
-        }
-        decode(reader, structure);
-        if (!reader.ok()) {
-            return fail(reader.status());
-        }
-        return structure;
+        return decode_response<T>(bytes, binary::Strings::Own, limits);
     }
 };
 
