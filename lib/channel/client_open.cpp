@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <utility>
 
-#include <busbar/channel/endpoint_url.hpp>
+#include <busbar/channel/server_certificate.hpp>
 #include <busbar/core/text.hpp>
 
 #include "client_impl.hpp"
@@ -70,11 +70,8 @@ Checked<void> ClientChannel::Impl::check_server(const AsymmetricHeader& header)
                        std::string{read_again}, printable(config.server_certificate->subject()),
                        config.server_certificate->thumbprint_text()});
     }
-    const auto url = EndpointUrl::parse(config.endpoint_url);
-    auto valid = environment.validator->validate(
-        *chain, {header.policy, environment.wall_clock->now(), config.expected_server_uri,
-                 url ? std::string_view{url->host} : std::string_view{},
-                 crypto::CertificatePurpose::ServerApplication});
+    auto valid = validate_server(environment, *chain, *header.policy, config.expected_server_uri,
+                                 config.endpoint_url);
     if (valid) {
         conversation.peer_certificates = *chain;
     }

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include <busbar/channel/endpoint_url.hpp>
+#include <busbar/channel/server_certificate.hpp>
 #include <busbar/core/text.hpp>
 
 #include "client_impl.hpp"
@@ -146,12 +146,9 @@ Checked<void> Client::Impl::check_certificate(const EndpointChoice& chosen) cons
                        "Part 4, 7.14",
                        {}});
     }
-    const auto url = channel::EndpointUrl::parse(endpoint.endpoint_url.view());
-    return environment.validator->validate(*chain,
-                                           {chosen.policy, environment.wall_clock->now(),
-                                            endpoint.server.application_uri.view(),
-                                            url ? std::string_view{url->host} : std::string_view{},
-                                            crypto::CertificatePurpose::ServerApplication});
+    return channel::validate_server(environment, *chain, *chosen.policy,
+                                    endpoint.server.application_uri.view(),
+                                    endpoint.endpoint_url.view());
 }
 
 void Client::Impl::choose(const Array<EndpointDescription>& offered)

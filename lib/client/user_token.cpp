@@ -1,6 +1,6 @@
 #include "user_token.hpp"
 
-#include <busbar/channel/endpoint_url.hpp>
+#include <busbar/channel/server_certificate.hpp>
 #include <busbar/core/text.hpp>
 #include <busbar/crypto/asymmetric.hpp>
 #include <busbar/types/session.hpp>
@@ -70,12 +70,9 @@ Result<void> check_server(const TokenContext& context)
         return refuse(context, status::Bad_ConfigurationError,
                       "there is no validator for the server's certificate");
     }
-    const auto url = channel::EndpointUrl::parse(channel.endpoint_url);
-    const auto valid = context.environment.validator->validate(
-        {*channel.server_certificate},
-        {&context.security, context.environment.wall_clock->now(), channel.expected_server_uri,
-         url ? std::string_view{url->host} : std::string_view{},
-         crypto::CertificatePurpose::ServerApplication});
+    const auto valid = channel::validate_server(context.environment, {*channel.server_certificate},
+                                                context.security, channel.expected_server_uri,
+                                                channel.endpoint_url);
     if (!valid) {
         explain(*context.environment.log, "client", valid.error());
         return fail(valid.error().status);
