@@ -23,12 +23,6 @@ T expect(Checked<T> result)
     return *std::move(result);
 }
 
-bool is_address(const std::string& host)
-{
-    return host.find_first_not_of("0123456789.") == std::string::npos ||
-           host.find(':') != std::string::npos;
-}
-
 crypto::OwnCertificateSettings settings_of(const CertificateConfig& config, const std::string& name,
                                            const std::string& application_uri,
                                            const std::vector<std::string>& host_names)
@@ -40,8 +34,7 @@ crypto::OwnCertificateSettings settings_of(const CertificateConfig& config, cons
     settings.subject.organization = "Busbar";
     settings.subject.application_uri = application_uri;
     for (const std::string& host : host_names) {
-        auto& names = is_address(host) ? settings.subject.ip_addresses : settings.subject.dns_names;
-        names.push_back(host);
+        crypto::add_host(settings.subject, host);
     }
     return settings;
 }

@@ -77,6 +77,14 @@ bool fill(X509* certificate, const PrivateKey& key, const CertificateSubject& su
 
 } // namespace
 
+void add_host(CertificateSubject& subject, const std::string& host)
+{
+    // No name ends in a number (RFC 1123, 2.1) or has a colon.
+    const bool is_address = host.find(':') != std::string::npos ||
+                            host.find_first_not_of("0123456789.") == std::string::npos;
+    (is_address ? subject.ip_addresses : subject.dns_names).push_back(host);
+}
+
 Result<Certificate> create_self_signed(const PrivateKey& key, const CertificateSubject& subject)
 {
     const auto names = detail::alternative_names(subject);

@@ -11,12 +11,6 @@ namespace busbar::net {
 
 namespace {
 
-bool is_address(const std::string& host)
-{
-    return host.find_first_not_of("0123456789.") == std::string::npos ||
-           host.find(':') != std::string::npos;
-}
-
 crypto::OwnCertificateSettings certificate_of(const ApplicationSettings& settings)
 {
     crypto::OwnCertificateSettings result;
@@ -24,8 +18,7 @@ crypto::OwnCertificateSettings certificate_of(const ApplicationSettings& setting
     result.subject.organization = settings.name;
     result.subject.application_uri = settings.uri;
     for (const std::string& host : settings.host_names) {
-        auto& names = is_address(host) ? result.subject.ip_addresses : result.subject.dns_names;
-        names.push_back(host);
+        crypto::add_host(result.subject, host);
     }
     return result;
 }

@@ -81,6 +81,16 @@ CertificateSubject subject()
 
 } // namespace
 
+TEST_CASE("a host is a name or an address")
+{
+    crypto::CertificateSubject subject;
+    for (const char* host : {"press-4", "192.0.2.7", "4.example", "2001:db8::7"}) {
+        crypto::add_host(subject, host);
+    }
+    CHECK(subject.dns_names == std::vector<std::string>{"press-4", "4.example"});
+    CHECK(subject.ip_addresses == std::vector<std::string>{"192.0.2.7", "2001:db8::7"});
+}
+
 TEST_CASE("keys of the usual sizes are made", "[crypto][key]")
 {
     for (const std::uint32_t bits : {2048U, 3072U, 4096U}) {

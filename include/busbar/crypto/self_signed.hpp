@@ -33,6 +33,9 @@ struct CertificateSubject {
     std::uint32_t valid_days{default_valid_days};
 };
 
+/// Adds `host` to the DNS names or to the addresses, whichever it is.
+void add_host(CertificateSubject& subject, const std::string& host);
+
 /// A certificate that is its own issuer, signed with SHA-256, for a server and a client; no CA.
 /// Bad_InvalidArgument if a name, address or time cannot stand in a certificate.
 [[nodiscard]] Result<Certificate> create_self_signed(const PrivateKey& key,
