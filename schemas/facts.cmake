@@ -30,11 +30,16 @@ file(CONFIGURE OUTPUT ${BUSBAR_GENERATED_DIR}/busbar/core/status_names.inc @ONLY
 
 file(STRINGS ${CMAKE_CURRENT_LIST_DIR}/AttributeId.csv rows)
 set(constants "")
+set(names "")
 foreach(row IN LISTS rows)
   if(row MATCHES "^([A-Za-z]+),([0-9]+)$")
     string(APPEND constants "    ${CMAKE_MATCH_1} = ${CMAKE_MATCH_2},\n")
+    string(APPEND names "    \"${CMAKE_MATCH_1}\",\n")
   endif()
 endforeach()
+file(CONFIGURE OUTPUT ${BUSBAR_GENERATED_DIR}/busbar/core/attribute_names.inc @ONLY CONTENT
+"// Generated from schemas/AttributeId.csv.
+@names@")
 file(CONFIGURE OUTPUT ${BUSBAR_GENERATED_DIR}/busbar/core/attribute_id.hpp @ONLY CONTENT
 "// Generated from schemas/AttributeId.csv.
 #pragma once

@@ -1,42 +1,17 @@
 #include "names.hpp"
 
 #include <algorithm>
-#include <array>
+#include <iterator>
 
 namespace busbar::cli {
 
 namespace {
 
-/// By AttributeId, from 1 on (Part 6, A.1).
-constexpr std::array<std::string_view, 27> attributes{
-    "NodeId",
-    "NodeClass",
-    "BrowseName",
-    "DisplayName",
-    "Description",
-    "WriteMask",
-    "UserWriteMask",
-    "IsAbstract",
-    "Symmetric",
-    "InverseName",
-    "ContainsNoLoops",
-    "EventNotifier",
-    "Value",
-    "DataType",
-    "ValueRank",
-    "ArrayDimensions",
-    "AccessLevel",
-    "UserAccessLevel",
-    "MinimumSamplingInterval",
-    "Historizing",
-    "Executable",
-    "UserExecutable",
-    "DataTypeDefinition",
-    "RolePermissions",
-    "UserRolePermissions",
-    "AccessRestrictions",
-    "AccessLevelEx",
+/// By AttributeId, from 1 on.
+constexpr std::string_view attributes[] = {
+#include <busbar/core/attribute_names.inc>
 };
+static_assert(std::size(attributes) == static_cast<std::size_t>(AttributeId::AccessLevelEx));
 
 } // namespace
 
@@ -67,16 +42,16 @@ std::string_view name(NodeClass node_class)
 std::string_view name(AttributeId attribute)
 {
     const std::size_t index = static_cast<std::size_t>(attribute) - 1;
-    return index < attributes.size() ? attributes[index] : "?";
+    return index < std::size(attributes) ? attributes[index] : "?";
 }
 
 std::optional<AttributeId> find_attribute(std::string_view name)
 {
-    const auto found = std::find(attributes.begin(), attributes.end(), name);
-    if (found == attributes.end()) {
+    const auto* const found = std::ranges::find(attributes, name);
+    if (found == std::end(attributes)) {
         return std::nullopt;
     }
-    return static_cast<AttributeId>(found - attributes.begin() + 1);
+    return static_cast<AttributeId>(found - std::begin(attributes) + 1);
 }
 
 } // namespace busbar::cli
