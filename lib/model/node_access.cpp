@@ -42,11 +42,7 @@ NodeAccess node_access(const StaticNodes& nodes, const StaticAccess& from,
 
 const NodeAccess* AddressSpace::node_access(NodeIndex node) const
 {
-    if (tables_->access.empty()) {
-        return nullptr;
-    }
-    const auto found = tables_->access.find(detail::number(node));
-    return found == tables_->access.end() ? nullptr : &found->second;
+    return tables_->access.find(node);
 }
 
 std::uint16_t AddressSpace::access_restrictions(NodeIndex node) const
@@ -67,9 +63,9 @@ void AddressSpace::set_node_access(NodeIndex node, NodeAccess access)
 {
     ++tables_->change_count; // what clients monitor is looked at again
     if (access == NodeAccess{} && access.role_permissions.is_null()) {
-        tables_->access.erase(detail::number(node));
+        tables_->access.erase(node);
     } else {
-        tables_->access[detail::number(node)] = std::move(access);
+        tables_->access.set(node, std::move(access));
     }
 }
 

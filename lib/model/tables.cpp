@@ -21,7 +21,7 @@ Tables::Tables(const StaticNodes& nodes)
         namespaces.emplace_back(text(uri));
     }
     for (const StaticAccess& each : nodes.access) {
-        access.emplace(each.node, node_access(nodes, each, {}));
+        access.set(NodeIndex{each.node}, node_access(nodes, each, {}));
     }
 }
 
@@ -181,7 +181,7 @@ void Tables::destroy(NodeIndex node)
 {
     const std::uint32_t number_of_record = number(node) - constant_count;
     by_id.erase(id_hash(number_of_record), number_of_record, id_hasher());
-    access.erase(number(node));
+    access.erase(node);
     record(node) = Record{};
     free_records.push_back(number_of_record);
 }

@@ -11,6 +11,7 @@
 
 #include "index_table.hpp"
 #include "journal.hpp"
+#include "node_access_table.hpp"
 #include "record.hpp"
 
 namespace busbar::model::detail {
@@ -52,7 +53,7 @@ struct Tables {
     IndexTable by_id;
     IndexTable by_name;
     std::unordered_map<std::uint32_t, std::unique_ptr<Overlay>> overlays;
-    std::unordered_map<std::uint32_t, NodeAccess> access;
+    NodeAccessTable access;
     /// By namespace; may be shorter.
     std::vector<std::uint16_t> namespace_restrictions;
     Journal journal;
