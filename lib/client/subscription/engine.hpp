@@ -174,7 +174,8 @@ private:
     bool has_work_{false};
     TimePoint handled_until_{};
     std::uint64_t epoch_{0}; // counts sessions lost
-    /// Outlives no answer of resolve(), which cannot be cancelled.
+    /// Tells the answers of resolve() whether the engine, and not just its requests, is still
+    /// there.
     std::shared_ptr<SubscriptionEngine*> self_;
     std::uint64_t last_token_{0};
     std::unordered_map<std::uint64_t, RequestId> requests_;
