@@ -22,11 +22,6 @@ ReadValueId value_of(const NodeId& node)
     return item;
 }
 
-double milliseconds(Duration time)
-{
-    return std::chrono::duration<double, std::milli>{time}.count();
-}
-
 } // namespace
 
 Bench::Bench(BenchOptions options)
@@ -148,7 +143,7 @@ Result<std::uint32_t> Bench::subscription(Duration interval)
         return fail(status::Bad_InvalidArgument);
     }
     CreateSubscriptionRequest request;
-    request.requested_publishing_interval = milliseconds(interval);
+    request.requested_publishing_interval = to_milliseconds(interval);
     request.requested_lifetime_count = 10'000;
     // Each of the Publish requests has its turn before it is given up.
     const Duration keep_alive = request_timeout_ / (2 * publish_requests);
@@ -179,7 +174,7 @@ StatusCode Bench::subscribe(const NodeId& node, Duration interval, std::uint32_t
     item.item_to_monitor = value_of(node);
     item.monitoring_mode = MonitoringMode::Reporting;
     item.requested_parameters.client_handle = static_cast<std::uint32_t>(watched_.size());
-    item.requested_parameters.sampling_interval = milliseconds(interval);
+    item.requested_parameters.sampling_interval = to_milliseconds(interval);
     item.requested_parameters.queue_size = queue_size;
     item.requested_parameters.discard_oldest = true;
     watched_.push_back({node, {}});

@@ -16,7 +16,7 @@ struct ReadService {
     [[nodiscard]] ReadRequest request(std::span<const ReadValueId> items) const
     {
         ReadRequest request;
-        request.max_age = std::chrono::duration<double, std::milli>{settings.max_age}.count();
+        request.max_age = to_milliseconds(settings.max_age);
         request.timestamps_to_return = settings.timestamps;
         request.nodes_to_read = Array<ReadValueId>{items};
         return request;

@@ -29,8 +29,7 @@ Result<model::NodeIndex> add_variable(model::AddressSpace& address_space, model:
     }
     attributes.access_level =
         static_cast<std::uint8_t>(current_read | (variable.is_writable ? current_write : 0));
-    attributes.minimum_sampling_interval =
-        std::chrono::duration<double, std::milli>{options.cycle}.count();
+    attributes.minimum_sampling_interval = to_milliseconds(options.cycle);
     attributes.source = options.source;
     attributes.handle = handle;
     return address_space.add_variable(node, attributes);

@@ -9,11 +9,6 @@ namespace busbar::server::detail {
 
 namespace {
 
-double to_milliseconds(Duration duration)
-{
-    return std::chrono::duration<double, std::milli>{duration}.count();
-}
-
 String mechanism_of(UserTokenType type)
 {
     switch (type) {

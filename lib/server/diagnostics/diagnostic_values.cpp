@@ -17,11 +17,6 @@ namespace {
 
 using Summary = ServerDiagnosticsSummaryDataType;
 
-double to_milliseconds(Duration duration)
-{
-    return std::chrono::duration<double, std::milli>{duration}.count();
-}
-
 /// What the specification calls a list of structures.
 template <typename Range, typename Describe>
 Variant structures(const Range& range, Describe describe)

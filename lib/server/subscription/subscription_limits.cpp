@@ -20,11 +20,6 @@ milliseconds nearest(const std::vector<milliseconds>& intervals, double requeste
         [&](milliseconds a, milliseconds b) { return distance(a) < distance(b); });
 }
 
-double to_milliseconds(Duration duration)
-{
-    return std::chrono::duration<double, std::milli>{duration}.count();
-}
-
 /// Whole microseconds: more than a clock keeps, and equal intervals meet in one batch.
 Duration to_duration(double interval_ms)
 {

@@ -8,11 +8,6 @@ namespace busbar::server::detail {
 
 namespace {
 
-double to_milliseconds(Duration duration)
-{
-    return std::chrono::duration<double, std::milli>{duration}.count();
-}
-
 /// The Subscription, if it is the session's.
 Result<Subscription*> find(const Core& core, const Session& session, std::uint32_t id)
 {
