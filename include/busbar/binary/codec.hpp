@@ -148,6 +148,16 @@ template <typename T>
     return sink.take(writer.written());
 }
 
+/// The bytes that `values` take, one after the other.
+template <typename... T>
+[[nodiscard]] std::size_t encoded_size(const T&... values)
+{
+    CountingSink sink;
+    Writer writer{sink};
+    (encode(writer, values), ...);
+    return writer.written();
+}
+
 /// A T from all of `bytes`; Bad_DecodingError if bytes are left over.
 template <typename T>
 [[nodiscard]] Result<T> from_bytes(std::span<const std::byte> bytes,

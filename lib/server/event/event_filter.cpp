@@ -17,14 +17,11 @@ bool is_too_long(const EventFilter& filter, const EventFilterLimits& limits)
 /// Names and literals as they came, and as much again as clauses and operands take beside them.
 std::size_t memory_of(const EventFilter& filter)
 {
-    binary::CountingSink sink;
-    binary::Writer writer{sink};
-    encode(writer, filter);
     std::size_t operands = filter.select_clauses.size();
     for (const ContentFilterElement& element : filter.where_clause.elements) {
         operands += 1 + element.filter_operands.size();
     }
-    return 2 * writer.written() + operands * sizeof(FieldOperand);
+    return 2 * binary::encoded_size(filter) + operands * sizeof(FieldOperand);
 }
 
 } // namespace

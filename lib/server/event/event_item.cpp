@@ -32,7 +32,7 @@ StatusCode check_notifier(const ItemContext& context, const ReadValueId& id)
     if (plan.answer.status.is_bad()) {
         return plan.answer.status;
     }
-    const UserRights rights = context.subscription.rights();
+    const NodeRights rights = context.subscription.rights();
     const model::NodeIndex node = context.core.address_space.find(id.node_id);
     if (const StatusCode weak = rights.check_channel(node); weak.is_bad()) {
         return weak;
@@ -53,10 +53,10 @@ StatusCode check_notifier(const ItemContext& context, const ReadValueId& id)
 EventItemQueue::Fields without_largest(EventItemQueue::Fields fields, std::size_t excess)
 {
     const Variant reason{status::Bad_EncodingLimitsExceeded};
-    const std::size_t reason_size = encoded_size(reason);
+    const std::size_t reason_size = binary::encoded_size(reason);
     std::vector<std::pair<std::size_t, Variant*>> by_size;
     for (Variant& field : fields) {
-        by_size.emplace_back(encoded_size(field), &field);
+        by_size.emplace_back(binary::encoded_size(field), &field);
     }
     std::sort(by_size.begin(), by_size.end(), std::greater{});
     for (const auto& [size, field] : by_size) {
@@ -162,11 +162,7 @@ void EventItem::queue_overflow()
 
 std::size_t EventItem::notification_size() const
 {
-    binary::CountingSink sink;
-    binary::Writer writer{sink};
-    encode(writer, client_handle());
-    encode(writer, queue_.oldest());
-    return writer.written();
+    return binary::encoded_size(client_handle(), queue_.oldest());
 }
 
 void EventItem::take_notification(binary::Writer& writer, std::size_t most)
@@ -194,7 +190,7 @@ void EventItem::modify(const ItemContext&, const MonitoringParameters& parameter
 
 void EventItem::user_changed(const ItemContext& context)
 {
-    const UserRights rights = context.subscription.rights();
+    const NodeRights rights = context.subscription.rights();
     const model::NodeIndex node = core_.address_space.resolve(notifier_);
     may_receive_ = node != model::no_node && rights.may_see(node) &&
                    rights.is_permitted(PermissionType::ReceiveEvents, node) &&

@@ -11,14 +11,6 @@ namespace {
 /// What the evaluation for one event may cost: the characters that Like looks at.
 constexpr std::size_t max_steps = 100'000;
 
-std::size_t encoded_size(const Variant& value)
-{
-    binary::CountingSink sink;
-    binary::Writer writer{sink};
-    encode(writer, value);
-    return writer.written();
-}
-
 } // namespace
 
 /// Checks element by element and puts what is good into the clause.
@@ -91,7 +83,7 @@ private:
 
     [[nodiscard]] StatusCode add_literal(const Variant& value)
     {
-        if (encoded_size(value) > limits_.max_literal_size) {
+        if (binary::encoded_size(value) > limits_.max_literal_size) {
             return status::Bad_FilterLiteralInvalid;
         }
         push(Source::Literal, clause_.literals_.size());

@@ -20,10 +20,7 @@ using model::NodeIndex;
 std::size_t cost_of(const AddNodesItem& item)
 {
     constexpr std::size_t record_references_and_slots = 256;
-    binary::CountingSink sink;
-    binary::Writer writer{sink};
-    encode(writer, item);
-    return record_references_and_slots + 8 * writer.written();
+    return record_references_and_slots + 8 * binary::encoded_size(item);
 }
 
 bool has_type_definition(NodeClass node_class)

@@ -52,11 +52,6 @@ double minimum_sampling_interval(const model::AddressSpace& space, const ReadVal
                                                  : 0;
 }
 
-double to_milliseconds(Duration duration)
-{
-    return std::chrono::duration<double, std::milli>{duration}.count();
-}
-
 } // namespace
 
 DataItem::DataItem(const ItemContext& context, const MonitoredItemCreateRequest& request,
@@ -299,7 +294,7 @@ std::size_t DataItem::notification_size() const
     // Handle, mask, status, timestamps and a scalar.
     constexpr std::size_t most_flat = 64;
     const Variant& value = queue_.oldest().value;
-    return held_bytes(value) == 0 ? most_flat : most_flat + encoded_size(value);
+    return held_bytes(value) == 0 ? most_flat : most_flat + binary::encoded_size(value);
 }
 
 void DataItem::take_notification(binary::Writer& writer, std::size_t most)

@@ -280,7 +280,7 @@ const UserIdentity& Subscription::user() const
     return session_ != nullptr ? session_->user : owner_.user;
 }
 
-UserRights Subscription::rights() const
+NodeRights Subscription::rights() const
 {
     MessageSecurityMode mode = MessageSecurityMode::None;
     if (session_ != nullptr) {

@@ -93,7 +93,7 @@ public:
     [[nodiscard]] SubscriptionOwner owner() const;
     [[nodiscard]] const UserIdentity& user() const;
     /// Of that user over that channel; valid until either changes.
-    [[nodiscard]] UserRights rights() const;
+    [[nodiscard]] NodeRights rights() const;
     /// Over the channel of its session, the last one if there is none now.
     [[nodiscard]] bool is_encrypted() const;
     /// The session ends; the Subscription goes on until its lifetime is over.

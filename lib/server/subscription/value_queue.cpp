@@ -23,14 +23,6 @@ StatusCode with_bits(StatusCode status, std::uint32_t bits)
 
 } // namespace
 
-std::size_t encoded_size(const Variant& value)
-{
-    binary::CountingSink sink;
-    binary::Writer writer{sink};
-    encode(writer, value);
-    return writer.written();
-}
-
 std::size_t held_bytes(const Variant& value)
 {
     if (is_flat(value.type())) {
@@ -43,7 +35,7 @@ std::size_t held_bytes(const Variant& value)
         return bytes->size();
     }
     // Objects are larger than their encoding, by no more than their fields' headers.
-    return 64 + 8 * encoded_size(value);
+    return 64 + 8 * binary::encoded_size(value);
 }
 
 ValueQueue::~ValueQueue()

@@ -46,9 +46,6 @@ private:
 /// Bytes that a value holds besides the Variant itself; an estimate for what is nested.
 [[nodiscard]] std::size_t held_bytes(const Variant& value);
 
-/// What a value takes on the wire.
-[[nodiscard]] std::size_t encoded_size(const Variant& value);
-
 /// The queue of a data item (Part 4, 5.13.1.5): a ring that never grows, whose newest value stays
 /// behind when it was taken, as what the next sample is compared with.
 class ValueQueue {
