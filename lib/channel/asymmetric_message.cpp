@@ -7,6 +7,7 @@
 #include <busbar/crypto/secret.hpp>
 
 #include "frame.hpp"
+#include "refusals.hpp"
 
 namespace busbar::channel::detail {
 
@@ -22,11 +23,6 @@ constexpr std::size_t max_open_blocks = 8;
 std::size_t padding_field_size(std::size_t key_size)
 {
     return key_size > 256 ? 2 : 1;
-}
-
-auto failed()
-{
-    return fail(status::Bad_SecurityChecksFailed);
 }
 
 /// Cuts the padding off; its bytes all hold the low byte of its size.
@@ -62,11 +58,11 @@ Result<std::vector<std::byte>> decrypt_and_verify(std::span<const std::byte> mes
     const auto cipher = message.subspan(header.size);
     const std::size_t signature_size = sender.key_size();
     if (cipher.size() > max_open_blocks * receiver.key_size()) {
-        return failed();
+        return security_failure();
     }
     auto plain = crypto::asymmetric_decrypt(*header.policy, receiver, cipher);
     if (!plain || plain->size() < signature_size + sequence_header_size) {
-        return failed(); // both tell of nothing but the sizes of message and keys
+        return security_failure(); // both tell of nothing but the sizes of message and keys
     }
     // Text or chance, from here on it is the same work, and refused for its signature.
     const std::size_t signed_size = plain->size() - signature_size;
@@ -80,7 +76,7 @@ Result<std::vector<std::byte>> decrypt_and_verify(std::span<const std::byte> mes
     plain->resize(signed_size);
     if (!is_signed || !remove_padding(*plain, receiver.key_size())) {
         crypto::cleanse(*plain);
-        return failed();
+        return security_failure();
     }
     return *std::move(plain);
 }
@@ -138,7 +134,7 @@ Result<void> secure(std::vector<std::byte>& message, std::size_t headers,
     const std::size_t signature_size = parts.sender->key.key_size();
     const std::size_t block = crypto::plain_block_size(*parts.policy, key_size);
     if (block == 0) {
-        return failed();
+        return security_failure();
     }
     append_padding(message, headers, key_size, block, signature_size);
     const std::size_t blocks = (message.size() - headers + signature_size) / block;
@@ -146,13 +142,13 @@ Result<void> secure(std::vector<std::byte>& message, std::size_t headers,
     write_frame_header(message, {MessageType::OPN, 'F', static_cast<std::uint32_t>(size)});
     const auto signature = crypto::asymmetric_sign(*parts.policy, parts.sender->key, message);
     if (!signature) {
-        return failed();
+        return security_failure();
     }
     message.insert(message.end(), signature->begin(), signature->end());
     const auto cipher = crypto::asymmetric_encrypt(*parts.policy, *parts.receiver,
                                                    std::span{message}.subspan(headers));
     if (!cipher) {
-        return failed();
+        return security_failure();
     }
     message.resize(headers);
     message.insert(message.end(), cipher->begin(), cipher->end());
@@ -201,7 +197,7 @@ Result<AsymmetricContent> open_asymmetric(std::span<const std::byte> message,
     } else {
         auto decrypted = decrypt_and_verify(message, header, *receiver, *sender);
         if (!decrypted) {
-            return failed();
+            return security_failure();
         }
         plain = *std::move(decrypted);
     }
@@ -210,7 +206,7 @@ Result<AsymmetricContent> open_asymmetric(std::span<const std::byte> message,
     content.sequence_number = reader.number<std::uint32_t>();
     content.request_id = reader.number<std::uint32_t>();
     if (!reader.ok()) {
-        return failed();
+        return security_failure();
     }
     content.body.assign(plain.begin() + sequence_header_size, plain.end());
     crypto::cleanse(plain); // there is a nonce in it

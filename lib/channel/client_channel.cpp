@@ -11,23 +11,17 @@ namespace busbar::channel {
 
 using namespace detail;
 
-namespace {
-
-using State = ClientState;
-
-} // namespace
-
 void ClientChannel::Impl::say_hello()
 {
     Hello hello = conversation.sizes();
     hello.endpoint_url = String{config.endpoint_url};
     write_hello(conversation.output(), hello);
-    state = State::Acknowledge;
+    state = ClientState::Acknowledge;
 }
 
 std::optional<Event> ClientChannel::Impl::next_event()
 {
-    while (events.empty() && state != State::Closed) {
+    while (events.empty() && state != ClientState::Closed) {
         const auto frame = conversation.next_frame();
         if (!frame) {
             give_up(protocol_refusal(frame.error()));
@@ -47,16 +41,16 @@ Checked<void> ClientChannel::Impl::handle(const Frame& frame)
         handle_error(frame);
         return {};
     }
-    if (state == State::ReverseHello && type == MessageType::RHE) {
+    if (state == ClientState::ReverseHello && type == MessageType::RHE) {
         return handle_reverse_hello(frame);
     }
-    if (state == State::Acknowledge && type == MessageType::ACK) {
+    if (state == ClientState::Acknowledge && type == MessageType::ACK) {
         return handle_acknowledge(frame);
     }
-    if ((state == State::Opening || state == State::Open) && type == MessageType::OPN) {
+    if ((state == ClientState::Opening || state == ClientState::Open) && type == MessageType::OPN) {
         return handle_open(frame);
     }
-    if (state == State::Open && type == MessageType::MSG) {
+    if (state == ClientState::Open && type == MessageType::MSG) {
         return handle_message(frame);
     }
     return refuse(protocol_refusal(status::Bad_TcpMessageTypeInvalid));
@@ -98,7 +92,7 @@ Checked<void> ClientChannel::Impl::handle_acknowledge(const Frame& frame)
                        "Part 6, 7.1.2.4", "The server's OPC UA stack is at fault"});
     }
     conversation.negotiate(*acknowledge);
-    state = State::Opening;
+    state = ClientState::Opening;
     if (const auto sent = request_token(SecurityTokenRequestType::Issue); !sent) {
         return refuse({sent.error(), "OpenSecureChannel request", "it could not be secured",
                        "Part 6, 6.7.4", "Check this application's certificate and key"});
@@ -142,9 +136,9 @@ void ClientChannel::Impl::give_up(const Refusal& refusal)
 {
     const StatusCode status = refusal.status;
     explain(*conversation.environment().log, "channel", refusal);
-    if (state == State::Open) {
+    if (state == ClientState::Open) {
         send_close();
-    } else if (state == State::ReverseHello) {
+    } else if (state == ClientState::ReverseHello) {
         write_error(conversation.output(), status, name(status)); // Part 6, 7.1.2.6
     }
     end(status, text(refusal));
@@ -152,7 +146,7 @@ void ClientChannel::Impl::give_up(const Refusal& refusal)
 
 void ClientChannel::Impl::end(StatusCode status, std::string reason)
 {
-    state = State::Closed;
+    state = ClientState::Closed;
     events.push({Event::Kind::Closed, 0, {}, status, std::move(reason)});
 }
 
@@ -172,7 +166,7 @@ ClientChannel::ClientChannel(ClientChannelConfig config, const ChannelEnvironmen
         impl_->end(status::Bad_ConfigurationError,
                    "the policy needs both certificates and a validator");
     } else if (impl_->config.is_reverse) {
-        impl_->state = State::ReverseHello;
+        impl_->state = ClientState::ReverseHello;
     } else {
         impl_->say_hello();
     }
@@ -183,7 +177,7 @@ ClientChannel::~ClientChannel() = default;
 
 Result<void> ClientChannel::feed(std::span<const std::byte> in, TimePoint now)
 {
-    if (impl_->state == State::Closed) {
+    if (impl_->state == ClientState::Closed) {
         return fail(status::Bad_SecureChannelClosed);
     }
     impl_->now = now;
@@ -208,10 +202,10 @@ void ClientChannel::consume(std::size_t size)
 
 TimePoint ClientChannel::next_deadline() const
 {
-    if (impl_->state == State::Closed) {
+    if (impl_->state == ClientState::Closed) {
         return no_deadline;
     }
-    if (impl_->state != State::Open) {
+    if (impl_->state != ClientState::Open) {
         return impl_->handshake_deadline;
     }
     return impl_->open_request_id != 0 ? impl_->conversation.expires_at()
@@ -224,7 +218,7 @@ void ClientChannel::handle_deadline(TimePoint now)
     if (now < next_deadline()) {
         return;
     }
-    if (impl_->state == State::Open && impl_->open_request_id == 0) {
+    if (impl_->state == ClientState::Open && impl_->open_request_id == 0) {
         const auto sent = impl_->request_token(SecurityTokenRequestType::Renew);
         if (!sent) {
             impl_->give_up({sent.error(),
@@ -244,7 +238,7 @@ void ClientChannel::handle_deadline(TimePoint now)
 
 Result<std::uint32_t> ClientChannel::send(FunctionRef<void(binary::Writer&)> encode)
 {
-    if (impl_->state != State::Open) {
+    if (impl_->state != ClientState::Open) {
         return fail(status::Bad_SecureChannelClosed);
     }
     const std::uint32_t before = impl_->last_request_id;
@@ -259,10 +253,10 @@ Result<std::uint32_t> ClientChannel::send(FunctionRef<void(binary::Writer&)> enc
 
 void ClientChannel::close()
 {
-    if (impl_->state == State::Open) {
+    if (impl_->state == ClientState::Open) {
         impl_->send_close();
     }
-    if (impl_->state != State::Closed) {
+    if (impl_->state != ClientState::Closed) {
         impl_->end({}, {});
     }
 }
@@ -279,12 +273,12 @@ std::size_t ClientChannel::memory_in_use() const
 
 bool ClientChannel::is_open() const
 {
-    return impl_->state == State::Open;
+    return impl_->state == ClientState::Open;
 }
 
 bool ClientChannel::is_closed() const
 {
-    return impl_->state == State::Closed;
+    return impl_->state == ClientState::Closed;
 }
 
 std::uint32_t ClientChannel::channel_id() const

@@ -4,6 +4,8 @@
 
 #include <busbar/binary/reader.hpp>
 
+#include "refusals.hpp"
+
 namespace busbar::channel::detail {
 
 namespace {
@@ -29,36 +31,31 @@ std::size_t max_body_size(std::size_t size, const SecuritySetting& setting)
     return secured - sequence_header_size - padding_field - signature_size(setting);
 }
 
-auto failed()
-{
-    return fail(status::Bad_SecurityChecksFailed);
-}
-
 /// The content without its signature and padding. The signature counts before the padding.
 Result<std::span<const std::byte>> unwrap(std::span<std::byte> chunk,
                                           const SecuritySetting& setting, Token& token)
 {
     const std::size_t signature = signature_size(setting);
     if (chunk.size() < body_offset + signature) {
-        return failed();
+        return security_failure();
     }
     if (is_encrypted(setting) && !token.receive->decrypt(chunk.subspan(symmetric_header_size))) {
-        return failed();
+        return security_failure();
     }
     const auto content = chunk.first(chunk.size() - signature);
     if (signature != 0 && !token.receive->verify(content, chunk.last(signature))) {
-        return failed();
+        return security_failure();
     }
     if (!is_encrypted(setting)) {
         return content;
     }
     const std::size_t padding = std::to_integer<std::size_t>(content.back()) + 1;
     if (padding > content.size() - body_offset) {
-        return failed();
+        return security_failure();
     }
     const auto filler = content.last(padding);
     if (!std::all_of(filler.begin(), filler.end(), [&](std::byte b) { return b == filler[0]; })) {
-        return failed();
+        return security_failure();
     }
     return content.first(content.size() - padding);
 }
@@ -73,7 +70,7 @@ Result<SymmetricHeader> parse_symmetric_header(std::span<const std::byte> chunk)
     header.channel_id = reader.number<std::uint32_t>();
     header.token_id = reader.number<std::uint32_t>();
     if (!reader.ok()) {
-        return failed();
+        return security_failure();
     }
     return header;
 }
@@ -91,7 +88,7 @@ Result<SymmetricContent> open_symmetric(std::span<std::byte> chunk, const Securi
     result.sequence_number = reader.number<std::uint32_t>();
     result.request_id = reader.number<std::uint32_t>();
     if (!reader.ok()) {
-        return failed();
+        return security_failure();
     }
     result.body = content->subspan(body_offset);
     return result;
