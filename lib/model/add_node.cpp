@@ -11,15 +11,6 @@ using detail::Tables;
 
 namespace {
 
-constexpr unsigned type_classes =
-    static_cast<unsigned>(NodeClass::ObjectType) | static_cast<unsigned>(NodeClass::VariableType) |
-    static_cast<unsigned>(NodeClass::ReferenceType) | static_cast<unsigned>(NodeClass::DataType);
-
-bool is_type(NodeClass node_class)
-{
-    return (static_cast<unsigned>(node_class) & type_classes) != 0;
-}
-
 /// The longest name of a node in characters (Part 3, 8.3).
 constexpr std::size_t max_name_size = 512;
 /// The longest String or Opaque identifier in bytes (Part 3, 8.2.4).
@@ -40,7 +31,7 @@ bool is_valid_id(const AddressSpace& space, const NodeId& id)
 /// The ReferenceType from the parent that a node without one gets.
 std::uint32_t default_reference(const AddressSpace& space, NodeIndex parent, NodeClass node_class)
 {
-    if (is_type(node_class)) {
+    if (detail::is_type(node_class)) {
         return detail::id_has_subtype;
     }
     const bool is_folder =
@@ -66,7 +57,7 @@ StatusCode check_reference(const AddressSpace& space, const NewNode& node, NodeI
     // HasSubtype leads from a type to a type of the same NodeClass, and every type has one above
     // (Part 3, 7.10).
     const bool is_subtype = space.is_subtype_of(reference, detail::id_has_subtype);
-    const bool is_allowed = is_subtype == is_type(node_class) &&
+    const bool is_allowed = is_subtype == detail::is_type(node_class) &&
                             (!is_subtype || space.node_class(node.parent) == node_class);
     return is_allowed ? status::Good : status::Bad_ReferenceNotAllowed;
 }
@@ -195,7 +186,7 @@ Result<NodeIndex> AddressSpace::create(const NewNode& node, NodeClass node_class
     if (!node.description.text.is_null()) {
         record.make_extra().description = node.description;
     }
-    if (is_type(node_class)) {
+    if (detail::is_type(node_class)) {
         tables.place_type(created, node.parent);
     }
     return created;

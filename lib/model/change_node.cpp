@@ -12,10 +12,6 @@ using detail::Tables;
 
 namespace {
 
-constexpr unsigned type_classes =
-    static_cast<unsigned>(NodeClass::ObjectType) | static_cast<unsigned>(NodeClass::VariableType) |
-    static_cast<unsigned>(NodeClass::ReferenceType) | static_cast<unsigned>(NodeClass::DataType);
-
 /// The node and everything that was added below it, parents before children.
 std::vector<NodeIndex> subtree(const Tables& tables, NodeIndex root)
 {
@@ -63,8 +59,7 @@ Result<void> AddressSpace::remove(NodeIndex node)
     if (!exists(node)) {
         return fail(status::Bad_NodeIdUnknown);
     }
-    if (tables_->is_constant(node) ||
-        (static_cast<unsigned>(node_class(node)) & type_classes) != 0) {
+    if (tables_->is_constant(node) || detail::is_type(node_class(node))) {
         return fail(status::Bad_NoDeleteRights);
     }
     const std::vector<NodeIndex> nodes = subtree(*tables_, node);

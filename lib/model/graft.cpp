@@ -5,19 +5,6 @@
 
 namespace busbar::model::detail {
 
-namespace {
-
-bool is_type(NodeClass node_class)
-{
-    constexpr unsigned types = static_cast<unsigned>(NodeClass::ObjectType) |
-                               static_cast<unsigned>(NodeClass::VariableType) |
-                               static_cast<unsigned>(NodeClass::ReferenceType) |
-                               static_cast<unsigned>(NodeClass::DataType);
-    return (static_cast<unsigned>(node_class) & types) != 0;
-}
-
-} // namespace
-
 Graft::Graft(AddressSpace& space)
     : space_{space}, tables_{*space.tables_}, namespace_count_{tables_.namespaces.size()}
 {

@@ -14,6 +14,15 @@ namespace busbar::model::detail {
     return static_cast<std::uint32_t>(node);
 }
 
+[[nodiscard]] constexpr bool is_type(NodeClass node_class)
+{
+    constexpr unsigned types = static_cast<unsigned>(NodeClass::ObjectType) |
+                               static_cast<unsigned>(NodeClass::VariableType) |
+                               static_cast<unsigned>(NodeClass::ReferenceType) |
+                               static_cast<unsigned>(NodeClass::DataType);
+    return (static_cast<unsigned>(node_class) & types) != 0;
+}
+
 /// One reference in a node's list; a hole where one was removed.
 struct Entry {
     NodeIndex target{no_node};

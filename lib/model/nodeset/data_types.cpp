@@ -7,7 +7,6 @@ namespace busbar::nodeset {
 namespace {
 
 constexpr std::uint32_t has_encoding = 38;
-constexpr std::uint32_t has_subtype = 45;
 constexpr std::uint32_t last_built_in = 25;
 
 /// The kinds at which the way up the hierarchy ends.

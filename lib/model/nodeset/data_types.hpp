@@ -13,6 +13,9 @@
 
 namespace busbar::nodeset {
 
+/// NodeId of the ReferenceType.
+inline constexpr std::uint32_t has_subtype = 45;
+
 /// What a DataType is on the wire: a built-in type by its id, or one of the kinds behind them.
 enum class Kind : std::uint8_t {
     Unknown = 0,

@@ -28,7 +28,7 @@ std::vector<std::string> namespaces_of(const model::AddressSpace& space)
     return uris;
 }
 
-busbar::LocalizedText localized(const LocalizedText& text)
+busbar::LocalizedText record_text(const LocalizedText& text)
 {
     return {text.locale.empty() ? String{} : String{text.locale}, String{text.text}};
 }
@@ -131,13 +131,13 @@ void Loader::fill(const Node& node, Record& record)
     record.flags = flags(node);
     record.event_notifier = node.event_notifier;
     if (!node.display_name.locale.empty() || node.display_name.text != node.browse_name) {
-        record.make_extra().display_name = localized(node.display_name);
+        record.make_extra().display_name = record_text(node.display_name);
     }
     if (!node.description.text.empty()) {
-        record.make_extra().description = localized(node.description);
+        record.make_extra().description = record_text(node.description);
     }
     if (node.node_class == NodeClass::ReferenceType && !node.inverse_name.text.empty()) {
-        record.make_extra().inverse_name = localized(node.inverse_name);
+        record.make_extra().inverse_name = record_text(node.inverse_name);
     }
     if (node.node_class == NodeClass::DataType) {
         ExtensionObject definition = definition_of(types_, *types_.find(node.id));
