@@ -6,16 +6,17 @@ namespace busbar {
 
 namespace {
 
-namespace bits = detail::diagnostic_info_mask;
+namespace info_bits = detail::diagnostic_info_mask;
 
 unsigned mask_of(const DiagnosticInfo& value)
 {
-    return (value.symbolic_id ? bits::symbolic_id : 0U) |
-           (value.namespace_uri ? bits::namespace_uri : 0U) |
-           (value.localized_text ? bits::localized_text : 0U) | (value.locale ? bits::locale : 0U) |
-           (value.additional_info ? bits::additional_info : 0U) |
-           (value.inner_status_code ? bits::inner_status_code : 0U) |
-           (value.inner_diagnostic_info ? bits::inner_diagnostic_info : 0U);
+    return (value.symbolic_id ? info_bits::symbolic_id : 0U) |
+           (value.namespace_uri ? info_bits::namespace_uri : 0U) |
+           (value.localized_text ? info_bits::localized_text : 0U) |
+           (value.locale ? info_bits::locale : 0U) |
+           (value.additional_info ? info_bits::additional_info : 0U) |
+           (value.inner_status_code ? info_bits::inner_status_code : 0U) |
+           (value.inner_diagnostic_info ? info_bits::inner_diagnostic_info : 0U);
 }
 
 template <typename T>
@@ -67,20 +68,20 @@ void encode(binary::Writer& writer, const DiagnosticInfo& value)
 void decode(binary::Reader& reader, DiagnosticInfo& value)
 {
     const unsigned mask = reader.number<std::uint8_t>();
-    if ((mask & bits::reserved) != 0) {
+    if ((mask & info_bits::reserved) != 0) {
         reader.fail(status::Bad_DecodingError);
     }
     if (!reader.enter_diagnostic()) {
         return;
     }
-    decode_if(reader, (mask & bits::symbolic_id) != 0, value.symbolic_id);
-    decode_if(reader, (mask & bits::namespace_uri) != 0, value.namespace_uri);
-    decode_if(reader, (mask & bits::locale) != 0, value.locale);
-    decode_if(reader, (mask & bits::localized_text) != 0, value.localized_text);
-    decode_if(reader, (mask & bits::additional_info) != 0, value.additional_info);
-    decode_if(reader, (mask & bits::inner_status_code) != 0, value.inner_status_code);
+    decode_if(reader, (mask & info_bits::symbolic_id) != 0, value.symbolic_id);
+    decode_if(reader, (mask & info_bits::namespace_uri) != 0, value.namespace_uri);
+    decode_if(reader, (mask & info_bits::locale) != 0, value.locale);
+    decode_if(reader, (mask & info_bits::localized_text) != 0, value.localized_text);
+    decode_if(reader, (mask & info_bits::additional_info) != 0, value.additional_info);
+    decode_if(reader, (mask & info_bits::inner_status_code) != 0, value.inner_status_code);
     value.inner_diagnostic_info.reset();
-    if ((mask & bits::inner_diagnostic_info) != 0 && reader.ok()) {
+    if ((mask & info_bits::inner_diagnostic_info) != 0 && reader.ok()) {
         decode_inner(reader, value.inner_diagnostic_info);
     }
     reader.leave_diagnostic();

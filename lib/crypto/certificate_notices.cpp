@@ -14,7 +14,7 @@ namespace busbar::crypto {
 
 namespace {
 
-using Kind = CertificateNotice::Kind;
+using NoticeKind = CertificateNotice::Kind;
 
 constexpr DateTime one_day{86'400 * DateTime::ticks_per_second};
 
@@ -49,8 +49,8 @@ std::string missing_hosts(const Certificate& certificate, std::span<const std::s
     return missing;
 }
 
-CertificateNotice make_notice(const Certificate& certificate, Kind kind, const std::string& matter,
-                              const std::string& text)
+CertificateNotice make_notice(const Certificate& certificate, NoticeKind kind,
+                              const std::string& matter, const std::string& text)
 {
     return {kind,
             "own certificate " + printable(certificate.subject()) + ", " +
@@ -63,12 +63,12 @@ CertificateNotice expiry_notice(const Certificate& certificate, DateTime now)
     const DateTime end = certificate.valid_to();
     const std::string date = to_string(end);
     if (now > end) {
-        return make_notice(certificate, Kind::Expired, date,
+        return make_notice(certificate, NoticeKind::Expired, date,
                            "expired at " + date +
                                "; peers refuse it: regenerate it or have it issued again");
     }
     const std::int64_t days = (end.ticks - now.ticks) / one_day.ticks;
-    return make_notice(certificate, Kind::ExpiresSoon, date,
+    return make_notice(certificate, NoticeKind::ExpiresSoon, date,
                        "expires at " + date + ", in " + std::to_string(days) +
                            " days; regenerate it or have it issued again");
 }
@@ -81,7 +81,7 @@ std::vector<CertificateNotice> certificate_notices(const Certificate& certificat
     std::vector<CertificateNotice> notices;
     if (now < certificate.valid_from()) {
         const std::string date = to_string(certificate.valid_from());
-        notices.push_back(make_notice(certificate, Kind::NotYetValid, date,
+        notices.push_back(make_notice(certificate, NoticeKind::NotYetValid, date,
                                       "not valid before " + date +
                                           "; peers refuse it: check this machine's clock"));
     }
@@ -90,7 +90,7 @@ std::vector<CertificateNotice> certificate_notices(const Certificate& certificat
     }
     const std::string missing = missing_hosts(certificate, hosts);
     if (!missing.empty()) {
-        notices.push_back(make_notice(certificate, Kind::HostNotNamed, missing,
+        notices.push_back(make_notice(certificate, NoticeKind::HostNotNamed, missing,
                                       "does not name " + missing +
                                           ", by which clients reach this machine; they refuse to "
                                           "connect by it: regenerate it or have it issued again"));
@@ -111,7 +111,7 @@ DateTime CertificateWatch::check(const Certificate& certificate, DateTime now,
         const bool is_fresh =
             before != said_.end() && before->at <= now && now < before->at + one_day;
         if (!is_fresh) {
-            log_->write(notice.kind == Kind::Expired ? LogLevel::Error : LogLevel::Warning,
+            log_->write(notice.kind == NoticeKind::Expired ? LogLevel::Error : LogLevel::Warning,
                         "certificate", notice.text);
         }
         still.push_back({std::move(notice), is_fresh ? before->at : now});

@@ -18,7 +18,7 @@ namespace {
 using detail::CertificateFolder;
 using detail::FileInList;
 using detail::FolderFile;
-using Kind = StoreEntry::Kind;
+using EntryKind = StoreEntry::Kind;
 
 // What the refusals call the operations.
 constexpr std::string_view adding = "Adding to the certificate store";
@@ -37,7 +37,7 @@ std::string ending_of(const FileInList& found)
     const std::string& file = found.file->name;
     const std::string ending = file.substr(std::min(file.rfind('.'), file.size()));
     const bool is_known = std::find(endings.begin(), endings.end(), ending) != endings.end();
-    return is_known ? ending : found.folder->kind() == Kind::Certificate ? ".der" : ".crl";
+    return is_known ? ending : found.folder->kind() == EntryKind::Certificate ? ".der" : ".crl";
 }
 
 std::string base_name_of(const FolderFile& file)
@@ -92,7 +92,7 @@ tl::unexpected<Refusal> refuse_disk(StatusCode code, std::string_view check, Sto
 }
 
 std::optional<Refusal> check_room(const detail::StoreLists& lists, std::string_view check,
-                                  StoreList list, Kind kind)
+                                  StoreList list, EntryKind kind)
 {
     const std::size_t limit = lists.limit(list, kind);
     if (lists.count(list, kind) < limit && !lists.is_cut(list)) {
@@ -100,7 +100,7 @@ std::optional<Refusal> check_room(const detail::StoreLists& lists, std::string_v
     }
     return Refusal{status::Bad_ResourceUnavailable, check,
                    name_of(list) + " is full: its limit is " + std::to_string(limit) +
-                       (kind == Kind::Certificate ? " certificates" : " revocation lists"),
+                       (kind == EntryKind::Certificate ? " certificates" : " revocation lists"),
                    "", "Remove one that is no longer needed"};
 }
 
@@ -113,7 +113,7 @@ bool can_write(const CertificateFolder& folder, const std::string& name)
     });
 }
 
-Checked<void> check_addition(const detail::StoreLists& lists, StoreList list, Kind kind,
+Checked<void> check_addition(const detail::StoreLists& lists, StoreList list, EntryKind kind,
                              const FolderFile& file)
 {
     if (!lists.find(list, file.thumbprint()).empty() ||
@@ -127,7 +127,7 @@ Checked<void> check_addition(const detail::StoreLists& lists, StoreList list, Ki
 
 Checked<void> move_one(const detail::StoreLists& lists, const FileInList& found, StoreList to)
 {
-    const Kind kind = found.folder->kind();
+    const EntryKind kind = found.folder->kind();
     if (auto full = check_room(lists, moving, to, kind)) {
         return refuse(*std::move(full));
     }
@@ -182,7 +182,8 @@ Checked<StoreEntry> CertificateStore::add(StoreList list, std::span<const std::b
                        "neither a certificate nor a revocation list, in DER or PEM", "", ""});
     }
     lists_->refresh(list, detail::read_anew);
-    const Kind kind = file->certificate() != nullptr ? Kind::Certificate : Kind::RevocationList;
+    const EntryKind kind =
+        file->certificate() != nullptr ? EntryKind::Certificate : EntryKind::RevocationList;
     if (auto checked = check_addition(*lists_, list, kind, *file); !checked) {
         return refuse(std::move(checked.error()));
     }

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t max_file_size = 131'072;
+constexpr std::size_t max_own_file_size = 131'072;
 /// Files of one certificate that differ, in the folder of the replaced ones.
 constexpr int max_namesakes = 100;
 
@@ -209,7 +209,7 @@ FileContents read_file(const std::string& path)
     // O_NONBLOCK: whatever lies there, opening it does not wait.
     const Descriptor file{::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
     if (!file.is_open() || ::fstat(file.get(), &facts) != 0 || !S_ISREG(facts.st_mode) ||
-        facts.st_size < 0 || static_cast<std::size_t>(facts.st_size) > max_file_size) {
+        facts.st_size < 0 || static_cast<std::size_t>(facts.st_size) > max_own_file_size) {
         return contents;
     }
     // Of its final size at once: a buffer that grows leaves copies of a key behind.

@@ -15,7 +15,7 @@ namespace busbar::crypto {
 
 namespace {
 
-constexpr std::size_t max_file_size = 65'536;
+constexpr std::size_t max_key_file_size = 65'536;
 /// Of an encrypted key: seconds.
 constexpr std::uint64_t max_iterations = 3'000'000;
 
@@ -54,7 +54,8 @@ detail::Pkey read_key(std::span<const std::byte> contents, std::string_view pass
 Result<PrivateKey> PrivateKey::parse(std::span<const std::byte> contents,
                                      std::string_view passphrase)
 {
-    if (contents.size() > max_file_size || !detail::is_affordable_key(contents, max_iterations)) {
+    if (contents.size() > max_key_file_size ||
+        !detail::is_affordable_key(contents, max_iterations)) {
         return fail(status::Bad_ConfigurationError);
     }
     detail::Pkey key = read_key(contents, passphrase);

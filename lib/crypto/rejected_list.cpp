@@ -12,7 +12,7 @@ namespace busbar::crypto::detail {
 
 namespace {
 
-using Kind = StoreEntry::Kind;
+using EntryKind = StoreEntry::Kind;
 
 constexpr std::int64_t one_minute = 60 * DateTime::ticks_per_second;
 
@@ -85,7 +85,7 @@ void RejectedList::save(const Certificate& certificate, DateTime now)
     }
     const StoreLimits& limits = lists_->limits();
     const bool is_full =
-        lists_->count(StoreList::Rejected, Kind::Certificate) >= limits.max_rejected;
+        lists_->count(StoreList::Rejected, EntryKind::Certificate) >= limits.max_rejected;
     const bool may_replace =
         limits.when_rejected_is_full == RejectedFull::OldestOut && limits.max_rejected != 0;
     // What was not looked at cannot be counted.
@@ -94,7 +94,7 @@ void RejectedList::save(const Certificate& certificate, DateTime now)
              "was discarded: rejected is full until somebody deletes a certificate there");
         return;
     }
-    const CertificateFolder& home = lists_->home(StoreList::Rejected, Kind::Certificate);
+    const CertificateFolder& home = lists_->home(StoreList::Rejected, EntryKind::Certificate);
     const std::string file = store_file_name(certificate) + ".der";
     if (!save_file(home.path_of(file), certificate.der(), FileAccess::Everyone)) {
         tell(LogLevel::Warning, certificate, "cannot be saved in rejected");

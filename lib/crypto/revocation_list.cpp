@@ -12,7 +12,7 @@ namespace busbar::crypto {
 namespace {
 
 /// PEM is a third larger than DER, and text may stand around it.
-constexpr std::size_t max_file_size = 2 * RevocationList::max_size;
+constexpr std::size_t max_list_file_size = 2 * RevocationList::max_size;
 
 /// Partial and indirect lists say so in issuingDistributionPoint, delta lists in deltaCRLIndicator.
 /// Both have to be critical, but whoever forgets that still means it (RFC 5280, 5.2).
@@ -85,7 +85,7 @@ Result<RevocationList> RevocationList::parse(std::span<const std::byte> der)
 
 Result<RevocationList> RevocationList::parse_file(std::span<const std::byte> contents)
 {
-    if (contents.size() > max_file_size) {
+    if (contents.size() > max_list_file_size) {
         return fail(status::Bad_CertificateInvalid);
     }
     const auto next_in = [](BIO* bio) {

@@ -10,7 +10,7 @@ namespace busbar::crypto::detail {
 
 namespace {
 
-using Kind = StoreEntry::Kind;
+using EntryKind = StoreEntry::Kind;
 
 struct Place {
     StoreList list;
@@ -118,7 +118,7 @@ std::vector<FileInList> StoreLists::find(StoreList list, std::string_view thumbp
     return result;
 }
 
-std::size_t StoreLists::count(StoreList list, Kind kind) const
+std::size_t StoreLists::count(StoreList list, EntryKind kind) const
 {
     const std::vector<FileInList> all = files(list);
     return static_cast<std::size_t>(
@@ -126,9 +126,9 @@ std::size_t StoreLists::count(StoreList list, Kind kind) const
                       [&](const FileInList& found) { return found.folder->kind() == kind; }));
 }
 
-std::size_t StoreLists::limit(StoreList list, Kind kind) const
+std::size_t StoreLists::limit(StoreList list, EntryKind kind) const
 {
-    if (kind == Kind::RevocationList) {
+    if (kind == EntryKind::RevocationList) {
         return limits_.max_revocation_lists;
     }
     return list == StoreList::Rejected ? limits_.max_rejected : limits_.max_certificates;
@@ -141,7 +141,7 @@ bool StoreLists::is_cut(StoreList list) const
                        [](const CertificateFolder& folder) { return folder.is_cut(); });
 }
 
-const CertificateFolder& StoreLists::home(StoreList list, Kind kind) const
+const CertificateFolder& StoreLists::home(StoreList list, EntryKind kind) const
 {
     const auto& all = folders(list);
     return *std::find_if(all.begin(), all.end(),
@@ -153,12 +153,12 @@ void StoreLists::collect(StoreList list, std::vector<Certificate>& certificates,
 {
     bool is_over = false;
     for (const FileInList& found : files(list)) {
-        const Kind kind = found.folder->kind();
+        const EntryKind kind = found.folder->kind();
         const std::size_t size =
-            kind == Kind::Certificate ? certificates.size() : revocation_lists.size();
+            kind == EntryKind::Certificate ? certificates.size() : revocation_lists.size();
         if (size >= limit(list, kind)) {
             is_over = true;
-        } else if (kind == Kind::Certificate) {
+        } else if (kind == EntryKind::Certificate) {
             certificates.push_back(*found.file->certificate());
         } else {
             revocation_lists.push_back(*found.file->revocation_list());

@@ -15,7 +15,7 @@ namespace {
 /// Sizes of nonces and tokens in bytes (Part 4, 5.7.2.2 and 7.35).
 constexpr std::size_t nonce_size = 32;
 constexpr std::size_t max_nonce_size = 128;
-constexpr std::size_t max_name_size = 256;
+constexpr std::size_t max_text_size = 256;
 
 /// The security of the channel has to be that of an endpoint: discovery may have less.
 Checked<void> check_endpoint(const Core& core, const channel::SecuritySetting& security)
@@ -134,7 +134,7 @@ Result<Guid> random_guid(const Core& core)
 /// What is kept of a text that nobody has logged in for yet.
 String shortened(const String& text)
 {
-    return String{std::string{text.view().substr(0, max_name_size)}};
+    return String{std::string{text.view().substr(0, max_text_size)}};
 }
 
 /// For the diagnostics (Part 5, 12.11).
@@ -165,12 +165,12 @@ Result<std::unique_ptr<Session>> make_session(ServiceContext& context,
     session->id = NodeId{core.own_namespace, *id};
     session->authentication_token = NodeId{0, *token};
     session->server_nonce = *std::move(nonce);
-    session->name = request.session_name.view().substr(0, max_name_size);
+    session->name = request.session_name.view().substr(0, max_text_size);
     if (session->name.empty()) {
         session->name = to_string(*id);
     }
     session->client_application_uri =
-        request.client_description.application_uri.view().substr(0, max_name_size);
+        request.client_description.application_uri.view().substr(0, max_text_size);
     describe_client(*session, request);
     session->link = &context.link;
     session->security = context.link.channel().security();

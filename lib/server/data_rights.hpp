@@ -11,7 +11,7 @@ namespace busbar::server::detail {
 
 /// What one user may do with nodes over one channel. An AccessControl, the RolePermissions of a
 /// node and its AccessRestrictions must all agree.
-struct UserRights {
+struct NodeRights {
     const model::AddressSpace& space;
     const UserIdentity& user;
     /// May be null.

@@ -16,7 +16,7 @@ namespace busbar::server::detail {
 struct ReadContext {
     const model::AddressSpace& space;
     DataSources& sources;
-    UserRights rights;
+    NodeRights rights;
     /// The value of a Variable of namespace 0, or of a session's diagnostics, that is found when it
     /// is read; fails for any other.
     FunctionRef<Result<DataValue>(const NodeId&)> live_value;

@@ -8,7 +8,7 @@
 namespace busbar::server::detail {
 
 /// What the user of the request's session may do over its channel.
-[[nodiscard]] inline UserRights rights_of(const ServiceContext& context)
+[[nodiscard]] inline NodeRights rights_of(const ServiceContext& context)
 {
     const Core& core = context.core;
     return {core.address_space, context.session->user, core.environment.access,

@@ -16,7 +16,7 @@ namespace busbar::server::detail {
 /// What the View services need of the server and the session.
 struct ViewContext {
     const model::AddressSpace& space;
-    UserRights rights;
+    NodeRights rights;
     const ServerLimits& limits;
     crypto::Random& random;
     Session& session;

@@ -20,7 +20,7 @@ namespace busbar::server::detail {
 struct WriteContext {
     model::AddressSpace& space;
     DataSources& sources;
-    UserRights rights;
+    NodeRights rights;
     /// Null: bodies of structures without generated type, and numbers that an enumeration does not
     /// have, are taken as they come.
     model::DataTypes* data_types{nullptr};

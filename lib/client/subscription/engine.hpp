@@ -40,6 +40,10 @@ public:
     void handle_deadline(TimePoint now);
 
 private:
+    /// Items in one request, where neither the user nor the server wants fewer.
+    static constexpr std::size_t default_batch = 1'000;
+    static constexpr Duration pause_after_failure = std::chrono::seconds{1};
+
     struct Publish {
         std::uint64_t token{0}; // of its request
         Array<SubscriptionAcknowledgement> acknowledgements;

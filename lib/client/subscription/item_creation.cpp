@@ -6,8 +6,7 @@ namespace busbar::client::detail {
 
 namespace {
 
-constexpr std::size_t default_batch = 1'000;
-constexpr std::uint32_t max_attempts = 3;
+constexpr std::uint32_t max_creations = 3;
 
 /// The next handles of `queue` for which `is_due` holds, `limit` at most.
 template <typename IsDue>
@@ -232,7 +231,7 @@ void SubscriptionEngine::item_creation_failed(WatchedSubscription& subscription,
     const auto items = std::exchange(subscription.under_way, {});
     if (is_too_large(status) && items.size() > 1) {
         max_batch_ = items.size() / 2;
-    } else if (subscription.failures < max_attempts) {
+    } else if (subscription.failures < max_creations) {
         try_later(subscription);
     } else {
         ItemStatuses statuses;
@@ -259,7 +258,7 @@ bool SubscriptionEngine::change_failed(WatchedSubscription& subscription, Status
         max_batch_ = count / 2;
         return true;
     }
-    if (subscription.failures >= max_attempts) {
+    if (subscription.failures >= max_creations) {
         subscription.failures = 0;
         return false;
     }

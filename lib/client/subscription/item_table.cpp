@@ -15,7 +15,7 @@ bool asks_for_events(const ItemSettings& settings)
     return settings.filter.get_if<EventFilter>() != nullptr;
 }
 
-AttributeId attribute_of(const ItemSettings& settings)
+AttributeId watched_attribute(const ItemSettings& settings)
 {
     return asks_for_events(settings) ? AttributeId::EventNotifier : settings.attribute;
 }
@@ -23,7 +23,7 @@ AttributeId attribute_of(const ItemSettings& settings)
 } // namespace
 
 ItemParameters::ItemParameters(const ItemSettings& settings)
-    : attribute{attribute_of(settings)}, timestamps{settings.timestamps},
+    : attribute{watched_attribute(settings)}, timestamps{settings.timestamps},
       discard_oldest{settings.discard_oldest}, queue_size{settings.queue_size},
       sampling_interval{settings.sampling_interval.count()},
       index_range{settings.index_range}, filter{settings.filter}
@@ -32,7 +32,7 @@ ItemParameters::ItemParameters(const ItemSettings& settings)
 
 bool ItemParameters::are_those_of(const ItemSettings& settings) const
 {
-    return attribute == attribute_of(settings) && timestamps == settings.timestamps &&
+    return attribute == watched_attribute(settings) && timestamps == settings.timestamps &&
            discard_oldest == settings.discard_oldest && queue_size == settings.queue_size &&
            sampling_interval == settings.sampling_interval.count() &&
            index_range == settings.index_range && filter == settings.filter;

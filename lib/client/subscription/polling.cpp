@@ -12,7 +12,6 @@ using Milliseconds = std::chrono::duration<double, std::milli>;
 // As fast as possible, where no interval is given (Part 4, 7.21), is not for Read.
 constexpr Milliseconds shortest_interval{50};
 constexpr Milliseconds longest_interval{std::chrono::hours{24}};
-constexpr std::size_t default_batch = 1'000;
 
 Duration poll_interval(const ItemParameters& parameters, const SubscriptionSettings& settings)
 {

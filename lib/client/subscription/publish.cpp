@@ -9,7 +9,6 @@ namespace {
 constexpr std::size_t max_acknowledgements = 1'000; // in one request
 constexpr std::size_t max_kept = 100;               // messages that wait for an earlier one
 constexpr Duration answer_reserve = std::chrono::seconds{10};
-constexpr Duration pause_after_failure = std::chrono::seconds{1};
 
 } // namespace
 

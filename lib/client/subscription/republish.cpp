@@ -6,8 +6,7 @@ namespace busbar::client::detail {
 
 namespace {
 
-constexpr std::uint32_t max_attempts = 3;
-constexpr Duration pause_after_failure = std::chrono::seconds{1};
+constexpr std::uint32_t max_republishes = 3;
 constexpr std::uint32_t patient_silences = 2;
 
 /// The server answered, and the message is not to be had.
@@ -113,7 +112,7 @@ void SubscriptionEngine::republished(WatchedSubscription& subscription, std::uin
 void SubscriptionEngine::not_republished(WatchedSubscription& subscription, bool is_sent,
                                          StatusCode status)
 {
-    if (!is_final(status) && ++subscription.republish_failures < max_attempts) {
+    if (!is_final(status) && ++subscription.republish_failures < max_republishes) {
         subscription.republish_at = requester_.now() + pause_after_failure;
         return;
     }

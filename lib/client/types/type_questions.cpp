@@ -35,7 +35,7 @@ NodeId target_of(const BrowseResult& answer, std::string_view name = {})
 }
 
 /// That the node or attribute is not there, rather than that nobody answered.
-bool is_final(StatusCode status)
+bool is_answer(StatusCode status)
 {
     constexpr std::array answers{status::Bad_AttributeIdInvalid, status::Bad_NodeIdUnknown,
                                  status::Bad_NodeIdInvalid,      status::Bad_NotReadable,
@@ -68,7 +68,7 @@ BrowseDescription ask_type_of(const NodeId& encoding)
 std::optional<NodeId> type_of(const BrowseResult& answer)
 {
     NodeId type = target_of(answer);
-    return is_final(answer.status_code) ? std::optional{std::move(type)} : std::nullopt;
+    return is_answer(answer.status_code) ? std::optional{std::move(type)} : std::nullopt;
 }
 
 TypeAnswers read_answers(const NodeId& type, std::span<DataValue> values,
@@ -77,8 +77,8 @@ TypeAnswers read_answers(const NodeId& type, std::span<DataValue> values,
     TypeAnswers answers;
     binary::DataTypeEntry& entry = answers.entry;
     entry.id = type;
-    answers.has_failed = !is_final(values[0].status) || !is_final(values[1].status) ||
-                         !is_final(references[0].status_code);
+    answers.has_failed = !is_answer(values[0].status) || !is_answer(values[1].status) ||
+                         !is_answer(references[0].status_code);
     if (const auto* const name = values[1].value.get_if<QualifiedName>()) {
         entry.name = name->name;
     }

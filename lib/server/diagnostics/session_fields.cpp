@@ -48,69 +48,70 @@ Variant field_of(const Structure& from, const std::array<Field<Structure>, Count
                                        : fields[field - 1].get(from);
 }
 
-using Session = SessionDiagnosticsDataType;
+using SessionData = SessionDiagnosticsDataType;
 
 constexpr std::array session_fields{
-    field<&Session::session_id, Session>("SessionId"),
-    field<&Session::session_name, Session>("SessionName"),
-    field<&Session::client_description, Session>("ClientDescription"),
-    field<&Session::server_uri, Session>("ServerUri"),
-    field<&Session::endpoint_url, Session>("EndpointUrl"),
-    field<&Session::locale_ids, Session>("LocaleIds"),
-    field<&Session::actual_session_timeout, Session>("ActualSessionTimeout"),
-    field<&Session::max_response_message_size, Session>("MaxResponseMessageSize"),
-    field<&Session::client_connection_time, Session>("ClientConnectionTime"),
-    field<&Session::client_last_contact_time, Session>("ClientLastContactTime"),
-    field<&Session::current_subscriptions_count, Session>("CurrentSubscriptionsCount"),
-    field<&Session::current_monitored_items_count, Session>("CurrentMonitoredItemsCount"),
-    field<&Session::current_publish_requests_in_queue, Session>("CurrentPublishRequestsInQueue"),
-    field<&Session::total_request_count, Session>("TotalRequestCount"),
-    field<&Session::unauthorized_request_count, Session>("UnauthorizedRequestCount"),
-    field<&Session::read_count, Session>("ReadCount"),
-    field<&Session::history_read_count, Session>("HistoryReadCount"),
-    field<&Session::write_count, Session>("WriteCount"),
-    field<&Session::history_update_count, Session>("HistoryUpdateCount"),
-    field<&Session::call_count, Session>("CallCount"),
-    field<&Session::create_monitored_items_count, Session>("CreateMonitoredItemsCount"),
-    field<&Session::modify_monitored_items_count, Session>("ModifyMonitoredItemsCount"),
-    field<&Session::set_monitoring_mode_count, Session>("SetMonitoringModeCount"),
-    field<&Session::set_triggering_count, Session>("SetTriggeringCount"),
-    field<&Session::delete_monitored_items_count, Session>("DeleteMonitoredItemsCount"),
-    field<&Session::create_subscription_count, Session>("CreateSubscriptionCount"),
-    field<&Session::modify_subscription_count, Session>("ModifySubscriptionCount"),
-    field<&Session::set_publishing_mode_count, Session>("SetPublishingModeCount"),
-    field<&Session::publish_count, Session>("PublishCount"),
-    field<&Session::republish_count, Session>("RepublishCount"),
-    field<&Session::transfer_subscriptions_count, Session>("TransferSubscriptionsCount"),
-    field<&Session::delete_subscriptions_count, Session>("DeleteSubscriptionsCount"),
-    field<&Session::add_nodes_count, Session>("AddNodesCount"),
-    field<&Session::add_references_count, Session>("AddReferencesCount"),
-    field<&Session::delete_nodes_count, Session>("DeleteNodesCount"),
-    field<&Session::delete_references_count, Session>("DeleteReferencesCount"),
-    field<&Session::browse_count, Session>("BrowseCount"),
-    field<&Session::browse_next_count, Session>("BrowseNextCount"),
-    field<&Session::translate_browse_paths_to_node_ids_count, Session>(
+    field<&SessionData::session_id, SessionData>("SessionId"),
+    field<&SessionData::session_name, SessionData>("SessionName"),
+    field<&SessionData::client_description, SessionData>("ClientDescription"),
+    field<&SessionData::server_uri, SessionData>("ServerUri"),
+    field<&SessionData::endpoint_url, SessionData>("EndpointUrl"),
+    field<&SessionData::locale_ids, SessionData>("LocaleIds"),
+    field<&SessionData::actual_session_timeout, SessionData>("ActualSessionTimeout"),
+    field<&SessionData::max_response_message_size, SessionData>("MaxResponseMessageSize"),
+    field<&SessionData::client_connection_time, SessionData>("ClientConnectionTime"),
+    field<&SessionData::client_last_contact_time, SessionData>("ClientLastContactTime"),
+    field<&SessionData::current_subscriptions_count, SessionData>("CurrentSubscriptionsCount"),
+    field<&SessionData::current_monitored_items_count, SessionData>("CurrentMonitoredItemsCount"),
+    field<&SessionData::current_publish_requests_in_queue, SessionData>(
+        "CurrentPublishRequestsInQueue"),
+    field<&SessionData::total_request_count, SessionData>("TotalRequestCount"),
+    field<&SessionData::unauthorized_request_count, SessionData>("UnauthorizedRequestCount"),
+    field<&SessionData::read_count, SessionData>("ReadCount"),
+    field<&SessionData::history_read_count, SessionData>("HistoryReadCount"),
+    field<&SessionData::write_count, SessionData>("WriteCount"),
+    field<&SessionData::history_update_count, SessionData>("HistoryUpdateCount"),
+    field<&SessionData::call_count, SessionData>("CallCount"),
+    field<&SessionData::create_monitored_items_count, SessionData>("CreateMonitoredItemsCount"),
+    field<&SessionData::modify_monitored_items_count, SessionData>("ModifyMonitoredItemsCount"),
+    field<&SessionData::set_monitoring_mode_count, SessionData>("SetMonitoringModeCount"),
+    field<&SessionData::set_triggering_count, SessionData>("SetTriggeringCount"),
+    field<&SessionData::delete_monitored_items_count, SessionData>("DeleteMonitoredItemsCount"),
+    field<&SessionData::create_subscription_count, SessionData>("CreateSubscriptionCount"),
+    field<&SessionData::modify_subscription_count, SessionData>("ModifySubscriptionCount"),
+    field<&SessionData::set_publishing_mode_count, SessionData>("SetPublishingModeCount"),
+    field<&SessionData::publish_count, SessionData>("PublishCount"),
+    field<&SessionData::republish_count, SessionData>("RepublishCount"),
+    field<&SessionData::transfer_subscriptions_count, SessionData>("TransferSubscriptionsCount"),
+    field<&SessionData::delete_subscriptions_count, SessionData>("DeleteSubscriptionsCount"),
+    field<&SessionData::add_nodes_count, SessionData>("AddNodesCount"),
+    field<&SessionData::add_references_count, SessionData>("AddReferencesCount"),
+    field<&SessionData::delete_nodes_count, SessionData>("DeleteNodesCount"),
+    field<&SessionData::delete_references_count, SessionData>("DeleteReferencesCount"),
+    field<&SessionData::browse_count, SessionData>("BrowseCount"),
+    field<&SessionData::browse_next_count, SessionData>("BrowseNextCount"),
+    field<&SessionData::translate_browse_paths_to_node_ids_count, SessionData>(
         "TranslateBrowsePathsToNodeIdsCount"),
-    field<&Session::query_first_count, Session>("QueryFirstCount"),
-    field<&Session::query_next_count, Session>("QueryNextCount"),
-    field<&Session::register_nodes_count, Session>("RegisterNodesCount"),
-    field<&Session::unregister_nodes_count, Session>("UnregisterNodesCount"),
+    field<&SessionData::query_first_count, SessionData>("QueryFirstCount"),
+    field<&SessionData::query_next_count, SessionData>("QueryNextCount"),
+    field<&SessionData::register_nodes_count, SessionData>("RegisterNodesCount"),
+    field<&SessionData::unregister_nodes_count, SessionData>("UnregisterNodesCount"),
 };
 
 constexpr auto session_names = names_of(session_fields);
 
-using Security = SessionSecurityDiagnosticsDataType;
+using SecurityData = SessionSecurityDiagnosticsDataType;
 
 constexpr std::array security_fields{
-    field<&Security::session_id, Security>("SessionId"),
-    field<&Security::client_user_id_of_session, Security>("ClientUserIdOfSession"),
-    field<&Security::client_user_id_history, Security>("ClientUserIdHistory"),
-    field<&Security::authentication_mechanism, Security>("AuthenticationMechanism"),
-    field<&Security::encoding, Security>("Encoding"),
-    field<&Security::transport_protocol, Security>("TransportProtocol"),
-    field<&Security::security_mode, Security>("SecurityMode"),
-    field<&Security::security_policy_uri, Security>("SecurityPolicyUri"),
-    field<&Security::client_certificate, Security>("ClientCertificate"),
+    field<&SecurityData::session_id, SecurityData>("SessionId"),
+    field<&SecurityData::client_user_id_of_session, SecurityData>("ClientUserIdOfSession"),
+    field<&SecurityData::client_user_id_history, SecurityData>("ClientUserIdHistory"),
+    field<&SecurityData::authentication_mechanism, SecurityData>("AuthenticationMechanism"),
+    field<&SecurityData::encoding, SecurityData>("Encoding"),
+    field<&SecurityData::transport_protocol, SecurityData>("TransportProtocol"),
+    field<&SecurityData::security_mode, SecurityData>("SecurityMode"),
+    field<&SecurityData::security_policy_uri, SecurityData>("SecurityPolicyUri"),
+    field<&SecurityData::client_certificate, SecurityData>("ClientCertificate"),
 };
 
 constexpr auto security_names = names_of(security_fields);
@@ -122,7 +123,7 @@ std::span<const FieldName> session_field_names()
     return session_names;
 }
 
-Variant session_field(const Session& session, std::size_t field)
+Variant session_field(const SessionDiagnosticsDataType& session, std::size_t field)
 {
     return field_of(session, session_fields, field);
 }
@@ -132,7 +133,7 @@ std::span<const FieldName> security_field_names()
     return security_names;
 }
 
-Variant security_field(const Security& session, std::size_t field)
+Variant security_field(const SessionSecurityDiagnosticsDataType& session, std::size_t field)
 {
     return field_of(session, security_fields, field);
 }

@@ -14,7 +14,7 @@ constexpr std::size_t type_count = 21;
 
 /// Part 4, 7.7.3, Conversion rules. Row: source; column: target; both Boolean to LocalizedText by
 /// their ids. I: implicit, E: by Cast only, '.': none.
-constexpr std::array<std::string_view, type_count> rules{
+constexpr std::array<std::string_view, type_count> conversion_rules{
     //   Bo SB By I2 U2 I4 U4 I8 U8 Fl Do St Dt Gu BS Xm Ni Xi Sc Qn Lt
     "-IIIIIIIIIIE.........", // Boolean
     "E-EIIIIIIIIE.........", // SByte
@@ -42,7 +42,7 @@ constexpr std::array<std::string_view, type_count> rules{
 static_assert(
     [] {
         for (std::size_t i = 0; i < type_count; ++i) {
-            if (rules[i].size() != type_count || rules[i][i] != '-') {
+            if (conversion_rules[i].size() != type_count || conversion_rules[i][i] != '-') {
                 return false;
             }
         }
@@ -124,7 +124,7 @@ Conversion conversion(BuiltInType from, BuiltInType to)
     if (place(from) >= type_count || place(to) >= type_count) {
         return Conversion::None;
     }
-    return Conversion{rules[place(from)][place(to)]};
+    return Conversion{conversion_rules[place(from)][place(to)]};
 }
 
 BuiltInType common_type(BuiltInType a, BuiltInType b)

@@ -235,7 +235,7 @@ Variant bitwise_or(FilterContext&, FilterOperands operands)
 
 /// In the order of their numbers. InView and RelatedTo look at target Nodes and their relations,
 /// which events, unlike the results of a Query, do not have.
-constexpr std::array rules{
+constexpr std::array operator_rules{
     FilterOperatorRule{FilterOperator::Equals, 2, 2, equals},
     FilterOperatorRule{FilterOperator::IsNull, 1, 1, is_null},
     FilterOperatorRule{FilterOperator::GreaterThan, 2, 2, greater_than},
@@ -261,7 +261,7 @@ constexpr std::array rules{
 const FilterOperatorRule* find_operator(FilterOperator id)
 {
     const auto number = static_cast<std::uint32_t>(id);
-    return number < rules.size() ? &rules[number] : nullptr;
+    return number < operator_rules.size() ? &operator_rules[number] : nullptr;
 }
 
 } // namespace busbar::server::detail

@@ -94,7 +94,7 @@ std::optional<CallResult> CallJob::plan(ServiceContext& context, std::size_t ind
                                         const CallMethodRequest& call)
 {
     const model::AddressSpace& space = context.core.address_space;
-    const UserRights rights = rights_of(context);
+    const NodeRights rights = rights_of(context);
     const auto method = find_method(space, rights, call.object_id, call.method_id);
     if (!method) {
         return CallResult{method.error()};

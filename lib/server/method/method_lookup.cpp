@@ -49,7 +49,7 @@ NodeIndex find_override(const AddressSpace& space, NodeIndex object, NodeIndex m
 
 } // namespace
 
-Result<NodeIndex> find_method(const AddressSpace& space, const UserRights& rights,
+Result<NodeIndex> find_method(const AddressSpace& space, const NodeRights& rights,
                               const NodeId& object_id, const NodeId& method_id)
 {
     const NodeIndex object = space.find(object_id);
@@ -87,7 +87,7 @@ bool is_executable(const AddressSpace& space, NodeIndex method)
                                      find_built_in_method(space.node_id(method)) != nullptr);
 }
 
-bool is_user_executable(const AddressSpace& space, const UserRights& rights, NodeIndex method)
+bool is_user_executable(const AddressSpace& space, const NodeRights& rights, NodeIndex method)
 {
     const bool is_servers_own = find_built_in_method(space.node_id(method)) != nullptr;
     return is_executable(space, method) && rights.may_call(method, is_servers_own);

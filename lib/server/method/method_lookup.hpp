@@ -13,13 +13,13 @@ namespace busbar::server::detail {
 ///
 /// Bad_NodeIdInvalid, Bad_NodeIdUnknown or Bad_MethodInvalid (Part 4, 5.12.2.4).
 [[nodiscard]] Result<model::NodeIndex> find_method(const model::AddressSpace& space,
-                                                   const UserRights& rights, const NodeId& object,
+                                                   const NodeRights& rights, const NodeId& object,
                                                    const NodeId& method);
 
 /// The Executable attribute of a Method (Part 3, 5.7.1): false also if nobody carries it out.
 [[nodiscard]] bool is_executable(const model::AddressSpace& space, model::NodeIndex method);
 /// Its UserExecutable attribute.
-[[nodiscard]] bool is_user_executable(const model::AddressSpace& space, const UserRights& rights,
+[[nodiscard]] bool is_user_executable(const model::AddressSpace& space, const NodeRights& rights,
                                       model::NodeIndex method);
 
 } // namespace busbar::server::detail

@@ -12,7 +12,7 @@ namespace busbar::server::detail {
 /// What the NodeManagement services need of the server and the session.
 struct NodeManagementContext {
     model::AddressSpace& space;
-    UserRights rights;
+    NodeRights rights;
     const ServerLimits& limits;
     ClientNodes& client_nodes;
     /// Where nodes get their NodeIds that come without one.

@@ -30,7 +30,7 @@ struct Rule {
 };
 
 /// A type may come twice, with other targets for other sources.
-constexpr std::array rules{
+constexpr std::array reference_rules{
     Rule{id::HasComponent, object | object_type, object | variable | method}, // Part 3, 7.7
     Rule{id::HasComponent, variable | variable_type, variable},
     Rule{id::HasProperty, all, variable},                                        // Part 3, 7.8
@@ -73,7 +73,7 @@ StatusCode check_ends(const model::AddressSpace& space, model::NodeIndex type,
     bool fits = false;
     // The most special rule is the last one: HasNotifier is a HasEventSource.
     std::uint32_t rule_type = 0;
-    for (const Rule& rule : rules) {
+    for (const Rule& rule : reference_rules) {
         if (!space.is_subtype_of(type, rule.type)) {
             continue;
         }

@@ -39,7 +39,7 @@ StatusCode check_server(const NodeManagementContext& context, const AddReference
 
 /// The right must be there at both ends.
 StatusCode check_rights(const NodeManagementContext& context, const Ends& reference,
-                        StatusCode (UserRights::*right)(NodeIndex) const)
+                        StatusCode (NodeRights::*right)(NodeIndex) const)
 {
     const StatusCode refusal = (context.rights.*right)(reference.source);
     return refusal.is_bad() ? refusal : (context.rights.*right)(reference.target);
@@ -109,7 +109,7 @@ StatusCode add_reference(NodeManagementContext& context, const AddReferencesItem
     if (space.node_class(context.find(item.target_node_id)) != item.target_node_class) {
         return status::Bad_NodeClassInvalid;
     }
-    const StatusCode refusal = check_rights(context, *found, &UserRights::check_add_reference);
+    const StatusCode refusal = check_rights(context, *found, &NodeRights::check_add_reference);
     if (refusal.is_bad()) {
         return refusal;
     }
@@ -136,7 +136,7 @@ StatusCode delete_reference(NodeManagementContext& context, const DeleteReferenc
     if (!found) {
         return found.error();
     }
-    const StatusCode refusal = check_rights(context, *found, &UserRights::check_remove_reference);
+    const StatusCode refusal = check_rights(context, *found, &NodeRights::check_remove_reference);
     if (refusal.is_bad()) {
         return refusal;
     }
