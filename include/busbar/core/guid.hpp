@@ -6,12 +6,13 @@
 #include <string>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/result.hpp>
 
 namespace busbar {
 
 /// Guid (Part 6, 5.2.2.6).
-struct Guid {
+struct BUSBAR_API Guid {
     std::uint32_t data1{0};
     std::uint16_t data2{0};
     std::uint16_t data3{0};
@@ -24,6 +25,6 @@ struct Guid {
 };
 
 /// Upper-case text form of Part 6, 5.1.3.
-[[nodiscard]] std::string to_string(const Guid& guid);
+[[nodiscard]] BUSBAR_API std::string to_string(const Guid& guid);
 
 } // namespace busbar
