@@ -72,6 +72,8 @@ public:
     [[nodiscard]] binary::TypeRegistry& types();
     /// The source's index, which nodes carry. The source must outlive the server.
     std::uint32_t add_source(DataSource& source);
+    /// The same with a source, not null, that the server keeps alive until it is destroyed.
+    std::uint32_t add_source(std::shared_ptr<DataSource> source);
 
     /// Raises an event from any thread that knows the server is there; see EventQueue::raise.
     bool raise_event(Event event);
