@@ -2,6 +2,7 @@
 
 #include <array>
 #include <compare>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -21,7 +22,24 @@ struct BUSBAR_API Guid {
     /// Reads "72962B91-FA75-4AE6-8D28-B404DC7DAF63" in either case; else Bad_DecodingError.
     [[nodiscard]] static Result<Guid> parse(std::string_view text);
 
-    friend constexpr auto operator<=>(const Guid&, const Guid&) = default;
+    friend constexpr bool operator==(const Guid&, const Guid&) = default;
+    friend constexpr std::strong_ordering operator<=>(const Guid& a, const Guid& b)
+    {
+        if (a.data1 != b.data1) {
+            return a.data1 <=> b.data1;
+        }
+        if (a.data2 != b.data2) {
+            return a.data2 <=> b.data2;
+        }
+        if (a.data3 != b.data3) {
+            return a.data3 <=> b.data3;
+        }
+        std::size_t i = 0;
+        while (i + 1 < a.data4.size() && a.data4[i] == b.data4[i]) {
+            ++i;
+        }
+        return a.data4[i] <=> b.data4[i];
+    }
 };
 
 /// Upper-case text form of Part 6, 5.1.3.

@@ -19,7 +19,10 @@ public:
     Secret() = default;
     explicit Secret(std::size_t size) : bytes_(size) {}
     explicit Secret(std::span<const std::byte> bytes) : bytes_(bytes.begin(), bytes.end()) {}
-    explicit Secret(std::string_view text) : Secret{std::as_bytes(std::span{text})} {}
+    explicit Secret(std::string_view text)
+        : Secret{std::as_bytes(std::span<const char>{text.data(), text.size()})}
+    {
+    }
     Secret(const Secret&) = delete;
     Secret& operator=(const Secret&) = delete;
     Secret(Secret&& other) noexcept : bytes_{std::exchange(other.bytes_, {})} {}
