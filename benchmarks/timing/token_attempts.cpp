@@ -1,8 +1,11 @@
 #include "token_attempts.hpp"
 
+#include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <span>
 
 #include <busbar/types/session.hpp>
 
@@ -66,15 +69,15 @@ Bytes secret_text(Fault fault, const Bytes& nonce)
     }
     std::size_t length = password.size() + nonce.size();
     length += fault == Fault::Length ? 1 : fault == Fault::TooLong ? 100'000 : 0;
-    Bytes text;
-    for (unsigned shift = 0; shift < 32; shift += 8) {
-        text.push_back(static_cast<std::byte>(length >> shift));
-    }
-    const auto bytes = std::as_bytes(std::span{password});
-    text.insert(text.end(), bytes.begin(), bytes.end());
     const Bytes other = random_bytes(nonce.size());
     const Bytes& used = fault == Fault::Nonce ? other : nonce;
-    text.insert(text.end(), used.begin(), used.end());
+    Bytes text(sizeof(std::uint32_t) + password.size() + used.size());
+    auto out = text.begin();
+    for (unsigned shift = 0; shift < 32; shift += 8) {
+        *out++ = static_cast<std::byte>(length >> shift);
+    }
+    out = std::ranges::copy(std::as_bytes(std::span{password}), out).out;
+    std::ranges::copy(used, out);
     return text;
 }
 

@@ -16,13 +16,13 @@ static Result<void> serve(net::Application& application, server::UserStore& user
                           std::uint16_t port)
 {
     net::ServerLoop loop{log};
+    server::MemorySource source{application.wall_clock()}; // outlives the server
     auto server = server::Server::create(
         application.server_config("opc.tcp://localhost:" + std::to_string(port)),
         application.server_environment(loop, &users));
     if (!server) {
         return fail(server.error());
     }
-    server::MemorySource source{application.wall_clock()};
     model::AddressSpace& space = server->address_space();
     const std::uint16_t ns = space.add_namespace("urn:example:machine").value_or(0);
 

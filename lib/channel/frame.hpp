@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/core/string.hpp>
 
@@ -33,8 +34,8 @@ struct FrameHeader {
 
 /// Bad_TcpMessageTypeInvalid if the type or the chunk flag is none, the size less than a header;
 /// Bad_TcpMessageTooLarge if it is more than `max_size`. `bytes` has header_size bytes or more.
-[[nodiscard]] Result<FrameHeader> parse_frame_header(std::span<const std::byte> bytes,
-                                                     std::uint32_t max_size);
+[[nodiscard]] BUSBAR_API Result<FrameHeader> parse_frame_header(std::span<const std::byte> bytes,
+                                                                std::uint32_t max_size);
 /// Writes the header over the first bytes of `to`.
 void write_frame_header(std::span<std::byte> to, const FrameHeader& header);
 
@@ -58,14 +59,14 @@ struct ErrorMessage {
     String reason;
 };
 [[nodiscard]] Result<ErrorMessage> parse_error(std::span<const std::byte> body);
-void write_error(OutputBuffer& output, StatusCode error, std::string_view reason);
+BUSBAR_API void write_error(OutputBuffer& output, StatusCode error, std::string_view reason);
 
 /// ReverseHello (Part 6, 7.1.2.6).
 struct ReverseHello {
     String server_uri;
     String endpoint_url;
 };
-[[nodiscard]] Result<ReverseHello> parse_reverse_hello(std::span<const std::byte> body);
+[[nodiscard]] BUSBAR_API Result<ReverseHello> parse_reverse_hello(std::span<const std::byte> body);
 void write_reverse_hello(OutputBuffer& output, std::string_view server_uri,
                          std::string_view endpoint_url);
 

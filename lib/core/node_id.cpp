@@ -123,10 +123,10 @@ bool operator==(const NodeId& a, const NodeId& b)
 
 std::strong_ordering operator<=>(const NodeId& a, const NodeId& b)
 {
-    if (const auto order = a.namespace_index_ <=> b.namespace_index_; order != nullptr) {
+    if (const auto order = a.namespace_index_ <=> b.namespace_index_; std::is_neq(order)) {
         return order;
     }
-    if (const auto order = a.type_ <=> b.type_; order != nullptr) {
+    if (const auto order = a.type_ <=> b.type_; std::is_neq(order)) {
         return order;
     }
     switch (a.type_) {

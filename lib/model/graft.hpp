@@ -7,6 +7,8 @@
 
 #include "tables.hpp"
 
+#include <busbar/core/api.hpp>
+
 namespace busbar::model::detail {
 
 /// Adds many nodes of any NodeClass, that may refer to one another in any order, to an
@@ -14,7 +16,7 @@ namespace busbar::model::detail {
 /// kept is taken back, types and namespaces too.
 ///
 /// Checks no more than it must to stay sound; what the nodes are is up to the caller.
-class Graft {
+class BUSBAR_API Graft {
 public:
     explicit Graft(AddressSpace& space);
     Graft(const Graft&) = delete;

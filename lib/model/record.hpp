@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/model/node.hpp>
 
 namespace busbar::model::detail {
@@ -102,7 +103,7 @@ struct Record {
     /// Sets identifier and BrowseName. The record must be new.
     void set_names(const NodeId& id_of_node, const QualifiedName& browse_name);
     [[nodiscard]] bool has_id(const NodeId& other) const;
-    [[nodiscard]] Extra& make_extra();
+    [[nodiscard]] BUSBAR_API Extra& make_extra();
 };
 
 static_assert(sizeof(void*) != 8 || sizeof(Record) == 96);

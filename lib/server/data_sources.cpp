@@ -105,4 +105,10 @@ std::uint32_t DataSources::add(DataSource& source)
     return static_cast<std::uint32_t>(entries_.size() - 1);
 }
 
+std::uint32_t DataSources::add(std::shared_ptr<DataSource> source)
+{
+    kept_.push_back(std::move(source));
+    return add(*kept_.back());
+}
+
 } // namespace busbar::server::detail

@@ -77,6 +77,8 @@ public:
 
     /// The index that nodes are to carry; `source` must outlive this object.
     std::uint32_t add(DataSource& source);
+    /// The same with a source that this object keeps.
+    std::uint32_t add(std::shared_ptr<DataSource> source);
     [[nodiscard]] std::size_t size() const { return entries_.size(); }
     /// Null for an index that add() never gave.
     [[nodiscard]] const std::shared_ptr<SourceEntry>* find(std::uint32_t index) const
@@ -89,6 +91,7 @@ public:
 private:
     Waker* waker_;
     std::shared_ptr<CompletionQueue> queue_;
+    std::vector<std::shared_ptr<DataSource>> kept_;
     std::vector<std::shared_ptr<SourceEntry>> entries_;
 };
 

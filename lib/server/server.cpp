@@ -92,6 +92,11 @@ std::uint32_t Server::add_source(DataSource& source)
     return impl_->sources.add(source);
 }
 
+std::uint32_t Server::add_source(std::shared_ptr<DataSource> source)
+{
+    return impl_->sources.add(std::move(source));
+}
+
 bool Server::raise_event(Event event)
 {
     return impl_->events.queue()->raise(std::move(event));

@@ -87,13 +87,13 @@ std::string structure(const Schema& schema, const Type& type)
     }
     text +=
         "    static constexpr std::size_t min_wire_size = " + std::to_string(type.min_wire_size) +
-        ";\n    static const " + schema.prefix +
+        ";\n    BUSBAR_API static const " + schema.prefix +
         "StructureType type;\n\n    friend bool operator==(const " + type.name + "&, const " +
         type.name + "&) = default;\n};\n";
-    text += "void encode(" + schema.prefix + "binary::Writer& writer, const " + type.name +
-            "& value);\n";
-    text +=
-        "void decode(" + schema.prefix + "binary::Reader& reader, " + type.name + "& value);\n\n";
+    text += "BUSBAR_API void encode(" + schema.prefix + "binary::Writer& writer, const " +
+            type.name + "& value);\n";
+    text += "BUSBAR_API void decode(" + schema.prefix + "binary::Reader& reader, " + type.name +
+            "& value);\n\n";
     return text;
 }
 
@@ -114,7 +114,7 @@ std::string emit_header(const Schema& schema, const Schema::Group& group, const 
         "#pragma once\n\n#include <cstddef>\n#include <cstdint>\n#include <optional>\n"
         "#include <utility>\n#include <variant>\n\n" +
         (has_matrix(group) ? "#include <busbar/binary/matrix.hpp>\n" : "") +
-        "#include <busbar/core/types.hpp>\n";
+        "#include <busbar/core/api.hpp>\n#include <busbar/core/types.hpp>\n";
     for (const std::string& include : schema.foreign_includes) {
         text += "#include <" + include + ">\n";
     }

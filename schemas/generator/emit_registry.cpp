@@ -49,12 +49,13 @@ std::string emit_registry_header(const Schema& schema, const Options& options)
 {
     const TableName name = table_name(schema, options);
     return preamble(schema) +
-           "#pragma once\n\n#include <busbar/binary/type_registry.hpp>\n\n"
+           "#pragma once\n\n#include <busbar/binary/type_registry.hpp>\n"
+           "#include <busbar/core/api.hpp>\n\n"
            "namespace " +
            name.in_namespace +
            " {\n\n/// All concrete structures of the namespace, for a TypeRegistry. Constant "
            "data.\n"
-           "[[nodiscard]] busbar::binary::TypeRegistry::Table " +
+           "[[nodiscard]] BUSBAR_API busbar::binary::TypeRegistry::Table " +
            name.function + "();\n\n} // namespace " + name.in_namespace + "\n";
 }
 

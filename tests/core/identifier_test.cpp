@@ -3,6 +3,7 @@
 #include <array>
 #include <set>
 #include <unordered_set>
+#include <vector>
 
 #include <busbar/core/types.hpp>
 
@@ -100,6 +101,26 @@ TEST_CASE("a Guid's text form is checked", "[core][guid]")
     CHECK_FALSE(Guid::parse("72962b91-fa75-4ae6-8d28-b404dc7daf6"));
     CHECK_FALSE(Guid::parse("72962b91-fa75-4ae6-8d28-b404dc7daf6g"));
     CHECK_FALSE(Guid::parse("72962b91-fa75-4ae6-8d28-b404dc7daf633"));
+}
+
+TEST_CASE("Guids are in order from their first field to their last byte", "[core][guid]")
+{
+    const std::vector<Guid> guids{
+        {0, 0, 0, {}},
+        {0, 0, 0, {{0, 0, 0, 0, 0, 0, 0, 1}}},
+        {0, 0, 0, {{1}}},
+        {0, 0, 1, {}},
+        {0, 1, 0, {{0, 9}}},
+        {1, 0, 0, {}},
+        {1, 0, 0, {{0xFF, 0x01}}},
+    };
+    for (std::size_t i = 0; i < guids.size(); ++i) {
+        for (std::size_t k = 0; k < guids.size(); ++k) {
+            CAPTURE(i, k);
+            CHECK((guids[i] <=> guids[k]) == (i <=> k));
+            CHECK((guids[i] == guids[k]) == (i == k));
+        }
+    }
 }
 
 TEST_CASE("null, empty and filled strings are three things", "[core][string]")

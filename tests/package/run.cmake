@@ -1,6 +1,6 @@
-set(prefix ${BUILD_DIR}/package-test/prefix)
-set(consumer ${BUILD_DIR}/package-test/build)
-file(REMOVE_RECURSE ${BUILD_DIR}/package-test)
+# Wants BUILD_DIR, SOURCE_DIR, GENERATOR, COMPILER, SANITIZE, LIBDIR and PKG_CONFIG.
+set(test ${BUILD_DIR}/package-test)
+file(REMOVE_RECURSE ${test})
 
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output
@@ -8,14 +8,33 @@ function(run)
   if(NOT result EQUAL 0)
     message(FATAL_ERROR "${ARGN}\n${output}")
   endif()
+  set(output "${output}" PARENT_SCOPE)
 endfunction()
 
 set(flags "")
 if(SANITIZE)
   set(flags "-fsanitize=${SANITIZE}")
 endif()
-run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix})
-run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE_DIR}/consumer -B ${consumer}
-  -D MODEL=${SOURCE_DIR}/../schemas/acme.NodeSet2.xml -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_CXX_FLAGS=${flags})
-run(${CMAKE_COMMAND} --build ${consumer})
-run(${consumer}/consumer)
+
+# An installation may be moved.
+set(prefix ${test}/prefix)
+run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${test}/installed)
+file(RENAME ${test}/installed ${prefix})
+
+run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE_DIR}/consumer -B ${test}/build
+  -D MODEL=${SOURCE_DIR}/../schemas/acme.NodeSet2.xml -D CMAKE_PREFIX_PATH=${prefix}
+  -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_CXX_FLAGS=${flags})
+run(${CMAKE_COMMAND} --build ${test}/build)
+run(${test}/build/consumer)
+if(EXISTS ${prefix}/bin/busbar)
+  run(${prefix}/bin/busbar --help)
+endif()
+
+if(PKG_CONFIG)
+  set(ENV{PKG_CONFIG_PATH} ${prefix}/${LIBDIR}/pkgconfig)
+  run(${PKG_CONFIG} --cflags --libs busbar-server busbar-harness)
+  separate_arguments(found UNIX_COMMAND "${output}")
+  run(${COMPILER} -std=c++20 ${flags} ${SOURCE_DIR}/plain/main.cpp -o ${test}/plain ${found})
+  set(ENV{LD_LIBRARY_PATH} ${prefix}/${LIBDIR})
+  run(${test}/plain)
+endif()

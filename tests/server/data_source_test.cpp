@@ -374,3 +374,26 @@ TEST_CASE_METHOD(Fixture, "a write takes the same way; a read-only source refuse
     CHECK(call.result(0) == status::Bad_NoCommunication);
     CHECK(call.result(2) == status::Good);
 }
+
+TEST_CASE("a source that the server keeps hears the end and then ends (A3)")
+{
+    struct Parting final : DataSource {
+        Parting(Waker*& waker, int& ends) : waker_{waker}, ends_{ends} {}
+        ~Parting() override { ++ends_; }
+        void read(ReadBatch batch) override { batch.complete(); }
+        void attach(Waker* waker) override { waker_ = waker; }
+
+        Waker*& waker_;
+        int& ends_;
+    };
+    test::TestWaker waker;
+    Waker* attached = nullptr;
+    int ends = 0;
+    auto sources = std::make_unique<DataSources>(&waker);
+    CHECK(sources->add(std::make_unique<Parting>(attached, ends)) == 0);
+    CHECK(attached == &waker);
+    CHECK(ends == 0);
+    sources.reset();
+    CHECK(attached == nullptr);
+    CHECK(ends == 1);
+}

@@ -8,6 +8,7 @@
 
 #include <busbar/binary/reader.hpp>
 #include <busbar/binary/writer.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/core/types.hpp>
 
 /// OPC UA Binary encoding of the built-in types (Part 6, 5.2). `encode` and `decode` are overloads
@@ -56,22 +57,22 @@ inline void encode(binary::Writer& writer, bool value)
     writer.number(static_cast<std::uint8_t>(value ? 1 : 0));
 }
 /// NaN of any kind goes out as the one quiet NaN of Part 6, 5.2.2.3.
-void encode(binary::Writer& writer, float value);
-void encode(binary::Writer& writer, double value);
-void encode(binary::Writer& writer, const String& value);
-void encode(binary::Writer& writer, const XmlElement& value);
-void encode(binary::Writer& writer, const ByteString& value);
-void encode(binary::Writer& writer, DateTime value);
-void encode(binary::Writer& writer, const Guid& value);
-void encode(binary::Writer& writer, const NodeId& value);
-void encode(binary::Writer& writer, const ExpandedNodeId& value);
-void encode(binary::Writer& writer, StatusCode value);
-void encode(binary::Writer& writer, const QualifiedName& value);
-void encode(binary::Writer& writer, const LocalizedText& value);
-void encode(binary::Writer& writer, const ExtensionObject& value);
-void encode(binary::Writer& writer, const DataValue& value);
-void encode(binary::Writer& writer, const Variant& value);
-void encode(binary::Writer& writer, const DiagnosticInfo& value);
+BUSBAR_API void encode(binary::Writer& writer, float value);
+BUSBAR_API void encode(binary::Writer& writer, double value);
+BUSBAR_API void encode(binary::Writer& writer, const String& value);
+BUSBAR_API void encode(binary::Writer& writer, const XmlElement& value);
+BUSBAR_API void encode(binary::Writer& writer, const ByteString& value);
+BUSBAR_API void encode(binary::Writer& writer, DateTime value);
+BUSBAR_API void encode(binary::Writer& writer, const Guid& value);
+BUSBAR_API void encode(binary::Writer& writer, const NodeId& value);
+BUSBAR_API void encode(binary::Writer& writer, const ExpandedNodeId& value);
+BUSBAR_API void encode(binary::Writer& writer, StatusCode value);
+BUSBAR_API void encode(binary::Writer& writer, const QualifiedName& value);
+BUSBAR_API void encode(binary::Writer& writer, const LocalizedText& value);
+BUSBAR_API void encode(binary::Writer& writer, const ExtensionObject& value);
+BUSBAR_API void encode(binary::Writer& writer, const DataValue& value);
+BUSBAR_API void encode(binary::Writer& writer, const Variant& value);
+BUSBAR_API void encode(binary::Writer& writer, const DiagnosticInfo& value);
 
 template <detail::WireNumber T>
 void decode(binary::Reader& reader, T& value)
@@ -83,20 +84,20 @@ inline void decode(binary::Reader& reader, bool& value)
 {
     value = reader.number<std::uint8_t>() != 0;
 }
-void decode(binary::Reader& reader, String& value);
-void decode(binary::Reader& reader, XmlElement& value);
-void decode(binary::Reader& reader, ByteString& value);
-void decode(binary::Reader& reader, DateTime& value);
-void decode(binary::Reader& reader, Guid& value);
-void decode(binary::Reader& reader, NodeId& value);
-void decode(binary::Reader& reader, ExpandedNodeId& value);
-void decode(binary::Reader& reader, StatusCode& value);
-void decode(binary::Reader& reader, QualifiedName& value);
-void decode(binary::Reader& reader, LocalizedText& value);
-void decode(binary::Reader& reader, ExtensionObject& value);
-void decode(binary::Reader& reader, DataValue& value);
-void decode(binary::Reader& reader, Variant& value);
-void decode(binary::Reader& reader, DiagnosticInfo& value);
+BUSBAR_API void decode(binary::Reader& reader, String& value);
+BUSBAR_API void decode(binary::Reader& reader, XmlElement& value);
+BUSBAR_API void decode(binary::Reader& reader, ByteString& value);
+BUSBAR_API void decode(binary::Reader& reader, DateTime& value);
+BUSBAR_API void decode(binary::Reader& reader, Guid& value);
+BUSBAR_API void decode(binary::Reader& reader, NodeId& value);
+BUSBAR_API void decode(binary::Reader& reader, ExpandedNodeId& value);
+BUSBAR_API void decode(binary::Reader& reader, StatusCode& value);
+BUSBAR_API void decode(binary::Reader& reader, QualifiedName& value);
+BUSBAR_API void decode(binary::Reader& reader, LocalizedText& value);
+BUSBAR_API void decode(binary::Reader& reader, ExtensionObject& value);
+BUSBAR_API void decode(binary::Reader& reader, DataValue& value);
+BUSBAR_API void decode(binary::Reader& reader, Variant& value);
+BUSBAR_API void decode(binary::Reader& reader, DiagnosticInfo& value);
 
 /// Arrays (Part 6, 5.2.5): an Int32 count, -1 for null, and the elements.
 template <typename T>

@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/built_in_type.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/types/data_types.hpp>
@@ -64,7 +65,7 @@ struct DefinitionError {
 };
 
 /// "ns=2;i=7 (Point), field X: its DataType ns=2;i=9 is not known"; printable.
-[[nodiscard]] std::string to_string(const DefinitionError& error);
+[[nodiscard]] BUSBAR_API std::string to_string(const DefinitionError& error);
 
 struct DynamicType;
 
@@ -96,7 +97,7 @@ struct DynamicField {
 };
 
 /// A compiled DataType. Made by DynamicTypes only, never changed.
-struct DynamicType {
+struct BUSBAR_API DynamicType {
     enum class Kind : std::uint8_t { Simple, Enumeration, OptionSet, Structure, Union };
     /// A value of an enumeration, or the number of an option set's bit.
     struct Value {
@@ -135,7 +136,7 @@ struct DynamicType {
 
 /// A set of types, resolved once. Movable; DynamicType objects stay where they are and live as long
 /// as the set. To be read from any thread.
-class DynamicTypes {
+class BUSBAR_API DynamicTypes {
 public:
     DynamicTypes() = default;
 

@@ -11,6 +11,7 @@
 #include <busbar/binary/codec.hpp>
 #include <busbar/binary/dynamic_types.hpp>
 #include <busbar/binary/type_registry.hpp>
+#include <busbar/core/api.hpp>
 
 namespace busbar::binary {
 
@@ -24,7 +25,7 @@ struct DynamicContent;
 /// value, enumeration or option set of any shape is a Variant, a structure a DynamicValue, an array
 /// or matrix of structures a DynamicArray. Fields that may hold subtypes are ExtensionObjects or
 /// Variants in a Variant. What was moved from can only be assigned or destroyed. Thread-compatible.
-class DynamicValue {
+class BUSBAR_API DynamicValue {
 public:
     /// Of zeros, nulls, absent optional fields; a union that holds none of its fields. `type` must
     /// be a structure or union.
@@ -90,9 +91,9 @@ public:
     Result<void> clear(std::string_view field) { return clear(index_of(field)); }
 
     /// Of the same type and with equal fields; NaN equals NaN.
-    friend bool operator==(const DynamicValue& a, const DynamicValue& b);
+    friend BUSBAR_API bool operator==(const DynamicValue& a, const DynamicValue& b);
     /// Joins the codec's overloads. Fails with Bad_EncodingLimitsExceeded past 100 levels.
-    friend void encode(Writer& writer, const DynamicValue& value);
+    friend BUSBAR_API void encode(Writer& writer, const DynamicValue& value);
 
 private:
     friend class DynamicDecoder;
@@ -140,12 +141,12 @@ struct DynamicContent : std::variant<std::monostate, Variant, DynamicValue, Dyna
 /// A value of `type` from all of `body`. Bad_DecodingError if that is not what the definition says,
 /// with bytes missing or left over; Bad_EncodingLimitsExceeded past the limits. ExtensionObjects
 /// within the value stay encoded.
-[[nodiscard]] Result<DynamicValue>
+[[nodiscard]] BUSBAR_API Result<DynamicValue>
 decode_dynamic(std::span<const std::byte> body, const DynamicType& type,
                const DecodeLimits& limits = dynamic_decode_limits());
 /// The value that `object` holds. Bad_DecodingError also for a null object, one without binary
 /// body, and one whose encoding is not among the `types`.
-[[nodiscard]] Result<DynamicValue>
+[[nodiscard]] BUSBAR_API Result<DynamicValue>
 decode_dynamic(const ExtensionObject& object, const DynamicTypes& types,
                const DecodeLimits& limits = dynamic_decode_limits());
 
@@ -155,11 +156,12 @@ decode_dynamic(const ExtensionObject& object, const DynamicTypes& types,
 /// is longer than its field allows (Part 3, 8.51; Part 4, 5.11.4.4). Structures of other types are
 /// not looked at. Takes memory for structures that are C++ objects only, which it encodes; levels
 /// are counted through all that lies encoded in each other.
-[[nodiscard]] StatusCode check_dynamic(const Variant& value, const DynamicTypes& types,
-                                       const DecodeLimits& limits = dynamic_decode_limits());
+[[nodiscard]] BUSBAR_API StatusCode
+check_dynamic(const Variant& value, const DynamicTypes& types,
+              const DecodeLimits& limits = dynamic_decode_limits());
 
 /// The value with the encoding id of its type. Bad_EncodingError for a type that has none.
-[[nodiscard]] Result<ExtensionObject> to_extension_object(const DynamicValue& value);
+[[nodiscard]] BUSBAR_API Result<ExtensionObject> to_extension_object(const DynamicValue& value);
 
 /// A generated structure as dynamic value; errors as decode_dynamic. `namespace_index` is where the
 /// server has the type's namespace.
@@ -202,9 +204,9 @@ struct TextTypes {
 
 /// "Point {X: 1.5, Name: "left", Mode: Running (1), Tags: ["a", null]}", for people; not to be
 /// parsed. Strings are quoted, and escaped as by printable(). About max_bytes long at most.
-[[nodiscard]] std::string to_text(const DynamicValue& value, const TextLimits& limits = {},
-                                  const TextTypes& types = {});
-[[nodiscard]] std::string to_text(const Variant& value, const TextLimits& limits = {},
-                                  const TextTypes& types = {});
+[[nodiscard]] BUSBAR_API std::string
+to_text(const DynamicValue& value, const TextLimits& limits = {}, const TextTypes& types = {});
+[[nodiscard]] BUSBAR_API std::string to_text(const Variant& value, const TextLimits& limits = {},
+                                             const TextTypes& types = {});
 
 } // namespace busbar::binary

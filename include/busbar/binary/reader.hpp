@@ -8,6 +8,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/core/string.hpp>
@@ -38,7 +39,7 @@ enum class Strings : std::uint8_t { Own, Borrow };
 /// Sticky: past the end, or after fail(), it yields zeros and keeps the first status, so that a
 /// structure is checked once. It never reads past its input. The input must outlive whatever was
 /// decoded with Strings::Borrow.
-class Reader {
+class BUSBAR_API Reader {
 public:
     explicit Reader(std::span<const std::byte> input, Strings strings = Strings::Own,
                     const TypeRegistry* types = nullptr, const DecodeLimits& limits = {});

@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/function_ref.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/types/view.hpp>
@@ -15,14 +16,14 @@ namespace busbar::binary {
 /// `find_type` gives the NodeId of the ReferenceType of that BrowseName, null if it knows none.
 /// Bad_SyntaxError for text that is none, Bad_ReferenceTypeIdInvalid for an unknown ReferenceType.
 /// The result owns its strings. Takes linear time and memory; the caller limits the text.
-[[nodiscard]] Result<RelativePath>
+[[nodiscard]] BUSBAR_API Result<RelativePath>
 parse_relative_path(std::string_view text, FunctionRef<NodeId(const QualifiedName&)> find_type);
 
 /// The text that parse_relative_path reads as `path`. `name_of` gives the BrowseName of a
 /// ReferenceType, an empty one if it knows none. Bad_ReferenceTypeIdInvalid for an unknown or null
 /// ReferenceType, Bad_BrowseNameInvalid if an element but the last one has no targetName or a
 /// null name has a namespace: there is no text for these.
-[[nodiscard]] Result<std::string> to_text(const RelativePath& path,
-                                          FunctionRef<QualifiedName(const NodeId&)> name_of);
+[[nodiscard]] BUSBAR_API Result<std::string>
+to_text(const RelativePath& path, FunctionRef<QualifiedName(const NodeId&)> name_of);
 
 } // namespace busbar::binary

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/extension_object.hpp>
 
 namespace busbar::binary {
@@ -12,7 +13,7 @@ namespace busbar::binary {
 ///
 /// Tables are constant data sorted by binary_encoding_id (numeric ones first, by number, then
 /// strings) and must outlive the registry. Filled once, then read from any thread.
-class TypeRegistry {
+class BUSBAR_API TypeRegistry {
 public:
     using Table = std::span<const StructureType* const>;
 

@@ -10,13 +10,14 @@
 #include <utility>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/core/status_codes.hpp>
 
 namespace busbar::binary {
 
 /// Where a Writer's bytes go: a row of memory blocks, such as the bodies of a message's chunks.
-class Sink {
+class BUSBAR_API Sink {
 public:
     Sink() = default;
     Sink(const Sink&) = delete;
@@ -34,7 +35,7 @@ public:
 ///
 /// Sticky: after a failure it writes nothing and keeps the first status. A value may lie across
 /// two blocks. Only this class and Reader touch wire bytes.
-class Writer {
+class BUSBAR_API Writer {
 public:
     explicit Writer(Sink& sink) : sink_{&sink} {}
     /// A Writer that stands `outer` deep, to find the size of a part before it is written.
@@ -122,7 +123,7 @@ private:
 };
 
 /// Collects what is written in a vector of at most `limit` bytes.
-class VectorSink : public Sink {
+class BUSBAR_API VectorSink : public Sink {
 public:
     explicit VectorSink(std::size_t limit = SIZE_MAX) : limit_{limit} {}
 
@@ -137,7 +138,7 @@ private:
 };
 
 /// Keeps nothing of what is written; Writer::written() tells how much it was.
-class CountingSink : public Sink {
+class BUSBAR_API CountingSink : public Sink {
 public:
     [[nodiscard]] std::span<std::byte> next() override { return scratch_; }
     [[nodiscard]] StatusCode status() const override { return status::Bad_EncodingLimitsExceeded; }
@@ -147,7 +148,7 @@ private:
 };
 
 /// Encodes into one given block and fails with Bad_EncodingLimitsExceeded when it is full.
-class SpanSink : public Sink {
+class BUSBAR_API SpanSink : public Sink {
 public:
     explicit SpanSink(std::span<std::byte> block) : block_{block} {}
 

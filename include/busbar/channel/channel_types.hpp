@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <busbar/channel/key_log.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/result.hpp>
@@ -52,7 +53,7 @@ struct ApplicationIdentity {
 
 /// The bytes that the unfinished messages of all channels which share it may hold together, so that
 /// many peers cannot do what one of them may not. Any thread.
-class AssemblyBudget {
+class BUSBAR_API AssemblyBudget {
 public:
     explicit AssemblyBudget(std::size_t limit) : left_{limit} {}
 

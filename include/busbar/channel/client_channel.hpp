@@ -10,6 +10,7 @@
 
 #include <busbar/binary/writer.hpp>
 #include <busbar/channel/channel_types.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/core/function_ref.hpp>
 
 namespace busbar::channel {
@@ -31,7 +32,7 @@ struct ClientChannelConfig {
 
 /// The client's end of one connection; the shape of ServerChannel. Opens the channel by itself,
 /// renews its SecurityToken when 75 % of the lifetime are over (Part 4, 5.6.2.1).
-class ClientChannel {
+class BUSBAR_API ClientChannel {
 public:
     ClientChannel(ClientChannelConfig config, const ChannelEnvironment& environment, TimePoint now);
     ClientChannel(ClientChannel&&) noexcept;

@@ -4,12 +4,13 @@
 #include <string>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/result.hpp>
 
 namespace busbar::channel {
 
 /// The parts of "opc.tcp://host:port/path".
-struct EndpointUrl {
+struct BUSBAR_API EndpointUrl {
     /// Without the brackets of an IPv6 address.
     std::string host;
     std::uint16_t port{4840}; // Part 6, 7.2
@@ -23,6 +24,6 @@ struct EndpointUrl {
 };
 
 /// True if both are one host name or address; case does not matter.
-[[nodiscard]] bool is_same_host(std::string_view a, std::string_view b);
+[[nodiscard]] BUSBAR_API bool is_same_host(std::string_view a, std::string_view b);
 
 } // namespace busbar::channel

@@ -11,6 +11,7 @@
 
 #include <busbar/binary/writer.hpp>
 #include <busbar/channel/channel_types.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/core/function_ref.hpp>
 
 namespace busbar::channel {
@@ -30,7 +31,7 @@ struct ServerChannelConfig {
 ///
 /// A state machine: bytes and the time go in, bytes, events and the next deadline come out. Errors
 /// of the peer end in an Error message in output() and a Closed event. One thread at a time.
-class ServerChannel {
+class BUSBAR_API ServerChannel {
 public:
     ServerChannel(ServerChannelConfig config, const ChannelEnvironment& environment, TimePoint now);
     ServerChannel(ServerChannel&&) noexcept;

@@ -6,6 +6,7 @@
 
 #include <busbar/client/node_address.hpp>
 #include <busbar/client/operation.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/types/attribute.hpp>
 
@@ -19,26 +20,27 @@ struct ReadSettings {
 
 /// Reads attributes (Part 4, 5.11.2). `done` gets a DataValue for each item in their order; what a
 /// failed request had is the status of its items.
-Operation read(Requester& requester, std::vector<ReadValueId> items,
-               std::function<void(std::vector<DataValue>)> done, ReadSettings settings = {},
-               const ServiceOptions& options = {});
+BUSBAR_API Operation read(Requester& requester, std::vector<ReadValueId> items,
+                          std::function<void(std::vector<DataValue>)> done,
+                          ReadSettings settings = {}, const ServiceOptions& options = {});
 
 /// Writes attributes (Part 4, 5.11.4). `done` gets a status for each item.
-Operation write(Requester& requester, std::vector<WriteValue> items,
-                std::function<void(std::vector<StatusCode>)> done,
-                const ServiceOptions& options = {});
+BUSBAR_API Operation write(Requester& requester, std::vector<WriteValue> items,
+                           std::function<void(std::vector<StatusCode>)> done,
+                           const ServiceOptions& options = {});
 
 /// One attribute of one node as read() and write() take it.
-[[nodiscard]] ReadValueId attribute_of(NodeId node, AttributeId attribute = AttributeId::Value,
-                                       std::string_view index_range = {});
-[[nodiscard]] WriteValue value_for(NodeId node, DataValue value,
-                                   AttributeId attribute = AttributeId::Value,
-                                   std::string_view index_range = {});
+[[nodiscard]] BUSBAR_API ReadValueId attribute_of(NodeId node,
+                                                  AttributeId attribute = AttributeId::Value,
+                                                  std::string_view index_range = {});
+[[nodiscard]] BUSBAR_API WriteValue value_for(NodeId node, DataValue value,
+                                              AttributeId attribute = AttributeId::Value,
+                                              std::string_view index_range = {});
 
 /// Reads the same attribute of each node. An address that names no node has its status.
-Operation read(Requester& requester, std::vector<NodeAddress> nodes,
-               std::function<void(std::vector<DataValue>)> done,
-               AttributeId attribute = AttributeId::Value, ReadSettings settings = {},
-               const ServiceOptions& options = {});
+BUSBAR_API Operation read(Requester& requester, std::vector<NodeAddress> nodes,
+                          std::function<void(std::vector<DataValue>)> done,
+                          AttributeId attribute = AttributeId::Value, ReadSettings settings = {},
+                          const ServiceOptions& options = {});
 
 } // namespace busbar::client

@@ -14,6 +14,7 @@
 #include <busbar/client/requester.hpp>
 #include <busbar/client/subscriptions.hpp>
 #include <busbar/client/user_identity.hpp>
+#include <busbar/core/api.hpp>
 
 namespace busbar::client {
 
@@ -100,7 +101,7 @@ struct TransportOrder {
 /// its cycle. One thread; the net layer has drivers.
 ///
 /// Handlers may use the Client, but neither poll() nor destroy it.
-class Client final : public Requester {
+class BUSBAR_API Client final : public Requester {
 public:
     /// `environment` must outlive the Client; the validator decides on the server's certificate.
     Client(ClientConfig config, const channel::ChannelEnvironment& environment, TimePoint now);

@@ -13,6 +13,7 @@
 #include <busbar/channel/client_channel.hpp>
 #include <busbar/client/response.hpp>
 #include <busbar/client/user_identity.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/types/common.hpp>
 #include <busbar/types/discovery.hpp>
 
@@ -75,7 +76,7 @@ struct ConnectionEvent {
 /// A client on one connection to a server: opens the channel, creates and activates a session,
 /// sends requests and matches their responses. Sans-I/O, in the shape of the channel. A connection
 /// that is lost ends it; Client makes new ones.
-class Connection {
+class BUSBAR_API Connection {
 public:
     /// `environment` must outlive the Connection.
     Connection(ConnectionConfig config, const channel::ChannelEnvironment& environment,

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <busbar/client/user_identity.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/core/types.hpp>
@@ -38,15 +39,14 @@ struct EndpointChoice {
 /// the log tells in any case.
 /// Bad_ConfigurationError for a wish that this build knows nothing of, Bad_ResponseTooLarge for
 /// more endpoints than 500.
-[[nodiscard]] Result<EndpointChoice> choose_endpoint(const Array<EndpointDescription>& endpoints,
-                                                     const SecurityWishes& wishes,
-                                                     const UserIdentity& identity,
-                                                     std::string_view reached_by, LogSink& log);
+[[nodiscard]] BUSBAR_API Result<EndpointChoice>
+choose_endpoint(const Array<EndpointDescription>& endpoints, const SecurityWishes& wishes,
+                const UserIdentity& identity, std::string_view reached_by, LogSink& log);
 
 /// That CreateSession's list is what GetEndpoints gave, in any order, so that nobody on the way
 /// took the better ones away (Part 4, 5.7.2.2). Compared is what a client has to compare of the UA
 /// TCP endpoints, but for the URL. Bad_SecurityChecksFailed.
-[[nodiscard]] Result<void> check_endpoints(const Array<EndpointDescription>& discovered,
-                                           const Array<EndpointDescription>& of_session);
+[[nodiscard]] BUSBAR_API Result<void> check_endpoints(const Array<EndpointDescription>& discovered,
+                                                      const Array<EndpointDescription>& of_session);
 
 } // namespace busbar::client

@@ -7,6 +7,7 @@
 
 #include <busbar/client/operation.hpp>
 #include <busbar/client/requester.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/core/function_ref.hpp>
 #include <busbar/core/types.hpp>
 #include <busbar/types/view.hpp>
@@ -23,7 +24,7 @@ namespace busbar::client {
 ///                               paths, with <references>; nsu=urn:acme:machine; may stand for 2:
 ///   [ns=2;s=Line]/2:Speed       a browse path from any node; in the brackets, & stands before ]
 ///                               and &
-class NodeAddress {
+class BUSBAR_API NodeAddress {
 public:
     static constexpr std::size_t max_text_length = 65'536;
 
@@ -64,7 +65,8 @@ private:
 };
 
 /// What `id` is called on this server; errors as NodeAddress::node_id.
-[[nodiscard]] Result<NodeId> local_id(const ExpandedNodeId& id, const ServerInfo& server);
+[[nodiscard]] BUSBAR_API Result<NodeId> local_id(const ExpandedNodeId& id,
+                                                 const ServerInfo& server);
 
 /// Calls `done` with a NodeId or a status for each address, in their order; asks the server only
 /// for paths (Part 4, 5.9.4), in as few requests as its limits allow. A path with several targets
@@ -73,8 +75,8 @@ private:
 /// Names of ReferenceTypes that are not the specification's are looked up on the server. Before
 /// the first session the namespaces are not known: the operation waits for it then, as long as a
 /// request does.
-Operation resolve(Requester& requester, std::vector<NodeAddress> addresses,
-                  std::function<void(std::vector<Result<NodeId>>)> done,
-                  const ServiceOptions& options = {});
+BUSBAR_API Operation resolve(Requester& requester, std::vector<NodeAddress> addresses,
+                             std::function<void(std::vector<Result<NodeId>>)> done,
+                             const ServiceOptions& options = {});
 
 } // namespace busbar::client

@@ -5,13 +5,14 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/log.hpp>
 
 namespace busbar::client {
 
 /// Passes each text on once, so that what is tried again and again does not fill the log. Any
 /// thread.
-class OnceLog final : public LogSink {
+class BUSBAR_API OnceLog final : public LogSink {
 public:
     /// Texts that are told apart; what is new past them is dropped until forget().
     static constexpr std::size_t max_texts = 64;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <busbar/client/requester.hpp>
+#include <busbar/core/api.hpp>
 
 namespace busbar::client {
 
@@ -24,7 +25,7 @@ struct ServiceOptions {
 
 namespace detail {
 
-class OperationState {
+class BUSBAR_API OperationState {
 public:
     OperationState() = default;
     OperationState(const OperationState&) = delete;

@@ -7,6 +7,7 @@
 
 #include <busbar/client/client.hpp>
 #include <busbar/client/once_log.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/types/discovery.hpp>
 
 namespace busbar::client {
@@ -35,8 +36,10 @@ struct RegistrationSettings {
 /// What a Client for a Registration is configured with, who has to have `application_uri` in its
 /// certificate. Where `security.allows_none` is set, None is for discovery servers that offer
 /// nothing better, or for us without a certificate (`has_identity`).
-[[nodiscard]] ClientConfig registration_client(std::string discovery_url, SecurityWishes security,
-                                               std::string application_uri, bool has_identity);
+[[nodiscard]] BUSBAR_API ClientConfig registration_client(std::string discovery_url,
+                                                          SecurityWishes security,
+                                                          std::string application_uri,
+                                                          bool has_identity);
 
 /// Keeps a server registered with a discovery server (Part 4, 5.5.5 and 5.5.6): connects, sends
 /// RegisterServer2, or RegisterServer where that is not known, closes the connection, and does so
@@ -44,7 +47,7 @@ struct RegistrationSettings {
 ///
 /// Sans-I/O, beside a Client that is its own: drive that as ever, and call handle_deadline() when
 /// next_deadline(), which may change with every step of the Client, has come. One thread.
-class Registration {
+class BUSBAR_API Registration {
 public:
     /// What a discovery server would refuse: Bad_ServerUriInvalid, Bad_ServerNameMissing,
     /// Bad_DiscoveryUrlMissing; Bad_InvalidArgument for a Client or an mdnsServerName of 64 bytes

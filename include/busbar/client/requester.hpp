@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <busbar/client/response.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/types/common.hpp>
@@ -67,7 +68,7 @@ struct ResponseBody {
 
 /// Sends requests within a session and hands their responses over: what everything above a
 /// connection is written against, be it Client or a test's stand-in. One thread.
-class Requester {
+class BUSBAR_API Requester {
 public:
     /// Called once for each request, never from within call(), but not after cancel(). It may make
     /// requests and cancel others. What it gets is the response, the ServiceResult if that is bad,

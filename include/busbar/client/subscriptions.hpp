@@ -9,6 +9,7 @@
 
 #include <busbar/client/node_address.hpp>
 #include <busbar/client/requester.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/types/monitored_item.hpp>
 #include <busbar/types/subscription.hpp>
@@ -118,7 +119,7 @@ struct SubscriptionLimits {
 /// its items. Where the server has no Subscription service set, items are polled by Read. Whatever
 /// could not be had again is a Gap. Driven by the Client that owns it. The session's Publish
 /// requests are made here alone: a Subscription that answers one and is not known here is deleted.
-class Subscriptions {
+class BUSBAR_API Subscriptions {
 public:
     explicit Subscriptions(Requester& requester, SubscriptionLimits limits = {});
     Subscriptions(const Subscriptions&) = delete;

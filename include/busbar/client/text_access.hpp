@@ -9,6 +9,7 @@
 #include <busbar/client/node_address.hpp>
 #include <busbar/client/type_cache.hpp>
 #include <busbar/client/value_text.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/types/method.hpp>
 
 /// Writing and calling with texts, for command lines and scripts: the server is asked for the types
@@ -27,20 +28,20 @@ using Accessed = tl::expected<T, AccessError>;
 
 /// As what the text of a value with that DataType and ValueRank is to be read.
 /// Bad_DataTypeIdUnknown if the DataType is neither built in nor among the types.
-[[nodiscard]] Result<ValueType> value_type_of(const NodeId& data_type, std::int32_t value_rank,
-                                              const binary::DynamicTypes& types);
+[[nodiscard]] BUSBAR_API Result<ValueType>
+value_type_of(const NodeId& data_type, std::int32_t value_rank, const binary::DynamicTypes& types);
 
 /// Reads DataType and ValueRank of a Variable and writes the text as its value (see parse_value).
-Operation write_text(Requester& requester, TypeCache& types, const NodeAddress& node,
-                     std::string text, std::function<void(Accessed<void>)> done,
-                     const ServiceOptions& options = {});
+BUSBAR_API Operation write_text(Requester& requester, TypeCache& types, const NodeAddress& node,
+                                std::string text, std::function<void(Accessed<void>)> done,
+                                const ServiceOptions& options = {});
 
 /// Reads the InputArguments of a Method and calls it with a text for each. A bad status of the call
 /// is an error, with a note of the argument that the server did not like. Nothing is called if
 /// there are more or fewer arguments than the Method has.
-Operation call_text(Requester& requester, TypeCache& types, const NodeAddress& object,
-                    const NodeAddress& method, std::vector<std::string> arguments,
-                    std::function<void(Accessed<CallMethodResult>)> done,
-                    const ServiceOptions& options = {});
+BUSBAR_API Operation call_text(Requester& requester, TypeCache& types, const NodeAddress& object,
+                               const NodeAddress& method, std::vector<std::string> arguments,
+                               std::function<void(Accessed<CallMethodResult>)> done,
+                               const ServiceOptions& options = {});
 
 } // namespace busbar::client

@@ -7,6 +7,7 @@
 
 #include <busbar/binary/dynamic_value.hpp>
 #include <busbar/client/operation.hpp>
+#include <busbar/core/api.hpp>
 
 namespace busbar::client {
 
@@ -30,7 +31,7 @@ struct TypeCacheLimits {
 ///
 /// Forgets everything when the ServerInfo's revision changes, as the namespaces may have other
 /// indices then. One thread; the Requester must outlive it and its operations.
-class TypeCache {
+class BUSBAR_API TypeCache {
 public:
     explicit TypeCache(Requester& requester, TypeCacheLimits limits = {});
     TypeCache(const TypeCache&) = delete;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include <busbar/binary/dynamic_value.hpp>
+#include <busbar/core/api.hpp>
 
 /// Values as JSON for scripts, in the compact form of Part 6, 5.4: Int64 and UInt64 as strings, NaN
 /// and Infinity as strings, ByteStrings in base64, NodeIds as text. The result is always valid JSON
@@ -20,10 +21,11 @@ struct JsonOptions {
     std::size_t max_depth{100};
 };
 
-[[nodiscard]] std::string to_json(const Variant& value, const JsonOptions& options = {});
+[[nodiscard]] BUSBAR_API std::string to_json(const Variant& value, const JsonOptions& options = {});
 /// With Status, SourceTimestamp and ServerTimestamp where they are not Good or zero.
-[[nodiscard]] std::string to_json(const DataValue& value, const JsonOptions& options = {});
-[[nodiscard]] std::string to_json(const binary::DynamicValue& value,
-                                  const JsonOptions& options = {});
+[[nodiscard]] BUSBAR_API std::string to_json(const DataValue& value,
+                                             const JsonOptions& options = {});
+[[nodiscard]] BUSBAR_API std::string to_json(const binary::DynamicValue& value,
+                                             const JsonOptions& options = {});
 
 } // namespace busbar::client

@@ -7,6 +7,7 @@
 #include <tl/expected.hpp>
 
 #include <busbar/binary/dynamic_value.hpp>
+#include <busbar/core/api.hpp>
 
 /// Values as text for people, and back.
 namespace busbar::client {
@@ -20,10 +21,11 @@ struct TextOptions {
 };
 
 /// As binary::to_text, with the structures and names that are known. Safe to print on a terminal.
-[[nodiscard]] std::string to_text(const Variant& value, const TextOptions& options = {});
+[[nodiscard]] BUSBAR_API std::string to_text(const Variant& value, const TextOptions& options = {});
 /// "21.5", and where they say something, status and time:
 /// "21.5 (Uncertain_LastUsableValue, 2026-11-21T06:00:00Z)".
-[[nodiscard]] std::string to_text(const DataValue& value, const TextOptions& options = {});
+[[nodiscard]] BUSBAR_API std::string to_text(const DataValue& value,
+                                             const TextOptions& options = {});
 
 /// What a text is to be read as: what the attributes DataType and ValueRank of a Variable say.
 struct ValueType {
@@ -52,7 +54,7 @@ struct ValueError {
 /// lists; texts within are in quotes. Objects stand for a LocalizedText, {"Locale": "en", "Text":
 /// "x"}, and for structures by their fields' names. What to_json writes with types can be read as a
 /// Variant.
-[[nodiscard]] tl::expected<Variant, ValueError> parse_value(std::string_view text,
-                                                            const ValueType& type);
+[[nodiscard]] BUSBAR_API tl::expected<Variant, ValueError> parse_value(std::string_view text,
+                                                                       const ValueType& type);
 
 } // namespace busbar::client

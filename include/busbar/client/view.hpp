@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <busbar/client/operation.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/types/view.hpp>
 
 namespace busbar::client {
@@ -27,13 +28,13 @@ struct BrowseLimits {
 ///
 /// Where the server has too few continuation points, nodes wait for others. Continuation points
 /// that are not used up are released, also after cancel().
-Operation browse(Requester& requester, std::vector<BrowseDescription> nodes,
-                 std::function<void(std::vector<BrowseResult>)> done, BrowseLimits limits = {},
-                 const ServiceOptions& options = {});
+BUSBAR_API Operation browse(Requester& requester, std::vector<BrowseDescription> nodes,
+                            std::function<void(std::vector<BrowseResult>)> done,
+                            BrowseLimits limits = {}, const ServiceOptions& options = {});
 
 /// What browse() takes for the forward hierarchical references of a node, with all there is to
 /// know of their targets.
-[[nodiscard]] BrowseDescription children_of(NodeId node);
+[[nodiscard]] BUSBAR_API BrowseDescription children_of(NodeId node);
 
 struct TreeLimits {
     /// Levels below the roots.
@@ -62,23 +63,24 @@ struct BrowsedTree {
 
 /// Browses from `roots` down. `how` says along which references; its node_id is not used. Nodes of
 /// other servers are listed, not entered.
-Operation browse_tree(Requester& requester, std::vector<NodeId> roots, const BrowseDescription& how,
-                      std::function<void(BrowsedTree)> done, TreeLimits limits = {},
-                      const ServiceOptions& options = {});
+BUSBAR_API Operation browse_tree(Requester& requester, std::vector<NodeId> roots,
+                                 const BrowseDescription& how,
+                                 std::function<void(BrowsedTree)> done, TreeLimits limits = {},
+                                 const ServiceOptions& options = {});
 
 /// TranslateBrowsePathsToNodeIds (Part 4, 5.9.4). For NodeAddresses, see resolve().
-Operation translate(Requester& requester, std::vector<BrowsePath> paths,
-                    std::function<void(std::vector<BrowsePathResult>)> done,
-                    const ServiceOptions& options = {});
+BUSBAR_API Operation translate(Requester& requester, std::vector<BrowsePath> paths,
+                               std::function<void(std::vector<BrowsePathResult>)> done,
+                               const ServiceOptions& options = {});
 
 /// RegisterNodes (Part 4, 5.9.5). The ids are valid for the session only.
-Operation register_nodes(Requester& requester, std::vector<NodeId> nodes,
-                         std::function<void(std::vector<Result<NodeId>>)> done,
-                         const ServiceOptions& options = {});
+BUSBAR_API Operation register_nodes(Requester& requester, std::vector<NodeId> nodes,
+                                    std::function<void(std::vector<Result<NodeId>>)> done,
+                                    const ServiceOptions& options = {});
 
 /// UnregisterNodes (Part 4, 5.9.6). Unknown ids are no error.
-Operation unregister_nodes(Requester& requester, std::vector<NodeId> nodes,
-                           std::function<void(std::vector<StatusCode>)> done,
-                           const ServiceOptions& options = {});
+BUSBAR_API Operation unregister_nodes(Requester& requester, std::vector<NodeId> nodes,
+                                      std::function<void(std::vector<StatusCode>)> done,
+                                      const ServiceOptions& options = {});
 
 } // namespace busbar::client

@@ -12,6 +12,7 @@
 #include <tl/expected.hpp>
 
 #include <busbar/controller/plc_config.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/server/process_image.hpp>
 
 namespace busbar::controller {
@@ -26,7 +27,7 @@ class PlcWatch;
 /// It knows no clock: whoever calls scan() says what time it is. scan(), halt() and image()'s task
 /// side belong to one thread at a time; they never wait, allocate or free. The rest is for any
 /// thread.
-class Plc {
+class BUSBAR_API Plc {
 public:
     [[nodiscard]] static tl::expected<std::unique_ptr<Plc>, PlcConfigError>
     create(const PlcConfig& config, server::ImageOptions options = {});

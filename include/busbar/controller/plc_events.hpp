@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <busbar/controller/plc.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/model/address_space.hpp>
 #include <busbar/server/event.hpp>
 
@@ -11,7 +12,7 @@ namespace busbar::controller {
 
 /// Tells a server of what happens in a PLC. An event is a BaseEventType whose source is the
 /// variable; it has the configuration's severity and message, and the scan's time.
-class PlcEvents {
+class BUSBAR_API PlcEvents {
 public:
     /// Makes the folder of publish_variables a notifier below the Server object and the variables
     /// that are watched its event sources (Part 3, 7.17 and 7.18). Errors are those of

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include <busbar/controller/plc.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/model/address_space.hpp>
 #include <busbar/server/method_table.hpp>
 
@@ -15,7 +16,7 @@ namespace busbar::controller {
 ///
 /// `source` is the index that the server gave to `table`, which must not outlive `plc`. Errors are
 /// those of AddressSpace.
-Result<void> publish_methods(model::AddressSpace& address_space, model::NodeIndex folder, Plc& plc,
-                             server::MethodTable& table, std::uint32_t source);
+BUSBAR_API Result<void> publish_methods(model::AddressSpace& address_space, model::NodeIndex folder,
+                                        Plc& plc, server::MethodTable& table, std::uint32_t source);
 
 } // namespace busbar::controller

@@ -3,6 +3,7 @@
 #include <string>
 
 #include <busbar/controller/plc.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/model/address_space.hpp>
 
 namespace busbar::controller {
@@ -20,7 +21,8 @@ struct PlcNodesOptions {
 /// Adds a folder and in it a node for each of the PLC's variables: its NodeId and BrowseName are
 /// the variable's name, its handle the one in the PLC's image. Gives the folder; errors are those
 /// of AddressSpace, and what was added before one stays.
-Result<model::NodeIndex> publish_variables(model::AddressSpace& address_space, const Plc& plc,
-                                           const PlcNodesOptions& options);
+BUSBAR_API Result<model::NodeIndex> publish_variables(model::AddressSpace& address_space,
+                                                      const Plc& plc,
+                                                      const PlcNodesOptions& options);
 
 } // namespace busbar::controller

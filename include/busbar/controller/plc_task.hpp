@@ -8,6 +8,7 @@
 #include <thread>
 
 #include <busbar/controller/plc.hpp>
+#include <busbar/core/api.hpp>
 
 namespace busbar::controller {
 
@@ -19,7 +20,7 @@ namespace busbar::controller {
 ///
 /// `plc` and `clock` must outlive it; from start() to stop() nobody else may use the scan's side of
 /// `plc`. start() and stop() belong to one thread.
-class PlcTask {
+class BUSBAR_API PlcTask {
 public:
     PlcTask(Plc& plc, const WallClock& clock, Duration cycle = std::chrono::milliseconds{20},
             int realtime_priority = 0);

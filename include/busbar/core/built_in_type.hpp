@@ -5,6 +5,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/date_time.hpp>
 #include <busbar/core/guid.hpp>
 #include <busbar/core/node_id.hpp>
@@ -47,7 +48,7 @@ enum class BuiltInType : std::uint8_t {
 inline constexpr std::uint8_t last_built_in_type = 25;
 
 /// "Int32"; "Null" for BuiltInType::Null. The view is of constant data.
-[[nodiscard]] std::string_view name(BuiltInType type);
+[[nodiscard]] BUSBAR_API std::string_view name(BuiltInType type);
 
 class ExtensionObject;
 struct DataValue;

@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/date_time.hpp>
 
 namespace busbar {
@@ -20,7 +21,7 @@ using TimePoint = std::chrono::time_point<std::chrono::steady_clock, Duration>;
 inline constexpr TimePoint no_deadline = TimePoint::max();
 
 /// The time of day, injected where a message needs it (timestamps, certificate validity).
-class WallClock {
+class BUSBAR_API WallClock {
 public:
     WallClock() = default;
     WallClock(const WallClock&) = delete;

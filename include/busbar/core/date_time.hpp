@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <string>
 
+#include <busbar/core/api.hpp>
+
 namespace busbar {
 
 /// DateTime (Part 6, 5.2.2.5): 100 ns ticks since 1601-01-01T00:00:00Z. Zero means "no time".
@@ -41,6 +43,6 @@ struct DateTime {
 };
 
 /// "2026-11-21T06:00:00.1234567Z", trailing zeros of the fraction left out.
-[[nodiscard]] std::string to_string(DateTime time);
+[[nodiscard]] BUSBAR_API std::string to_string(DateTime time);
 
 } // namespace busbar

@@ -4,13 +4,14 @@
 #include <memory>
 #include <optional>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/status_code.hpp>
 #include <busbar/core/string.hpp>
 
 namespace busbar {
 
 /// DiagnosticInfo (Part 4, 7.12; Part 6, 5.2.2.12). The numbers index the response's string table.
-struct DiagnosticInfo {
+struct BUSBAR_API DiagnosticInfo {
     std::optional<std::int32_t> symbolic_id;
     std::optional<std::int32_t> namespace_uri;
     std::optional<std::int32_t> locale;
@@ -29,7 +30,7 @@ struct DiagnosticInfo {
     /// True if nothing of it is set: the encoding is one zero byte.
     [[nodiscard]] bool is_null() const;
 
-    friend bool operator==(const DiagnosticInfo& a, const DiagnosticInfo& b);
+    friend BUSBAR_API bool operator==(const DiagnosticInfo& a, const DiagnosticInfo& b);
 };
 
 } // namespace busbar

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/node_id.hpp>
 #include <busbar/core/string.hpp>
 
@@ -48,7 +49,7 @@ struct StructureType {
 ///
 /// A body whose type the decoder knew is a C++ object; any other is kept as the bytes it came in
 /// and is encoded again byte for byte. Thread-compatible.
-class ExtensionObject {
+class BUSBAR_API ExtensionObject {
 public:
     enum class Body : std::uint8_t { None, Binary, Xml, Object };
 
@@ -92,7 +93,7 @@ public:
     /// The text of an Xml body, else null.
     [[nodiscard]] const XmlElement& xml() const { return xml_; }
 
-    friend bool operator==(const ExtensionObject& a, const ExtensionObject& b);
+    friend BUSBAR_API bool operator==(const ExtensionObject& a, const ExtensionObject& b);
 
 private:
     NodeId encoding_id_;

@@ -3,13 +3,15 @@
 #include <cstdint>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
+
 namespace busbar {
 
 enum class LogLevel : std::uint8_t { Debug, Info, Warning, Error };
 
 /// Where the library reports what an operator may want to know. Never given secrets; texts from
 /// peers have passed `printable`.
-class LogSink {
+class BUSBAR_API LogSink {
 public:
     LogSink() = default;
     LogSink(const LogSink&) = delete;
@@ -22,7 +24,7 @@ public:
 };
 
 /// Drops everything.
-class NullLog final : public LogSink {
+class BUSBAR_API NullLog final : public LogSink {
 public:
     void write(LogLevel, std::string_view, std::string_view) override {}
 };

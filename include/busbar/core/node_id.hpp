@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/guid.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/core/string.hpp>
@@ -16,7 +17,7 @@ namespace busbar {
 enum class IdType : std::uint8_t { Numeric = 0, String = 1, Guid = 2, Opaque = 3 };
 
 /// NodeId (Part 3, 8.2; Part 6, 5.2.2.9) in 24 bytes. The default is the null NodeId, i=0.
-class NodeId {
+class BUSBAR_API NodeId {
 public:
     NodeId() : numeric_{0} {}
     NodeId(std::uint16_t namespace_index, std::uint32_t identifier)
@@ -60,8 +61,8 @@ public:
                numeric_ == namespace0_identifier;
     }
 
-    friend bool operator==(const NodeId& a, const NodeId& b);
-    friend std::strong_ordering operator<=>(const NodeId& a, const NodeId& b);
+    friend BUSBAR_API bool operator==(const NodeId& a, const NodeId& b);
+    friend BUSBAR_API std::strong_ordering operator<=>(const NodeId& a, const NodeId& b);
 
 private:
     void destroy();
@@ -79,8 +80,8 @@ private:
 };
 
 /// The text form that NodeId::parse reads.
-[[nodiscard]] std::string to_string(const NodeId& id);
-[[nodiscard]] std::size_t hash_value(const NodeId& id);
+[[nodiscard]] BUSBAR_API std::string to_string(const NodeId& id);
+[[nodiscard]] BUSBAR_API std::size_t hash_value(const NodeId& id);
 
 /// ExpandedNodeId (Part 4, 7.16; Part 6, 5.2.2.10).
 struct ExpandedNodeId {
@@ -104,7 +105,7 @@ struct ExpandedNodeId {
 };
 
 /// "svr=1;nsu=urn:x;i=5".
-[[nodiscard]] std::string to_string(const ExpandedNodeId& id);
+[[nodiscard]] BUSBAR_API std::string to_string(const ExpandedNodeId& id);
 
 } // namespace busbar
 

@@ -6,13 +6,14 @@
 #include <span>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/core/variant.hpp>
 
 namespace busbar {
 
 /// NumericRange (Part 4, 7.27): "3", "1:4", "0:1,2:5". An empty text is no range.
-class NumericRange {
+class BUSBAR_API NumericRange {
 public:
     static constexpr std::size_t max_dimensions = 16;
     struct Bounds {
@@ -40,13 +41,14 @@ private:
 /// The part of `value` that `range` names: of an array, a matrix, a String, a ByteString, or (one
 /// dimension more) of the texts in an array of them. The last bound may lie past the end, the
 /// first may not. Bad_IndexRangeNoData when nothing is there or the dimensions do not fit.
-[[nodiscard]] Result<Variant> read_range(const Variant& value, const NumericRange& range);
+[[nodiscard]] BUSBAR_API Result<Variant> read_range(const Variant& value,
+                                                    const NumericRange& range);
 
 /// Replaces the part of `target` that `range` names by `part`, whose type must be the same and
 /// whose size that of the range. Bad_IndexRangeNoData if any of the range lies outside `target`,
 /// Bad_IndexRangeDataMismatch if the sizes differ, Bad_TypeMismatch if the types do;
 /// `target` is then as it was (Part 4, 5.11.4.4).
-[[nodiscard]] Result<void> write_range(Variant& target, const NumericRange& range,
-                                       const Variant& part);
+[[nodiscard]] BUSBAR_API Result<void> write_range(Variant& target, const NumericRange& range,
+                                                  const Variant& part);
 
 } // namespace busbar

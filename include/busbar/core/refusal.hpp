@@ -5,6 +5,7 @@
 
 #include <tl/expected.hpp>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/status_code.hpp>
 #include <busbar/core/status_codes.hpp>
@@ -41,9 +42,9 @@ using Checked = tl::expected<T, Refusal>;
 /// The refusal as one line:
 /// "Trust List Check failed: neither ... nor ... (CN=Line 3, 01AB...): Bad_CertificateUntrusted,
 /// Part 4, 6.1.3, Table 100. Move it from rejected to trusted."
-[[nodiscard]] std::string text(const Refusal& refusal);
+[[nodiscard]] BUSBAR_API std::string text(const Refusal& refusal);
 
 /// Writes that line as a warning. Whoever answers the peer does it, once for each refusal.
-void explain(LogSink& log, std::string_view source, const Refusal& refusal);
+BUSBAR_API void explain(LogSink& log, std::string_view source, const Refusal& refusal);
 
 } // namespace busbar

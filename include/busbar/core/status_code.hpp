@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
+
 namespace busbar {
 
 /// A StatusCode (Part 4, 7.38): severity in bits 30-31, sub code in 16-27, info bits in 0-15.
@@ -28,6 +30,6 @@ private:
 
 /// The specification's symbolic name ("Bad_Timeout") of `code.code()`; empty if it has none.
 /// The view is of constant data.
-[[nodiscard]] std::string_view name(StatusCode code);
+[[nodiscard]] BUSBAR_API std::string_view name(StatusCode code);
 
 } // namespace busbar

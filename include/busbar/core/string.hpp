@@ -140,7 +140,7 @@ public:
     friend std::strong_ordering operator<=>(const String& a, const String& b)
     {
         const auto by_null = b.is_null() <=> a.is_null();
-        return by_null != std::strong_ordering::equal ? by_null : a.view() <=> b.view();
+        return by_null != std::strong_ordering::equal ? by_null : a.view().compare(b.view()) <=> 0;
     }
 };
 
@@ -183,7 +183,7 @@ public:
     friend std::strong_ordering operator<=>(const ByteString& a, const ByteString& b)
     {
         const auto by_null = b.is_null() <=> a.is_null();
-        return by_null != std::strong_ordering::equal ? by_null : a.text() <=> b.text();
+        return by_null != std::strong_ordering::equal ? by_null : a.text().compare(b.text()) <=> 0;
     }
 
 private:

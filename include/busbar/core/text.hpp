@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/string.hpp>
 
 namespace busbar {
@@ -28,7 +29,7 @@ struct QualifiedName {
 };
 
 /// "2:Name"; without the index for namespace 0.
-[[nodiscard]] std::string to_string(const QualifiedName& name);
+[[nodiscard]] BUSBAR_API std::string to_string(const QualifiedName& name);
 
 /// LocalizedText (Part 3, 8.5). On the wire null and empty are one (Part 6, 5.2.2.14).
 struct LocalizedText {
@@ -45,6 +46,6 @@ struct LocalizedText {
 
 /// `text` with control characters and bytes that are no UTF-8 as \xHH, at most `max_bytes` long;
 /// for logs and terminals.
-[[nodiscard]] std::string printable(std::string_view text, std::size_t max_bytes = 256);
+[[nodiscard]] BUSBAR_API std::string printable(std::string_view text, std::size_t max_bytes = 256);
 
 } // namespace busbar

@@ -3,15 +3,17 @@
 #include <optional>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/types.hpp>
 
 namespace busbar {
 
 /// "2026-11-21T06:00:00.123Z", with "+01:00" in place of "Z", or without either for UTC.
-[[nodiscard]] std::optional<DateTime> parse_date_time(std::string_view text);
+[[nodiscard]] BUSBAR_API std::optional<DateTime> parse_date_time(std::string_view text);
 /// "svr=1;nsu=urn:x;i=5" with any of the first two left out (Part 6, 5.3.1.11).
-[[nodiscard]] std::optional<ExpandedNodeId> parse_expanded_node_id(std::string_view text);
+[[nodiscard]] BUSBAR_API std::optional<ExpandedNodeId>
+parse_expanded_node_id(std::string_view text);
 /// "Bad_Timeout", "0x800A0000" or "2148139008".
-[[nodiscard]] std::optional<StatusCode> parse_status_code(std::string_view text);
+[[nodiscard]] BUSBAR_API std::optional<StatusCode> parse_status_code(std::string_view text);
 
 } // namespace busbar

@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <utility>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/array.hpp>
 #include <busbar/core/built_in_type.hpp>
 
@@ -19,7 +20,7 @@ namespace busbar {
 /// Scalars of up to 16 bytes (numbers, String, Guid, ...) and arrays' headers lie in the Variant
 /// itself; others are boxed. A matrix is its elements in row-major order with two or more
 /// dimensions. Float and Double compare NaN equal to NaN. Thread-compatible.
-class Variant {
+class BUSBAR_API Variant {
 public:
     Variant() = default;
     Variant(const Variant& other);
@@ -136,7 +137,7 @@ public:
         return const_cast<Array<T>*>(std::as_const(*this).array_if<T>());
     }
 
-    friend bool operator==(const Variant& a, const Variant& b);
+    friend BUSBAR_API bool operator==(const Variant& a, const Variant& b);
 
 private:
     enum class Kind : std::uint8_t { Null, Scalar, Array, Matrix };

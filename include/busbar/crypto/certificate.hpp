@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/date_time.hpp>
 #include <busbar/core/result.hpp>
 
@@ -17,7 +18,7 @@ struct x509_st;
 namespace busbar::crypto {
 
 /// One X.509 v3 ApplicationInstanceCertificate (Part 6, 6.2.2). Immutable; copies share.
-class Certificate {
+class BUSBAR_API Certificate {
 public:
     /// Exactly one DER certificate of at most 16 KiB with a key that makes sense and has at most
     /// 8192 bits; Bad_CertificateInvalid for anything else.
@@ -65,6 +66,6 @@ inline constexpr std::size_t max_chain_size = 65'536; // bytes of DER
 
 /// Splits concatenated DER certificates; Bad_CertificateInvalid if there is none, something else is
 /// among them, or they are more than max_chain_length or larger than max_chain_size.
-[[nodiscard]] Result<CertificateChain> parse_chain(std::span<const std::byte> der);
+[[nodiscard]] BUSBAR_API Result<CertificateChain> parse_chain(std::span<const std::byte> der);
 
 } // namespace busbar::crypto

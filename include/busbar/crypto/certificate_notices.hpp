@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/date_time.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/crypto/certificate.hpp>
@@ -30,13 +31,13 @@ inline constexpr std::int64_t expiry_notice_days = 30;
 /// The notices at `now`, in the order of their kinds, at most one of each. `hosts` are the names
 /// and addresses by which clients reach this machine; those that the certificate does not name are
 /// in one notice, since clients refuse to connect by them (Part 4, 6.1.3).
-[[nodiscard]] std::vector<CertificateNotice>
+[[nodiscard]] BUSBAR_API std::vector<CertificateNotice>
 certificate_notices(const Certificate& certificate, DateTime now,
                     std::span<const std::string> hosts);
 
 /// Says notices to a log: each when it comes up, and again once a day. An expired certificate is an
 /// error, everything else a warning. One thread at a time.
-class CertificateWatch {
+class BUSBAR_API CertificateWatch {
 public:
     /// `log` must outlive this.
     explicit CertificateWatch(LogSink& log) : log_{&log} {}

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/date_time.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/refusal.hpp>
@@ -27,7 +28,7 @@ class StoreLists;
 enum class StoreList : std::uint8_t { Own, Trusted, Issuers, Rejected };
 
 /// "trusted", as the folder is called.
-[[nodiscard]] std::string_view name(StoreList list);
+[[nodiscard]] BUSBAR_API std::string_view name(StoreList list);
 
 /// One file of a list. All texts are `printable`.
 struct StoreEntry {
@@ -62,7 +63,7 @@ struct StoreEntry {
 /// same store.
 ///
 /// Operations block on the disk. One thread at a time.
-class CertificateStore {
+class BUSBAR_API CertificateStore {
 public:
     /// `log` must outlive this.
     CertificateStore(std::string folder, const StoreLimits& limits, LogSink& log);
@@ -114,7 +115,7 @@ private:
 
 /// What a certificate says, for people: one line for each of subject, issuer, serial number,
 /// validity, names, key, signature, usage and thumbprint. Printable whatever is in it.
-[[nodiscard]] std::string certificate_text(const Certificate& certificate);
-[[nodiscard]] std::string revocation_list_text(const RevocationList& list);
+[[nodiscard]] BUSBAR_API std::string certificate_text(const Certificate& certificate);
+[[nodiscard]] BUSBAR_API std::string revocation_list_text(const RevocationList& list);
 
 } // namespace busbar::crypto

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/date_time.hpp>
 #include <busbar/core/refusal.hpp>
 #include <busbar/core/result.hpp>
@@ -65,12 +66,12 @@ inline constexpr std::size_t max_signature_checks = 32;
 /// Nothing if the certificate is accepted, else the first step that failed. `suppressed`, if not
 /// null, gets what failed and was let pass by a setting; Part 4 asks for an audit event for each.
 /// Pure: logs and saves nothing. Any thread.
-[[nodiscard]] std::optional<Refusal>
+[[nodiscard]] BUSBAR_API std::optional<Refusal>
 check_chain(const CertificateChain& chain, const TrustList& list, const ValidationContext& context,
             const ValidationSettings& settings = {}, std::vector<Refusal>* suppressed = nullptr);
 
 /// Decides whether a peer's certificate is accepted (Part 4, 6.1.3).
-class CertificateValidator {
+class BUSBAR_API CertificateValidator {
 public:
     CertificateValidator() = default;
     CertificateValidator(const CertificateValidator&) = delete;
@@ -87,11 +88,11 @@ public:
 /// The steps of the table that need neither issuers nor trust list: structure, policy, validity,
 /// host name, ApplicationUri, usage. As if the leaf were a trusted root; its signature is not
 /// verified.
-[[nodiscard]] Checked<void> check_certificate(const Certificate& leaf,
-                                              const ValidationContext& context);
+[[nodiscard]] BUSBAR_API Checked<void> check_certificate(const Certificate& leaf,
+                                                         const ValidationContext& context);
 
 /// Accepts whoever has a key that the policy allows. For tests and the marked demo only.
-class InsecureAcceptAnyCertificate final : public CertificateValidator {
+class BUSBAR_API InsecureAcceptAnyCertificate final : public CertificateValidator {
 public:
     [[nodiscard]] Checked<void> validate(const CertificateChain& chain,
                                          const ValidationContext& context) override;

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/date_time.hpp>
 #include <busbar/core/refusal.hpp>
 #include <busbar/core/result.hpp>
@@ -23,11 +24,11 @@ namespace busbar::crypto {
 /// JWS algorithms (RFC 7518, 3.1). There is no "none", and there are no others.
 enum class JwtAlgorithm : std::uint8_t { RS256, PS256, ES256, HS256 };
 
-[[nodiscard]] std::string_view name(JwtAlgorithm algorithm);
+[[nodiscard]] BUSBAR_API std::string_view name(JwtAlgorithm algorithm);
 
 /// A key that tokens may be signed with, and the one algorithm it is used for: a token that names
 /// another one is refused, whatever key it names (RFC 8725, 3.1). Immutable; copies share.
-class JwtKey {
+class BUSBAR_API JwtKey {
 public:
     /// The public key of an RSA (2048 bits or more) or P-256 certificate or PEM public key.
     /// Bad_ConfigurationError if it is none, or not one for the algorithm. `id` is the `kid` that
@@ -91,7 +92,9 @@ struct JwtClaims {
 /// Bad_IdentityTokenInvalid for what is no such token, Bad_IdentityTokenRejected for one that does
 /// not count here or now. The refusal says why and holds nothing of the token but printable claims.
 /// Claims are not looked at before the signature is verified. Bounded work for any text.
-[[nodiscard]] Checked<JwtClaims> verify_jwt(std::string_view token, const JwtRules& rules,
-                                            std::string_view application_uri, DateTime now);
+[[nodiscard]] BUSBAR_API Checked<JwtClaims> verify_jwt(std::string_view token,
+                                                       const JwtRules& rules,
+                                                       std::string_view application_uri,
+                                                       DateTime now);
 
 } // namespace busbar::crypto

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/refusal.hpp>
 #include <busbar/crypto/certificate.hpp>
 #include <busbar/crypto/private_key.hpp>
@@ -47,7 +48,7 @@ struct OwnCertificateSettings {
 ///
 /// Files that others put there may be PEM or DER; keys with a passphrase are to be installed. One
 /// process, one thread at a time. All functions block on the disk; making a key takes seconds.
-class OwnCertificateStore {
+class BUSBAR_API OwnCertificateStore {
 public:
     /// A key pair of its own for the request, or that of the certificate in force.
     enum class RequestKey : std::uint8_t { New, Present };
@@ -87,10 +88,11 @@ private:
 
 /// The certificates of a PEM file, or concatenated DER, in their order: max_chain_length at most,
 /// of max_chain_size together.
-[[nodiscard]] Checked<std::vector<Certificate>>
+[[nodiscard]] BUSBAR_API Checked<std::vector<Certificate>>
 read_certificates(std::span<const std::byte> contents);
 
 /// Writes the certificate alone, for the peers that shall trust it; replaces the file `path`.
-[[nodiscard]] Result<void> export_der(const Certificate& certificate, const std::string& path);
+[[nodiscard]] BUSBAR_API Result<void> export_der(const Certificate& certificate,
+                                                 const std::string& path);
 
 } // namespace busbar::crypto

@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/refusal.hpp>
 #include <busbar/crypto/own_certificate.hpp>
 
@@ -20,8 +21,8 @@ struct Pkcs12Limits {
 /// The private key of a PKCS#12 file (RFC 7292), its certificate and those that signed it, as far
 /// as they are there, in order. Refused if a limit is passed, the passphrase is wrong, or there is
 /// not exactly one RSA key with its certificate. Bags within bags are not looked into.
-[[nodiscard]] Checked<OwnCertificate> read_pkcs12(std::span<const std::byte> contents,
-                                                  std::string_view passphrase,
-                                                  const Pkcs12Limits& limits = {});
+[[nodiscard]] BUSBAR_API Checked<OwnCertificate> read_pkcs12(std::span<const std::byte> contents,
+                                                             std::string_view passphrase,
+                                                             const Pkcs12Limits& limits = {});
 
 } // namespace busbar::crypto

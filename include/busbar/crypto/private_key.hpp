@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/crypto/certificate.hpp>
 #include <busbar/crypto/secret.hpp>
@@ -16,7 +17,7 @@ struct evp_pkey_st;
 namespace busbar::crypto {
 
 /// An RSA key pair. Immutable; copies share.
-class PrivateKey {
+class BUSBAR_API PrivateKey {
 public:
     /// PEM or DER of at most 64 KiB, PKCS#1 or PKCS#8, the latter also encrypted.
     /// Bad_ConfigurationError if it is none of them, no RSA key, the passphrase is wrong, or

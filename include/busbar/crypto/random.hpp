@@ -3,12 +3,13 @@
 #include <cstddef>
 #include <span>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/result.hpp>
 
 namespace busbar::crypto {
 
 /// Where nonces, tokens and ids come from; injected so that a test can repeat a run.
-class Random {
+class BUSBAR_API Random {
 public:
     Random() = default;
     Random(const Random&) = delete;
@@ -20,7 +21,7 @@ public:
 };
 
 /// OpenSSL's generator. Any thread.
-class SystemRandom final : public Random {
+class BUSBAR_API SystemRandom final : public Random {
 public:
     [[nodiscard]] Result<void> fill(std::span<std::byte> bytes) override;
 };

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/date_time.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/crypto/certificate.hpp>
@@ -19,7 +20,7 @@ namespace busbar::crypto {
 /// One certificate revocation list (Part 6, 6.2.5; RFC 5280, 5). Immutable; copies share.
 ///
 /// Nothing here says that a list is genuine: ask is_signed_by before believing it.
-class RevocationList {
+class BUSBAR_API RevocationList {
 public:
     static constexpr std::size_t max_size = 1'048'576; // bytes of DER
 

@@ -6,10 +6,12 @@
 #include <utility>
 #include <vector>
 
+#include <busbar/core/api.hpp>
+
 namespace busbar::crypto {
 
 /// Overwrites `bytes` in a way that the compiler keeps.
-void cleanse(std::span<std::byte> bytes);
+BUSBAR_API void cleanse(std::span<std::byte> bytes);
 
 /// Bytes of a key or password: move-only, overwritten when they go.
 class Secret {
@@ -17,7 +19,10 @@ public:
     Secret() = default;
     explicit Secret(std::size_t size) : bytes_(size) {}
     explicit Secret(std::span<const std::byte> bytes) : bytes_(bytes.begin(), bytes.end()) {}
-    explicit Secret(std::string_view text) : Secret{std::as_bytes(std::span{text})} {}
+    explicit Secret(std::string_view text)
+        : Secret{std::as_bytes(std::span<const char>{text.data(), text.size()})}
+    {
+    }
     Secret(const Secret&) = delete;
     Secret& operator=(const Secret&) = delete;
     Secret(Secret&& other) noexcept : bytes_{std::exchange(other.bytes_, {})} {}
@@ -43,7 +48,7 @@ private:
 };
 
 /// True if both are the same, in a time that depends on their sizes only.
-[[nodiscard]] bool equal_in_constant_time(std::span<const std::byte> a,
-                                          std::span<const std::byte> b);
+[[nodiscard]] BUSBAR_API bool equal_in_constant_time(std::span<const std::byte> a,
+                                                     std::span<const std::byte> b);
 
 } // namespace busbar::crypto

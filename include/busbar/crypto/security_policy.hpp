@@ -5,6 +5,8 @@
 #include <span>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
+
 namespace busbar::crypto {
 
 enum class AsymmetricSignature : std::uint8_t { None, Pkcs1Sha1, Pkcs1Sha256, PssSha256 };
@@ -40,11 +42,11 @@ struct SecurityPolicy {
 
 /// All policies this build knows: None, then from the weakest to the strongest. The deprecated
 /// ones, Basic128Rsa15 and Basic256, are among them only if BUSBAR_LEGACY_POLICIES was on.
-[[nodiscard]] std::span<const SecurityPolicy> security_policies();
+[[nodiscard]] BUSBAR_API std::span<const SecurityPolicy> security_policies();
 /// The policy with this URI or this name, null if there is none.
-[[nodiscard]] const SecurityPolicy* find_policy(std::string_view uri);
-[[nodiscard]] const SecurityPolicy* find_policy_by_name(std::string_view name);
+[[nodiscard]] BUSBAR_API const SecurityPolicy* find_policy(std::string_view uri);
+[[nodiscard]] BUSBAR_API const SecurityPolicy* find_policy_by_name(std::string_view name);
 /// SecurityPolicy None.
-[[nodiscard]] const SecurityPolicy& policy_none();
+[[nodiscard]] BUSBAR_API const SecurityPolicy& policy_none();
 
 } // namespace busbar::crypto

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/date_time.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/crypto/certificate.hpp>
@@ -34,11 +35,11 @@ struct CertificateSubject {
 };
 
 /// Adds `host` to the DNS names or to the addresses, whichever it is.
-void add_host(CertificateSubject& subject, const std::string& host);
+BUSBAR_API void add_host(CertificateSubject& subject, const std::string& host);
 
 /// A certificate that is its own issuer, signed with SHA-256, for a server and a client; no CA.
 /// Bad_InvalidArgument if a name, address or time cannot stand in a certificate.
-[[nodiscard]] Result<Certificate> create_self_signed(const PrivateKey& key,
-                                                     const CertificateSubject& subject);
+[[nodiscard]] BUSBAR_API Result<Certificate> create_self_signed(const PrivateKey& key,
+                                                                const CertificateSubject& subject);
 
 } // namespace busbar::crypto

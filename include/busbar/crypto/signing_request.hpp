@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/crypto/private_key.hpp>
 #include <busbar/crypto/self_signed.hpp>
@@ -13,7 +14,7 @@ namespace busbar::crypto {
 /// by `key`, which it asks a certificate for. It has the subject's names and, as requested
 /// extensions, the alternative names and usages of Part 6, 6.2.2; the CA decides the validity.
 /// Bad_InvalidArgument if a name or address cannot stand in a certificate.
-[[nodiscard]] Result<std::vector<std::byte>>
+[[nodiscard]] BUSBAR_API Result<std::vector<std::byte>>
 create_signing_request(const PrivateKey& key, const CertificateSubject& subject);
 
 } // namespace busbar::crypto

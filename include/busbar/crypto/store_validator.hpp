@@ -1,5 +1,6 @@
 #pragma once
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/crypto/certificate_store.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
@@ -12,7 +13,7 @@ namespace busbar::crypto {
 ///
 /// The refusal is the caller's to log. What a setting let pass is logged here. One thread at a
 /// time, as the store.
-class StoreValidator final : public CertificateValidator {
+class BUSBAR_API StoreValidator final : public CertificateValidator {
 public:
     /// `store` and `log` must outlive this.
     StoreValidator(CertificateStore& store, LogSink& log, const ValidationSettings& settings = {});

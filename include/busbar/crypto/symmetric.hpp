@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/crypto/secret.hpp>
 #include <busbar/crypto/security_policy.hpp>
@@ -20,14 +21,14 @@ struct SymmetricKeys {
 /// Derives keys with the policy's P_hash. For the client's keys the secret is the server's nonce
 /// and the seed the client's; for the server's the other way round (Part 6, 6.7.5; 6.7.6 in later
 /// editions). Bad_SecurityChecksFailed with policy None or an empty secret.
-[[nodiscard]] Result<SymmetricKeys> derive_keys(const SecurityPolicy& policy,
-                                                std::span<const std::byte> secret,
-                                                std::span<const std::byte> seed);
+[[nodiscard]] BUSBAR_API Result<SymmetricKeys> derive_keys(const SecurityPolicy& policy,
+                                                           std::span<const std::byte> secret,
+                                                           std::span<const std::byte> seed);
 
 /// AES-CBC and the policy's HMAC with prepared keys: a chunk costs its bytes and no key schedule.
 /// Move-only, one thread at a time. Allocates nothing itself after create(); OpenSSL 3.0 makes two
 /// small digest contexts for each signature.
-class SymmetricCipher {
+class BUSBAR_API SymmetricCipher {
 public:
     /// Bad_SecurityChecksFailed if the keys are not of the policy's sizes, as with policy None.
     [[nodiscard]] static Result<SymmetricCipher> create(const SecurityPolicy& policy,

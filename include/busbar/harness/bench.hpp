@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/harness/connection_host.hpp>
 #include <busbar/harness/server_host.hpp>
 #include <busbar/types/attribute.hpp>
@@ -27,7 +28,7 @@ struct BenchOptions {
 /// A server, a client with a session, and verbs: what a test of a data source or an address space
 /// begins with. The client connects with the first verb that needs it, and again if it has lost its
 /// connection meanwhile. Verbs run the world until they are done. One thread.
-class Bench {
+class BUSBAR_API Bench {
 public:
     explicit Bench(BenchOptions options = {});
 

@@ -1,10 +1,15 @@
 #pragma once
 
-// For tests with Catch2, version 2, whose header is included before this one; the library does not
-// need it.
+// For tests with Catch2, version 2; the library does not need it. A test that has the header of
+// Catch2 at another place includes it before this one.
 
 #include <string>
+#include <type_traits>
 #include <utility>
+
+#ifndef CATCH_VERSION_MAJOR
+#include <catch2/catch.hpp>
+#endif
 
 #include <busbar/harness/bench.hpp>
 #include <busbar/harness/text.hpp>

@@ -6,16 +6,17 @@
 #include <utility>
 
 #include <busbar/client/client.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/harness/connection_host.hpp>
 
 namespace busbar::harness {
 
 /// For the server of open_server_config(): an anonymous user without security.
-[[nodiscard]] client::ClientConfig open_client_config();
+[[nodiscard]] BUSBAR_API client::ClientConfig open_client_config();
 
 /// Runs a client::Client in a world: gives it the connections that it orders, a new link for each,
 /// and the time. One thread; the world must outlive it.
-class ClientHost final : private LinkEnd {
+class BUSBAR_API ClientHost final : private LinkEnd {
 public:
     explicit ClientHost(World& world, client::ClientConfig config = open_client_config(),
                         const ClientParts& parts = {});

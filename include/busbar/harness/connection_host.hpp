@@ -9,6 +9,7 @@
 
 #include <busbar/client/connection.hpp>
 #include <busbar/client/requester.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/harness/seeded_random.hpp>
 #include <busbar/harness/world.hpp>
 
@@ -29,11 +30,11 @@ struct ClientParts {
 };
 
 /// For the server of open_server_config(): an anonymous user without security.
-[[nodiscard]] client::ConnectionConfig open_connection_config();
+[[nodiscard]] BUSBAR_API client::ConnectionConfig open_connection_config();
 
 /// Runs a client::Connection in a world: one connection to one server, and another when asked. One
 /// thread; the world must outlive it.
-class ConnectionHost final : private LinkEnd {
+class BUSBAR_API ConnectionHost final : private LinkEnd {
 public:
     explicit ConnectionHost(World& world,
                             client::ConnectionConfig config = open_connection_config(),

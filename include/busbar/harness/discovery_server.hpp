@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/harness/scripted_server.hpp>
 #include <busbar/types/discovery.hpp>
 
@@ -45,7 +46,7 @@ struct DiscoveryServerOptions {
 /// A discovery server for tests (Part 4, 5.5; Part 12, 5): FindServers, GetEndpoints,
 /// RegisterServer and RegisterServer2; no mDNS. Other services are answered with
 /// Bad_ServiceUnsupported. One thread; the world must outlive it.
-class DiscoveryServer {
+class BUSBAR_API DiscoveryServer {
 public:
     struct Entry {
         RegisteredServer server;

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/harness/link.hpp>
@@ -31,7 +32,7 @@ struct Message {
 ///
 /// Acts once, on the first connection where its time comes, unless times() says otherwise. Without
 /// a time it acts on the connections that there are or, if there are none, on the next.
-struct Fault {
+struct BUSBAR_API Fault {
     enum class Kind : std::uint8_t {
         Delay,
         Hold,
@@ -89,32 +90,32 @@ private:
 namespace fault {
 
 /// The connection is reset; what is under way is lost.
-[[nodiscard]] Fault cut();
+[[nodiscard]] BUSBAR_API Fault cut();
 /// The message, and all behind it, arrives later.
-[[nodiscard]] Fault delay(Duration by);
+[[nodiscard]] BUSBAR_API Fault delay(Duration by);
 /// Bytes are held without a word for so long, or for ever; of both sides unless sent_by() says
 /// otherwise. The connection stays: what TCP does when a cable is pulled.
-[[nodiscard]] Fault hold(Duration time = {});
+[[nodiscard]] BUSBAR_API Fault hold(Duration time = {});
 /// The connection is gone, but only the client notices, or who sent_by() says.
-[[nodiscard]] Fault half_open();
+[[nodiscard]] BUSBAR_API Fault half_open();
 /// A bit of byte `position` of the message's first chunk is another; past its end, of its last
 /// byte. With at_byte() it is a bit of that byte.
-[[nodiscard]] Fault corrupt(std::size_t position, unsigned bit = 0);
+[[nodiscard]] BUSBAR_API Fault corrupt(std::size_t position, unsigned bit = 0);
 /// From then on bytes arrive one by one, or in pieces of that size.
-[[nodiscard]] Fault split(std::size_t size = 1);
+[[nodiscard]] BUSBAR_API Fault split(std::size_t size = 1);
 /// The request does not reach the server; its answer is a ServiceFault with this status. Only on a
 /// channel with policy None, where requests can be read on their way; the numbers of the following
 /// chunks are made to fit, so that neither side notices more.
-[[nodiscard]] Fault answer(StatusCode status);
+[[nodiscard]] BUSBAR_API Fault answer(StatusCode status);
 /// The time of day, for all in the world, is another by so much.
-[[nodiscard]] Fault jump_clock(Duration by);
+[[nodiscard]] BUSBAR_API Fault jump_clock(Duration by);
 /// The next connections are refused: their number is the fault's times().
-[[nodiscard]] Fault refuse();
+[[nodiscard]] BUSBAR_API Fault refuse();
 
 } // namespace fault
 
 /// The fault as a line of text, for reports.
-[[nodiscard]] std::string describe(const Fault& fault);
+[[nodiscard]] BUSBAR_API std::string describe(const Fault& fault);
 
 /// What goes wrong in a run. Network::play() makes it happen.
 using FaultScript = std::vector<Fault>;

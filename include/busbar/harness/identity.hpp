@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <busbar/channel/channel_types.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/harness/jumping_clock.hpp>
 
 namespace busbar::harness {
@@ -25,6 +26,7 @@ struct IdentityOptions {
 
 /// A new key and a self-signed certificate for it. Keys do not depend on the seed of a world, and
 /// take a tenth of a second: tests make one and share it. What crypto::create_self_signed says.
-[[nodiscard]] Result<channel::ApplicationIdentity> make_identity(const IdentityOptions& options);
+[[nodiscard]] BUSBAR_API Result<channel::ApplicationIdentity>
+make_identity(const IdentityOptions& options);
 
 } // namespace busbar::harness

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <busbar/core/api.hpp>
 #include <busbar/harness/scheduler.hpp>
 
 namespace busbar::harness {
@@ -9,7 +10,7 @@ inline constexpr DateTime first_day = DateTime::from_unix_seconds(1'767'225'600)
 
 /// The time of day of a machine whose clock is set while it runs. The scheduler must outlive it.
 /// The scheduler's thread only.
-class JumpingClock final : public WallClock {
+class BUSBAR_API JumpingClock final : public WallClock {
 public:
     explicit JumpingClock(const Scheduler& scheduler, DateTime begin = first_day)
         : scheduler_{&scheduler}, begin_{begin}

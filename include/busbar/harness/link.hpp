@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/harness/chance.hpp>
 #include <busbar/harness/scheduler.hpp>
@@ -22,7 +23,7 @@ enum class Side : std::uint8_t { Client, Server };
 }
 
 /// An engine at one end of a link.
-class LinkEnd {
+class BUSBAR_API LinkEnd {
 public:
     LinkEnd() = default;
     LinkEnd(const LinkEnd&) = delete;
@@ -60,7 +61,7 @@ struct Weather {
 class Link;
 
 /// Sees what ends send before it is under way, and decides what of it is. Belongs to one link.
-class LinkFilter {
+class BUSBAR_API LinkFilter {
 public:
     LinkFilter() = default;
     LinkFilter(const LinkFilter&) = delete;
@@ -72,7 +73,7 @@ public:
 };
 
 /// Is told what happens on links.
-class LinkObserver {
+class BUSBAR_API LinkObserver {
 public:
     LinkObserver() = default;
     LinkObserver(const LinkObserver&) = delete;
@@ -89,7 +90,7 @@ public:
 /// A connection as TCP makes it: bytes arrive in order, at some time, in any pieces, and are not
 /// lost as long as it lives. A reset takes all that is under way with it. One thread; scheduler
 /// and weather must outlive it. Held by shared pointers: what is under way keeps it.
-class Link : public std::enable_shared_from_this<Link> {
+class BUSBAR_API Link : public std::enable_shared_from_this<Link> {
 public:
     Link(Scheduler& scheduler, const Weather& weather, Chance chance);
 

@@ -4,12 +4,13 @@
 #include <string>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/log.hpp>
 
 namespace busbar::harness {
 
 /// Keeps what was logged, a line each, up to a size; what comes then is dropped. Any thread.
-class LogBook final : public LogSink {
+class BUSBAR_API LogBook final : public LogSink {
 public:
     static constexpr std::size_t max_size = 1U << 20U;
 

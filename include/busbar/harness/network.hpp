@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/harness/fault.hpp>
 #include <busbar/harness/jumping_clock.hpp>
@@ -19,7 +20,7 @@ class ActingFaults;
 } // namespace detail
 
 /// Somebody who listens on a network.
-class Acceptor {
+class BUSBAR_API Acceptor {
 public:
     Acceptor() = default;
     Acceptor(const Acceptor&) = delete;
@@ -32,7 +33,7 @@ public:
 };
 
 /// Hosts, ports and connections in memory. One thread; scheduler and clock must outlive it.
-class Network {
+class BUSBAR_API Network {
 public:
     Network(Scheduler& scheduler, JumpingClock& clock, std::uint64_t seed);
     ~Network();

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/harness/link.hpp>
 
@@ -20,7 +21,7 @@ struct RecordingLimits {
 };
 
 /// The bytes of sessions, as they arrived.
-struct Recording {
+struct BUSBAR_API Recording {
     enum class Kind : std::uint8_t { Opened, Bytes, Ended };
     struct Entry {
         Kind kind{Kind::Bytes};
@@ -49,7 +50,7 @@ struct Recording {
 };
 
 /// Writes down what happens on links: see Network::set_observer(). Stops at the limits.
-class Recorder final : public LinkObserver {
+class BUSBAR_API Recorder final : public LinkObserver {
 public:
     explicit Recorder(std::uint64_t seed, RecordingLimits limits = {});
 
@@ -73,15 +74,16 @@ private:
 /// A recording as text, to be kept in a file beside a test: a line for the format and its version,
 /// one for the seed, and one for each entry with nanoseconds, connection, "open", ">" (to the
 /// server), "<" or "end", and the bytes in hexadecimal.
-[[nodiscard]] std::string write_recording(const Recording& recording);
+[[nodiscard]] BUSBAR_API std::string write_recording(const Recording& recording);
 /// Reads it back. Bad_DecodingError for anything else, Bad_NotSupported for another version,
 /// Bad_EncodingLimitsExceeded past the limits.
-[[nodiscard]] Result<Recording> read_recording(std::string_view text,
-                                               const RecordingLimits& limits = {});
+[[nodiscard]] BUSBAR_API Result<Recording> read_recording(std::string_view text,
+                                                          const RecordingLimits& limits = {});
 
 /// The recording as a capture file (libpcap's format of microseconds, version 2.4) with Ethernet,
 /// IPv4 and TCP headers around the bytes, the server on `port`: what tshark and Wireshark read, and
 /// decode as OPC UA on port 4840. 1970 is the world's begin.
-[[nodiscard]] std::vector<std::byte> to_pcap(const Recording& recording, std::uint16_t port = 4840);
+[[nodiscard]] BUSBAR_API std::vector<std::byte> to_pcap(const Recording& recording,
+                                                        std::uint16_t port = 4840);
 
 } // namespace busbar::harness

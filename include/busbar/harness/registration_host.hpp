@@ -1,12 +1,13 @@
 #pragma once
 
 #include <busbar/client/registration.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/harness/client_host.hpp>
 
 namespace busbar::harness {
 
 /// Runs a client::Registration with its Client in a world. One thread; the world must outlive it.
-class RegistrationHost {
+class BUSBAR_API RegistrationHost {
 public:
     /// `config` as registration_client() makes it.
     RegistrationHost(World& world, client::ClientConfig config,

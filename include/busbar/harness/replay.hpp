@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
 #include <busbar/harness/recording.hpp>
 #include <busbar/harness/world.hpp>
 
@@ -14,7 +15,7 @@ namespace busbar::harness {
 ///
 /// Byte for byte the same are sessions without security, in a world with the recording's seed and
 /// the same actors. The weather must have one latency. One thread; the world must outlive it.
-class Replay final : public Acceptor, private LinkEnd {
+class BUSBAR_API Replay final : public Acceptor, private LinkEnd {
 public:
     /// The bytes of `played` are sent; what the other side sent is what has to come.
     Replay(World& world, const Recording& recording, Side played, std::uint32_t connection = 1);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/function_ref.hpp>
 
@@ -16,7 +17,7 @@ class Signal;
 /// Virtual time: what is to happen, in the order of its time and, at the same time, of asking.
 /// Nothing else moves the time, so that the same actions make the same run. One thread, but for
 /// Signal::raise().
-class Scheduler {
+class BUSBAR_API Scheduler {
 public:
     using Action = std::function<void()>;
 
@@ -56,7 +57,7 @@ private:
 
 /// Does one thing at a time that can be changed. Forgets it when destroyed. Must not be destroyed
 /// by what it does. The scheduler must outlive it.
-class Alarm {
+class BUSBAR_API Alarm {
 public:
     Alarm(Scheduler& scheduler, Scheduler::Action action);
     Alarm(const Alarm&) = delete;
@@ -85,7 +86,7 @@ private:
 /// Lets other threads, and whoever must not be called back at once, make something happen now:
 /// before the next action, or at the begin of the next run. Raised again before that, it is once.
 /// Must not be destroyed by what it does. The scheduler must outlive it.
-class Signal {
+class BUSBAR_API Signal {
 public:
     Signal(Scheduler& scheduler, Scheduler::Action action);
     Signal(const Signal&) = delete;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include <busbar/channel/client_channel.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/harness/connection_host.hpp>
 #include <busbar/harness/scripted_server.hpp>
 
@@ -13,7 +14,7 @@ namespace busbar::harness {
 /// A client that sends what a test wants, in and out of turn: the channel's part it does by itself,
 /// sessions and services are the test's, and so are bytes that are no message. For what a proper
 /// client sends there is ConnectionHost. One thread; the world must outlive it.
-class ScriptedClient final : private LinkEnd {
+class BUSBAR_API ScriptedClient final : private LinkEnd {
 public:
     /// `config.endpoint_url` says where to.
     ScriptedClient(World& world, channel::ClientChannelConfig config,

@@ -13,6 +13,7 @@
 #include <busbar/binary/codec.hpp>
 #include <busbar/binary/type_registry.hpp>
 #include <busbar/channel/server_channel.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/harness/seeded_random.hpp>
 #include <busbar/harness/world.hpp>
 #include <busbar/types/common.hpp>
@@ -164,7 +165,7 @@ struct ScriptedServerParts {
 /// Requests have to come in the order of the expectations, over however many connections. What
 /// comes out of turn is answered with Bad_ServiceUnsupported and reported. One thread; the world
 /// must outlive it.
-class ScriptedServer final : public Acceptor {
+class BUSBAR_API ScriptedServer final : public Acceptor {
 public:
     ScriptedServer(World& world, std::string_view url, const ScriptedServerParts& parts = {});
     ~ScriptedServer() override;

@@ -4,12 +4,13 @@
 #include <random>
 #include <span>
 
+#include <busbar/core/api.hpp>
 #include <busbar/crypto/random.hpp>
 
 namespace busbar::harness {
 
 /// Repeats itself from a seed; never for keys that protect anything.
-class SeededRandom final : public crypto::Random {
+class BUSBAR_API SeededRandom final : public crypto::Random {
 public:
     explicit SeededRandom(std::uint64_t seed = 1) : engine_{seed} {}
 

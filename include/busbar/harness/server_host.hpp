@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
 #include <busbar/harness/seeded_random.hpp>
 #include <busbar/harness/world.hpp>
@@ -29,11 +30,11 @@ struct ServerParts {
 
 /// One endpoint without security, on which everybody may do everything: for what is under test is
 /// another thing.
-[[nodiscard]] server::ServerConfig open_server_config();
+[[nodiscard]] BUSBAR_API server::ServerConfig open_server_config();
 
 /// Users of a test, with passwords that are not hashed, which would take most of a test's time.
 /// Anonymous users may do everything.
-class TestUsers final : public server::UserStore {
+class BUSBAR_API TestUsers final : public server::UserStore {
 public:
     void add(std::string name, std::string password, server::UserRights rights = {});
     [[nodiscard]] Result<server::UserIdentity> log_in(std::string_view name,
@@ -52,7 +53,7 @@ private:
 
 /// Runs a server in a world as the network layer does in real time. One thread; data sources may
 /// complete from others, though the world has to be driven in real time for that to make sense.
-class ServerHost final : public Acceptor, private server::Waker {
+class BUSBAR_API ServerHost final : public Acceptor, private server::Waker {
 public:
     /// Listens at the configuration's endpoint_url. The world must outlive it. A configuration that
     /// contradicts itself leaves the host without a server: see is_running(), and the world's log.

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/function_ref.hpp>
 #include <busbar/harness/jumping_clock.hpp>
 #include <busbar/harness/log_book.hpp>
@@ -23,7 +24,7 @@ enum class Actor : std::uint8_t { Server, Client, Other };
 ///     wait(min(world.scheduler().next_due() - world.now(), 10ms));
 ///
 /// One thread, and everything that lives in a world goes before it.
-class World {
+class BUSBAR_API World {
 public:
     explicit World(std::uint64_t seed = seed_from_environment(), DateTime begin = first_day)
         : seed_{seed}, clock_{scheduler_, begin}

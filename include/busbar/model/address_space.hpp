@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <busbar/binary/type_registry.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/core/function_ref.hpp>
 #include <busbar/model/node.hpp>
@@ -27,7 +28,7 @@ struct Entry;
 /// An inverse HasTypeDefinition is not kept, which would cost each node 8 bytes: next_instance
 /// finds the instances of a type. Nor is an inverse HasModellingRule (Part 3, 4.4.3 lets a
 /// reference be followed in one direction only).
-class ReferenceCursor {
+class BUSBAR_API ReferenceCursor {
 public:
     /// The next reference, or nothing at the end.
     [[nodiscard]] std::optional<Reference> next();
@@ -71,7 +72,7 @@ struct ModelChanges {
 /// Strings in results of const functions are borrowed from the AddressSpace and valid until the
 /// node they belong to is removed. A function that takes a NodeIndex takes only that of an
 /// existing node unless it says otherwise. May be read from many threads while none changes it.
-class AddressSpace {
+class BUSBAR_API AddressSpace {
 public:
     /// Namespace 0 as it was built in (BUSBAR_NAMESPACE0).
     AddressSpace();

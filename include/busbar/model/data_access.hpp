@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include <busbar/core/api.hpp>
 #include <busbar/model/instance.hpp>
 #include <busbar/model/units.hpp>
 #include <busbar/types/ids.hpp>
@@ -41,7 +42,8 @@ struct AnalogItem : DataItem {
 
 /// Bad_NodeAttributesInvalid for a DataType that is no Number, a range whose low is above its
 /// high, or without a Property that `type` demands.
-Result<NodeIndex> add_analog_item(AddressSpace& space, const NewNode& node, const AnalogItem& item);
+BUSBAR_API Result<NodeIndex> add_analog_item(AddressSpace& space, const NewNode& node,
+                                             const AnalogItem& item);
 
 /// TwoStateDiscreteType (Part 8, 5.3.3.2): a Boolean.
 struct TwoStateItem : DataItem {
@@ -49,7 +51,8 @@ struct TwoStateItem : DataItem {
     LocalizedText true_state;
 };
 
-Result<NodeIndex> add_two_state(AddressSpace& space, const NewNode& node, const TwoStateItem& item);
+BUSBAR_API Result<NodeIndex> add_two_state(AddressSpace& space, const NewNode& node,
+                                           const TwoStateItem& item);
 
 /// MultiStateDiscreteType (Part 8, 5.3.3.3): the value, an unsigned integer and UInt32 unless
 /// `variable` says otherwise, is the index of a text.
@@ -57,8 +60,8 @@ struct MultiStateItem : DataItem {
     Array<LocalizedText> enum_strings;
 };
 
-Result<NodeIndex> add_multi_state(AddressSpace& space, const NewNode& node,
-                                  const MultiStateItem& item);
+BUSBAR_API Result<NodeIndex> add_multi_state(AddressSpace& space, const NewNode& node,
+                                             const MultiStateItem& item);
 
 /// MultiStateValueDiscreteType (Part 8, 5.3.3.4): values with gaps; Int32 unless `variable` says
 /// otherwise. ValueAsText begins with the text of `variable.value`.
@@ -66,13 +69,13 @@ struct MultiStateValueItem : DataItem {
     Array<EnumValueType> enum_values;
 };
 
-Result<NodeIndex> add_multi_state_value(AddressSpace& space, const NewNode& node,
-                                        const MultiStateValueItem& item);
+BUSBAR_API Result<NodeIndex> add_multi_state_value(AddressSpace& space, const NewNode& node,
+                                                   const MultiStateValueItem& item);
 
 /// Gives the Variable a value and its ValueAsText the text that EnumValues has for it, a null text
 /// if there is none. Bad_TypeMismatch as AddressSpace::set_value; Bad_NotFound if the Variable does
 /// not have the Properties.
-Result<void> set_multi_state_value(AddressSpace& space, NodeIndex node, Variant value);
+BUSBAR_API Result<void> set_multi_state_value(AddressSpace& space, NodeIndex node, Variant value);
 
 /// What the ArrayItemTypes have in common (Part 8, 5.3.4.2).
 struct ArrayItem : DataItem {
@@ -91,6 +94,7 @@ struct ArrayItem : DataItem {
 /// The ValueRank follows from the type, the DataType of an XYArrayItemType is XVType.
 /// Bad_NodeAttributesInvalid if the number of axes is not that of the type or a range has its low
 /// above its high.
-Result<NodeIndex> add_array_item(AddressSpace& space, const NewNode& node, const ArrayItem& item);
+BUSBAR_API Result<NodeIndex> add_array_item(AddressSpace& space, const NewNode& node,
+                                            const ArrayItem& item);
 
 } // namespace busbar::model

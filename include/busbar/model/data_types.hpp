@@ -4,13 +4,14 @@
 #include <vector>
 
 #include <busbar/binary/dynamic_types.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/model/address_space.hpp>
 
 namespace busbar::model {
 
 /// The DataTypes of an AddressSpace, compiled when they are first asked for and again when the
 /// space has got another type since. Not thread-safe.
-class DataTypes {
+class BUSBAR_API DataTypes {
 public:
     /// All DataTypes with their DataTypeDefinitions. The result, and what refers to it, is valid
     /// until the next call after a type was added. Always to be called with the same space.
@@ -22,19 +23,21 @@ private:
 };
 
 /// What the nodes below BaseDataType say of themselves (Part 3, 5.8.3).
-[[nodiscard]] std::vector<binary::DataTypeEntry> collect_data_types(const AddressSpace& space);
+[[nodiscard]] BUSBAR_API std::vector<binary::DataTypeEntry>
+collect_data_types(const AddressSpace& space);
 
 /// Adds a structure or union below `node.parent`, its supertype, and if it is concrete its encoding
 /// node "Default Binary" with the id `definition.default_encoding_id` (null: one made of the
 /// BrowseName). `definition.base_data_type` is set. Errors as AddressSpace::add_data_type, and
 /// Bad_NodeIdExists or Bad_NodeIdInvalid for the encoding's id.
-Result<NodeIndex> add_structure_type(AddressSpace& space, const NewNode& node,
-                                     StructureDefinition definition, bool is_abstract = false);
+BUSBAR_API Result<NodeIndex> add_structure_type(AddressSpace& space, const NewNode& node,
+                                                StructureDefinition definition,
+                                                bool is_abstract = false);
 
 /// Adds an enumeration or option set below `node.parent` with the Property that Part 3, 5.8.3 asks
 /// for: EnumStrings if the values are 0, 1, 2 and so on, else EnumValues; OptionSetValues for an
 /// option set. Errors as AddressSpace::add_data_type, and Bad_NodeIdExists for the Property's id.
-Result<NodeIndex> add_enumeration_type(AddressSpace& space, const NewNode& node,
-                                       EnumDefinition definition);
+BUSBAR_API Result<NodeIndex> add_enumeration_type(AddressSpace& space, const NewNode& node,
+                                                  EnumDefinition definition);
 
 } // namespace busbar::model

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
 #include <busbar/model/instance.hpp>
 
 /// Devices of OPC UA for Devices (Part 100): Objects with a nameplate in the DeviceSet.
@@ -47,20 +48,20 @@ struct Nameplate {
 };
 
 /// The node of DI with that number, no_node if there is none.
-[[nodiscard]] NodeIndex find_di(const AddressSpace& space, std::uint32_t number);
+[[nodiscard]] BUSBAR_API NodeIndex find_di(const AddressSpace& space, std::uint32_t number);
 
 /// Creates a device of `type`, a concrete subtype of DeviceType. Without a parent it goes to the
 /// DeviceSet.
-Result<NodeIndex> add_device(AddressSpace& space, NewNode node, NodeIndex type,
-                             const Nameplate& nameplate, InstanceOptions options = {});
+BUSBAR_API Result<NodeIndex> add_device(AddressSpace& space, NewNode node, NodeIndex type,
+                                        const Nameplate& nameplate, InstanceOptions options = {});
 
 /// Creates a FunctionalGroup below a device or another group (Part 100, 4.4).
-Result<NodeIndex> add_functional_group(AddressSpace& space, NodeIndex parent,
-                                       const QualifiedName& name);
+BUSBAR_API Result<NodeIndex> add_functional_group(AddressSpace& space, NodeIndex parent,
+                                                  const QualifiedName& name);
 
 /// Creates a parameter in the device's ParameterSet, which is made if need be, and has `group`,
 /// unless it is no_node, organize it (Part 100, 4.3).
-Result<NodeIndex> add_parameter(AddressSpace& space, NodeIndex device, NodeIndex group,
-                                const QualifiedName& name, const NewVariable& variable);
+BUSBAR_API Result<NodeIndex> add_parameter(AddressSpace& space, NodeIndex device, NodeIndex group,
+                                           const QualifiedName& name, const NewVariable& variable);
 
 } // namespace busbar::model

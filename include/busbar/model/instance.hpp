@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/model/address_space.hpp>
 
 /// Instances of ObjectTypes and VariableTypes with everything that their ModellingRules ask for
@@ -48,7 +49,7 @@ struct InstanceLimits {
 
 /// About what a node takes with its names, texts, value and references. An estimate that is rather
 /// too high, for limits.
-[[nodiscard]] std::size_t memory_of(const AddressSpace& space, NodeIndex node);
+[[nodiscard]] BUSBAR_API std::size_t memory_of(const AddressSpace& space, NodeIndex node);
 
 struct InstanceOptions {
     /// The BrowsePaths of InstanceDeclarations with ModellingRule Optional that the instance has,
@@ -85,27 +86,29 @@ struct InstanceOptions {
 /// NodeClasses,
 /// Bad_NodeAttributesInvalid if a Variable is not what its type allows, Bad_NotFound and
 /// Bad_TooManyOperations as above, or what AddressSpace answers.
-Result<NodeIndex> instantiate(AddressSpace& space, const NewNode& node, NodeIndex type,
-                              const InstanceOptions& options = {});
+BUSBAR_API Result<NodeIndex> instantiate(AddressSpace& space, const NewNode& node, NodeIndex type,
+                                         const InstanceOptions& options = {});
 
 /// Adds what `options` chooses of the Optional members of `instance`'s type and is not there yet,
 /// and whatever Mandatory one is missing. Bad_NotFound and Bad_TooManyOperations as above.
-Result<void> add_optional(AddressSpace& space, NodeIndex instance, const InstanceOptions& options);
+BUSBAR_API Result<void> add_optional(AddressSpace& space, NodeIndex instance,
+                                     const InstanceOptions& options);
 
 /// Makes `object` implement `interface_type`: adds HasInterface and the members that it does not
 /// have yet (Part 3, 4.10.2). Bad_TypeDefinitionInvalid if it is no subtype of BaseInterfaceType.
-Result<void> add_interface(AddressSpace& space, NodeIndex object, NodeIndex interface_type,
-                           const InstanceOptions& options = {});
+BUSBAR_API Result<void> add_interface(AddressSpace& space, NodeIndex object,
+                                      NodeIndex interface_type,
+                                      const InstanceOptions& options = {});
 
 /// Adds an instance of `type` to `parent` by HasAddIn (Part 3, 4.10.3). It has the BrowseName of
 /// the type's DefaultInstanceBrowseName; Bad_BrowseNameInvalid if the type says none. A null `id`
 /// follows InstanceOptions::ids.
-Result<NodeIndex> add_add_in(AddressSpace& space, NodeIndex parent, NodeIndex type,
-                             const NodeId& id = {}, const InstanceOptions& options = {});
+BUSBAR_API Result<NodeIndex> add_add_in(AddressSpace& space, NodeIndex parent, NodeIndex type,
+                                        const NodeId& id = {}, const InstanceOptions& options = {});
 
 /// The node that hierarchical references lead to along the names of `path`, in whatever namespace
 /// each name is; no_node if there is none.
-[[nodiscard]] NodeIndex find_by_path(const AddressSpace& space, NodeIndex from,
-                                     std::string_view path);
+[[nodiscard]] BUSBAR_API NodeIndex find_by_path(const AddressSpace& space, NodeIndex from,
+                                                std::string_view path);
 
 } // namespace busbar::model

@@ -9,6 +9,7 @@
 
 #include <tl/expected.hpp>
 
+#include <busbar/core/api.hpp>
 #include <busbar/model/address_space.hpp>
 #include <busbar/model/nodeset_types.hpp>
 
@@ -47,7 +48,7 @@ struct NodeSetSummary {
 /// want limits_for_large_models().
 ///
 /// With errors, of which there is at least one then, `space` is as it was before.
-[[nodiscard]] tl::expected<NodeSetSummary, std::vector<NodeSetError>>
+[[nodiscard]] BUSBAR_API tl::expected<NodeSetSummary, std::vector<NodeSetError>>
 load_nodesets(AddressSpace& space, std::span<const NodeSetSource> sources,
               const NodeSetLimits& limits = {});
 
@@ -57,8 +58,8 @@ load_nodesets(AddressSpace& space, std::span<const NodeSetSource> sources,
 /// requires one that is written: they are in the file of that other model. Structures whose
 /// DataType is not known are written as bytes. Bad_NotFound for a namespace index without
 /// namespace.
-[[nodiscard]] Result<std::string> write_nodeset(const AddressSpace& space,
-                                                std::span<const std::uint16_t> namespaces,
-                                                const NodeSetExtras& extras = {});
+[[nodiscard]] BUSBAR_API Result<std::string>
+write_nodeset(const AddressSpace& space, std::span<const std::uint16_t> namespaces,
+              const NodeSetExtras& extras = {});
 
 } // namespace busbar::model

@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/node_id.hpp>
 
 namespace busbar::model {
@@ -52,7 +53,7 @@ struct NodeSetLimits {
 }
 
 /// What went wrong, for a person: "tags.xml:17: ns=1;i=5: found NodeId \"i=x\", expected ...".
-struct NodeSetError {
+struct BUSBAR_API NodeSetError {
     std::string file;
     /// 0 when the file as a whole is meant.
     std::uint32_t line{0};

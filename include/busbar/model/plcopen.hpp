@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
 #include <busbar/model/device.hpp>
 
 /// The parts of an IEC 61131-3 controller as OPC 30000 shows them: a Configuration has Resources,
@@ -56,39 +57,45 @@ struct CtrlTask {
 };
 
 /// The node of PLCopen with that number, no_node if there is none.
-[[nodiscard]] NodeIndex find_plcopen(const AddressSpace& space, std::uint32_t number);
+[[nodiscard]] BUSBAR_API NodeIndex find_plcopen(const AddressSpace& space, std::uint32_t number);
 
 /// The controller as a whole, a TopologyElement; without a parent in the DeviceSet.
-Result<NodeIndex> add_ctrl_configuration(AddressSpace& space, NewNode node,
-                                         const InstanceOptions& options = {});
+BUSBAR_API Result<NodeIndex> add_ctrl_configuration(AddressSpace& space, NewNode node,
+                                                    const InstanceOptions& options = {});
 /// Something that runs programs, a device below the configuration's Resources.
-Result<NodeIndex> add_ctrl_resource(AddressSpace& space, NodeIndex configuration,
-                                    const QualifiedName& name, const Nameplate& nameplate,
-                                    const InstanceOptions& options = {});
+BUSBAR_API Result<NodeIndex> add_ctrl_resource(AddressSpace& space, NodeIndex configuration,
+                                               const QualifiedName& name,
+                                               const Nameplate& nameplate,
+                                               const InstanceOptions& options = {});
 /// Below the resource's Tasks.
-Result<NodeIndex> add_ctrl_task(AddressSpace& space, NodeIndex resource, const QualifiedName& name,
-                                const CtrlTask& task);
+BUSBAR_API Result<NodeIndex> add_ctrl_task(AddressSpace& space, NodeIndex resource,
+                                           const QualifiedName& name, const CtrlTask& task);
 
 /// A type of programs or of function blocks, with a NodeId that is a number.
-Result<NodeIndex> add_program_type(AddressSpace& space, const QualifiedName& name);
-Result<NodeIndex> add_function_block_type(AddressSpace& space, const QualifiedName& name);
+BUSBAR_API Result<NodeIndex> add_program_type(AddressSpace& space, const QualifiedName& name);
+BUSBAR_API Result<NodeIndex> add_function_block_type(AddressSpace& space,
+                                                     const QualifiedName& name);
 
 /// Declares a Variable of a program or function block. One that a type has is Mandatory: instances
 /// made later have it too.
-Result<NodeIndex> add_pou_variable(AddressSpace& space, NodeIndex unit, PouVariable section,
-                                   const QualifiedName& name, const NewVariable& variable);
+BUSBAR_API Result<NodeIndex> add_pou_variable(AddressSpace& space, NodeIndex unit,
+                                              PouVariable section, const QualifiedName& name,
+                                              const NewVariable& variable);
 /// Has the unit use a global Variable that is there.
-Result<void> add_external_variable(AddressSpace& space, NodeIndex unit, NodeIndex global);
+BUSBAR_API Result<void> add_external_variable(AddressSpace& space, NodeIndex unit,
+                                              NodeIndex global);
 
 /// A program below the resource's Programs; `task`, unless it is no_node, runs it.
-Result<NodeIndex> add_program(AddressSpace& space, NodeIndex resource, const QualifiedName& name,
-                              NodeIndex type, NodeIndex task = no_node);
+BUSBAR_API Result<NodeIndex> add_program(AddressSpace& space, NodeIndex resource,
+                                         const QualifiedName& name, NodeIndex type,
+                                         NodeIndex task = no_node);
 /// A function block that is a local variable of a program or function block; Mandatory in a type.
-Result<NodeIndex> add_function_block(AddressSpace& space, NodeIndex unit, const QualifiedName& name,
-                                     NodeIndex type);
+BUSBAR_API Result<NodeIndex> add_function_block(AddressSpace& space, NodeIndex unit,
+                                                const QualifiedName& name, NodeIndex type);
 
 /// A Variable in the GlobalVars of a configuration or resource, which are made if need be.
-Result<NodeIndex> add_global_variable(AddressSpace& space, NodeIndex owner,
-                                      const QualifiedName& name, const NewVariable& variable);
+BUSBAR_API Result<NodeIndex> add_global_variable(AddressSpace& space, NodeIndex owner,
+                                                 const QualifiedName& name,
+                                                 const NewVariable& variable);
 
 } // namespace busbar::model

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include <busbar/binary/relative_path.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/model/address_space.hpp>
 #include <busbar/types/common.hpp>
@@ -16,13 +17,15 @@ using binary::to_text;
 
 /// binary::parse_relative_path with the ReferenceTypes of an address space; those of namespace 0
 /// are in any.
-[[nodiscard]] Result<RelativePath> parse_relative_path(std::string_view text,
-                                                       const AddressSpace& space);
+[[nodiscard]] BUSBAR_API Result<RelativePath> parse_relative_path(std::string_view text,
+                                                                  const AddressSpace& space);
 /// binary::to_text with the ReferenceTypes of an address space.
-[[nodiscard]] Result<std::string> to_text(const RelativePath& path, const AddressSpace& space);
+[[nodiscard]] BUSBAR_API Result<std::string> to_text(const RelativePath& path,
+                                                     const AddressSpace& space);
 
 /// The ReferenceType of that BrowseName, no_node if there is none. BrowseNames of types are unique
 /// in their namespace (Part 3, 5.3.1); walks the tree of ReferenceTypes.
-[[nodiscard]] NodeIndex find_reference_type(const AddressSpace& space, const QualifiedName& name);
+[[nodiscard]] BUSBAR_API NodeIndex find_reference_type(const AddressSpace& space,
+                                                       const QualifiedName& name);
 
 } // namespace busbar::model

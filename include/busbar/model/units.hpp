@@ -4,6 +4,7 @@
 #include <span>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
 #include <busbar/types/data_types.hpp>
 
 /// Engineering units by the common codes of UNECE Recommendation 20, which OPC UA uses unless a
@@ -35,12 +36,12 @@ struct Unit {
 }
 
 /// The units that controllers use most.
-[[nodiscard]] std::span<const Unit> common_units();
+[[nodiscard]] BUSBAR_API std::span<const Unit> common_units();
 
 /// The value of EngineeringUnits for one of common_units(). Any other common code gives its UnitId
 /// with the code for a symbol; what can be no code gives UnitId -1.
-[[nodiscard]] EUInformation engineering_units(std::string_view common_code);
+[[nodiscard]] BUSBAR_API EUInformation engineering_units(std::string_view common_code);
 /// The same for a unit that is not in the list.
-[[nodiscard]] EUInformation engineering_units(const Unit& unit);
+[[nodiscard]] BUSBAR_API EUInformation engineering_units(const Unit& unit);
 
 } // namespace busbar::model

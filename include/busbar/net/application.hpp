@@ -7,6 +7,7 @@
 
 #include <busbar/channel/channel_types.hpp>
 #include <busbar/client/client.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/refusal.hpp>
 #include <busbar/crypto/certificate_store.hpp>
@@ -32,7 +33,7 @@ struct ApplicationSettings {
 /// somebody moves a certificate from rejected/certs to trusted/certs.
 ///
 /// One thread, that of the servers and clients, which it must outlive.
-class Application {
+class BUSBAR_API Application {
 public:
     /// May take seconds, for a new key. `log` must outlive the object.
     [[nodiscard]] static Checked<std::unique_ptr<Application>> open(ApplicationSettings settings,

@@ -7,6 +7,7 @@
 #include <asio/async_result.hpp>
 
 #include <busbar/client/client.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/net/detail/async_operation.hpp>
 #include <busbar/net/reverse_listener.hpp>
 
@@ -24,7 +25,7 @@ namespace busbar::net {
 /// What the Client's own callbacks throw is logged. Errors are values, never exceptions. An
 /// operation that is cancelled, in whatever way, ends with Bad_RequestCancelledByClient; a server
 /// that has its request may still carry it out.
-class AsyncClient {
+class BUSBAR_API AsyncClient {
 public:
     /// `environment`, which needs a log, must outlive the object.
     AsyncClient(asio::any_io_executor executor, client::ClientConfig config,

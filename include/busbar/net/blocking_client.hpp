@@ -9,6 +9,7 @@
 
 #include <busbar/client/client.hpp>
 #include <busbar/client/operation.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/net/reverse_limits.hpp>
 
 namespace busbar::net {
@@ -16,7 +17,7 @@ namespace busbar::net {
 /// A client::Client for programs that do one thing after the other. The connection is served while
 /// a call of this class waits, and only then. One thread. Calls that wait are not for handlers,
 /// where they end as if interrupted. What handlers throw is logged.
-class BlockingClient {
+class BUSBAR_API BlockingClient {
 public:
     /// `environment`, which needs a log, must outlive the object.
     BlockingClient(client::ClientConfig config, const channel::ChannelEnvironment& environment);

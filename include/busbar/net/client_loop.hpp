@@ -5,13 +5,14 @@
 #include <utility>
 
 #include <busbar/client/connection.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/net/system.hpp>
 
 namespace busbar::net {
 
 /// One Client on one TCP connection, driven by whoever waits for its events: for programs that do
 /// one thing after the other. One thread.
-class ClientLoop {
+class BUSBAR_API ClientLoop {
 public:
     ClientLoop();
     ClientLoop(const ClientLoop&) = delete;

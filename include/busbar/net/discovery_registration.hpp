@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <busbar/client/registration.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/server/server_config.hpp>
 
 namespace busbar::net {
@@ -17,7 +18,7 @@ struct DiscoveryRegistrationConfig {
 
 /// What is to be registered of a server with this configuration, which clients reach at
 /// `discovery_urls`.
-[[nodiscard]] client::RegistrationSettings
+[[nodiscard]] BUSBAR_API client::RegistrationSettings
 registration_of(const server::ServerConfig& config, const std::vector<std::string>& discovery_urls);
 
 } // namespace busbar::net

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include <busbar/channel/key_log.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/result.hpp>
 
@@ -14,7 +15,7 @@ namespace busbar::net {
 /// A KeyLog in a file that only its owner may read, for Wireshark's preference opcua.debug_file.
 /// Lines are added behind those that are there; several processes may share a file. Any thread. For
 /// test benches only: part of builds with BUSBAR_KEY_LOG alone.
-class KeyLogFile final : public channel::KeyLog {
+class BUSBAR_API KeyLogFile final : public channel::KeyLog {
 public:
     /// Opens the file or makes it, and says so in `log`, which must outlive it, as an error: nobody
     /// is to overlook that a machine gives its keys away. Bad_ConfigurationError, with the reason

@@ -6,6 +6,7 @@
 
 #include <asio/any_io_executor.hpp>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/net/reverse_limits.hpp>
@@ -23,7 +24,7 @@ class ReverseQueue;
 /// and ClientConfig::endpoint_url; an empty one is not compared, but one of them must be given. Who
 /// is not expected is answered Bad_TcpEndpointUrlInvalid. A ReverseHello proves nothing: it is the
 /// server's certificate that the client trusts, or not. All calls on the executor.
-class ReverseListener {
+class BUSBAR_API ReverseListener {
 public:
     /// `log` must outlive the object and the clients that use it.
     ReverseListener(asio::any_io_executor executor, LogSink& log,

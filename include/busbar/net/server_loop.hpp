@@ -4,6 +4,7 @@
 #include <memory>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/net/discovery_registration.hpp>
@@ -17,7 +18,7 @@ namespace busbar::net {
 ///
 /// Made before the Server, which is given waker(); then listen(), then run(). Survives what a
 /// user's callback throws: it is logged, and the connection it came from is dropped.
-class ServerLoop {
+class BUSBAR_API ServerLoop {
 public:
     explicit ServerLoop(LogSink& log);
     ServerLoop(const ServerLoop&) = delete;

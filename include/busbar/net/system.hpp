@@ -2,19 +2,20 @@
 
 #include <string_view>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/log.hpp>
 
 namespace busbar::net {
 
 /// The time of day. Any thread.
-class SystemWallClock final : public WallClock {
+class BUSBAR_API SystemWallClock final : public WallClock {
 public:
     [[nodiscard]] DateTime now() const override;
 };
 
 /// Writes a line to stderr for each message from a level on. Any thread.
-class StderrLog final : public LogSink {
+class BUSBAR_API StderrLog final : public LogSink {
 public:
     explicit StderrLog(LogLevel from = LogLevel::Info) : from_{from} {}
     void write(LogLevel level, std::string_view source, std::string_view text) override;

@@ -4,13 +4,14 @@
 #include <functional>
 #include <memory>
 
+#include <busbar/core/api.hpp>
 #include <busbar/server/worker.hpp>
 
 namespace busbar::net {
 
 /// One thread that does slow work one piece after the other, such as checking passwords, so that a
 /// login never holds up the server.
-class WorkerThread final : public server::Worker {
+class BUSBAR_API WorkerThread final : public server::Worker {
 public:
     /// At most `max_jobs` wait; more are refused.
     explicit WorkerThread(std::size_t max_jobs = 64);

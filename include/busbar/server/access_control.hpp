@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/date_time.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/node_id.hpp>
@@ -66,7 +67,7 @@ struct UserRights {
 /// Knows the users. The server checks what clients send; the store says whom it trusts and what
 /// users may do. Called on the server's thread, but for log_in
 /// (see worker()); must not keep a password or a token.
-class UserStore {
+class BUSBAR_API UserStore {
 public:
     UserStore() = default;
     UserStore(const UserStore&) = delete;
@@ -114,7 +115,7 @@ public:
 /// RolePermissions against the user's roles, which are Anonymous, after a login AuthenticatedUser,
 /// and UserIdentity::roles by the names of the well-known roles or of the roles' nodes.
 /// DefaultRolePermissions of namespaces are not looked at.
-class AccessControl {
+class BUSBAR_API AccessControl {
 public:
     AccessControl() = default;
     AccessControl(const AccessControl&) = delete;

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/result.hpp>
 
@@ -32,7 +33,7 @@ struct ConnectionEvent {
 
 /// One client's connection to a Server, as an engine: bytes and the time go in, bytes and the next
 /// deadline come out. Made by Server::connect; the Server must outlive it and has its thread.
-class Connection {
+class BUSBAR_API Connection {
 public:
     Connection(Connection&&) noexcept;
     Connection& operator=(Connection&&) noexcept;

@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/data_value.hpp>
 #include <busbar/core/numeric_range.hpp>
@@ -67,7 +68,7 @@ struct WriteItem {
 /// Completed once, inline in DataSource::read or later, from any thread, but by one thread at a
 /// time. Destroyed without that, it counts as completed with the slots as they are: one that was
 /// never filled answers Bad_NoCommunication.
-class ReadBatch {
+class BUSBAR_API ReadBatch {
 public:
     explicit ReadBatch(detail::ReadPart& part);
     ReadBatch(ReadBatch&& other) noexcept
@@ -110,7 +111,7 @@ private:
 /// of such a thing. A later item wins over an earlier one with the same handle.
 ///
 /// As ReadBatch in everything else: a result that was never set answers Bad_NoCommunication.
-class WriteBatch {
+class BUSBAR_API WriteBatch {
 public:
     explicit WriteBatch(detail::WritePart& part);
     WriteBatch(WriteBatch&& other) noexcept
@@ -170,8 +171,9 @@ struct DataSourceOptions {
 ///
 /// The server calls it from the server's thread only and never while a call is running. It must
 /// not block: work that takes time keeps the batch and completes it later. Nothing may be thrown.
-/// It must outlive the server it is added to; batches may outlive both.
-class DataSource {
+/// It must outlive the server it is added to, which a server that was given a std::shared_ptr sees
+/// to; batches may outlive both.
+class BUSBAR_API DataSource {
 public:
     DataSource() = default;
     DataSource(const DataSource&) = delete;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/types.hpp>
 #include <busbar/server/waker.hpp>
@@ -68,7 +69,7 @@ struct Event {
 
 /// Events on their way from any thread to the server's. Holds so many and no more, so that a storm
 /// of events costs neither memory nor the time of those who raise them.
-class EventQueue {
+class BUSBAR_API EventQueue {
 public:
     /// For the server. `wall_clock` and `waker`, which may be null, must be valid until close().
     /// Room for `capacity` events, rounded up to a power of two.

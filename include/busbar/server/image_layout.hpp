@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/core/variant.hpp>
 
@@ -65,7 +66,7 @@ struct ImagePlace {
 };
 
 /// Which variables a process image has and where each of them lies. Thread-compatible.
-class ImageLayout {
+class BUSBAR_API ImageLayout {
 public:
     static constexpr std::size_t max_bytes = std::size_t{256} << 20U;
     static constexpr std::size_t max_variables = 1'000'000;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
 #include <busbar/server/image_layout.hpp>
 
 namespace busbar::server {
@@ -15,7 +16,7 @@ namespace busbar::server {
 ///
 /// References and spans are valid as long as it is, so that a task can keep them from scan to
 /// scan. Only store() and load() allocate. Belongs to one thread.
-class ImageMemory {
+class BUSBAR_API ImageMemory {
 public:
     /// All numbers are 0, all texts null.
     explicit ImageMemory(const ImageLayout& layout);

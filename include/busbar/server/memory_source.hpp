@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/server/data_source.hpp>
 
@@ -12,7 +13,7 @@ namespace busbar::server {
 /// the example of a backend.
 ///
 /// Used on the server's thread only. `clock` must outlive it.
-class MemorySource final : public DataSource {
+class BUSBAR_API MemorySource final : public DataSource {
 public:
     explicit MemorySource(const WallClock& clock) : clock_{&clock} {}
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/array.hpp>
 #include <busbar/core/node_id.hpp>
 #include <busbar/core/status_codes.hpp>
@@ -60,7 +61,7 @@ struct CallResult {
 /// completed or destroyed, which any thread may do, once, also when client, session and server are
 /// gone. A result that was never set answers Bad_InternalError. What was begun is not taken back
 /// when the client gives up (Part 4, 5.12.2.1).
-class CallBatch {
+class BUSBAR_API CallBatch {
 public:
     explicit CallBatch(detail::CallPart& part);
     CallBatch(CallBatch&& other) noexcept

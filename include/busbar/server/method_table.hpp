@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/server/data_source.hpp>
 
 namespace busbar::server {
@@ -15,7 +16,7 @@ namespace busbar::server {
 /// any thread, at once or later. Destroyed without that it answers Bad_InternalError.
 ///
 /// What the other functions give is valid until then.
-class MethodCall {
+class BUSBAR_API MethodCall {
 public:
     MethodCall(std::shared_ptr<CallBatch> batch, std::size_t index)
         : batch_{std::move(batch)}, index_{index}
@@ -62,7 +63,7 @@ private:
 ///     });
 ///
 /// Used on the server's thread only; that of calls is their own business.
-class MethodTable final : public DataSource {
+class BUSBAR_API MethodTable final : public DataSource {
 public:
     /// Must not block: what takes time keeps the call and answers later. Nothing may be thrown.
     using Function = std::function<void(MethodCall)>;

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/refusal.hpp>
 
 namespace busbar::server {
@@ -38,16 +39,17 @@ struct PasswordRules {
 
 /// Names of 4 to 32 and passwords of 8 to 32 letters and digits, six reserved names, 20 users. The
 /// same for nj501 and nx102.
-[[nodiscard]] PasswordRules nj501_password_rules();
+[[nodiscard]] BUSBAR_API PasswordRules nj501_password_rules();
 /// Passwords of 6 to 32 letters, digits and underscores with an upper-case letter, a lower-case
 /// letter and a digit; names of the same characters. No length of names is documented for it: 32.
 /// The password that the product is delivered with would be refused.
-[[nodiscard]] PasswordRules rd81opc96_password_rules();
+[[nodiscard]] BUSBAR_API PasswordRules rd81opc96_password_rules();
 
 /// Bad_InvalidArgument with the reason; `found` never holds the password or a part of it.
-[[nodiscard]] Checked<void> check_user_name(const PasswordRules& rules, std::string_view name);
+[[nodiscard]] BUSBAR_API Checked<void> check_user_name(const PasswordRules& rules,
+                                                       std::string_view name);
 /// The same; a password that is the name is refused too.
-[[nodiscard]] Checked<void> check_password(const PasswordRules& rules, std::string_view name,
-                                           std::string_view password);
+[[nodiscard]] BUSBAR_API Checked<void>
+check_password(const PasswordRules& rules, std::string_view name, std::string_view password);
 
 } // namespace busbar::server

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/refusal.hpp>
 #include <busbar/crypto/random.hpp>
 #include <busbar/server/access_control.hpp>
@@ -16,7 +17,7 @@ namespace busbar::server {
 /// Users in memory, with scrypt hashes of their passwords (crypto::hash_password). A login costs
 /// one hash, some tens of milliseconds, whether the name is there or not; see set_worker. Any
 /// thread.
-class PasswordUsers final : public UserStore {
+class BUSBAR_API PasswordUsers final : public UserStore {
 public:
     explicit PasswordUsers(PasswordRules rules = {}) : rules_{std::move(rules)} {}
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/date_time.hpp>
 #include <busbar/core/function_ref.hpp>
 #include <busbar/server/data_source.hpp>
@@ -39,7 +40,7 @@ class ProcessImage;
 
 /// Holds one published scan: what is read through it is from one point in time and does not
 /// change. Empty if there is none. Used by one thread at a time; keeps the image's memory alive.
-class ImagePin {
+class BUSBAR_API ImagePin {
 public:
     ImagePin() = default;
     ImagePin(ImagePin&& other) noexcept
@@ -88,7 +89,7 @@ private:
 ///
 /// Made by create() and shared by the task and by everyone who reads; whoever drops it last frees
 /// it, which should not be the task.
-class ProcessImage : public std::enable_shared_from_this<ProcessImage> {
+class BUSBAR_API ProcessImage : public std::enable_shared_from_this<ProcessImage> {
     struct Key {};
 
 public:
@@ -160,7 +161,7 @@ private:
 /// writes answer Bad_NoCommunication, with too many pins or waiting writes Bad_TooManyOperations.
 ///
 /// Lives on the server's thread. An image must not have two sources at the same time.
-class ImageSource final : public DataSource {
+class BUSBAR_API ImageSource final : public DataSource {
 public:
     explicit ImageSource(std::shared_ptr<ProcessImage> image);
     ~ImageSource() override;

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include <busbar/binary/type_registry.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
@@ -46,7 +47,7 @@ struct ServerEnvironment {
 /// One thread owns a server with all its connections. Whoever drives it calls handle_deadline when
 /// next_deadline() has come and handle_completions when the Waker was called, and then sends the
 /// output of the connections that next_changed() names.
-class Server {
+class BUSBAR_API Server {
 public:
     /// Bad_ConfigurationError, with the reason in the log, if `config` contradicts itself: an
     /// endpoint with security and no certificate, a certificate that does not name the
@@ -71,6 +72,8 @@ public:
     [[nodiscard]] binary::TypeRegistry& types();
     /// The source's index, which nodes carry. The source must outlive the server.
     std::uint32_t add_source(DataSource& source);
+    /// The same with a source, not null, that the server keeps alive until it is destroyed.
+    std::uint32_t add_source(std::shared_ptr<DataSource> source);
 
     /// Raises an event from any thread that knows the server is there; see EventQueue::raise.
     bool raise_event(Event event);

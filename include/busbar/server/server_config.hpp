@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <busbar/channel/channel_types.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/server/limits.hpp>
 
 namespace busbar::server {
@@ -43,7 +44,7 @@ struct TokenIssuer {
 };
 
 /// Basic256Sha256 with Sign and with SignAndEncrypt, user names only.
-[[nodiscard]] std::vector<EndpointConfig> secure_endpoints();
+[[nodiscard]] BUSBAR_API std::vector<EndpointConfig> secure_endpoints();
 
 /// BuildInfo of the Server object (Part 5, 12.5) but for the name and URI of the product.
 struct BuildDescription {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/model/address_space.hpp>
 #include <busbar/server/event.hpp>
 #include <busbar/server/memory_source.hpp>
@@ -64,7 +65,7 @@ struct StateMachineContext {
 /// begin in their initial state, or wait for set_state if they have none.
 ///
 /// Used on the server's thread only. What fails changes nothing.
-class StateMachine {
+class BUSBAR_API StateMachine {
 public:
     /// Reads states and transitions from the Object's type and takes its Variables over:
     /// CurrentState, LastTransition, AvailableStates and AvailableTransitions, with their

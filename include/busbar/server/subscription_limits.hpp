@@ -6,12 +6,13 @@
 #include <optional>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
 
 namespace busbar::server {
 
 /// How the sampling interval that a client requests becomes the revised one (Part 4, 7.21).
-struct SamplingPolicy {
+struct BUSBAR_API SamplingPolicy {
     /// The range of intervals. 0 requests the shortest, and what is negative or no number the
     /// Subscription's publishing interval.
     std::chrono::milliseconds min_interval{10};
@@ -35,7 +36,7 @@ struct SamplingPolicy {
 };
 
 /// 200 to 900 ms by 100, 1 to 9 s by one second, 10 to 60 s by ten, with Good_Overload past 5 %.
-[[nodiscard]] SamplingPolicy stepped_sampling();
+[[nodiscard]] BUSBAR_API SamplingPolicy stepped_sampling();
 
 /// What Subscriptions and MonitoredItems may make a server hold and do. All limits are finite.
 struct SubscriptionLimits {
@@ -85,9 +86,9 @@ struct SubscriptionLimits {
 
 /// The limits of an RD81OPC96: 10 Subscriptions in a session and 150 in all, 15,000 items, queues
 /// of 10, stepped sampling.
-[[nodiscard]] SubscriptionLimits rd81opc96_subscriptions();
+[[nodiscard]] BUSBAR_API SubscriptionLimits rd81opc96_subscriptions();
 /// The limits of NJ501 and NX102 controllers: 100 Subscriptions and 2,000 items.
-[[nodiscard]] SubscriptionLimits nj501_subscriptions();
-[[nodiscard]] SubscriptionLimits nx102_subscriptions();
+[[nodiscard]] BUSBAR_API SubscriptionLimits nj501_subscriptions();
+[[nodiscard]] BUSBAR_API SubscriptionLimits nx102_subscriptions();
 
 } // namespace busbar::server

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
 #include <busbar/crypto/jwt.hpp>
 #include <busbar/server/password_users.hpp>
@@ -13,7 +14,7 @@ namespace busbar::server {
 
 /// Users of all kinds: with passwords, with certificates and with issued tokens. On the server's
 /// thread, but for passwords().
-class UserDirectory final : public UserStore {
+class BUSBAR_API UserDirectory final : public UserStore {
 public:
     explicit UserDirectory(PasswordRules rules = {}) : passwords_{std::move(rules)} {}
 

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <busbar/core/api.hpp>
+
 namespace busbar::server {
 
 /// Tells whoever drives a server that it has work which no socket and no deadline announces.
-class Waker {
+class BUSBAR_API Waker {
 public:
     Waker() = default;
     Waker(const Waker&) = delete;

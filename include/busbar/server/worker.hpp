@@ -2,10 +2,12 @@
 
 #include <functional>
 
+#include <busbar/core/api.hpp>
+
 namespace busbar::server {
 
 /// Somewhere to do slow work away from the server's thread.
-class Worker {
+class BUSBAR_API Worker {
 public:
     Worker() = default;
     Worker(const Worker&) = delete;

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include <busbar/binary/dynamic_types.hpp>
+#include <busbar/core/api.hpp>
 
 namespace busbar::binary::detail {
 
@@ -17,7 +18,7 @@ struct DataTypeRoot {
 };
 
 /// Nothing for an id that is not one of the types of Part 6, 5.1.2 or of the structures' bases.
-[[nodiscard]] std::optional<DataTypeRoot> data_type_root(const NodeId& data_type);
+[[nodiscard]] BUSBAR_API std::optional<DataTypeRoot> data_type_root(const NodeId& data_type);
 
 /// Structure, Union and OptionSet themselves stand for any subtype (Part 6, 5.1.7).
 [[nodiscard]] bool is_open_structure(const NodeId& data_type);

@@ -14,11 +14,12 @@
 #include <asio/prefer.hpp>
 
 #include <busbar/client/client.hpp>
+#include <busbar/core/api.hpp>
 
 namespace busbar::net::detail {
 
 /// An operation of an AsyncClient that is under way: what the client knows of it without its types.
-class AsyncOperation : public std::enable_shared_from_this<AsyncOperation> {
+class BUSBAR_API AsyncOperation : public std::enable_shared_from_this<AsyncOperation> {
 public:
     AsyncOperation() = default;
     AsyncOperation(const AsyncOperation&) = delete;
