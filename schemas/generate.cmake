@@ -19,7 +19,23 @@ set(BUSBAR_SCHEMAS_DIR ${CMAKE_CURRENT_LIST_DIR} CACHE INTERNAL "Where generate.
 file(GLOB nodesets CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/Opc.Ua.*.NodeSet2.xml)
 set(BUSBAR_NAMESPACE0_NODESETS ${nodesets} CACHE INTERNAL "The NodeSet2 files of OPC UA itself")
 
+# Says what is missing where the generator cannot run.
+function(busbar_check_generator)
+  set(how "Build it once without your toolchain file, with the compiler of this machine:\n"
+    "  cmake --preset host && cmake --build --preset host\n"
+    "(in the sources of Busbar, with pugixml installed) and configure again with\n"
+    "  -D BUSBAR_GENERATOR=.../build/host/bin/busbar-generate")
+  string(CONCAT how ${how})
+  if(BUSBAR_GENERATOR AND NOT EXISTS ${BUSBAR_GENERATOR})
+    message(FATAL_ERROR "BUSBAR_GENERATOR names ${BUSBAR_GENERATOR}, which does not exist.\n${how}")
+  elseif(CMAKE_CROSSCOMPILING AND NOT BUSBAR_GENERATOR)
+    message(FATAL_ERROR "A cross build needs Busbar's generator of types and nodes as a program of "
+      "this machine, and BUSBAR_GENERATOR does not name one.\n${how}")
+  endif()
+endfunction()
+
 function(busbar_find_generator command_variable target_variable)
+  busbar_check_generator()
   if(BUSBAR_GENERATOR)
     set(command ${BUSBAR_GENERATOR})
     set(target ${BUSBAR_GENERATOR})

@@ -2,8 +2,14 @@
 # here. Leaves BUSBAR_GENERATED_TYPES_SOURCES and the target busbar_generated_types.
 include(${CMAKE_CURRENT_LIST_DIR}/generate.cmake)
 
+busbar_check_generator()
 find_package(pugixml QUIET)
-if(pugixml_FOUND OR NOT BUSBAR_GENERATOR)
+if(NOT pugixml_FOUND AND NOT BUSBAR_GENERATOR)
+  message(FATAL_ERROR "pugixml is missing: the generator of types and nodes reads XML with it "
+    "(Debian: libpugixml-dev). A build whose BUSBAR_GENERATOR names a generator made elsewhere "
+    "does without, and without busbar::nodeset.")
+endif()
+if(pugixml_FOUND)
   add_subdirectory(${PROJECT_SOURCE_DIR}/lib/model/nodeset
     ${PROJECT_BINARY_DIR}/lib/model/nodeset)
 endif()

@@ -11,7 +11,7 @@ constexpr std::size_t free_budget = 4'096;
 std::size_t budget_for(std::size_t input, std::uint32_t expansion)
 {
     constexpr std::size_t most = std::numeric_limits<std::size_t>::max() / 2;
-    return input > most / (std::size_t{expansion} + 1) ? most : free_budget + input * expansion;
+    return input > most / (std::uint64_t{expansion} + 1) ? most : free_budget + input * expansion;
 }
 
 } // namespace
@@ -45,7 +45,7 @@ std::int32_t Reader::array_length(std::size_t min_element_size, std::size_t obje
         fail(status::Bad_EncodingLimitsExceeded);
     } else if (min_element_size != 0 && size > remaining() / min_element_size) {
         fail(status::Bad_DecodingError);
-    } else if (charge(size * object_size)) {
+    } else if (charge(std::uint64_t{size} * object_size)) {
         return count;
     }
     return -1;
@@ -71,13 +71,13 @@ std::int32_t Reader::text_length(std::uint32_t limit)
     return -1;
 }
 
-bool Reader::charge(std::size_t bytes)
+bool Reader::charge(std::uint64_t bytes)
 {
     if (bytes > budget_) {
         fail(status::Bad_EncodingLimitsExceeded);
         return false;
     }
-    budget_ -= bytes;
+    budget_ -= static_cast<std::size_t>(bytes);
     return true;
 }
 

@@ -30,16 +30,14 @@ bool Writer::enter()
     return ok();
 }
 
-void Writer::slow(const void* data, std::size_t size)
+void Writer::slow(std::span<const std::byte> data)
 {
-    const auto* from = static_cast<const std::byte*>(data);
-    while (ok() && size != 0) {
-        const std::size_t part = std::min(size, static_cast<std::size_t>(end_ - position_));
+    while (ok() && !data.empty()) {
+        const std::size_t part = std::min(data.size(), static_cast<std::size_t>(end_ - position_));
         if (part != 0) {
-            std::memcpy(position_, from, part);
+            std::memcpy(position_, data.data(), part);
             position_ += part;
-            from += part;
-            size -= part;
+            data = data.subspan(part);
             continue;
         }
         before_ += filled();

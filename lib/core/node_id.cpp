@@ -172,7 +172,7 @@ std::uint64_t hash_bytes(const char* data, std::size_t size, std::uint64_t seed)
 
 } // namespace
 
-std::size_t hash_value(const NodeId& id)
+std::uint64_t hash_value(const NodeId& id)
 {
     const std::uint64_t seed = std::uint64_t{id.namespace_index()} << 32U |
                                static_cast<std::uint64_t>(id.id_type()) << 48U;

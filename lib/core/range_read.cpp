@@ -26,7 +26,9 @@ bool cut_text(const Text& text, const Bounds& bounds, Text& part)
     if (bounds.first >= text.size()) {
         return false;
     }
-    const std::string_view cut = bytes_of(text).substr(bounds.first, bounds.count());
+    const auto count = std::min<std::uint64_t>(bounds.count(), text.size() - bounds.first);
+    const std::string_view cut =
+        bytes_of(text).substr(bounds.first, static_cast<std::size_t>(count));
     if constexpr (std::is_same_v<Text, String>) {
         part = String{cut};
     } else {

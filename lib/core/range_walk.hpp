@@ -42,7 +42,8 @@ inline bool make_box(std::span<const NumericRange::Bounds> bounds, std::size_t s
         if (box.first[i] >= box.size[i]) {
             return false;
         }
-        box.count[i] = std::min(bounds[i].count(), box.size[i] - box.first[i]);
+        box.count[i] = static_cast<std::size_t>(
+            std::min<std::uint64_t>(bounds[i].count(), box.size[i] - box.first[i]));
     }
     return true;
 }

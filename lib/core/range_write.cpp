@@ -35,7 +35,7 @@ template <typename Text>
 void replace_text(Text& target, const Bounds& bounds, const Text& part)
 {
     std::string bytes = text_of(target);
-    bytes.replace(bounds.first, bounds.count(), text_of(part));
+    bytes.replace(bounds.first, static_cast<std::size_t>(bounds.count()), text_of(part));
     if constexpr (std::is_same_v<Text, String>) {
         target = String{bytes};
     } else {

@@ -46,11 +46,8 @@ template <typename T>
 struct Variant::OperationsOf {
     static constexpr bool scalar_inline = is_inline<T>;
 
-    static void* boxed(std::byte* storage) { return *reinterpret_cast<void**>(storage); }
-    static const void* boxed(const std::byte* storage)
-    {
-        return *reinterpret_cast<void* const*>(storage);
-    }
+    static void* boxed(std::byte* storage) { return *stored<void*>(storage); }
+    static const void* boxed(const std::byte* storage) { return *stored<void* const>(storage); }
     static void set(std::byte* storage, void* object)
     {
         ::new (static_cast<void*>(storage)) void*(object);
@@ -59,11 +56,11 @@ struct Variant::OperationsOf {
     static void destroy(std::byte* storage, Kind kind)
     {
         if (kind == Kind::Array) {
-            std::destroy_at(std::launder(reinterpret_cast<Array<T>*>(storage)));
+            std::destroy_at(stored<Array<T>>(storage));
         } else if (kind == Kind::Matrix) {
             delete static_cast<Matrix<T>*>(boxed(storage));
         } else if constexpr (scalar_inline) {
-            std::destroy_at(std::launder(reinterpret_cast<T*>(storage)));
+            std::destroy_at(stored<T>(storage));
         } else {
             delete static_cast<T*>(boxed(storage));
         }
@@ -71,12 +68,11 @@ struct Variant::OperationsOf {
     static void copy(std::byte* to, const std::byte* from, Kind kind)
     {
         if (kind == Kind::Array) {
-            ::new (static_cast<void*>(to))
-                Array<T>(*std::launder(reinterpret_cast<const Array<T>*>(from)));
+            ::new (static_cast<void*>(to)) Array<T>(*stored<const Array<T>>(from));
         } else if (kind == Kind::Matrix) {
             set(to, new Matrix<T>(*static_cast<const Matrix<T>*>(boxed(from))));
         } else if constexpr (scalar_inline) {
-            ::new (static_cast<void*>(to)) T(*std::launder(reinterpret_cast<const T*>(from)));
+            ::new (static_cast<void*>(to)) T(*stored<const T>(from));
         } else {
             set(to, new T(*static_cast<const T*>(boxed(from))));
         }

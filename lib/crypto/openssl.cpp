@@ -1,5 +1,6 @@
 #include "openssl.hpp"
 
+#include <chrono>
 #include <climits>
 #include <ctime>
 
@@ -24,7 +25,20 @@ DateTime date_time_of(const ASN1_TIME* time)
     if (time == nullptr || ASN1_TIME_to_tm(time, &parts) != 1) {
         return {};
     }
-    return DateTime::from_unix_seconds(timegm(&parts));
+    // Not with timegm(): a time_t of 32 bits ends in 2038.
+    using namespace std::chrono;
+    const sys_days day = year{parts.tm_year + 1900} / (parts.tm_mon + 1) / parts.tm_mday;
+    const sys_seconds moment =
+        sys_seconds{day} + hours{parts.tm_hour} + minutes{parts.tm_min} + seconds{parts.tm_sec};
+    return DateTime::from_unix_seconds(moment.time_since_epoch().count());
+}
+
+bool set_time(ASN1_TIME* to, DateTime time)
+{
+    constexpr std::size_t up_to_seconds = 19; // of 2026-11-21T06:00:00.5Z
+    std::string digits = to_string(time).substr(0, up_to_seconds);
+    std::erase_if(digits, [](char c) { return c < '0' || c > '9'; });
+    return ASN1_TIME_set_string_X509(to, (digits + "Z").c_str()) == 1;
 }
 
 std::string text_of(const X509_NAME* name)

@@ -61,6 +61,8 @@ int give_no_passphrase(char*, int, int, void*);
 
 /// Null for a time that is missing or unreadable.
 DateTime date_time_of(const ASN1_TIME* time);
+/// The second of `time`: a UTCTime from 1950 to 2049, else a GeneralizedTime (RFC 5280, 4.1.2.5).
+bool set_time(ASN1_TIME* to, DateTime time);
 /// "CN=Name, O=..." for people; other than printable ASCII is escaped.
 std::string text_of(const X509_NAME* name);
 /// A thumbprint (Part 6, 6.7.2.3).

@@ -58,10 +58,11 @@ bool has_validity(const CertificateSubject& subject)
 
 bool set_validity(X509* certificate, const CertificateSubject& subject)
 {
-    const std::int64_t from = subject.valid_from.unix_seconds();
-    const std::int64_t to = from + std::int64_t{subject.valid_days} * seconds_per_day;
-    return ASN1_TIME_set(X509_getm_notBefore(certificate), from) != nullptr &&
-           ASN1_TIME_set(X509_getm_notAfter(certificate), to) != nullptr;
+    const DateTime from = subject.valid_from;
+    const DateTime to{from.ticks + std::int64_t{subject.valid_days} * seconds_per_day *
+                                       DateTime::ticks_per_second};
+    return detail::set_time(X509_getm_notBefore(certificate), from) &&
+           detail::set_time(X509_getm_notAfter(certificate), to);
 }
 
 bool fill(X509* certificate, const PrivateKey& key, const CertificateSubject& subject,

@@ -23,7 +23,7 @@ public:
             return none;
         }
         const std::uint32_t tag = tag_of(hash);
-        for (std::size_t at = hash & mask();; at = (at + 1) & mask()) {
+        for (std::size_t at = home(hash);; at = (at + 1) & mask()) {
             const std::uint32_t slot = slots_[at];
             if (slot == 0) {
                 return none;
@@ -46,15 +46,15 @@ public:
     template <typename HashOf>
     void erase(std::uint64_t hash, std::uint32_t record, HashOf hash_of)
     {
-        std::size_t hole = hash & mask();
+        std::size_t hole = home(hash);
         while ((slots_[hole] & ~tag_mask) != record + 1) {
             hole = (hole + 1) & mask();
         }
         --size_;
         // Moves up what a search would not find any more past the hole.
         for (std::size_t at = (hole + 1) & mask(); slots_[at] != 0; at = (at + 1) & mask()) {
-            const std::size_t home = hash_of((slots_[at] & ~tag_mask) - 1) & mask();
-            if (((at - home) & mask()) >= ((at - hole) & mask())) {
+            const std::size_t first = home(hash_of((slots_[at] & ~tag_mask) - 1));
+            if (((at - first) & mask()) >= ((at - hole) & mask())) {
                 slots_[hole] = slots_[at];
                 hole = at;
             }
@@ -81,9 +81,14 @@ private:
         return static_cast<std::uint32_t>(hash >> 32U) & tag_mask;
     }
     [[nodiscard]] std::size_t mask() const { return slots_.size() - 1; }
+    /// Where the search for a hash begins.
+    [[nodiscard]] std::size_t home(std::uint64_t hash) const
+    {
+        return static_cast<std::size_t>(hash) & mask();
+    }
     void place(std::uint64_t hash, std::uint32_t record)
     {
-        std::size_t at = hash & mask();
+        std::size_t at = home(hash);
         while (slots_[at] != 0) {
             at = (at + 1) & mask();
         }

@@ -17,28 +17,29 @@ std::size_t align(std::size_t offset)
     return (offset + alignment - 1) / alignment * alignment;
 }
 
-/// The bytes of one element, 0 for a type that an image cannot have.
-std::size_t stride_of(const ImageVariable& variable)
+/// The bytes of one element, 0 for a type that an image cannot have; of a text they may be more
+/// than there can be.
+std::uint64_t stride_of(const ImageVariable& variable)
 {
     return detail::visit_image_type(
         variable.type,
-        [&](auto tag) -> std::size_t {
+        [&](auto tag) -> std::uint64_t {
             using T = typename decltype(tag)::type;
             if constexpr (detail::is_image_text<T>) {
-                constexpr std::size_t unit = alignof(detail::ImageText);
-                const std::size_t bytes = sizeof(detail::ImageText) + variable.capacity;
+                constexpr std::uint64_t unit = alignof(detail::ImageText);
+                const std::uint64_t bytes = sizeof(detail::ImageText) + variable.capacity;
                 return (bytes + unit - 1) / unit * unit;
             } else {
                 return sizeof(T);
             }
         },
-        [] { return std::size_t{0}; });
+        [] { return std::uint64_t{0}; });
 }
 
 /// The number of elements, 0 if the image's limit is passed.
-std::size_t count_of(std::span<const std::uint32_t> dimensions)
+std::uint64_t count_of(std::span<const std::uint32_t> dimensions)
 {
-    std::size_t count = 1;
+    std::uint64_t count = 1;
     for (const std::uint32_t dimension : dimensions) {
         count *= dimension;
         if (count > ImageLayout::max_bytes) {
@@ -52,7 +53,7 @@ std::size_t count_of(std::span<const std::uint32_t> dimensions)
 
 Result<std::uint32_t> ImageLayout::add(const ImageVariable& variable)
 {
-    const std::size_t stride = stride_of(variable);
+    const std::uint64_t stride = stride_of(variable);
     if (stride == 0) {
         return fail(status::Bad_DataTypeIdUnknown);
     }
@@ -60,7 +61,7 @@ Result<std::uint32_t> ImageLayout::add(const ImageVariable& variable)
         std::ranges::find(variable.dimensions, 0U) != variable.dimensions.end()) {
         return fail(status::Bad_OutOfRange);
     }
-    const std::size_t count = count_of(variable.dimensions);
+    const std::uint64_t count = count_of(variable.dimensions);
     const std::size_t left = max_bytes - plain_bytes_ - array_bytes_;
     if (count == 0 || count > (left - std::min(left, alignment)) / stride ||
         places_.size() == max_variables) {
@@ -78,10 +79,11 @@ Result<std::uint32_t> ImageLayout::add(const ImageVariable& variable)
     }
     // Scalars lie side by side at their own alignment: what a scan copies stays small.
     std::size_t& end = place.in_arrays ? array_bytes_ : plain_bytes_;
-    const std::size_t unit = std::min<std::size_t>(stride & (~stride + 1), alignment);
+    const auto unit =
+        static_cast<std::size_t>(std::min<std::uint64_t>(stride & (~stride + 1), alignment));
     const std::size_t start = place.in_arrays ? align(end) : (end + unit - 1) / unit * unit;
     place.offset = static_cast<std::uint32_t>(start);
-    end = start + count * stride;
+    end = start + place.bytes();
     places_.push_back(std::move(place));
     return static_cast<std::uint32_t>(places_.size() - 1);
 }

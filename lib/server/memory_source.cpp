@@ -10,7 +10,7 @@ std::uint64_t MemorySource::add(Variant value)
 
 void MemorySource::set(std::uint64_t handle, Variant value, StatusCode status)
 {
-    values_[handle] = {std::move(value), status, clock_->now()};
+    values_[static_cast<std::size_t>(handle)] = {std::move(value), status, clock_->now()};
 }
 
 DataSourceOptions MemorySource::options() const
@@ -30,7 +30,7 @@ void MemorySource::read(ReadBatch batch)
             slots[i].status = status::Bad_NodeIdUnknown;
             continue;
         }
-        const DataValue& from = values_[items[i].handle];
+        const DataValue& from = get(items[i].handle);
         slots[i].status = from.status;
         slots[i].source_timestamp = from.source_timestamp;
         // Nothing can change `values_` before the server has used what it finds in the slots of a
@@ -56,7 +56,7 @@ StatusCode MemorySource::write_one(const WriteItem& item, DateTime now)
     if (item.handle >= values_.size()) {
         return status::Bad_NodeIdUnknown;
     }
-    DataValue& to = values_[item.handle];
+    DataValue& to = values_[static_cast<std::size_t>(item.handle)];
     if (item.range == nullptr) {
         to.value = item.data->value;
     } else if (const auto written = write_range(to.value, *item.range, item.data->value);

@@ -79,6 +79,22 @@ TEST_CASE("a range of an array is an array", "[core][numeric_range]")
     CHECK(read_error(vector(), "0,0") == status::Bad_IndexRangeNoData);
 }
 
+TEST_CASE("a range of all that may be is not empty where a size has 32 bits (E6)",
+          "[core][numeric_range]")
+{
+    constexpr std::string_view all = "0:4294967295";
+    CHECK(range(all).bounds()[0].count() == std::uint64_t{1} << 32U);
+    CHECK(*read_range(vector(), range(all)) == vector());
+    CHECK(*read_range(matrix(), range("0:4294967295,0:4294967295")) == matrix());
+    CHECK(*read_range(Variant{"hello"}, range(all)) == Variant{"hello"});
+    CHECK(*read_range(texts(), range("0:4294967295,0:4294967295")) == texts());
+    Variant target = vector();
+    const Variant nothing{Array<std::int32_t>(std::size_t{0})};
+    CHECK(write(target, all, nothing) == status::Bad_IndexRangeNoData);
+    Variant text{"hello"};
+    CHECK(write(text, all, Variant{""}) == status::Bad_IndexRangeNoData);
+}
+
 TEST_CASE("a range of a matrix is a matrix", "[core][numeric_range]")
 {
     CHECK(*read_range(matrix(), range("1:2,0:1")) ==

@@ -68,8 +68,8 @@ X509Pointer unsigned_certificate(const CertificateOptions& options, EVP_PKEY* ke
     X509_set_version(x509.get(), options.version);
     ASN1_INTEGER_set(X509_get_serialNumber(x509.get()),
                      options.serial != 0 ? options.serial : ++serial);
-    ASN1_TIME_set(X509_getm_notBefore(x509.get()), options.valid_from.unix_seconds());
-    ASN1_TIME_set(X509_getm_notAfter(x509.get()), options.valid_to.unix_seconds());
+    crypto::detail::set_time(X509_getm_notBefore(x509.get()), options.valid_from);
+    crypto::detail::set_time(X509_getm_notAfter(x509.get()), options.valid_to);
     X509_NAME_add_entry_by_txt(X509_get_subject_name(x509.get()), "CN", MBSTRING_UTF8,
                                reinterpret_cast<const unsigned char*>(options.common_name.data()),
                                static_cast<int>(options.common_name.size()), -1, 0);

@@ -18,7 +18,9 @@ using Integer = std::unique_ptr<ASN1_INTEGER, crypto::detail::FreeWith<ASN1_INTE
 
 Time time_of(DateTime time)
 {
-    return Time{ASN1_TIME_set(nullptr, time.unix_seconds())};
+    Time made{ASN1_TIME_new()};
+    crypto::detail::set_time(made.get(), time);
+    return made;
 }
 
 Extension unknown_extension(const std::string& der)

@@ -17,9 +17,6 @@ namespace busbar {
 
 namespace detail {
 
-template <typename T>
-concept WireNumber = (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) || std::is_enum_v<T>;
-
 /// The fewest bytes a T takes on the wire; what array_length checks a count with.
 template <typename T>
 constexpr std::size_t min_wire_size()

@@ -1,13 +1,11 @@
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <string_view>
-#include <type_traits>
 
+#include <busbar/binary/wire_order.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/core/status_codes.hpp>
@@ -69,17 +67,15 @@ public:
     [[nodiscard]] Strings strings() const { return strings_; }
 
     /// An integer, enumeration or floating-point number; 0 and failed past the end.
-    template <typename T>
+    template <busbar::detail::WireNumber T>
     [[nodiscard]] T number()
     {
-        static_assert(std::endian::native == std::endian::little &&
-                      std::is_trivially_copyable_v<T>);
         T value{};
         if (remaining() < sizeof(T)) {
             fail(status::Bad_DecodingError);
             return value;
         }
-        std::memcpy(&value, position_, sizeof(T));
+        detail::copy_number<sizeof(T)>(&value, position_);
         position_ += sizeof(T);
         return value;
     }
@@ -94,16 +90,12 @@ public:
         position_ += size;
         return result;
     }
-    /// Fills `values` with numbers as they lie in the message.
-    template <typename T>
+    /// Fills `values` with numbers.
+    template <busbar::detail::WireNumber T>
     void numbers(std::span<T> values)
     {
-        static_assert(std::endian::native == std::endian::little &&
-                      std::is_trivially_copyable_v<T>);
         const auto from = bytes(values.size_bytes());
-        if (!from.empty()) {
-            std::memcpy(values.data(), from.data(), from.size());
-        }
+        detail::copy_numbers<sizeof(T)>(values.data(), from.data(), from.size() / sizeof(T));
     }
     void skip(std::size_t size) { static_cast<void>(bytes(size)); }
 
@@ -115,7 +107,7 @@ public:
     [[nodiscard]] std::int32_t text_length(std::uint32_t limit);
     /// Charges `bytes` of C++ objects to the message; fails with Bad_EncodingLimitsExceeded when
     /// the message has not earned them.
-    [[nodiscard]] bool charge(std::size_t bytes);
+    [[nodiscard]] bool charge(std::uint64_t bytes);
 
     /// Enters a nested value; false, and failed with Bad_EncodingLimitsExceeded, if too deep.
     [[nodiscard]] bool enter();

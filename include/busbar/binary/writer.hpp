@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
+#include <busbar/binary/wire_order.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/core/status_codes.hpp>
@@ -68,17 +68,17 @@ public:
         return static_cast<std::size_t>(position_ - begin_);
     }
 
-    /// Writes an integer, enumeration or floating-point number as it lies in memory.
-    template <typename T>
+    /// Writes an integer, enumeration or floating-point number.
+    template <busbar::detail::WireNumber T>
     void number(T value)
     {
-        static_assert(std::endian::native == std::endian::little &&
-                      std::is_trivially_copyable_v<T>);
         if (static_cast<std::size_t>(end_ - position_) >= sizeof(T)) {
-            std::memcpy(position_, &value, sizeof(T));
+            detail::copy_number<sizeof(T)>(position_, &value);
             position_ += sizeof(T);
         } else {
-            slow(&value, sizeof(T));
+            std::array<std::byte, sizeof(T)> on_wire;
+            detail::copy_number<sizeof(T)>(on_wire.data(), &value);
+            slow(on_wire);
         }
     }
     void bytes(std::span<const std::byte> data)
@@ -89,18 +89,22 @@ public:
                 position_ += data.size();
             }
         } else {
-            slow(data.data(), data.size());
+            slow(data);
         }
     }
     /// True for a Writer that only counts; nobody will read what it is given.
     [[nodiscard]] bool is_measuring() const { return is_measuring_; }
-    /// The whole of an array of numbers, as it lies in memory.
-    template <typename T>
+    /// The whole of an array of numbers.
+    template <busbar::detail::WireNumber T>
     void numbers(std::span<const T> values)
     {
-        static_assert(std::endian::native == std::endian::little &&
-                      std::is_trivially_copyable_v<T>);
-        bytes(std::as_bytes(values));
+        if constexpr (std::endian::native == std::endian::little || sizeof(T) == 1) {
+            bytes(std::as_bytes(values));
+        } else {
+            for (const T value : values) {
+                number(value);
+            }
+        }
     }
     /// An Int32 count; fails with Bad_EncodingLimitsExceeded past 2^31-1.
     void length(std::size_t count);
@@ -110,7 +114,7 @@ public:
     void leave() { --depth_; }
 
 private:
-    void slow(const void* data, std::size_t size);
+    void slow(std::span<const std::byte> data);
 
     Sink* sink_;
     std::byte* begin_{nullptr};

@@ -81,7 +81,7 @@ private:
 
 /// The text form that NodeId::parse reads.
 [[nodiscard]] BUSBAR_API std::string to_string(const NodeId& id);
-[[nodiscard]] BUSBAR_API std::size_t hash_value(const NodeId& id);
+[[nodiscard]] BUSBAR_API std::uint64_t hash_value(const NodeId& id);
 
 /// ExpandedNodeId (Part 4, 7.16; Part 6, 5.2.2.10).
 struct ExpandedNodeId {
@@ -113,6 +113,6 @@ template <>
 struct std::hash<busbar::NodeId> {
     std::size_t operator()(const busbar::NodeId& id) const noexcept
     {
-        return busbar::hash_value(id);
+        return static_cast<std::size_t>(busbar::hash_value(id));
     }
 };

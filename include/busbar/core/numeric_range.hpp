@@ -20,7 +20,8 @@ public:
         std::uint32_t first{0};
         std::uint32_t last{0};
 
-        [[nodiscard]] std::size_t count() const { return std::size_t{last} - first + 1; }
+        /// Up to 2^32.
+        [[nodiscard]] std::uint64_t count() const { return std::uint64_t{last} - first + 1; }
         friend bool operator==(const Bounds&, const Bounds&) = default;
     };
 

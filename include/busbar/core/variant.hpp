@@ -104,7 +104,7 @@ public:
             return nullptr;
         }
         if constexpr (is_inline<T>) {
-            return std::launder(reinterpret_cast<const T*>(storage_));
+            return stored<const T>(storage_);
         } else {
             return static_cast<const T*>(box());
         }
@@ -128,7 +128,7 @@ public:
         if (type_ != built_in_type_of<T> || !is_array()) {
             return nullptr;
         }
-        return kind_ == Kind::Array ? std::launder(reinterpret_cast<const Array<T>*>(storage_))
+        return kind_ == Kind::Array ? stored<const Array<T>>(storage_)
                                     : &static_cast<const Matrix<T>*>(box())->values;
     }
     template <BuiltIn T>
@@ -172,7 +172,18 @@ private:
         kind_ = std::exchange(other.kind_, Kind::Null);
     }
     void set_box(void* object) { ::new (static_cast<void*>(storage_)) void*(object); }
-    [[nodiscard]] void* box() const { return *reinterpret_cast<void* const*>(storage_); }
+    [[nodiscard]] void* box() const { return *stored<void* const>(storage_); }
+    /// What lies in a Variant's storage, which is aligned for all that may.
+    template <typename T>
+    [[nodiscard]] static T* stored(std::byte* storage)
+    {
+        return std::launder(static_cast<T*>(static_cast<void*>(storage)));
+    }
+    template <typename T>
+    [[nodiscard]] static T* stored(const std::byte* storage)
+    {
+        return std::launder(static_cast<T*>(static_cast<const void*>(storage)));
+    }
 
     alignas(8) std::byte storage_[16]{};
     BuiltInType type_{BuiltInType::Null};

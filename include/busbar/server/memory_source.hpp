@@ -22,7 +22,10 @@ public:
     /// Gives a variable its value, with the time of day as source timestamp.
     void set(std::uint64_t handle, Variant value, StatusCode status = {});
     /// The variable; valid until the next add().
-    [[nodiscard]] const DataValue& get(std::uint64_t handle) const { return values_[handle]; }
+    [[nodiscard]] const DataValue& get(std::uint64_t handle) const
+    {
+        return values_[static_cast<std::size_t>(handle)];
+    }
 
     [[nodiscard]] DataSourceOptions options() const override;
     void read(ReadBatch batch) override;

@@ -40,8 +40,8 @@ void MethodTable::call(CallBatch batch)
     for (std::size_t i = 0; i < shared->size(); ++i) {
         const std::uint64_t handle = shared->items()[i].handle;
         MethodCall call{shared, i};
-        if (handle < functions_.size() && functions_[handle]) {
-            functions_[handle](std::move(call));
+        if (handle < functions_.size() && functions_[static_cast<std::size_t>(handle)]) {
+            functions_[static_cast<std::size_t>(handle)](std::move(call));
         } else {
             call.fail(status::Bad_NotImplemented);
         }

@@ -97,8 +97,15 @@ private:
 
     // The sampling group's: where the item is in it.
 
+    struct Place {
+        static constexpr std::uint32_t no_image = UINT32_MAX;
+        /// Of the group's images the one whose watch has the item.
+        std::uint32_t image{no_image};
+        /// In that watch, else among the group's members.
+        std::uint32_t index{0};
+    };
     SamplingGroup* group_{nullptr};
-    std::size_t place_{0};
+    Place place_;
     MonitoredHandles::Use use_;
 };
 

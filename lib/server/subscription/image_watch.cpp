@@ -26,12 +26,12 @@ bool is_same(const std::byte* a, const std::byte* b, std::size_t size)
 
 } // namespace
 
-std::size_t ImageWatch::add(DataItem& item, std::uint32_t handle)
+std::uint32_t ImageWatch::add(DataItem& item, std::uint32_t handle)
 {
     const std::uint32_t size = (*layout_)[handle].bytes();
     entries_.push_back({&item, handle, static_cast<std::uint32_t>(seen_.size()), size, true, true});
     seen_.resize(seen_.size() + size);
-    return entries_.size() - 1;
+    return static_cast<std::uint32_t>(entries_.size() - 1);
 }
 
 bool ImageWatch::has_changed(const Entry& entry, const std::byte* now)

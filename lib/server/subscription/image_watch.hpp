@@ -18,7 +18,7 @@ public:
     explicit ImageWatch(const ImageLayout& layout) : layout_{&layout} {}
 
     /// The item's place here. It is sampled next time, whatever its value is.
-    [[nodiscard]] std::size_t add(DataItem& item, std::uint32_t handle);
+    [[nodiscard]] std::uint32_t add(DataItem& item, std::uint32_t handle);
     void remove(std::size_t place) { entries_[place].item = nullptr; }
     /// The item at `place` is sampled next time, whatever its value is.
     void sample_always(std::size_t place) { entries_[place].is_always = true; }

@@ -41,8 +41,7 @@ SamplingGroup::~SamplingGroup()
 void SamplingGroup::add(DataItem& item, TimePoint now)
 {
     item.group_ = this;
-    item.place_ = members_.size();
-    members_.push_back({&item});
+    put_in(item);
     ++item_count_;
     if (next_sample_ == no_deadline && interval_ != Duration::zero()) {
         next_sample_ = now + interval_;
@@ -50,13 +49,19 @@ void SamplingGroup::add(DataItem& item, TimePoint now)
     }
 }
 
+void SamplingGroup::put_in(DataItem& item)
+{
+    item.place_ = {DataItem::Place::no_image, static_cast<std::uint32_t>(members_.size())};
+    members_.push_back({&item});
+}
+
 void SamplingGroup::take_out(DataItem& item)
 {
-    if ((item.place_ & image_flag) != 0) {
-        const std::size_t index = item.place_ >> image_shift & 0xFFFF;
-        images_[index].watch.remove(item.place_ & ((std::size_t{1} << image_shift) - 1));
+    const auto [image, index] = item.place_;
+    if (image != DataItem::Place::no_image) {
+        images_[image].watch.remove(index);
     } else {
-        members_[item.place_].item = nullptr;
+        members_[index].item = nullptr;
         ++holes_;
     }
 }
@@ -72,8 +77,7 @@ void SamplingGroup::remove(DataItem& item)
 void SamplingGroup::rebind(DataItem& item)
 {
     take_out(item);
-    item.place_ = members_.size();
-    members_.push_back({&item});
+    put_in(item);
 }
 
 void SamplingGroup::compact()
@@ -86,7 +90,7 @@ void SamplingGroup::compact()
         members_.begin(), fresh, [](const Member& member) { return member.item == nullptr; }));
     std::erase_if(members_, [](const Member& member) { return member.item == nullptr; });
     for (std::size_t i = 0; i < members_.size(); ++i) {
-        members_[i].item->place_ = i;
+        members_[i].item->place_.index = static_cast<std::uint32_t>(i);
     }
     holes_ = 0;
 }
@@ -104,8 +108,7 @@ void SamplingGroup::unbind_all()
     for (const Image& image : images_) {
         for (std::size_t i = 0; i < image.watch.size(); ++i) {
             if (DataItem* const item = image.watch.item(i)) {
-                item->place_ = members_.size();
-                members_.push_back({item});
+                put_in(*item);
             }
         }
     }
@@ -138,8 +141,8 @@ void SamplingGroup::watch(ProcessImage& image, Member& member, std::uint64_t han
     }
     DataItem& item = *std::exchange(member.item, nullptr);
     ++holes_;
-    item.place_ = image_flag | static_cast<std::size_t>(found - images_.begin()) << image_shift |
-                  found->watch.add(item, static_cast<std::uint32_t>(handle));
+    item.place_ = {static_cast<std::uint32_t>(found - images_.begin()),
+                   found->watch.add(item, static_cast<std::uint32_t>(handle))};
 }
 
 void SamplingGroup::bind(std::size_t first)

@@ -66,9 +66,6 @@ private:
         ProcessImage* image;
         ImageWatch watch;
     };
-    /// DataItem::place_ of what an image watches: the image's index and the place there.
-    static constexpr std::size_t image_flag = std::size_t{1} << 63U;
-    static constexpr unsigned image_shift = 40;
 
     void sample(TimePoint now);
     void sample_new_members(TimePoint now);
@@ -88,6 +85,7 @@ private:
     void watch(ProcessImage& image, Member& member, std::uint64_t handle);
     /// Keeps account of what the item monitors, for the source.
     void note_source(DataItem& item, const ReadPlan& plan);
+    void put_in(DataItem& item);
     void take_out(DataItem& item);
     void compact();
     [[nodiscard]] bool is_full_of_holes() const;
