@@ -45,7 +45,7 @@ Duration seconds(double count)
 
 Connection::Connection(Context& context, Endurance endurance)
     : context_{&context}, log_{context.options.is_verbose}, pki_{context.options, log_},
-      identity_{pki_.identity()}, trust_{pki_, log_},
+      identity_{pki_.identity()}, trust_{pki_, context, log_},
       environment_{&random_, &wall_clock_, &log_, &trust_, &identity_}, user_{user_of(context)}
 {
     connect(endurance);
@@ -141,8 +141,7 @@ void Connection::warn_of_insecurity()
 {
     const EndpointDescription* endpoint = client().endpoint();
     if (endpoint != nullptr && endpoint->security_mode == MessageSecurityMode::None) {
-        context_->err.line(context_->err.styled(Style::Uncertain, "busbar: insecure: ") +
-                           "no encryption, and nobody knows who the server is");
+        context_->warn("insecure", "no encryption, and nobody knows who the server is");
     }
 }
 

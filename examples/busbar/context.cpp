@@ -2,6 +2,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include "display_text.hpp"
+#include "ignored_steps.hpp"
+
 namespace busbar::cli {
 
 void add_options(CLI::App& app, Options& options)
@@ -33,12 +36,24 @@ void add_options(CLI::App& app, Options& options)
     app.add_option("--pki", options.pki, "folder of certificates, see `busbar cert`")
         ->type_name("DIR");
     app.add_flag("--trust", options.trusts, "trust the server's certificate from now on");
+    app.add_option("--ignore", options.ignored, "let a server's certificate pass though it fails")
+        ->check(CLI::IsMember(ignorable_steps()))
+        ->type_name("STEP")
+        ->expected(1)
+        ->take_all();
     app.add_option("--timeout", options.timeout, "wait so long for the server")
         ->check(CLI::Range(0.1, 86'400.0))
         ->type_name("SECONDS")
         ->capture_default_str();
     app.add_flag("--json", options.is_json, "write JSON, for scripts");
     app.add_flag("-v,--verbose", options.is_verbose, "tell what is done, on standard error");
+}
+
+void Context::warn(const std::string& label, const std::string& text)
+{
+    const std::string begin = "busbar: " + label + ": ";
+    const std::string lines = wrap(begin + safe(text), err.columns(), 2);
+    err.line(err.styled(Style::Uncertain, begin) + lines.substr(begin.size()));
 }
 
 std::vector<std::string> protected_arguments(int count, char** arguments)

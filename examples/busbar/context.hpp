@@ -29,6 +29,8 @@ struct Options {
     /// Empty: below the user's data folder.
     std::string pki;
     bool trusts{false};
+    /// Steps of the check of the server's certificate, see ignored_steps.hpp.
+    std::vector<std::string> ignored;
     double timeout{20}; // seconds
     bool is_verbose{false};
     bool is_json{false};
@@ -39,6 +41,9 @@ struct Context {
     Options options;
     Output out{stdout};
     Output err{stderr};
+
+    /// "busbar: <label>: <text>" on standard error, in lines that fit a terminal.
+    void warn(const std::string& label, const std::string& text);
 };
 
 /// Carries a command out; throws Failure or OutputClosed.
