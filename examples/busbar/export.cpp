@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <charconv>
-#include <fstream>
 #include <memory>
 #include <set>
 
 #include <busbar/model/nodeset.hpp>
 
 #include "commands.hpp"
+#include "file.hpp"
 #include "json_writer.hpp"
 #include "remote_nodes.hpp"
 #include "space_builder.hpp"
@@ -77,12 +77,7 @@ void save(Context& context, const std::string& file, const std::string& text)
         context.out.write(text);
         return;
     }
-    std::ofstream out{file, std::ios::binary};
-    out << text;
-    if (!out.flush()) {
-        throw Failure{Exit::Failed, file + ": cannot be written",
-                      "check the folder and its rights"};
-    }
+    write_file(file, text);
 }
 
 void report(Context& context, const Arguments& arguments, const SpaceBuilder& builder,
