@@ -156,6 +156,7 @@ void add_call(CLI::App& app, Run& run)
             if (arguments->words.size() < 2) {
                 throw Failure{Exit::Usage, "no method is given", "busbar call OBJECT METHOD ..."};
             }
+            check_addresses({arguments->words.front()});
             Connection connection{context};
             return call_method(context, connection, *arguments);
         };

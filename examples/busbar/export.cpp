@@ -141,8 +141,9 @@ void add_export(CLI::App& app, Run& run)
         ->type_name("FILE");
     command->callback([&run, arguments] {
         run = [arguments](Context& context) {
-            take_url(arguments->name_space, context.options);
-            if (arguments->name_space.size() != 1) {
+            take_url(arguments->name_space, context.options, 1);
+            const bool is_only_url = arguments->name_space.front().starts_with("opc.tcp://");
+            if (arguments->name_space.size() != 1 || is_only_url) {
                 throw Failure{Exit::Usage, "one namespace is to be given",
                               "they are in `busbar read i=2255`"};
             }

@@ -5,6 +5,7 @@
 #include "names.hpp"
 #include "nodes.hpp"
 #include "table.hpp"
+#include "usage.hpp"
 #include "value.hpp"
 
 namespace busbar::cli {
@@ -62,8 +63,11 @@ Exit read_values(Context& context, Connection& connection, const Arguments& argu
 {
     const auto attribute = find_attribute(arguments.attribute);
     if (!attribute) {
+        const std::string meant = nearest(arguments.attribute, attribute_names());
         throw Failure{Exit::Usage, arguments.attribute + ": no attribute",
-                      "attributes are Value, DataType, AccessLevel, DisplayName, ..."};
+                      meant.empty()
+                          ? "attributes are Value, DataType, AccessLevel, DisplayName, ..."
+                          : "perhaps " + meant + " is meant"};
     }
     const auto nodes = find_nodes(connection, arguments.nodes);
     const auto values = read_nodes(connection, nodes, *attribute, arguments.range);
@@ -137,6 +141,7 @@ void add_read(CLI::App& app, Run& run)
     command->callback([&run, arguments] {
         run = [arguments](Context& context) {
             take_url_before(arguments->nodes, context.options);
+            check_addresses(arguments->nodes);
             Connection connection{context};
             if (!arguments->has_all) {
                 return read_values(context, connection, *arguments);

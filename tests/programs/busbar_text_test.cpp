@@ -7,6 +7,8 @@
 #include "json_writer.hpp"
 #include "status_help.hpp"
 #include "table.hpp"
+#include "url.hpp"
+#include "usage.hpp"
 
 using namespace busbar;
 using namespace busbar::cli;
@@ -74,4 +76,38 @@ TEST_CASE("a status is explained, with what can be done")
     CHECK(help_for(StatusCode{0x8FFF0000U}).meaning.empty());
     const std::string number = text_of(Failure{StatusCode{0x8FFF0000U}, "x"}, Output{stdout});
     CHECK(number.find("0x8FFF0000") != std::string::npos);
+}
+
+TEST_CASE("a server is told from a node (E13)")
+{
+    for (const char* url : {"opc.tcp://host", "http://host", "localhost:4840", "192.0.2.1:4840",
+                            "[::1]:4840", "plc-7.example:4840/line", "host:48611x"}) {
+        INFO(url);
+        CHECK(is_url(url));
+    }
+    for (const char* node : {"i=2258", "ns=2;s=host:4840", "nsu=urn:x:4840;s=Name", "/Objects/2:4",
+                             "2:4", "[ns=2;s=Line]/2:Speed", "localhost", ""}) {
+        INFO(node);
+        CHECK_FALSE(is_url(node));
+    }
+    CHECK(complete_url("localhost:4840") == "opc.tcp://localhost:4840");
+    CHECK(complete_url("[::1]:4840/x") == "opc.tcp://[::1]:4840/x");
+    CHECK(complete_url("OPC.TCP://host") == "OPC.TCP://host");
+    for (const char* wrong : {"http://host", "opc.tcp://", "opc.tcp://:4840", "host:0",
+                              "host:65536", "host:4840x", "opc.tcp://[::1"}) {
+        INFO(wrong);
+        CHECK_THROWS_AS(complete_url(wrong), Failure);
+    }
+}
+
+TEST_CASE("a misspelt word has a nearest one, a strange word has none (E13)")
+{
+    const std::vector<std::string> words{"read", "browse", "cert", "subscribe"};
+    CHECK(nearest("raed", words) == "read");
+    CHECK(nearest("brwose", words) == "browse");
+    CHECK(nearest("subscrib", words) == "subscribe");
+    CHECK(nearest("export", words).empty());
+    CHECK(nearest("", words).empty());
+    CHECK(nearest("xy", words).empty());
+    CHECK(nearest("read", {}).empty());
 }
