@@ -61,13 +61,22 @@ std::vector<Argument> arguments_of(Connection& connection, const NodeId& method,
     return arguments;
 }
 
-std::string names_of(const std::vector<Argument>& arguments)
+/// "Speed (Double), Steps (Int32[])"; an argument without a name shows its place.
+std::string names_of(Connection& connection, const std::vector<Argument>& arguments)
 {
     std::string names;
-    for (const Argument& argument : arguments) {
-        names += " " + safe(argument.name.view());
+    for (std::size_t i = 0; i < arguments.size(); ++i) {
+        const Argument& argument = arguments[i];
+        const auto values =
+            read_attributes(connection, argument.data_type, {AttributeId::BrowseName});
+        const auto* const type = values.front().value.get_if<QualifiedName>();
+        const std::string name =
+            argument.name.empty() ? std::to_string(i + 1) + "." : argument.name.str();
+        names += (i == 0 ? "" : ", ") + safe(name) + " (" +
+                 safe(type == nullptr ? to_string(argument.data_type) : type->name.str()) +
+                 (argument.value_rank >= 1 ? "[])" : ")");
     }
-    return names.empty() ? " none" : names;
+    return names;
 }
 
 CallMethodRequest request_for(Connection& connection, const Arguments& arguments)
@@ -81,7 +90,8 @@ CallMethodRequest request_for(Connection& connection, const Arguments& arguments
         throw Failure{Exit::Usage,
                       arguments.words[1] + ": " + std::to_string(given) + " arguments instead of " +
                           std::to_string(inputs.size()),
-                      "its arguments are:" + names_of(inputs)};
+                      inputs.empty() ? "it takes none"
+                                     : "its arguments are: " + names_of(connection, inputs)};
     }
     for (std::size_t i = 0; i < given; ++i) {
         const auto type = value_type(connection, inputs[i].data_type, inputs[i].value_rank);
