@@ -9,7 +9,7 @@
 #include "display_text.hpp"
 #include "nodes.hpp"
 #include "table.hpp"
-#include "value.hpp"
+#include "value_lines.hpp"
 #include "value_type.hpp"
 
 namespace busbar::cli {
@@ -18,6 +18,7 @@ namespace {
 
 struct Arguments {
     std::vector<std::string> words; // object, method, values
+    ValueLimits limits;
 };
 
 /// By node id or path; else by its name among the methods of the object.
@@ -102,7 +103,7 @@ CallMethodRequest request_for(Connection& connection, const Arguments& arguments
 }
 
 void print(Context& context, const std::vector<Argument>& outputs, const CallMethodResult& result,
-           const Types& types)
+           const Types& types, const ValueLimits& limits)
 {
     JsonWriter json;
     json.open_object().member("status", result.status_code).key("outputs").open_array();
@@ -112,7 +113,8 @@ void print(Context& context, const std::vector<Argument>& outputs, const CallMet
         json.open_object().member("name", name).key("value");
         append_json(json, result.output_arguments[i], types);
         json.close_object();
-        table.add({{safe(name)}, {text_of(result.output_arguments[i], types)}});
+        ValueText text = lines_of(result.output_arguments[i], types, limits, context.out.columns());
+        table.add({{safe(name)}, {std::move(text.text)}}, std::move(text.lines));
     }
     if (context.options.is_json) {
         context.out.line(json.close_array().close_object().document());
@@ -146,7 +148,7 @@ Exit call_method(Context& context, Connection& connection, const Arguments& argu
     for (const Variant& output : result.output_arguments) {
         values.emplace_back().value = output;
     }
-    print(context, outputs, result, connection.types_of(values));
+    print(context, outputs, result, connection.types_of(values), arguments.limits);
     return Exit::Good;
 }
 
@@ -160,6 +162,7 @@ void add_call(CLI::App& app, Run& run)
         ->add_option("OBJECT METHOD VALUE", arguments->words,
                      "[URL], an object, a method of it by node or name, its arguments")
         ->required();
+    add_limit_option(*command, arguments->limits);
     command->callback([&run, arguments] {
         run = [arguments](Context& context) {
             take_url_before(arguments->words, context.options);

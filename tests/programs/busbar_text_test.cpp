@@ -9,6 +9,7 @@
 #include "table.hpp"
 #include "url.hpp"
 #include "usage.hpp"
+#include "value_lines.hpp"
 
 using namespace busbar;
 using namespace busbar::cli;
@@ -110,4 +111,78 @@ TEST_CASE("a misspelt word has a nearest one, a strange word has none (E13)")
     CHECK(nearest("", words).empty());
     CHECK(nearest("xy", words).empty());
     CHECK(nearest("read", {}).empty());
+}
+
+namespace {
+
+std::string joined(const ValueText& value)
+{
+    std::string text = value.text;
+    for (const std::string& line : value.lines) {
+        text += "\n" + line;
+    }
+    return text;
+}
+
+std::string shown(const Variant& value, std::size_t limit = 100, std::size_t columns = 40)
+{
+    return joined(lines_of(value, nullptr, ValueLimits{limit}, columns));
+}
+
+Array<std::int32_t> numbers(std::int32_t count)
+{
+    Array<std::int32_t> result;
+    for (std::int32_t i = 0; i < count; ++i) {
+        result.push_back(i);
+    }
+    return result;
+}
+
+} // namespace
+
+TEST_CASE("values that are short stay on their line")
+{
+    CHECK(shown(Variant{}) == "null");
+    CHECK(shown(Variant{std::int32_t{-5}}) == "-5");
+    CHECK(shown(Variant{"a\x1b[2J"}) == "\"a\\x1B[2J\"");
+    CHECK(shown(Variant{Array<std::int32_t>{}}) == "null");
+    CHECK(shown(Variant{numbers(4)}) == "[0, 1, 2, 3]");
+}
+
+TEST_CASE("an array stands in columns, each line with the index of its first element")
+{
+    CHECK(shown(Variant{numbers(20)}) == "Int32[20]\n"
+                                         "  [0]    0   1   2   3   4   5   6   7\n"
+                                         "  [8]    8   9  10  11  12  13  14  15\n"
+                                         "  [16]  16  17  18  19");
+    CHECK(shown(Variant{numbers(20)}, 6) == "Int32[20]\n"
+                                            "  [0]  0  1  2  3  4  5\n"
+                                            "  ... 14 more elements, --limit 0 shows them");
+}
+
+TEST_CASE("a matrix has a line for each row")
+{
+    const Variant matrix = Variant::matrix(numbers(12), Array<std::uint32_t>{2, 2, 3});
+    CHECK(shown(matrix) == "Int32[2][2][3]\n"
+                           "  [0][0]   0   1   2\n"
+                           "  [0][1]   3   4   5\n"
+                           "  [1][0]   6   7   8\n"
+                           "  [1][1]   9  10  11");
+    CHECK(shown(matrix, 100, 14) == "Int32[2][2][3]\n"
+                                    "  [0][0]\n"
+                                    "    [0]   0\n"
+                                    "    [1]   1\n"
+                                    "    [2]   2\n"
+                                    "  [0][1]\n"
+                                    "    [0]   3\n"
+                                    "    [1]   4\n"
+                                    "    [2]   5\n"
+                                    "  [1][0]\n"
+                                    "    [0]   6\n"
+                                    "    [1]   7\n"
+                                    "    [2]   8\n"
+                                    "  [1][1]\n"
+                                    "    [0]   9\n"
+                                    "    [1]  10\n"
+                                    "    [2]  11");
 }
