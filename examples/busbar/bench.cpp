@@ -231,6 +231,7 @@ void add_bench(CLI::App& app, Run& run)
                 arguments->nodes.push_back(
                     to_string(NodeId{0, id::Server_ServerStatus_CurrentTime}));
             }
+            check_addresses(arguments->nodes);
             Connection connection{context};
             return measure(context, connection, *arguments);
         };

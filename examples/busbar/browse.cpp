@@ -232,6 +232,7 @@ void add_browse(CLI::App& app, Run& run)
             if (arguments->node.empty()) {
                 arguments->node.emplace_back("/Objects");
             }
+            check_addresses(arguments->node);
             Connection connection{context};
             const NodeId node = find_node(connection, arguments->node.front());
             return arguments->has_references

@@ -9,7 +9,7 @@
 #include "display_text.hpp"
 #include "nodes.hpp"
 #include "table.hpp"
-#include "value.hpp"
+#include "value_lines.hpp"
 #include "value_type.hpp"
 
 namespace busbar::cli {
@@ -18,6 +18,7 @@ namespace {
 
 struct Arguments {
     std::vector<std::string> words; // object, method, values
+    ValueLimits limits;
 };
 
 /// By node id or path; else by its name among the methods of the object.
@@ -61,13 +62,22 @@ std::vector<Argument> arguments_of(Connection& connection, const NodeId& method,
     return arguments;
 }
 
-std::string names_of(const std::vector<Argument>& arguments)
+/// "Speed (Double), Steps (Int32[])"; an argument without a name shows its place.
+std::string names_of(Connection& connection, const std::vector<Argument>& arguments)
 {
     std::string names;
-    for (const Argument& argument : arguments) {
-        names += " " + safe(argument.name.view());
+    for (std::size_t i = 0; i < arguments.size(); ++i) {
+        const Argument& argument = arguments[i];
+        const auto values =
+            read_attributes(connection, argument.data_type, {AttributeId::BrowseName});
+        const auto* const type = values.front().value.get_if<QualifiedName>();
+        const std::string name =
+            argument.name.empty() ? std::to_string(i + 1) + "." : argument.name.str();
+        names += (i == 0 ? "" : ", ") + safe(name) + " (" +
+                 safe(type == nullptr ? to_string(argument.data_type) : type->name.str()) +
+                 (argument.value_rank >= 1 ? "[])" : ")");
     }
-    return names.empty() ? " none" : names;
+    return names;
 }
 
 CallMethodRequest request_for(Connection& connection, const Arguments& arguments)
@@ -81,7 +91,8 @@ CallMethodRequest request_for(Connection& connection, const Arguments& arguments
         throw Failure{Exit::Usage,
                       arguments.words[1] + ": " + std::to_string(given) + " arguments instead of " +
                           std::to_string(inputs.size()),
-                      "its arguments are:" + names_of(inputs)};
+                      inputs.empty() ? "it takes none"
+                                     : "its arguments are: " + names_of(connection, inputs)};
     }
     for (std::size_t i = 0; i < given; ++i) {
         const auto type = value_type(connection, inputs[i].data_type, inputs[i].value_rank);
@@ -92,7 +103,7 @@ CallMethodRequest request_for(Connection& connection, const Arguments& arguments
 }
 
 void print(Context& context, const std::vector<Argument>& outputs, const CallMethodResult& result,
-           const Types& types)
+           const Types& types, const ValueLimits& limits)
 {
     JsonWriter json;
     json.open_object().member("status", result.status_code).key("outputs").open_array();
@@ -102,7 +113,8 @@ void print(Context& context, const std::vector<Argument>& outputs, const CallMet
         json.open_object().member("name", name).key("value");
         append_json(json, result.output_arguments[i], types);
         json.close_object();
-        table.add({{safe(name)}, {text_of(result.output_arguments[i], types)}});
+        ValueText text = lines_of(result.output_arguments[i], types, limits, context.out.columns());
+        table.add({{safe(name)}, {std::move(text.text)}}, std::move(text.lines));
     }
     if (context.options.is_json) {
         context.out.line(json.close_array().close_object().document());
@@ -136,7 +148,7 @@ Exit call_method(Context& context, Connection& connection, const Arguments& argu
     for (const Variant& output : result.output_arguments) {
         values.emplace_back().value = output;
     }
-    print(context, outputs, result, connection.types_of(values));
+    print(context, outputs, result, connection.types_of(values), arguments.limits);
     return Exit::Good;
 }
 
@@ -150,12 +162,14 @@ void add_call(CLI::App& app, Run& run)
         ->add_option("OBJECT METHOD VALUE", arguments->words,
                      "[URL], an object, a method of it by node or name, its arguments")
         ->required();
+    add_limit_option(*command, arguments->limits);
     command->callback([&run, arguments] {
         run = [arguments](Context& context) {
             take_url_before(arguments->words, context.options);
             if (arguments->words.size() < 2) {
                 throw Failure{Exit::Usage, "no method is given", "busbar call OBJECT METHOD ..."};
             }
+            check_addresses({arguments->words.front()});
             Connection connection{context};
             return call_method(context, connection, *arguments);
         };

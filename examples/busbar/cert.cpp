@@ -1,14 +1,15 @@
 #include <array>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <sstream>
+
+#include <unistd.h>
 
 #include <busbar/core/status_codes.hpp>
 #include <busbar/net/system.hpp>
 
 #include "commands.hpp"
 #include "display_text.hpp"
+#include "file.hpp"
 #include "json_writer.hpp"
 #include "pki.hpp"
 #include "server_trust.hpp"
@@ -73,15 +74,15 @@ Found find(Pki& pki, const std::string& thumbprint)
 
 std::vector<std::byte> read(const std::string& path)
 {
-    std::ifstream file{path, std::ios::binary};
-    const std::string text{std::istreambuf_iterator<char>{file}, {}};
+    const std::string text = read_file(path);
     const auto bytes = std::as_bytes(std::span{text});
     return {bytes.begin(), bytes.end()};
 }
 
-bool is_file(const std::string& path)
+/// What has a folder or an ending in it is meant to be a file, even if none is there.
+bool is_file(const std::string& text)
 {
-    return std::ifstream{path}.good();
+    return text.find_first_of("/.") != std::string::npos || ::access(text.c_str(), F_OK) == 0;
 }
 
 std::string_view kind_name(const StoreEntry& entry)
@@ -226,10 +227,8 @@ Exit export_certificate(Context& context, Pki& pki, const Arguments& arguments)
     }
     const auto certificates = expect(
         crypto::read_certificates(read(pki.folder() + "/" + found.entry.file)), found.entry.file);
-    if (const auto saved = crypto::export_der(certificates.front(), arguments.file); !saved) {
-        throw Failure{saved.error(), arguments.file + ": cannot be written",
-                      "check the folder and its rights"};
-    }
+    const auto der = certificates.front().der();
+    write_file(arguments.file, {reinterpret_cast<const char*>(der.data()), der.size()});
     report(context, "exported", found.list, found.entry);
     return Exit::Good;
 }

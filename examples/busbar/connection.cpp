@@ -44,10 +44,11 @@ Duration seconds(double count)
 } // namespace
 
 Connection::Connection(Context& context, Endurance endurance)
-    : context_{&context}, log_{context.options.is_verbose}, pki_{context.options, log_},
-      identity_{pki_.identity()}, trust_{pki_, log_},
-      environment_{&random_, &wall_clock_, &log_, &trust_, &identity_}, user_{user_of(context)}
+    : context_{&context}, log_{context.options.is_verbose}, credentials_{context, log_},
+      environment_{&random_, &wall_clock_, &log_, &credentials_, credentials_.identity()},
+      user_{user_of(context)}
 {
+    context.options.url = complete_url(context.options.url);
     connect(endurance);
 }
 
@@ -109,11 +110,11 @@ void Connection::connect(Endurance endurance)
             return;
         }
         release_interrupt(); // the user may be asked now
-        if (!trust_.has_refused()) {
-            fail_with(connected.error(), options.url);
+        if (!credentials_.has_refused()) {
+            fail_to_connect(connected.error());
         }
-        if (!is_first || !trust_.reconsider(*context_)) {
-            throw trust_.failure();
+        if (!is_first || !credentials_.reconsider()) {
+            throw credentials_.failure();
         }
     }
 }
@@ -128,7 +129,7 @@ client::ClientConfig Connection::config(Endurance endurance)
         options.mode == "Sign" ? MessageSecurityMode::Sign : MessageSecurityMode::SignAndEncrypt;
     config.security.allows_none = options.is_insecure;
     config.identity = user_;
-    config.application_uri = identity_.certificates.front().application_uri();
+    config.application_uri = credentials_.application_uri();
     config.application_name = "busbar";
     config.session_name = "busbar";
     config.request_timeout = seconds(options.timeout);
@@ -141,21 +142,29 @@ void Connection::warn_of_insecurity()
 {
     const EndpointDescription* endpoint = client().endpoint();
     if (endpoint != nullptr && endpoint->security_mode == MessageSecurityMode::None) {
-        context_->err.line(context_->err.styled(Style::Uncertain, "busbar: insecure: ") +
-                           "no encryption, and nobody knows who the server is");
+        context_->warn("insecure", "no encryption, and nobody knows who the server is");
     }
+}
+
+void Connection::fail_to_connect(StatusCode status) const
+{
+    const std::string& url = context_->options.url;
+    if (status == status::Bad_SecurityChecksFailed) {
+        throw Failure{status, url,
+                      "most likely the server does not know our certificate: have its "
+                      "administrator trust it; it lies in " +
+                          credentials_.own_file()};
+    }
+    if (status != status::Bad_RequestInterrupted) {
+        throw connect_failure(status, url, log_.why_unconnected());
+    }
+    throw Interrupted{};
 }
 
 void Connection::fail_with(StatusCode status, const std::string& what) const
 {
     if (status == status::Bad_RequestInterrupted) {
         throw Interrupted{};
-    }
-    if (status == status::Bad_SecurityChecksFailed) {
-        throw Failure{status, what,
-                      "most likely the server does not know our certificate: have its "
-                      "administrator trust it; it lies in " +
-                          pki_.own_file()};
     }
     throw Failure{status, what};
 }

@@ -10,8 +10,7 @@
 #include <busbar/net/system.hpp>
 
 #include "context.hpp"
-#include "pki.hpp"
-#include "server_trust.hpp"
+#include "credentials.hpp"
 #include "value.hpp"
 #include "verbose_log.hpp"
 
@@ -66,15 +65,14 @@ public:
 private:
     void wait_until(const std::function<bool()>& is_done);
     [[noreturn]] void fail_with(StatusCode status, const std::string& what) const;
+    [[noreturn]] void fail_to_connect(StatusCode status) const;
     [[nodiscard]] client::ClientConfig config(Endurance endurance);
     void connect(Endurance endurance);
     void warn_of_insecurity();
 
     Context* context_;
     VerboseLog log_;
-    Pki pki_;
-    channel::ApplicationIdentity identity_;
-    ServerTrust trust_;
+    Credentials credentials_;
     crypto::SystemRandom random_;
     net::SystemWallClock wall_clock_;
     channel::ChannelEnvironment environment_;

@@ -71,7 +71,7 @@ Exit discover(Context& context)
 {
     DiscoveryConnection connection{context};
     FindServersRequest request;
-    request.endpoint_url = context.options.url;
+    request.endpoint_url = connection.url();
     const auto response = connection.call<FindServersResponse>(std::move(request));
     if (context.options.is_json) {
         context.out.line(json_of(response.servers));

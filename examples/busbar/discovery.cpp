@@ -2,23 +2,35 @@
 
 namespace busbar::cli {
 
-DiscoveryConnection::DiscoveryConnection(Context& context)
-    : url_{context.options.url}, log_{context.options.is_verbose}, environment_{&random_,
-                                                                                &wall_clock_, &log_,
-                                                                                nullptr, nullptr}
+namespace {
+
+Duration timeout_of(const Options& options)
 {
-    const auto timeout = std::chrono::duration_cast<std::chrono::milliseconds>(
-        std::chrono::duration<double>{context.options.timeout});
-    client::ConnectionConfig config;
-    config.channel.endpoint_url = url_;
+    return std::chrono::duration_cast<Duration>(std::chrono::duration<double>{options.timeout});
+}
+
+client::ClientConfig config_of(const Options& options, const std::string& url)
+{
+    client::ClientConfig config;
+    config.endpoint_url = url;
     config.wants_session = false;
-    config.request_timeout = timeout;
-    auto connected = loop_.connect(std::move(config), environment_, timeout);
-    if (connected) {
-        connected = loop_.wait_until_ready();
-    }
+    config.security.allows_none = true;
+    config.request_timeout = timeout_of(options);
+    config.connect_timeout = timeout_of(options);
+    config.reconnect.is_enabled = false;
+    return config;
+}
+
+} // namespace
+
+DiscoveryConnection::DiscoveryConnection(Context& context)
+    : url_{complete_url(context.options.url)}, log_{context.options.is_verbose},
+      environment_{&random_, &wall_clock_, &log_, nullptr, nullptr},
+      client_{config_of(context.options, url_), environment_}
+{
+    const auto connected = client_.connect(timeout_of(context.options));
     if (!connected) {
-        throw Failure{connected.error(), url_};
+        throw connect_failure(connected.error(), url_, log_.why_unconnected());
     }
 }
 

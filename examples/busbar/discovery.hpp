@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-#include <busbar/net/client_loop.hpp>
+#include <busbar/net/blocking_client.hpp>
 #include <busbar/net/system.hpp>
 
 #include "context.hpp"
@@ -19,18 +19,18 @@ public:
     explicit DiscoveryConnection(Context& context);
     DiscoveryConnection(const DiscoveryConnection&) = delete;
     DiscoveryConnection& operator=(const DiscoveryConnection&) = delete;
-    ~DiscoveryConnection() { loop_.close(); }
+    ~DiscoveryConnection() { client_.close(); }
 
+    [[nodiscard]] const std::string& url() const { return url_; }
     /// Throws Failure.
     template <typename Response, typename Request>
     [[nodiscard]] Response call(Request request)
     {
-        const auto event = loop_.call(std::move(request));
-        const auto response = event ? event->template response<Response>() : fail(event.error());
+        auto response = client_.call<Response>(std::move(request));
         if (!response) {
             throw Failure{response.error(), url_};
         }
-        return *response; // a copy owns its strings
+        return *std::move(response);
     }
 
 private:
@@ -39,7 +39,7 @@ private:
     crypto::SystemRandom random_;
     net::SystemWallClock wall_clock_;
     channel::ChannelEnvironment environment_;
-    net::ClientLoop loop_;
+    net::BlockingClient client_;
 };
 
 } // namespace busbar::cli

@@ -142,7 +142,7 @@ Exit show_endpoints(Context& context)
 {
     DiscoveryConnection connection{context};
     GetEndpointsRequest request;
-    request.endpoint_url = context.options.url;
+    request.endpoint_url = connection.url();
     const auto response = connection.call<GetEndpointsResponse>(std::move(request));
     if (context.options.is_json) {
         context.out.line(json_of(response.endpoints));

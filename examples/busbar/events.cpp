@@ -196,6 +196,7 @@ void add_events(CLI::App& app, Run& run)
             if (arguments->node.empty()) {
                 arguments->node.push_back(to_string(NodeId{0, id::Server}));
             }
+            check_addresses(arguments->node);
             Connection connection{context, Connection::Endurance::Lasting};
             return follow(context, connection, *arguments);
         };

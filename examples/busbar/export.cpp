@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <charconv>
-#include <fstream>
 #include <memory>
 #include <set>
 
 #include <busbar/model/nodeset.hpp>
 
 #include "commands.hpp"
+#include "file.hpp"
 #include "json_writer.hpp"
 #include "remote_nodes.hpp"
 #include "space_builder.hpp"
@@ -77,12 +77,7 @@ void save(Context& context, const std::string& file, const std::string& text)
         context.out.write(text);
         return;
     }
-    std::ofstream out{file, std::ios::binary};
-    out << text;
-    if (!out.flush()) {
-        throw Failure{Exit::Failed, file + ": cannot be written",
-                      "check the folder and its rights"};
-    }
+    write_file(file, text);
 }
 
 void report(Context& context, const Arguments& arguments, const SpaceBuilder& builder,
@@ -146,8 +141,9 @@ void add_export(CLI::App& app, Run& run)
         ->type_name("FILE");
     command->callback([&run, arguments] {
         run = [arguments](Context& context) {
-            take_url(arguments->name_space, context.options);
-            if (arguments->name_space.size() != 1) {
+            take_url(arguments->name_space, context.options, 1);
+            const bool is_only_url = arguments->name_space.front().starts_with("opc.tcp://");
+            if (arguments->name_space.size() != 1 || is_only_url) {
                 throw Failure{Exit::Usage, "one namespace is to be given",
                               "they are in `busbar read i=2255`"};
             }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
 
 #include <busbar/core/status_codes.hpp>
 
@@ -75,6 +77,22 @@ Failure::Failure(StatusCode code, const std::string& what, std::string advice)
     if (hint.empty()) {
         hint = help_for(code).hint;
     }
+}
+
+Failure connect_failure(StatusCode status, const std::string& url, const std::string& why)
+{
+    if (status != status::Bad_CommunicationError || why.empty()) {
+        return {status, url};
+    }
+    std::string advice;
+    if (why == std::strerror(ECONNREFUSED)) {
+        advice = "nothing listens at this port: check the port, and that the server runs";
+    } else if (why == "the host has no address") {
+        advice = "check how the host's name is written, and that it is known to the network";
+    } else if (why == std::strerror(EHOSTUNREACH) || why == std::strerror(ENETUNREACH)) {
+        advice = "check the address, and this machine's network";
+    }
+    return {status, url + ": " + why, std::move(advice)};
 }
 
 std::string text_of(const Failure& failure, const Output& out)

@@ -18,6 +18,7 @@ enum class Exit : int {
     NotConnected = 3, // no server there, or it went away
     Refused = 4,      // security: a certificate, the user, or what the endpoint offers
     Partly = 5,       // some of several nodes failed, the others did not
+    Interrupted = 130 // by Ctrl+C, as shells have it for SIGINT
 };
 
 /// The user pressed Ctrl+C.
@@ -39,6 +40,10 @@ public:
     /// What the user can do; may be empty.
     std::string hint;
 };
+
+/// No connection could be made to `url`; `why` is the system's reason, or empty.
+[[nodiscard]] Failure connect_failure(StatusCode status, const std::string& url,
+                                      const std::string& why);
 
 [[nodiscard]] Exit exit_of(StatusCode status);
 

@@ -1,8 +1,10 @@
+#include <algorithm>
 #include <csignal>
-#include <cstdio>
 #include <exception>
+#include <sstream>
 
 #include "commands.hpp"
+#include "usage.hpp"
 
 using namespace busbar::cli;
 
@@ -10,8 +12,9 @@ namespace {
 
 constexpr const char* footer =
     "Nodes are written i=2258, \"ns=2;s=Name\", \"nsu=urn:x;s=Name\" or\n"
-    "/Objects/2:Machine/2:Speed. `busbar COMMAND --help` has the options of a\n"
-    "command; those above may stand behind it too.\n"
+    "/Objects/2:Machine/2:Speed, a server opc.tcp://host:4840 or host:4840.\n"
+    "`busbar COMMAND --help` has the options of a command; those above may stand\n"
+    "behind it too. Values that begin with - are to stand behind --.\n"
     "\n"
     "Exit codes: 0 good, 1 refused by the server or the disk, 2 usage,\n"
     "3 not connected, 4 security or login, 5 some of the nodes failed,\n"
@@ -43,14 +46,50 @@ void report(Context& context, const Failure& failure)
     }
 }
 
-int run_command(Context& context, const Run& run)
+/// The text that was asked for, with --help or --version, goes out as any other; what is wrong with
+/// the command line is told as any other failure.
+int end_early(Context& context, const CLI::App& app, const CLI::ParseError& error)
+{
+    std::ostringstream text;
+    std::ostringstream ignored;
+    if (app.exit(error, text, ignored) != 0) {
+        throw usage_failure(app, error);
+    }
+    context.out.write(text.str());
+    return static_cast<int>(Exit::Good);
+}
+
+int run_program(Context& context, int argc, char** argv)
+{
+    Run run;
+    CLI::App app{"Looks into OPC UA servers and works with them.", "busbar"};
+    app.set_version_flag("--version", "busbar " BUSBAR_VERSION);
+    app.require_subcommand(1);
+    app.fallthrough();
+    app.footer(footer);
+    add_options(app, context.options);
+    add_commands(app, run);
+    if (argc == 1) {
+        context.err.write(app.help());
+        return static_cast<int>(Exit::Usage);
+    }
+    try {
+        app.parse(protected_arguments(argc, argv));
+    } catch (const CLI::ParseError& error) {
+        // It may stand behind what is wrong.
+        context.options.is_json =
+            std::find(argv, argv + argc, std::string_view{"--json"}) != argv + argc;
+        return end_early(context, app, error);
+    }
+    return static_cast<int>(run(context));
+}
+
+int run_until_failure(Context& context, int argc, char** argv)
 {
     try {
-        return static_cast<int>(run(context));
-    } catch (const OutputClosed&) {
-        return 0;
+        return run_program(context, argc, argv);
     } catch (const Interrupted&) {
-        return 130; // as shells have it for SIGINT
+        return static_cast<int>(Exit::Interrupted);
     } catch (const Failure& failure) {
         report(context, failure);
         return static_cast<int>(failure.exit);
@@ -66,27 +105,12 @@ int main(int argc, char** argv)
 {
     std::signal(SIGPIPE, SIG_IGN); // writing fails then, which ends the command
     Context context;
-    Run run;
-    CLI::App app{"Looks into OPC UA servers and works with them.", "busbar"};
-    app.set_version_flag("--version", "busbar " BUSBAR_VERSION);
-    app.require_subcommand(1);
-    app.fallthrough();
-    app.footer(footer);
-    add_options(app, context.options);
-    add_commands(app, run);
-    if (argc == 1) {
-        std::fputs(app.help().c_str(), stderr);
-        return static_cast<int>(Exit::Usage);
-    }
     try {
-        app.parse(protected_arguments(argc, argv));
-    } catch (const CLI::ParseError& error) {
-        // 0 for --help and --version.
-        return app.exit(error) == 0 ? 0 : static_cast<int>(Exit::Usage);
-    }
-    try {
-        return run_command(context, run);
+        return run_until_failure(context, argc, argv);
     } catch (const OutputClosed&) {
-        return 0;
+        return static_cast<int>(Exit::Good);
+    } catch (const Failure& failure) { // not even the first one could be reported
+        context.err.write(text_of(failure, context.err));
+        return static_cast<int>(failure.exit);
     }
 }

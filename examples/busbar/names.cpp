@@ -45,6 +45,11 @@ std::string_view name(AttributeId attribute)
     return index < std::size(attributes) ? attributes[index] : "?";
 }
 
+std::vector<std::string> attribute_names()
+{
+    return {std::begin(attributes), std::end(attributes)};
+}
+
 std::optional<AttributeId> find_attribute(std::string_view name)
 {
     const auto* const found = std::ranges::find(attributes, name);

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/types/enumerations.hpp>
@@ -12,6 +14,7 @@ namespace busbar::cli {
 [[nodiscard]] std::string_view name(NodeClass node_class);
 /// "DisplayName"; "?" for what is no AttributeId.
 [[nodiscard]] std::string_view name(AttributeId attribute);
+[[nodiscard]] std::vector<std::string> attribute_names();
 [[nodiscard]] std::optional<AttributeId> find_attribute(std::string_view name);
 
 } // namespace busbar::cli

@@ -1,6 +1,7 @@
 #include "nodes.hpp"
 
 #include <busbar/client/attributes.hpp>
+#include <busbar/types/ids.hpp>
 
 namespace busbar::cli {
 
@@ -18,6 +19,9 @@ std::vector<DataValue> read(Connection& connection, std::vector<ReadValueId> ite
 
 client::NodeAddress parse_address(const std::string& text)
 {
+    if (text == "/") {
+        return NodeId{0, id::RootFolder}; // where paths begin
+    }
     auto address = client::NodeAddress::parse(text);
     if (!address) {
         Failure failure{address.error(), text};
@@ -25,6 +29,13 @@ client::NodeAddress parse_address(const std::string& text)
         throw failure;
     }
     return *std::move(address);
+}
+
+void check_addresses(const std::vector<std::string>& texts)
+{
+    for (const std::string& text : texts) {
+        static_cast<void>(parse_address(text));
+    }
 }
 
 std::vector<NamedNode> find_nodes(Connection& connection, const std::vector<std::string>& texts)

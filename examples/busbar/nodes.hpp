@@ -18,6 +18,8 @@ struct NamedNode {
 
 /// What the text says; throws Failure if it is no node id and no path.
 [[nodiscard]] client::NodeAddress parse_address(const std::string& text);
+/// Throws Failure for the first text that is neither, before a server is asked for anything.
+void check_addresses(const std::vector<std::string>& texts);
 /// Asks the server for what are paths; throws Failure for a text that is no address.
 [[nodiscard]] std::vector<NamedNode> find_nodes(Connection& connection,
                                                 const std::vector<std::string>& texts);

@@ -1,11 +1,16 @@
 #include "output.hpp"
 
+#include <cerrno>
 #include <charconv>
 #include <cstdlib>
+#include <cstring>
 #include <optional>
 
+#include <poll.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
+
+#include "failure.hpp"
 
 namespace busbar::cli {
 
@@ -56,6 +61,23 @@ std::string_view code_of(Style style)
     return "";
 }
 
+/// 0, or the errno of what went wrong.
+int write_all(int file, std::string_view text)
+{
+    while (!text.empty()) {
+        const ::ssize_t size = ::write(file, text.data(), text.size());
+        if (size >= 0) {
+            text.remove_prefix(static_cast<std::size_t>(size));
+        } else if (errno == EAGAIN) { // somebody else made the terminal or pipe so
+            ::pollfd waiting{file, POLLOUT, 0};
+            ::poll(&waiting, 1, -1);
+        } else if (errno != EINTR) {
+            return errno;
+        }
+    }
+    return 0;
+}
+
 } // namespace
 
 Output::Output(std::FILE* file)
@@ -63,7 +85,6 @@ Output::Output(std::FILE* file)
       has_colour_{is_terminal_ && environment("NO_COLOR").empty() && environment("TERM") != "dumb"},
       has_unicode_{is_utf8_locale()}
 {
-    std::setvbuf(file, nullptr, _IOLBF, 1U << 16U);
 }
 
 std::size_t Output::columns() const
@@ -85,12 +106,15 @@ std::size_t Output::rows() const
 
 void Output::write(std::string_view text)
 {
-    std::fwrite(text.data(), 1, text.size(), file_);
-    std::fflush(file_);
-    // A line that could not go out shows here only.
-    if (std::ferror(file_) != 0) {
+    const int error = write_all(::fileno(file_), text);
+    if (error == 0 || ::fileno(file_) == STDERR_FILENO) {
+        return;
+    }
+    if (error == EPIPE) {
         throw OutputClosed{};
     }
+    throw Failure{Exit::Failed,
+                  std::string{"the output cannot be written: "} + std::strerror(error)};
 }
 
 std::string Output::styled(Style style, std::string_view text) const

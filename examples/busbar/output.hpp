@@ -27,7 +27,9 @@ public:
     /// True if lines of a tree may be drawn with characters beyond ASCII.
     [[nodiscard]] bool has_unicode() const { return has_unicode_; }
 
-    /// Throws OutputClosed.
+    /// Throws OutputClosed if nobody reads any more, and Failure if it cannot be written for
+    /// another reason. What cannot be written to standard error is lost: there is no place to say
+    /// so.
     void write(std::string_view text);
     void line(std::string_view text) { write(std::string{text} + "\n"); }
     /// `text` with the style around it.

@@ -65,10 +65,15 @@ crypto::OwnCertificateSettings Pki::settings(std::uint32_t valid_days) const
     crypto::OwnCertificateSettings settings;
     settings.subject.common_name = "busbar";
     settings.subject.organization = "Busbar";
-    settings.subject.application_uri = "urn:" + host_name() + ":busbar:cli";
+    settings.subject.application_uri = application_uri();
     settings.subject.dns_names.push_back(host_name());
     settings.subject.valid_days = valid_days;
     return settings;
+}
+
+std::string Pki::application_uri()
+{
+    return "urn:" + host_name() + ":busbar:cli";
 }
 
 channel::ApplicationIdentity Pki::identity()

@@ -27,6 +27,8 @@ public:
     [[nodiscard]] std::optional<crypto::OwnCertificate> own();
     /// A new certificate and key instead of what is there.
     crypto::OwnCertificate replace_own(std::uint32_t valid_days);
+    /// Of our certificate.
+    [[nodiscard]] static std::string application_uri();
     /// Where our certificate lies.
     [[nodiscard]] std::string own_file() const { return folder_ + "/own/certs/own.der"; }
 

@@ -5,7 +5,8 @@
 #include "names.hpp"
 #include "nodes.hpp"
 #include "table.hpp"
-#include "value.hpp"
+#include "usage.hpp"
+#include "value_lines.hpp"
 
 namespace busbar::cli {
 
@@ -17,6 +18,7 @@ struct Arguments {
     std::string range;
     bool has_all{false};
     bool is_plain{false};
+    ValueLimits limits;
 };
 
 /// What the statuses of several nodes make of the command.
@@ -47,13 +49,15 @@ void print_json(Output& out, const std::vector<NamedNode>& nodes,
 }
 
 void print(Output& out, const std::vector<NamedNode>& nodes, const std::vector<DataValue>& values,
-           const Types& types)
+           const Types& types, const ValueLimits& limits)
 {
     Table table{{{"NODE", 16, false, true}, {"VALUE", 20}, {"SOURCE TIME", 11}}};
     for (std::size_t i = 0; i < nodes.size(); ++i) {
+        ValueText text = lines_of(values[i], types, limits, out.columns());
         table.add({{safe(nodes[i].text)},
-                   {text_of(values[i], types), style_of(values[i].status)},
-                   {time_of_day(values[i].source_timestamp), Style::Dim}});
+                   {std::move(text.text), style_of(values[i].status)},
+                   {time_of_day(values[i].source_timestamp), Style::Dim}},
+                  std::move(text.lines));
     }
     table.print(out);
 }
@@ -62,8 +66,11 @@ Exit read_values(Context& context, Connection& connection, const Arguments& argu
 {
     const auto attribute = find_attribute(arguments.attribute);
     if (!attribute) {
+        const std::string meant = nearest(arguments.attribute, attribute_names());
         throw Failure{Exit::Usage, arguments.attribute + ": no attribute",
-                      "attributes are Value, DataType, AccessLevel, DisplayName, ..."};
+                      meant.empty()
+                          ? "attributes are Value, DataType, AccessLevel, DisplayName, ..."
+                          : "perhaps " + meant + " is meant"};
     }
     const auto nodes = find_nodes(connection, arguments.nodes);
     const auto values = read_nodes(connection, nodes, *attribute, arguments.range);
@@ -78,13 +85,14 @@ Exit read_values(Context& context, Connection& connection, const Arguments& argu
             context.out.line(text_of(value, types));
         }
     } else {
-        print(context.out, nodes, values, types);
+        print(context.out, nodes, values, types, arguments.limits);
     }
     return exit_of_all(values);
 }
 
 /// All attributes that the node has.
-Exit read_all(Context& context, Connection& connection, const std::string& text)
+Exit read_all(Context& context, Connection& connection, const std::string& text,
+              const ValueLimits& limits)
 {
     const NodeId node = find_node(connection, text);
     std::vector<AttributeId> attributes;
@@ -109,10 +117,12 @@ Exit read_all(Context& context, Connection& connection, const std::string& text)
         json.close_object();
         const auto* class_number = values[i].value.get_if<std::int32_t>();
         const bool is_class = attributes[i] == AttributeId::NodeClass && class_number != nullptr;
-        table.add({{attribute},
-                   {is_class ? std::string{name(static_cast<NodeClass>(*class_number))}
-                             : text_of(values[i], types),
-                    style_of(values[i].status)}});
+        ValueText shown = lines_of(values[i], types, limits, context.out.columns());
+        if (is_class) {
+            shown.text = name(static_cast<NodeClass>(*class_number));
+        }
+        table.add({{attribute}, {std::move(shown.text), style_of(values[i].status)}},
+                  std::move(shown.lines));
     }
     if (context.options.is_json) {
         context.out.line(json.close_object().close_object().document());
@@ -133,16 +143,18 @@ void add_read(CLI::App& app, Run& run)
         ->type_name("NAME");
     command->add_option("--range", arguments->range, "elements of arrays: 3, 0:9 or 1,0:2");
     command->add_flag("--all", arguments->has_all, "all attributes of the nodes");
+    add_limit_option(*command, arguments->limits);
     command->add_flag("--value", arguments->is_plain, "nothing but the values, one per line");
     command->callback([&run, arguments] {
         run = [arguments](Context& context) {
             take_url_before(arguments->nodes, context.options);
+            check_addresses(arguments->nodes);
             Connection connection{context};
             if (!arguments->has_all) {
                 return read_values(context, connection, *arguments);
             }
             for (const std::string& node : arguments->nodes) {
-                read_all(context, connection, node);
+                read_all(context, connection, node, arguments->limits);
             }
             return Exit::Good;
         };

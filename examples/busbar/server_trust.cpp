@@ -27,10 +27,21 @@ Checked<void> ServerTrust::validate(const crypto::CertificateChain& chain,
     auto checked = validator_.validate(chain, context);
     if (checked) {
         refused_.reset();
+        warn_of_suppressed();
     } else {
         refused_ = Refused{chain.front(), checked.error()};
     }
     return checked;
+}
+
+void ServerTrust::warn_of_suppressed()
+{
+    for (const Refusal& passed : validator_.suppressed()) {
+        const std::string step = switch_for(passed.status);
+        if (warned_.insert(step + passed.found).second) {
+            context_->warn("warning", step + ": " + passed.found);
+        }
+    }
 }
 
 bool ServerTrust::reconsider(Context& context)
@@ -64,10 +75,16 @@ bool ServerTrust::reconsider(Context& context)
 Failure ServerTrust::failure() const
 {
     const std::string thumbprint = refused_->leaf.thumbprint_text();
-    const std::string what =
+    const Refusal& why = refused_->why;
+    std::string what =
         "the server's certificate (" + refused_->leaf.subject() + ", " + thumbprint + ")";
-    if (refused_->why.status != status::Bad_CertificateUntrusted) {
-        return {refused_->why.status, what};
+    if (why.status != status::Bad_CertificateUntrusted) {
+        what += ": " + why.found;
+        const std::string ignoring = switch_for(why.status);
+        if (ignoring.empty() || why.remedy.empty()) {
+            return {why.status, what, why.remedy};
+        }
+        return {why.status, what, why.remedy + "; or do without this check: " + ignoring};
     }
     return {refused_->why.status, what,
             "compare the thumbprint with the server's, then `busbar cert trust " + thumbprint +

@@ -1,10 +1,13 @@
 #pragma once
 
 #include <optional>
+#include <set>
+#include <string>
 
 #include <busbar/crypto/store_validator.hpp>
 
 #include "context.hpp"
+#include "ignored_steps.hpp"
 #include "pki.hpp"
 
 namespace busbar::cli {
@@ -13,8 +16,12 @@ namespace busbar::cli {
 /// the user can be asked when the attempt has ended.
 class ServerTrust final : public crypto::CertificateValidator {
 public:
-    /// Both must outlive this.
-    ServerTrust(Pki& pki, LogSink& log) : pki_{&pki}, validator_{pki.store(), log} {}
+    /// All must outlive this. `context` is warned of each step that its options suppress.
+    ServerTrust(Pki& pki, Context& context, LogSink& log)
+        : pki_{&pki}, context_{&context}, validator_{pki.store(), log,
+                                                     settings_of(context.options.ignored)}
+    {
+    }
 
     [[nodiscard]] Checked<void> validate(const crypto::CertificateChain& chain,
                                          const crypto::ValidationContext& context) override;
@@ -33,9 +40,14 @@ private:
         Refusal why;
     };
 
+    void warn_of_suppressed();
+
     Pki* pki_;
+    Context* context_;
     crypto::StoreValidator validator_;
     std::optional<Refused> refused_;
+    /// Whose certificate is asked for twice on the way to a session; told is it once.
+    std::set<std::string> warned_;
 };
 
 /// Asks on standard error and reads from standard input; false if either is no terminal.

@@ -97,7 +97,8 @@ constexpr std::array nodes{
         {"the server has no such node", "look for it with `busbar browse`"}},
     Row{status::Bad_NodeIdInvalid,
         {"this is no node id", "write i=2258, \"ns=2;s=Name\", \"nsu=urn:x;s=Name\" or a path "
-                               "such as /Objects/2:Machine"}},
+                               "such as /Objects/2:Machine; a server, opc.tcp://host:4840, "
+                               "comes before all nodes"}},
     Row{status::Bad_BrowseNameInvalid,
         {"this is no browse path", "write /Objects/2:Machine/2:Speed, with the names' namespaces"}},
     Row{status::Bad_NoMatch,

@@ -62,6 +62,9 @@ void Stream::run(const std::function<void()>& tick)
         }
         tick();
     }
+    if (connection_->is_interrupted()) {
+        throw Interrupted{};
+    }
 }
 
 void Stream::report(const std::string& text)

@@ -30,7 +30,8 @@ public:
     void push(std::function<void()> work) { work_.push_back(std::move(work)); }
     /// One more of what StreamEnd counts; false if that is enough already.
     bool count();
-    /// Until the end or Ctrl+C. `tick` is called after everything that happened and now and then.
+    /// Until the end; throws Interrupted after Ctrl+C. `tick` is called after everything that
+    /// happened and now and then.
     void run(const std::function<void()>& tick = [] {});
 
     /// Handlers that report gaps and failures; the others are the caller's. `node_of` names an

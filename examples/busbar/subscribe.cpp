@@ -91,20 +91,25 @@ public:
 
     Exit run()
     {
-        stream_.run([this] {
-            if (is_live_) {
-                live_.draw(rows_, false);
-            }
-        });
-        if (is_live_) {
-            live_.draw(rows_, true);
+        try {
+            stream_.run([this] { draw(false); });
+        } catch (const Interrupted&) {
+            draw(true);
+            throw;
         }
+        draw(true);
         const auto bad = std::count_if(rows_.begin(), rows_.end(),
                                        [](const Row& row) { return row.status.is_bad(); });
         return bad == 0 ? Exit::Good : Exit::Partly;
     }
 
 private:
+    void draw(bool is_forced)
+    {
+        if (is_live_) {
+            live_.draw(rows_, is_forced);
+        }
+    }
     void subscribe(const Arguments& arguments)
     {
         client::SubscriptionSettings settings;
@@ -201,6 +206,7 @@ void add_subscribe(CLI::App& app, Run& run)
     command->callback([&run, arguments] {
         run = [arguments](Context& context) {
             take_url_before(arguments->nodes, context.options);
+            check_addresses(arguments->nodes);
             Connection connection{context, Connection::Endurance::Lasting};
             return Subscriber{context, connection, *arguments}.run();
         };

@@ -32,8 +32,8 @@ std::vector<std::size_t> Table::widths(std::size_t columns) const
     for (std::size_t i = 0; i < columns_.size(); ++i) {
         std::size_t width = display_width(columns_[i].title);
         least.push_back(std::max(columns_[i].min_width, width));
-        for (const auto& row : rows_) {
-            width = std::max(width, display_width(row[i].text));
+        for (const Row& row : rows_) {
+            width = std::max(width, display_width(row.cells[i].text));
         }
         widths.push_back(width);
     }
@@ -71,8 +71,9 @@ std::vector<std::string> Table::lines(const Output& out, std::size_t columns) co
         titles.push_back({column.title, Style::Bold});
     }
     std::vector<std::string> result{join(titles)};
-    for (const auto& row : rows_) {
-        result.push_back(join(row));
+    for (const Row& row : rows_) {
+        result.push_back(join(row.cells));
+        result.insert(result.end(), row.below.begin(), row.below.end());
     }
     return result;
 }

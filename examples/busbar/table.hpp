@@ -30,7 +30,12 @@ public:
     explicit Table(std::vector<Column> columns) : columns_{std::move(columns)} {}
 
     /// As many cells as there are columns.
-    void add(std::vector<Cell> row) { rows_.push_back(std::move(row)); }
+    void add(std::vector<Cell> row) { rows_.push_back({std::move(row), {}}); }
+    /// The same with lines below it, as they are.
+    void add(std::vector<Cell> row, std::vector<std::string> below)
+    {
+        rows_.push_back({std::move(row), std::move(below)});
+    }
     [[nodiscard]] std::size_t row_count() const { return rows_.size(); }
     /// The title and the rows.
     void print(Output& out) const;
@@ -38,10 +43,15 @@ public:
     [[nodiscard]] std::vector<std::string> lines(const Output& out, std::size_t columns) const;
 
 private:
+    struct Row {
+        std::vector<Cell> cells;
+        std::vector<std::string> below;
+    };
+
     [[nodiscard]] std::vector<std::size_t> widths(std::size_t columns) const;
 
     std::vector<Column> columns_;
-    std::vector<std::vector<Cell>> rows_;
+    std::vector<Row> rows_;
 };
 
 } // namespace busbar::cli

@@ -1,14 +1,14 @@
 #include "user.hpp"
 
 #include <cstdlib>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 
 #include <termios.h>
 #include <unistd.h>
 
 #include <busbar/crypto/own_certificate.hpp>
+
+#include "file.hpp"
 
 namespace busbar::cli {
 
@@ -50,9 +50,9 @@ std::string ask_password(Context& context)
 
 std::string read_password(const std::string& path)
 {
-    std::ifstream file{path};
-    std::string password;
-    if (!std::getline(file, password)) {
+    const std::string text = read_file(path);
+    const std::string password = text.substr(0, text.find('\n'));
+    if (password.empty()) {
         throw Failure{Exit::Usage, path + ": no password in it", "its first line is the password"};
     }
     return password;
@@ -65,17 +65,16 @@ std::string password_of(Context& context)
         return read_password(options.password_file);
     }
     if (!options.password.empty()) {
-        context.err.line("busbar: warning: others on this machine can read passwords of arguments");
+        context.warn("warning", "others on this machine can read passwords of arguments");
         return options.password;
     }
     const char* const variable = std::getenv("BUSBAR_PASSWORD");
     return variable != nullptr ? variable : ask_password(context);
 }
 
-crypto::Secret read_file(const std::string& path)
+crypto::Secret read_secret(const std::string& path)
 {
-    std::ifstream file{path, std::ios::binary};
-    return crypto::Secret{std::string_view{std::string{std::istreambuf_iterator<char>{file}, {}}}};
+    return crypto::Secret{std::string_view{read_file(path)}};
 }
 
 client::CertificateUser certificate_user(const Options& options)
@@ -84,11 +83,11 @@ client::CertificateUser certificate_user(const Options& options)
         throw Failure{Exit::Usage, "the user's certificate has no key", "give --user-key FILE"};
     }
     const auto certificate =
-        crypto::Certificate::parse_file(read_file(options.user_certificate).span());
+        crypto::Certificate::parse_file(read_secret(options.user_certificate).span());
     if (!certificate) {
         throw Failure{certificate.error(), options.user_certificate};
     }
-    const auto key = crypto::PrivateKey::parse(read_file(options.user_key).span());
+    const auto key = crypto::PrivateKey::parse(read_secret(options.user_key).span());
     if (!key) {
         throw Failure{key.error(), options.user_key,
                       "it must be an RSA key without a passphrase, PEM or DER"};

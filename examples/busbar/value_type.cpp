@@ -30,7 +30,7 @@ TypeOfValue value_type(const std::string& name, std::int32_t value_rank)
 
 Variant parse_value(const std::string& text, const TypeOfValue& type, const std::string& what)
 {
-    auto value = client::parse_value(whole(text), {type.built_in, type.value_rank, type.type});
+    auto value = client::parse_value(text, {type.built_in, type.value_rank, type.type});
     if (!value) {
         throw Failure{Exit::Usage, what + ": " + value.error().message};
     }

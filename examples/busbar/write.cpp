@@ -122,6 +122,9 @@ void add_write(CLI::App& app, Run& run)
             if (arguments->nodes_and_values.size() % 2 != 0) {
                 throw Failure{Exit::Usage, "a node has no value", "busbar write NODE VALUE"};
             }
+            for (std::size_t i = 0; i < arguments->nodes_and_values.size(); i += 2) {
+                check_addresses({arguments->nodes_and_values[i]});
+            }
             Connection connection{context};
             return write_values(context, connection, *arguments);
         };

@@ -1,4 +1,6 @@
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <iostream>
 #include <string>
 
@@ -262,6 +264,42 @@ int serve(ControllerConfig config)
     return 0;
 }
 
+/// A file that cannot be read is told of with the system's reason.
+void check_readable(const std::string& path)
+{
+    std::FILE* const file = std::fopen(path.c_str(), "rbe");
+    const bool is_open = file != nullptr;
+    const bool is_readable = is_open && (std::fgetc(file) != EOF || std::ferror(file) == 0);
+    const int error = errno;
+    if (is_open) {
+        std::fclose(file);
+    }
+    if (!is_readable) {
+        throw ConfigError{path + ": " + std::strerror(error)};
+    }
+}
+
+constexpr int usage_exit = 2;
+
+/// 0 for --help.
+int end_early(const CLI::App& app, const CLI::ParseError& error)
+{
+    if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
+        return app.exit(error);
+    }
+    const std::vector<std::string> unknown = app.remaining();
+    if (unknown.empty()) {
+        std::fprintf(stderr, "busbar-controller: %s\n", error.what());
+    } else {
+        std::fprintf(stderr, "busbar-controller: %s: not expected here\n", unknown.front().c_str());
+    }
+    const bool is_file = !unknown.empty() && !unknown.front().starts_with('-');
+    std::fprintf(stderr, "  hint: %s%s\n",
+                 is_file ? "busbar-controller --config " : "busbar-controller --help",
+                 is_file ? unknown.front().c_str() : "");
+    return usage_exit;
+}
+
 } // namespace
 
 int main(int argc, char** argv)
@@ -274,7 +312,11 @@ int main(int argc, char** argv)
     app.add_flag("--print-config", wants_config, "print the built-in configuration, commented");
     app.add_flag("--hash-password", wants_hash,
                  "read a password from standard input, print what a configuration may store");
-    CLI11_PARSE(app, argc, argv);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return end_early(app, error);
+    }
     if (wants_config) {
         std::fputs(example::default_config, stdout);
         return 0;
@@ -286,6 +328,9 @@ int main(int argc, char** argv)
     ::mallopt(M_MMAP_THRESHOLD, 64 << 20);
     ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
     try {
+        if (!file.empty()) {
+            check_readable(file);
+        }
         return serve(file.empty() ? example::parse_config(example::default_config, "built-in")
                                   : example::read_config(file));
     } catch (const std::exception& error) {

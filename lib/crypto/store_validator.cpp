@@ -28,16 +28,16 @@ StoreValidator::StoreValidator(CertificateStore& store, LogSink& log,
 Checked<void> StoreValidator::validate(const CertificateChain& chain,
                                        const ValidationContext& context)
 {
-    std::vector<Refusal> suppressed;
+    suppressed_.clear();
     auto refusal =
-        check_chain(chain, store_->trust_list(context.now), context, settings_, &suppressed);
+        check_chain(chain, store_->trust_list(context.now), context, settings_, &suppressed_);
     if (refusal) {
         if (!chain.empty() && is_worth_keeping(refusal->status)) {
             store_->reject(chain.front(), context.now);
         }
         return refuse(*std::move(refusal));
     }
-    for (const Refusal& passed : suppressed) {
+    for (const Refusal& passed : suppressed_) {
         log_->write(LogLevel::Info, "certificate", "accepted by a setting: " + text(passed));
     }
     return {};

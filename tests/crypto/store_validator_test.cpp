@@ -95,7 +95,7 @@ TEST_CASE("a trusted certificate that is refused for another reason is not rejec
     CHECK(gate.stores.log.lines.empty()); // the refusal is the caller's to log
 }
 
-TEST_CASE("what a setting lets pass is logged", "[crypto][store]")
+TEST_CASE("what a setting lets pass is logged and told (C3)", "[crypto][store]")
 {
     crypto::ValidationSettings settings;
     settings.suppress_validity_period = true;
@@ -106,6 +106,11 @@ TEST_CASE("what a setting lets pass is logged", "[crypto][store]")
     CHECK(gate.verdict({leaf}) == good);
     CHECK(gate.stores.log.count("accepted by a setting") == 1);
     CHECK(gate.stores.log.count("Bad_CertificateTimeInvalid") == 1);
+    REQUIRE(gate.validator.suppressed().size() == 1);
+    CHECK(gate.validator.suppressed().front().status == status::Bad_CertificateTimeInvalid);
+    gate.context.now = now;
+    CHECK(gate.verdict({leaf}) == good);
+    CHECK(gate.validator.suppressed().empty());
 }
 
 TEST_CASE("a store that is gone trusts nobody", "[crypto][store]")

@@ -7,6 +7,9 @@
 #include "json_writer.hpp"
 #include "status_help.hpp"
 #include "table.hpp"
+#include "url.hpp"
+#include "usage.hpp"
+#include "value_lines.hpp"
 
 using namespace busbar;
 using namespace busbar::cli;
@@ -74,4 +77,112 @@ TEST_CASE("a status is explained, with what can be done")
     CHECK(help_for(StatusCode{0x8FFF0000U}).meaning.empty());
     const std::string number = text_of(Failure{StatusCode{0x8FFF0000U}, "x"}, Output{stdout});
     CHECK(number.find("0x8FFF0000") != std::string::npos);
+}
+
+TEST_CASE("a server is told from a node (E13)")
+{
+    for (const char* url : {"opc.tcp://host", "http://host", "localhost:4840", "192.0.2.1:4840",
+                            "[::1]:4840", "plc-7.example:4840/line", "host:48611x"}) {
+        INFO(url);
+        CHECK(is_url(url));
+    }
+    for (const char* node : {"i=2258", "ns=2;s=host:4840", "nsu=urn:x:4840;s=Name", "/Objects/2:4",
+                             "2:4", "[ns=2;s=Line]/2:Speed", "localhost", ""}) {
+        INFO(node);
+        CHECK_FALSE(is_url(node));
+    }
+    CHECK(complete_url("localhost:4840") == "opc.tcp://localhost:4840");
+    CHECK(complete_url("[::1]:4840/x") == "opc.tcp://[::1]:4840/x");
+    CHECK(complete_url("OPC.TCP://host") == "OPC.TCP://host");
+    for (const char* wrong : {"http://host", "opc.tcp://", "opc.tcp://:4840", "host:0",
+                              "host:65536", "host:4840x", "opc.tcp://[::1"}) {
+        INFO(wrong);
+        CHECK_THROWS_AS(complete_url(wrong), Failure);
+    }
+}
+
+TEST_CASE("a misspelt word has a nearest one, a strange word has none (E13)")
+{
+    const std::vector<std::string> words{"read", "browse", "cert", "subscribe"};
+    CHECK(nearest("raed", words) == "read");
+    CHECK(nearest("brwose", words) == "browse");
+    CHECK(nearest("subscrib", words) == "subscribe");
+    CHECK(nearest("export", words).empty());
+    CHECK(nearest("", words).empty());
+    CHECK(nearest("xy", words).empty());
+    CHECK(nearest("read", {}).empty());
+}
+
+namespace {
+
+std::string joined(const ValueText& value)
+{
+    std::string text = value.text;
+    for (const std::string& line : value.lines) {
+        text += "\n" + line;
+    }
+    return text;
+}
+
+std::string shown(const Variant& value, std::size_t limit = 100, std::size_t columns = 40)
+{
+    return joined(lines_of(value, nullptr, ValueLimits{limit}, columns));
+}
+
+Array<std::int32_t> numbers(std::int32_t count)
+{
+    Array<std::int32_t> result;
+    for (std::int32_t i = 0; i < count; ++i) {
+        result.push_back(i);
+    }
+    return result;
+}
+
+} // namespace
+
+TEST_CASE("values that are short stay on their line")
+{
+    CHECK(shown(Variant{}) == "null");
+    CHECK(shown(Variant{std::int32_t{-5}}) == "-5");
+    CHECK(shown(Variant{"a\x1b[2J"}) == "\"a\\x1B[2J\"");
+    CHECK(shown(Variant{Array<std::int32_t>{}}) == "null");
+    CHECK(shown(Variant{numbers(4)}) == "[0, 1, 2, 3]");
+}
+
+TEST_CASE("an array stands in columns, each line with the index of its first element")
+{
+    CHECK(shown(Variant{numbers(20)}) == "Int32[20]\n"
+                                         "  [0]    0   1   2   3   4   5   6   7\n"
+                                         "  [8]    8   9  10  11  12  13  14  15\n"
+                                         "  [16]  16  17  18  19");
+    CHECK(shown(Variant{numbers(20)}, 6) == "Int32[20]\n"
+                                            "  [0]  0  1  2  3  4  5\n"
+                                            "  ... 14 more elements, --limit 0 shows them");
+}
+
+TEST_CASE("a matrix has a line for each row")
+{
+    const Variant matrix = Variant::matrix(numbers(12), Array<std::uint32_t>{2, 2, 3});
+    CHECK(shown(matrix) == "Int32[2][2][3]\n"
+                           "  [0][0]   0   1   2\n"
+                           "  [0][1]   3   4   5\n"
+                           "  [1][0]   6   7   8\n"
+                           "  [1][1]   9  10  11");
+    CHECK(shown(matrix, 100, 14) == "Int32[2][2][3]\n"
+                                    "  [0][0]\n"
+                                    "    [0]   0\n"
+                                    "    [1]   1\n"
+                                    "    [2]   2\n"
+                                    "  [0][1]\n"
+                                    "    [0]   3\n"
+                                    "    [1]   4\n"
+                                    "    [2]   5\n"
+                                    "  [1][0]\n"
+                                    "    [0]   6\n"
+                                    "    [1]   7\n"
+                                    "    [2]   8\n"
+                                    "  [1][1]\n"
+                                    "    [0]   9\n"
+                                    "    [1]  10\n"
+                                    "    [2]  11");
 }

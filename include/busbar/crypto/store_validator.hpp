@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include <busbar/core/api.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/crypto/certificate_store.hpp>
@@ -20,11 +22,14 @@ public:
 
     [[nodiscard]] Checked<void> validate(const CertificateChain& chain,
                                          const ValidationContext& context) override;
+    /// What failed in the last validate() and was let pass by a setting.
+    [[nodiscard]] const std::vector<Refusal>& suppressed() const { return suppressed_; }
 
 private:
     CertificateStore* store_;
     LogSink* log_;
     ValidationSettings settings_;
+    std::vector<Refusal> suppressed_;
 };
 
 } // namespace busbar::crypto

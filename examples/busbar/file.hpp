@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace busbar::cli {
+
+/// Certificates, keys and passwords are far smaller.
+inline constexpr std::size_t max_file_size = 1U << 20U;
+
+/// All of the file; throws Failure, which says why not.
+[[nodiscard]] std::string read_file(const std::string& path);
+/// Makes or replaces the file; throws Failure, which says why not.
+void write_file(const std::string& path, std::string_view text);
+
+} // namespace busbar::cli
