@@ -83,7 +83,7 @@ bool Reader::charge(std::uint64_t bytes)
 
 bool Reader::enter()
 {
-    if (depth_ >= limits_.max_depth) {
+    if (depth_ > limits_.max_depth) { // the outermost one is nested in nothing
         fail(status::Bad_EncodingLimitsExceeded);
         return false;
     }

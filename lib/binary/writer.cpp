@@ -22,7 +22,7 @@ void Writer::length(std::size_t count)
 
 bool Writer::enter()
 {
-    if (depth_ >= max_depth) {
+    if (depth_ > max_depth) { // the outermost one is nested in nothing
         fail(status::Bad_EncodingLimitsExceeded);
         return false;
     }

@@ -1,6 +1,7 @@
 #include <busbar/core/numeric_range.hpp>
 
 #include "range_walk.hpp"
+#include "text_range.hpp"
 #include "visit_built_in.hpp"
 
 namespace busbar {
@@ -9,31 +10,15 @@ namespace {
 
 using Bounds = NumericRange::Bounds;
 
-std::string_view bytes_of(const String& text)
-{
-    return text.view();
-}
-
-std::string_view bytes_of(const ByteString& text)
-{
-    return {reinterpret_cast<const char*>(text.span().data()), text.size()};
-}
-
-/// Strings are cut by bytes, the unit of their length (Part 6, 5.2.2.4).
 template <typename Text>
 bool cut_text(const Text& text, const Bounds& bounds, Text& part)
 {
-    if (bounds.first >= text.size()) {
+    const std::size_t first = detail::skip(text, 0, bounds.first);
+    if (first == text.size()) {
         return false;
     }
-    const auto count = std::min<std::uint64_t>(bounds.count(), text.size() - bounds.first);
-    const std::string_view cut =
-        bytes_of(text).substr(bounds.first, static_cast<std::size_t>(count));
-    if constexpr (std::is_same_v<Text, String>) {
-        part = String{cut};
-    } else {
-        part = ByteString{std::as_bytes(std::span{cut})};
-    }
+    const std::size_t end = detail::skip(text, first, bounds.count());
+    detail::assign(part, detail::bytes_of(text).substr(first, end - first));
     return true;
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "range_walk.hpp"
+#include "text_range.hpp"
 #include "visit_built_in.hpp"
 
 namespace busbar {
@@ -11,36 +12,26 @@ namespace {
 
 using Bounds = NumericRange::Bounds;
 
-std::string text_of(const String& text)
-{
-    return text.str();
-}
-
-std::string text_of(const ByteString& text)
-{
-    return {reinterpret_cast<const char*>(text.span().data()), text.size()};
-}
-
-/// Good, or why `part` cannot replace the bytes that `bounds` names.
+/// Good, or why `part` cannot replace what `bounds` names.
 template <typename Text>
 StatusCode check_text(const Text& target, const Bounds& bounds, const Text& part)
 {
-    if (bounds.last >= target.size()) {
+    if (detail::skip(target, 0, bounds.last) == target.size()) {
         return status::Bad_IndexRangeNoData;
     }
-    return part.size() == bounds.count() ? StatusCode{} : status::Bad_IndexRangeDataMismatch;
+    return detail::length_of(part) == bounds.count() ? StatusCode{}
+                                                     : status::Bad_IndexRangeDataMismatch;
 }
 
+/// A String may become longer or shorter in bytes, but not in characters.
 template <typename Text>
 void replace_text(Text& target, const Bounds& bounds, const Text& part)
 {
-    std::string bytes = text_of(target);
-    bytes.replace(bounds.first, static_cast<std::size_t>(bounds.count()), text_of(part));
-    if constexpr (std::is_same_v<Text, String>) {
-        target = String{bytes};
-    } else {
-        target = ByteString{std::as_bytes(std::span{bytes})};
-    }
+    std::string bytes{detail::bytes_of(target)};
+    const std::size_t first = detail::skip(target, 0, bounds.first);
+    const std::size_t end = detail::skip(target, first, bounds.count());
+    bytes.replace(first, end - first, detail::bytes_of(part));
+    detail::assign(target, bytes);
 }
 
 template <typename T>

@@ -52,6 +52,32 @@ std::string text_of(const X509_NAME* name)
     return size <= 0 ? std::string{} : std::string{text, static_cast<std::size_t>(size)};
 }
 
+bool names_one_algorithm(const X509_CRL* list, std::span<const std::byte> der)
+{
+    const unsigned char* at = bytes_of(der);
+    const unsigned char* const end = at + der.size();
+    // Goes to what stands in an object of this type, or past an object, if it is the next one.
+    const auto pass = [&](int expected, bool whole) {
+        const unsigned char* next = at;
+        long size = 0;
+        int tag = 0;
+        int object_class = 0;
+        const int form = ASN1_get_object(&next, &size, &tag, &object_class, end - at);
+        if ((form & 0x80) != 0 || tag != expected || object_class != V_ASN1_UNIVERSAL) {
+            return false;
+        }
+        at = whole ? next + size : next;
+        return true;
+    };
+    // OpenSSL shows the algorithm of certificates that was signed, but not that of lists.
+    const bool is_list = pass(V_ASN1_SEQUENCE, false) && pass(V_ASN1_SEQUENCE, false);
+    pass(V_ASN1_INTEGER, true); // the version, if it is not 1
+    const Algorithm is_signed{is_list ? d2i_X509_ALGOR(nullptr, &at, end - at) : nullptr};
+    const X509_ALGOR* beside = nullptr;
+    X509_CRL_get0_signature(list, nullptr, &beside);
+    return is_signed && beside != nullptr && X509_ALGOR_cmp(is_signed.get(), beside) == 0;
+}
+
 std::vector<std::byte> sha1_of(std::span<const std::byte> bytes)
 {
     std::vector<std::byte> digest(20);

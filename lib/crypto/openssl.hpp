@@ -34,6 +34,7 @@ using Mac = std::unique_ptr<EVP_MAC, FreeWith<EVP_MAC_free>>;
 using MacContext = std::unique_ptr<EVP_MAC_CTX, FreeWith<EVP_MAC_CTX_free>>;
 using X509Pointer = std::unique_ptr<X509, FreeWith<X509_free>>;
 using CrlPointer = std::unique_ptr<X509_CRL, FreeWith<X509_CRL_free>>;
+using Algorithm = std::unique_ptr<X509_ALGOR, FreeWith<X509_ALGOR_free>>;
 using GeneralNames = std::unique_ptr<GENERAL_NAMES, FreeWith<GENERAL_NAMES_free>>;
 using Extension = std::unique_ptr<X509_EXTENSION, FreeWith<X509_EXTENSION_free>>;
 
@@ -65,6 +66,10 @@ DateTime date_time_of(const ASN1_TIME* time);
 bool set_time(ASN1_TIME* to, DateTime time);
 /// "CN=Name, O=..." for people; other than printable ASCII is escaped.
 std::string text_of(const X509_NAME* name);
+/// Whether the algorithm that stands beside the signature is the one that was signed (RFC 5280,
+/// 5.1.1.2). X509_verify looks at that for certificates, X509_CRL_verify not up to OpenSSL 3.0.19.
+/// `der` is what `list` was read from.
+bool names_one_algorithm(const X509_CRL* list, std::span<const std::byte> der);
 /// A thumbprint (Part 6, 6.7.2.3).
 std::vector<std::byte> sha1_of(std::span<const std::byte> bytes);
 /// In upper case.

@@ -141,7 +141,8 @@ bool RevocationList::is_signed_by(const Certificate& issuer) const
     if (!names_issuer(issuer) || (X509_get_key_usage(issuer.native()) & KU_CRL_SIGN) == 0) {
         return false;
     }
-    const bool is_good = X509_CRL_verify(crl_.get(), X509_get0_pubkey(issuer.native())) == 1;
+    const bool is_good = detail::names_one_algorithm(crl_.get(), *der_) &&
+                         X509_CRL_verify(crl_.get(), X509_get0_pubkey(issuer.native())) == 1;
     ERR_clear_error();
     return is_good;
 }

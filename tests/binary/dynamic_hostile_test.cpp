@@ -80,7 +80,8 @@ TEST_CASE("elements without bytes cannot take memory", "[binary][dynamic]")
     CHECK(value->structures("E")->values.size() == 3);
 }
 
-TEST_CASE("values are nested at most 100 deep (Part 6, 5.1.5)", "[binary][dynamic]")
+TEST_CASE("at most 100 values are nested in one another within a value (Part 6, 5.1.5)",
+          "[binary][dynamic]")
 {
     const auto tree_of = [](int levels) {
         DynamicValue tree = make(types::Tree);
@@ -91,10 +92,10 @@ TEST_CASE("values are nested at most 100 deep (Part 6, 5.1.5)", "[binary][dynami
         }
         return tree;
     };
-    const DynamicValue deepest = tree_of(100);
+    const DynamicValue deepest = tree_of(101);
     const auto bytes = bytes_of(deepest);
     CHECK(decode_dynamic(bytes, deepest.type()).value() == deepest);
-    CHECK(status_of(binary::to_bytes(tree_of(101))) == status::Bad_EncodingLimitsExceeded);
+    CHECK(status_of(binary::to_bytes(tree_of(102))) == status::Bad_EncodingLimitsExceeded);
     std::vector<std::byte> deeper;
     for (int i = 0; i < 100'000; ++i) {
         for (const int byte : {255, 255, 255, 255, 1, 0, 0, 0}) {

@@ -85,4 +85,41 @@ TEST_CASE("Bytes behind a structure are an error")
     }
 }
 
+namespace {
+
+/// A Variant with `levels` others in one another, each an array of one.
+std::vector<std::byte> nested_variants(std::size_t levels)
+{
+    std::vector<std::byte> bytes;
+    for (std::size_t i = 0; i < levels; ++i) {
+        for (const int byte : {0x98, 1, 0, 0, 0}) {
+            bytes.push_back(static_cast<std::byte>(byte));
+        }
+    }
+    bytes.insert(bytes.end(), {std::byte{0x01}, std::byte{0x01}}); // true
+    return bytes;
+}
+
+} // namespace
+
+// Part 6, 5.1.5: decoders support at least 100 levels.
+TEST_CASE("A hundred values in one another are decoded and encoded, one more is not (D10)")
+{
+    const auto decode = [](std::size_t levels) {
+        return binary::from_bytes<Variant>(nested_variants(levels));
+    };
+    for (const std::size_t levels : {std::size_t{99}, std::size_t{100}}) {
+        const auto value = decode(levels);
+        REQUIRE(value);
+        CHECK(binary::to_bytes(*value).value() == nested_variants(levels));
+    }
+    for (const std::size_t levels : {std::size_t{101}, std::size_t{102}, std::size_t{10'000}}) {
+        const auto value = decode(levels);
+        REQUIRE_FALSE(value);
+        CHECK(value.error() == status::Bad_EncodingLimitsExceeded);
+    }
+    Variant deepest = *decode(100);
+    CHECK_FALSE(binary::to_bytes(Variant{Array<Variant>{std::move(deepest)}}));
+}
+
 } // namespace busbar::test

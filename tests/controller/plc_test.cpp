@@ -368,7 +368,7 @@ TEST_CASE("a broken configuration is refused with the place and the reason")
     }
 }
 
-TEST_CASE("a task scans until it is stopped, and can start again")
+TEST_CASE("a task scans until it is stopped, and can start again (F9)")
 {
     PlcConfig config;
     config.variables = {variable("Count", BuiltInType::UInt32)};
@@ -377,12 +377,15 @@ TEST_CASE("a task scans until it is stopped, and can start again")
     const StoppedClock clock;
     PlcTask task{*plc, clock, 1ms};
     CHECK_FALSE(plc->image()->is_running());
-    for (std::uint32_t seen = 0; seen < 10;) {
+    const auto count = [&] {
+        const server::ImagePin pin = plc->image()->pin();
+        return pin ? pin.value(0).value_or(std::uint32_t{0}) : 0;
+    };
+    std::uint32_t before = 0;
+    for (int round = 0; round < 2; ++round) {
+        before = count(); // The task stands still: no scan is missing in it.
         task.start();
-        const std::uint32_t before = seen;
-        while (seen < before + 5) {
-            const server::ImagePin pin = plc->image()->pin();
-            seen = pin ? pin.value(0).value_or(std::uint32_t{0}) : 0;
+        while (count() < before + 5) {
             std::this_thread::yield();
         }
         task.stop();
@@ -390,7 +393,7 @@ TEST_CASE("a task scans until it is stopped, and can start again")
     }
     const PlcTask::Statistics statistics = task.statistics();
     CHECK(statistics.scans >= 5);
+    CHECK(statistics.scans == count() - before); // of the second start alone
     CHECK(statistics.worst_scan > Duration::zero());
     CHECK(plc->image()->pin().time() == clock.now());
-    CHECK(plc->image()->pin().value(0).value_or(std::uint32_t{0}) >= statistics.scans);
 }

@@ -119,6 +119,52 @@ TEST_CASE("a range of a text is a part of it", "[core][numeric_range]")
     CHECK(*read_range(texts(), range("1")) == Variant{Array<String>{"be"}});
 }
 
+TEST_CASE("a range of a String counts characters and cuts none in two (C6)",
+          "[core][numeric_range]")
+{
+    const Variant text{"Grüße €😀"};
+    struct Cut {
+        const char* range;
+        const char* part;
+    };
+    static constexpr Cut cuts[] = {{"0:2", "Grü"}, {"2", "ü"}, {"3:4", "ße"},
+                                   {"6", "€"},     {"7", "😀"}, {"5:99", " €😀"}};
+    for (const Cut& cut : cuts) {
+        INFO(cut.range);
+        CHECK(*read_range(text, range(cut.range)) == Variant{cut.part});
+    }
+    CHECK(read_error(text, "8") == status::Bad_IndexRangeNoData);
+    CHECK(*read_range(Variant{Array<String>{"üb", "a"}}, range("0:1,1")) ==
+          Variant{Array<String>{"b", String{}}});
+    // The bytes of a ByteString are what they are.
+    const ByteString bytes{std::as_bytes(std::span{"\xC3\xBC", 2})};
+    CHECK(*read_range(Variant{bytes}, range("1")) ==
+          Variant{ByteString{std::as_bytes(std::span{"\xBC", 1})}});
+}
+
+TEST_CASE("bytes that are no UTF-8 belong to the character before (C6)", "[core][numeric_range]")
+{
+    const Variant text{"\x80\x80o\xBFk\xC3"};
+    CHECK(*read_range(text, range("0")) == Variant{"\x80\x80"});
+    CHECK(*read_range(text, range("1")) == Variant{"o\xBF"});
+    CHECK(*read_range(text, range("2:3")) == Variant{"k\xC3"});
+    CHECK(read_error(text, "4") == status::Bad_IndexRangeNoData);
+}
+
+TEST_CASE("a part of a String is replaced by as many characters (C6)", "[core][numeric_range]")
+{
+    Variant text{"Grüße"};
+    CHECK(write(text, "2:3", Variant{"Ü€"}).is_good());
+    CHECK(text == Variant{"GrÜ€e"});
+    CHECK(write(text, "2:3", Variant{"ab"}).is_good());
+    CHECK(text == Variant{"Grabe"});
+    CHECK(write(text, "4", Variant{"ü"}).is_good());
+    const Variant before = text;
+    CHECK(write(text, "3:4", Variant{"ü"}) == status::Bad_IndexRangeDataMismatch);
+    CHECK(write(text, "4:5", Variant{"üa"}) == status::Bad_IndexRangeNoData);
+    CHECK(text == before);
+}
+
 TEST_CASE("a scalar or null has no ranges", "[core][numeric_range]")
 {
     CHECK(read_error(Variant{7}, "0") == status::Bad_IndexRangeNoData);

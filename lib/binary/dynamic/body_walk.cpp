@@ -24,6 +24,9 @@ BodyWalk::BodyWalk(const CheckContext& context, std::span<const std::byte> body,
     : context_{context},
       reader_{body, Strings::Borrow, nullptr, limits_within(context.limits, depth)}, depth_{depth}
 {
+    if (depth > context.limits.max_depth) {
+        reader_.fail(status::Bad_EncodingLimitsExceeded);
+    }
 }
 
 StatusCode BodyWalk::run(const DynamicType& type)

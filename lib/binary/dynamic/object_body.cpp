@@ -44,7 +44,7 @@ Result<void> encode_all(Array<T>& values, unsigned depth)
 
 Result<void> encode_within(Variant& value, unsigned depth)
 {
-    if (depth == max_depth) {
+    if (depth > max_depth) {
         return busbar::fail(status::Bad_EncodingLimitsExceeded);
     }
     if (auto* const object = value.get_if<ExtensionObject>()) {
