@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/number_text.hpp"
+
 namespace busbar::crypto::detail {
 
 namespace {
@@ -154,7 +156,8 @@ bool Scanner::number(double& value)
     if (!is_digit(first) || (rest_[first] == '0' && is_digit(first + 1))) {
         return false;
     }
-    const auto [end, error] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), value);
+    const auto [end, error] =
+        busbar::detail::read_number(rest_.data(), rest_.data() + rest_.size(), value);
     if (error != std::errc{} || end[-1] == '.' || !std::isfinite(value)) {
         return false;
     }

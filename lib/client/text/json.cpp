@@ -6,6 +6,8 @@
 
 #include <busbar/core/text.hpp>
 
+#include "core/number_text.hpp"
+
 namespace busbar::client::detail {
 
 namespace {
@@ -146,7 +148,8 @@ private:
     [[nodiscard]] static bool is_number(std::string_view word)
     {
         double ignored = 0;
-        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), ignored);
+        const auto [end, error] =
+            busbar::detail::read_number(word.data(), word.data() + word.size(), ignored);
         const char first = word.starts_with('-') && word.size() > 1 ? word[1]
                            : word.empty()                           ? ' '
                                                                     : word[0];

@@ -7,6 +7,7 @@
 #include <busbar/core/text_forms.hpp>
 
 #include "core/base64.hpp"
+#include "core/number_text.hpp"
 #include "core/visit_built_in.hpp"
 
 namespace busbar::client::detail {
@@ -25,7 +26,7 @@ bool read_number(const Json& from, T& to)
         return false;
     }
     const char* const end = from.text.data() + from.text.size();
-    const auto [stop, error] = std::from_chars(from.text.data(), end, to);
+    const auto [stop, error] = busbar::detail::read_number(from.text.data(), end, to);
     return error == std::errc{} && stop == end;
 }
 

@@ -9,6 +9,8 @@
 #include <busbar/core/text.hpp>
 #include <pugixml.hpp>
 
+#include "core/number_text.hpp"
+
 /// Small pieces of text as NodeSet2 files have them.
 namespace busbar::nodeset {
 
@@ -65,7 +67,8 @@ template <typename Number>
 [[nodiscard]] bool to_number(std::string_view text, Number& value)
 {
     Number parsed{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), parsed);
+    const auto [end, error] =
+        busbar::detail::read_number(text.data(), text.data() + text.size(), parsed);
     if (error != std::errc{} || end != text.data() + text.size()) {
         return false;
     }

@@ -10,6 +10,7 @@
 
 #include <busbar/core/text_forms.hpp>
 
+#include "core/number_text.hpp"
 #include "core/visit_built_in.hpp"
 
 namespace busbar::server::detail {
@@ -122,7 +123,8 @@ Variant parse_number(std::string_view text)
         text.remove_prefix(1);
     }
     To value{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const auto [end, error] =
+        busbar::detail::read_number(text.data(), text.data() + text.size(), value);
     return error == std::errc{} && end == text.data() + text.size() ? Variant{value} : Variant{};
 }
 
