@@ -160,7 +160,7 @@ std::string function(const NodeTables& tables, const Options& options)
     return "const StaticNodes& " + function_name(options).function +
            "()\n{\n    static constexpr StaticNodes all = {\n" +
            span("namespaces", tables.namespaces.size()) + span("node_table", tables.nodes.size()) +
-           span("types", tables.types.size()) + span("variables", tables.variables.size()) +
+           span("type_table", tables.types.size()) + span("variables", tables.variables.size()) +
            span("references", tables.references.size()) +
            span("reference_types", tables.reference_types.size()) +
            span("externals", tables.externals.size()) + span("texts", tables.texts.size()) +
@@ -178,7 +178,7 @@ std::string source(const NodeTables& tables, const Options& options)
            name.in_namespace + " {\n\nusing namespace busbar::model;\n\nnamespace {\n\n" +
            table("StaticText", "namespaces", tables.namespaces) +
            table("StaticNode", "node_table", tables.nodes) +
-           table("StaticType", "types", tables.types) +
+           table("StaticType", "type_table", tables.types) +
            table("StaticVariable", "variables", tables.variables) +
            table("StaticReference", "references", tables.references) +
            table("std::uint32_t", "reference_types", tables.reference_types) +
