@@ -96,7 +96,7 @@ StatusCode ImageChanges::add(const WriteItem& item)
     if (item.data->status != StatusCode{} || !item.data->source_timestamp.is_null()) {
         return status::Bad_WriteNotSupported; // an image has them per scan, not per value
     }
-    const ImagePlace& place = (*layout_)[item.handle];
+    const ImagePlace& place = (*layout_)[static_cast<std::size_t>(item.handle)];
     return item.range == nullptr ? add_whole(place, item.data->value)
                                  : add_range(place, *item.range, item.data->value);
 }

@@ -73,11 +73,11 @@ std::uint64_t ImagePool::find_free() const
     // Longest unused first, which is the most likely to be free.
     for (std::size_t i = 1; i <= buffers_.size(); ++i) {
         const std::uint64_t index = (current_ + i) % buffers_.size();
-        const ImageBuffer& buffer = *buffers_[index];
+        const ImageBuffer& candidate = at(index);
         // acquire: with the release of the last unpin() all reads of the buffer are behind us, and
         // it may be overwritten.
         if (index != current_ &&
-            buffer.released_.load(std::memory_order_acquire) == buffer.taken_) {
+            candidate.released_.load(std::memory_order_acquire) == candidate.taken_) {
             return index;
         }
     }
@@ -90,7 +90,7 @@ bool ImagePool::publish(const ImageMemory& memory, DateTime time)
     if (next == no_buffer) {
         return false; // the class comment says why this does not happen
     }
-    buffers_[next]->fill(memory, time, ++scans_);
+    at(next).fill(memory, time, ++scans_);
     const std::uint64_t end = queue_end_.load(std::memory_order_relaxed);
     // acquire: the follower has given back what it took out before.
     const bool is_queued = is_followed_.load(std::memory_order_acquire) &&
@@ -102,11 +102,11 @@ bool ImagePool::publish(const ImageMemory& memory, DateTime time)
         latest_.exchange(next << index_shift | (is_queued ? 1U : 0U), std::memory_order_acq_rel);
     if (current_ != no_buffer) {
         constexpr std::uint64_t count_mask = (std::uint64_t{1} << index_shift) - 1;
-        buffers_[current_]->taken_ += old & count_mask;
+        at(current_).taken_ += old & count_mask;
     }
     current_ = next;
     if (is_queued) {
-        queue_[end % queue_.size()] = next;
+        queued(end) = next;
         queue_end_.store(end + 1, std::memory_order_release);
     }
     return is_queued;
@@ -115,8 +115,8 @@ bool ImagePool::publish(const ImageMemory& memory, DateTime time)
 void ImagePool::follow(bool follows)
 {
     is_followed_.store(false, std::memory_order_release);
-    while (ImageBuffer* const buffer = next_queued()) {
-        unpin(*buffer);
+    while (ImageBuffer* const next = next_queued()) {
+        unpin(*next);
     }
     is_followed_.store(follows, std::memory_order_release);
 }
@@ -128,12 +128,12 @@ ImageBuffer* ImagePool::next_queued()
     if (begin == queue_end_.load(std::memory_order_acquire)) {
         return nullptr;
     }
-    ImageBuffer& buffer = *buffers_[queue_[begin % queue_.size()]];
+    ImageBuffer& next = at(queued(begin));
     // unpin() counts it off again.
     held_.fetch_add(1, std::memory_order_relaxed);
     // release: what was given back before is seen to be back by who finds this place free.
     queue_begin_.store(begin + 1, std::memory_order_release);
-    return &buffer;
+    return &next;
 }
 
 ImageBuffer* ImagePool::pin()
@@ -152,7 +152,7 @@ ImageBuffer* ImagePool::pin()
         held_.fetch_sub(1, std::memory_order_release);
         return nullptr;
     }
-    return buffers_[index].get();
+    return &at(index);
 }
 
 void ImagePool::unpin(ImageBuffer& buffer)

@@ -93,6 +93,14 @@ private:
     static constexpr std::uint64_t no_buffer = UINT16_MAX;
 
     [[nodiscard]] std::uint64_t find_free() const;
+    [[nodiscard]] ImageBuffer& at(std::uint64_t index) const
+    {
+        return *buffers_[static_cast<std::size_t>(index)];
+    }
+    [[nodiscard]] std::uint64_t& queued(std::uint64_t position)
+    {
+        return queue_[static_cast<std::size_t>(position % queue_.size())];
+    }
 
     std::vector<std::unique_ptr<ImageBuffer>> buffers_;
     std::uint32_t max_pins_;

@@ -46,7 +46,7 @@ private:
     }
     [[nodiscard]] std::unique_ptr<ImageChanges>& slot(std::uint64_t position)
     {
-        return slots_[position % slots_.size()];
+        return slots_[static_cast<std::size_t>(position % slots_.size())];
     }
 
     std::vector<std::unique_ptr<ImageChanges>> slots_;

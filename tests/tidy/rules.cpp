@@ -102,7 +102,7 @@ bool below_net(std::string_view path)
 bool on_wire_data(std::string_view path)
 {
     const Layer* layer = layer_of(path);
-    const bool is_codec = path == "include/busbar/binary/reader.hpp" ||
+    const bool is_codec = path == "include/busbar/binary/wire_order.hpp" ||
                           path == "include/busbar/binary/writer.hpp" ||
                           path == "lib/binary/writer.cpp";
     return layer != nullptr && !is_codec &&

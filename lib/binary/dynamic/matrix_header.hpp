@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include <busbar/binary/dynamic_types.hpp>
@@ -31,7 +32,8 @@ template <typename Take>
     if (rank < 0 || !reader.ok()) {
         return -1;
     }
-    const std::size_t limit = reader.limits().max_array_length;
+    // An array's count has no more bits either (Part 6, 5.2.5).
+    const std::size_t limit = std::min<std::uint32_t>(reader.limits().max_array_length, INT32_MAX);
     std::size_t count = rank == 0 ? 0 : 1;
     for (std::int32_t i = 0; i < rank; ++i) {
         const auto dimension = reader.number<std::uint32_t>();
@@ -46,8 +48,8 @@ template <typename Take>
     } else if (min_element_size != 0 && count > reader.remaining() / min_element_size) {
         reader.fail(status::Bad_DecodingError);
     }
-    return reader.charge(count * object_size) && reader.ok() ? static_cast<std::int64_t>(count)
-                                                             : -1;
+    const std::uint64_t cost = std::uint64_t{count} * object_size;
+    return reader.charge(cost) && reader.ok() ? static_cast<std::int64_t>(count) : -1;
 }
 
 } // namespace busbar::binary::detail

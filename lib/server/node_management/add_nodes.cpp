@@ -128,7 +128,8 @@ Result<NodeIndex> add_instance(NodeManagementContext& context, const model::NewN
     const std::uint64_t before = context.space.change_count();
     auto added = model::instantiate(context.space, node, type, options);
     const std::uint64_t changes = context.space.change_count() - before;
-    context.visits_left -= std::min<std::size_t>(context.visits_left, changes * visits_per_change);
+    context.visits_left -= static_cast<std::size_t>(
+        std::min<std::uint64_t>(context.visits_left, changes * visits_per_change));
     return added;
 }
 
