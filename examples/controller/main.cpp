@@ -98,6 +98,7 @@ void complete(ControllerConfig& config, std::uint16_t port, DateTime now)
     server.endpoint_url = "opc.tcp://localhost:" + std::to_string(port);
     server.build.manufacturer_name = "Busbar";
     server.build.software_version = BUSBAR_VERSION;
+    server.host_names = config.host_names;
     for (const std::string& known : {std::string{"localhost"}, std::string{"127.0.0.1"}, host}) {
         server.host_names.push_back(known);
     }
@@ -208,9 +209,7 @@ int serve(ControllerConfig config)
     expect(loop.connect_to_clients(reverse), "connecting to clients");
     complete(config, port, wall_clock.now());
     example::Admission admission{config, log};
-    server::ImageOptions image_options;
-    image_options.max_queued_scans = config.queued_scans;
-    auto plc = controller::Plc::create(config.plc, image_options);
+    auto plc = controller::Plc::create(config.plc, config.image);
     if (!plc) {
         throw ConfigError{plc.error().text};
     }
