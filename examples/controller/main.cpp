@@ -1,9 +1,12 @@
+#include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <iostream>
 #include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
+#include <fcntl.h>
 #include <malloc.h>
 #include <unistd.h>
 
@@ -29,8 +32,10 @@
 #include "admission.hpp"
 #include "config.hpp"
 #include "default_config.hpp"
+#include "first_account.hpp"
 #include "identity.hpp"
 #include "models.hpp"
+#include "reload.hpp"
 #include "welcome.hpp"
 
 using namespace busbar;
@@ -112,6 +117,29 @@ void set_endpoint(ControllerConfig& config, std::uint16_t port, DateTime now)
     }
 }
 
+/// Without a file there is no account, and a password that everybody knows is none: the controller
+/// makes one of its own, for whoever has the terminal that it is first started from.
+void add_first_account(ControllerConfig& config)
+{
+    const std::string& folder = config.certificates.folder;
+    auto first = example::load_first_account(folder);
+    if (!first && ::isatty(STDOUT_FILENO) == 0) {
+        throw ConfigError{
+            "nobody can log in yet, expected a first start on a terminal, which shows "
+            "a password once, or an account in a file: see --print-config"};
+    }
+    if (!first) {
+        crypto::SystemRandom random;
+        first = example::make_first_account(folder, random);
+        std::printf("user \"%s\", password \"%.*s\": shown this once; %s/operator.password has its "
+                    "hash\n",
+                    first->account.name.c_str(), static_cast<int>(first->password->size()),
+                    first->password->text().data(), folder.c_str());
+    }
+    config.users.accounts.push_back(first->account);
+    example::offer_users(config);
+}
+
 int regenerate_certificate(ControllerConfig config)
 {
     set_names(config);
@@ -142,6 +170,33 @@ void register_with_discovery_server(net::ServerLoop& loop, const ControllerConfi
     registration.settings.interval = config.discovery.interval;
     expect(loop.register_with(std::move(registration), environment),
            "registering with " + config.discovery.url);
+}
+
+bool has_terminal()
+{
+    const int terminal = ::open("/dev/tty", O_RDWR | O_NOCTTY | O_CLOEXEC);
+    return terminal >= 0 && ::close(terminal) == 0;
+}
+
+/// What fails changes nothing: the reason goes to the log. A signal because the terminal was closed
+/// ends the controller, as it does other programs in a terminal.
+void reload_on_hangup(net::ServerLoop& loop, const std::string& file, example::Admission& admission,
+                      server::Server& server, LogSink& log)
+{
+    loop.on_hangup([&, file, had_terminal = has_terminal()] {
+        if (had_terminal && !has_terminal()) {
+            loop.stop();
+            return;
+        }
+        try {
+            const DateTime now = net::SystemWallClock{}.now();
+            log.write(LogLevel::Info, "controller", example::reload(file, admission, now));
+            server.announce_access_change(std::chrono::steady_clock::now());
+        } catch (const ConfigError& error) {
+            log.write(LogLevel::Error, "controller",
+                      std::string{error.what()} + "; nothing was changed");
+        }
+    });
 }
 
 void print_statistics(const controller::PlcTask::Statistics& statistics)
@@ -219,6 +274,7 @@ int serve(ControllerConfig config, const std::string& file)
     task.after_scan([&events](DateTime time) { events.raise(time); });
     task.start();
     loop.stop_on_signals();
+    reload_on_hangup(loop, file, admission, server, log);
     std::fputs(example::welcome_text(config, (*plc)->variables().size(), wall_clock.now()).c_str(),
                stdout);
     std::fflush(stdout);
@@ -238,7 +294,8 @@ int main(int argc, char** argv)
     bool wants_hash = false;
     bool wants_config = false;
     bool wants_certificate = false;
-    CLI::App app{"An OPC UA server in front of a simulated PLC."};
+    CLI::App app{"An OPC UA server in front of a simulated PLC. SIGHUP has it read users and trust "
+                 "lists again."};
     app.add_option("--config", file, "configuration; the built-in one by default");
     app.add_option("--port", port, "instead of the configuration's; 0 is any that is free");
     app.add_flag("--print-config", wants_config, "print the built-in configuration, commented");
@@ -257,6 +314,8 @@ int main(int argc, char** argv)
     // Messages of some 100 kB come and go all the time: keep their pages.
     ::mallopt(M_MMAP_THRESHOLD, 64 << 20);
     ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
+    // Who reads the log may go; the machine goes on.
+    std::signal(SIGPIPE, SIG_IGN);
     try {
         ControllerConfig config = file.empty()
                                       ? example::parse_config(example::default_config, "built-in")
@@ -265,7 +324,9 @@ int main(int argc, char** argv)
         if (wants_certificate) {
             return regenerate_certificate(std::move(config));
         }
-        if (!file.empty() && example::is_nobody(config.users)) {
+        if (file.empty()) {
+            add_first_account(config);
+        } else if (example::is_nobody(config.users)) {
             throw ConfigError{file + ": nobody can log in, expected an account, anonymous, "
                                      "certificates or tokens in [users]: see --print-config"};
         }
