@@ -1,5 +1,7 @@
 #include "admission.hpp"
 
+#include <utility>
+
 namespace busbar::example {
 
 namespace {
@@ -18,6 +20,22 @@ bool needs_certificates(const ControllerConfig& config)
     return config.server.identity.has_value() && !config.certificates.trusts_all_clients;
 }
 
+/// The first kind of user that only one of both lets in; empty if there is none.
+std::string changed_kind(const UserConfig& before, const UserConfig& after)
+{
+    const std::pair<const char*, bool> kinds[] = {
+        {"anonymous users", before.anonymous.has_value() != after.anonymous.has_value()},
+        {"accounts", before.accounts.empty() != after.accounts.empty()},
+        {"users with certificates", before.certified.has_value() != after.certified.has_value()},
+        {"users with tokens", before.tokens.has_value() != after.tokens.has_value()}};
+    for (const auto& [name, has_changed] : kinds) {
+        if (has_changed) {
+            return name;
+        }
+    }
+    return {};
+}
+
 void make_folders(crypto::CertificateStore& store)
 {
     if (const auto made = store.create(); !made) {
@@ -28,7 +46,7 @@ void make_folders(crypto::CertificateStore& store)
 } // namespace
 
 Admission::Admission(const ControllerConfig& config, LogSink& log)
-    : trusts_all_clients_{config.certificates.trusts_all_clients},
+    : config_{config.users}, trusts_all_clients_{config.certificates.trusts_all_clients},
       client_store_{config.certificates.folder, config.certificates.limits, log},
       client_validator_{client_store_, log, config.certificates.validation},
       user_store_{config.certificates.folder + "/users", config.certificates.limits, log},
@@ -40,7 +58,7 @@ Admission::Admission(const ControllerConfig& config, LogSink& log)
     if (config.users.certified) {
         make_folders(user_store_);
     }
-    add_users(config.users);
+    add_users();
 }
 
 crypto::CertificateValidator& Admission::clients()
@@ -51,25 +69,57 @@ crypto::CertificateValidator& Admission::clients()
     return client_validator_;
 }
 
-void Admission::add_users(const UserConfig& config)
+void Admission::add_users()
 {
     server::PasswordUsers& passwords = users_.passwords();
-    passwords.set_anonymous_access(mask_of(config.anonymous.value_or(Access::Read)));
-    for (const Account& account : config.accounts) {
+    passwords.set_anonymous_access(mask_of(config_.anonymous.value_or(Access::Read)));
+    for (const Account& account : config_.accounts) {
         if (!passwords.set(account.name, account.password_hash, mask_of(account.access))) {
             throw ConfigError{"account \"" + account.name + "\": the name must not be empty"};
         }
     }
-    if (config.certified) {
+    if (config_.certified) {
         users_.accept_certificates(user_validator_);
-        users_.set_other_certificate_rights(server::UserRights{mask_of(*config.certified)});
+        users_.set_other_certificate_rights(server::UserRights{mask_of(*config_.certified)});
     }
-    if (config.tokens) {
-        users_.accept_tokens(config.tokens->rules);
-        for (const auto& [role, access] : config.tokens->roles) {
+    if (config_.tokens) {
+        users_.accept_tokens(config_.tokens->rules);
+        for (const auto& [role, access] : config_.tokens->roles) {
             users_.set_role_access(role, mask_of(access));
         }
     }
+}
+
+void Admission::replace_users(const UserConfig& users, const std::string& file)
+{
+    if (const std::string kind = changed_kind(config_, users); !kind.empty()) {
+        throw ConfigError{file + ": [users]: " + kind +
+                          " came or went, expected the kinds of user that there are since the "
+                          "start: restart the controller"};
+    }
+    for (const Account& account : config_.accounts) {
+        if (!has_account(users, account.name)) {
+            users_.passwords().remove(account.name);
+        }
+    }
+    if (config_.tokens) {
+        for (const auto& [role, access] : config_.tokens->roles) {
+            users_.set_role_access(role, 0);
+        }
+    }
+    config_ = users;
+    add_users();
+}
+
+std::string Admission::read_certificates(DateTime now)
+{
+    const auto count = [now](crypto::CertificateStore& store) {
+        const crypto::TrustList& list = store.trust_list(now);
+        return std::to_string(list.trusted.size()) + " trusted certificates and " +
+               std::to_string(list.issuers.size()) + " issuers";
+    };
+    std::string text = trusts_all_clients_ ? "every client is trusted" : count(client_store_);
+    return config_.certified ? text + ", of users " + count(user_store_) : text;
 }
 
 } // namespace busbar::example

@@ -15,12 +15,18 @@ public:
 
     [[nodiscard]] crypto::CertificateValidator& clients();
     [[nodiscard]] server::UserStore& users() { return users_; }
+    /// Lets in whom `users` names from now on, and nobody else. Throws a ConfigError that begins
+    /// with `file` if kinds of user came or went: endpoints offer those since the start.
+    void replace_users(const UserConfig& users, const std::string& file);
+    /// Reads the trust lists again, which happens anyway when files change; how many there are.
+    [[nodiscard]] std::string read_certificates(DateTime now);
     /// Where passwords are checked from now on; it is to end before this and the server.
     void check_passwords_on(server::Worker& worker) { users_.passwords().set_worker(&worker); }
 
 private:
-    void add_users(const UserConfig& config);
+    void add_users();
 
+    UserConfig config_;
     bool trusts_all_clients_;
     crypto::InsecureAcceptAnyCertificate accept_all_;
     crypto::CertificateStore client_store_;

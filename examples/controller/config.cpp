@@ -1,11 +1,16 @@
 #include "config.hpp"
 
 #include <algorithm>
+#include <cerrno>
+#include <filesystem>
 #include <fstream>
-#include <iterator>
+#include <system_error>
+
+#include <arpa/inet.h>
 
 #include <busbar/channel/endpoint_url.hpp>
 
+#include "limits_section.hpp"
 #include "plc_section.hpp"
 #include "security_section.hpp"
 
@@ -13,7 +18,25 @@ namespace busbar::example {
 
 namespace {
 
-constexpr std::int64_t most_int = 2'147'483'647;
+/// Larger ones are no configurations.
+constexpr std::size_t max_file_size = 4U << 20U;
+
+bool is_address(const std::string& text)
+{
+    in6_addr buffer{};
+    const std::string without_zone = text.substr(0, text.find('%'));
+    return ::inet_pton(AF_INET, text.c_str(), &buffer) == 1 ||
+           ::inet_pton(AF_INET6, without_zone.c_str(), &buffer) == 1;
+}
+
+bool is_host(const std::string& text)
+{
+    channel::EndpointUrl url;
+    url.host = text;
+    const auto parsed = channel::EndpointUrl::parse(url.text());
+    return parsed && parsed->host == text && parsed->path.empty() &&
+           (text.find(':') == std::string::npos || is_address(text));
+}
 
 void read_server(const TomlTable& table, ControllerConfig& config)
 {
@@ -22,8 +45,16 @@ void read_server(const TomlTable& table, ControllerConfig& config)
     config.server.application_name = table.text("name", config.server.application_name);
     config.server.application_uri = table.text("application_uri", "");
     config.address = table.text("address", config.address);
+    if (!config.address.empty() && !is_address(config.address)) {
+        table.fail("address", "an IPv4 or IPv6 address of this machine, or \"\" for all of them");
+    }
     config.port = static_cast<std::uint16_t>(table.integer("port", config.port, 0, 65'535));
-    config.server.host_names = table.texts("host_names");
+    config.host_names = table.texts("host_names");
+    for (const std::string& host : config.host_names) {
+        if (!is_host(host)) {
+            table.fail("host_names", "names and addresses without scheme and port");
+        }
+    }
     config.nodesets = table.texts("nodesets");
     auto& limits = config.server.limits;
     limits.min_token_lifetime = std::chrono::milliseconds{table.integer(
@@ -60,23 +91,6 @@ void read_discovery(const TomlTable& table, DiscoveryConfig& config)
     config.allows_none = table.flag("allow_none", false);
 }
 
-void read_limits(const TomlTable& table, server::ServerLimits& limits)
-{
-    table.allow({"connections", "sessions", "nodes_per_read", "nodes_per_write", "nodes_per_browse",
-                 "references_per_node", "message_size"});
-    const auto number = [&](std::string_view key, auto& limit) {
-        limit = static_cast<std::remove_reference_t<decltype(limit)>>(
-            table.integer(key, static_cast<std::int64_t>(limit), 1, most_int));
-    };
-    number("connections", limits.max_connections);
-    number("sessions", limits.max_sessions);
-    number("nodes_per_read", limits.operations.max_nodes_per_read);
-    number("nodes_per_write", limits.operations.max_nodes_per_write);
-    number("nodes_per_browse", limits.operations.max_nodes_per_browse);
-    number("references_per_node", limits.max_references_per_node);
-    number("message_size", limits.transport.max_message_size);
-}
-
 ControllerConfig read_root(const TomlTable& root)
 {
     root.allow({"server", "reverse_connect", "discovery", "certificates", "endpoint", "users",
@@ -95,6 +109,17 @@ ControllerConfig read_root(const TomlTable& root)
 
 } // namespace
 
+bool has_account(const UserConfig& users, const std::string& name)
+{
+    return std::any_of(users.accounts.begin(), users.accounts.end(),
+                       [&](const Account& account) { return account.name == name; });
+}
+
+bool is_nobody(const UserConfig& users)
+{
+    return !users.anonymous && !users.certified && users.accounts.empty() && !users.tokens;
+}
+
 ControllerConfig parse_config(std::string_view text, const std::string& file)
 {
     try {
@@ -108,11 +133,22 @@ ControllerConfig parse_config(std::string_view text, const std::string& file)
 
 ControllerConfig read_config(const std::string& path)
 {
-    std::ifstream file{path, std::ios::binary};
-    if (!file) {
-        throw ConfigError{path + ": the file cannot be read"};
+    if (std::error_code ignored; std::filesystem::is_directory(path, ignored)) {
+        throw ConfigError{path + ": found a directory, expected a file; --print-config prints one"};
     }
-    const std::string text{std::istreambuf_iterator<char>{file}, {}};
+    errno = 0;
+    std::ifstream file{path, std::ios::binary};
+    std::string text(max_file_size + 1, '\0');
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    if (file.bad() || !file.is_open()) {
+        throw ConfigError{path +
+                          ": the file cannot be read: " + std::generic_category().message(errno)};
+    }
+    text.resize(static_cast<std::size_t>(file.gcount()));
+    if (text.size() > max_file_size) {
+        throw ConfigError{path + ": found more than " + std::to_string(max_file_size) +
+                          " bytes, expected a configuration; --print-config prints one"};
+    }
     return parse_config(text, path);
 }
 

@@ -11,6 +11,7 @@
 #include <busbar/crypto/certificate_validator.hpp>
 #include <busbar/crypto/jwt.hpp>
 #include <busbar/crypto/store_limits.hpp>
+#include <busbar/server/process_image.hpp>
 #include <busbar/server/server_config.hpp>
 
 #include "toml_reader.hpp"
@@ -40,6 +41,10 @@ struct UserConfig {
     std::optional<TokenConfig> tokens;
 };
 
+[[nodiscard]] bool has_account(const UserConfig& users, const std::string& name);
+/// Whether nobody can log in.
+[[nodiscard]] bool is_nobody(const UserConfig& users);
+
 struct CertificateConfig {
     /// The folder of the own certificate and key, and of the trust lists.
     std::string folder{"busbar-certificates"};
@@ -67,6 +72,8 @@ struct ControllerConfig {
     /// "" is every address of the machine.
     std::string address;
     std::uint16_t port{4840};
+    /// By which clients reach the machine, beyond the address and its own name.
+    std::vector<std::string> host_names;
     /// Listeners of clients that cannot reach the server; it connects to them.
     std::vector<std::string> reverse_urls;
     DiscoveryConfig discovery;
@@ -80,10 +87,12 @@ struct ControllerConfig {
     std::chrono::milliseconds scan{20};
     /// Of the PLC's task, 1 to 99; 0 is none.
     int realtime_priority{0};
-    /// How many scans may wait for the server, for the items that are sampled at each of them.
-    std::uint32_t queued_scans{4};
+    server::ImageOptions image;
     controller::PlcConfig plc;
 };
+
+/// Has endpoints offer the kinds of user that there are.
+void offer_users(ControllerConfig& config);
 
 /// Reads a configuration; `file` is its name in messages. Throws ConfigError.
 [[nodiscard]] ControllerConfig parse_config(std::string_view text, const std::string& file);

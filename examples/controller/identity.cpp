@@ -77,4 +77,13 @@ channel::ApplicationIdentity load_identity(const CertificateConfig& config, cons
     return {std::move(own.certificates), std::move(own.key)};
 }
 
+crypto::Certificate regenerate_certificate(const CertificateConfig& config, const std::string& name,
+                                           const std::string& application_uri,
+                                           const std::vector<std::string>& host_names, DateTime now)
+{
+    const crypto::OwnCertificateStore store{config.folder};
+    return expect(store.regenerate(settings_of(config, name, application_uri, host_names), now))
+        .certificates.front();
+}
+
 } // namespace busbar::example

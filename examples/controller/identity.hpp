@@ -16,5 +16,12 @@ namespace busbar::example {
                                                          const std::string& application_uri,
                                                          const std::vector<std::string>& host_names,
                                                          DateTime now);
+/// A new certificate with a new key instead of what is there, which is kept in own/replaced.
+/// Clients have to trust it anew. Throws ConfigError.
+[[nodiscard]] crypto::Certificate regenerate_certificate(const CertificateConfig& config,
+                                                         const std::string& name,
+                                                         const std::string& application_uri,
+                                                         const std::vector<std::string>& host_names,
+                                                         DateTime now);
 
 } // namespace busbar::example

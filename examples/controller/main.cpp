@@ -1,10 +1,14 @@
 #include <cerrno>
+#include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <iostream>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
+#include <fcntl.h>
 #include <malloc.h>
 #include <unistd.h>
 
@@ -21,27 +25,26 @@
 #ifdef BUSBAR_KEY_LOG
 #include <busbar/net/key_log_file.hpp>
 #endif
+#include <busbar/server/config_check.hpp>
 #include <busbar/server/password_rules.hpp>
 #include <busbar/server/password_users.hpp>
 #include <busbar/server/process_image.hpp>
 
+#include "addresses.hpp"
 #include "admission.hpp"
 #include "config.hpp"
 #include "default_config.hpp"
+#include "first_account.hpp"
 #include "identity.hpp"
 #include "models.hpp"
+#include "reload.hpp"
+#include "welcome.hpp"
 
 using namespace busbar;
 using example::ConfigError;
 using example::ControllerConfig;
 
 namespace {
-
-std::string host_name()
-{
-    char text[256] = {};
-    return ::gethostname(text, sizeof text - 1) == 0 ? text : "localhost";
-}
 
 int hash_password()
 {
@@ -89,39 +92,70 @@ bool needs_certificate(const ControllerConfig& config)
     return false;
 }
 
-/// Names, certificate and URL that a file need not give.
-void complete(ControllerConfig& config, std::uint16_t port, DateTime now)
+/// Names that a file need not give.
+void set_names(ControllerConfig& config)
 {
-    const std::string host = host_name();
+    const std::string machine = example::machine_name();
     server::ServerConfig& server = config.server;
     if (server.application_uri.empty()) {
-        server.application_uri = "urn:" + host + ":busbar:controller";
+        server.application_uri = "urn:" + machine + ":busbar:controller";
     }
-    server.endpoint_url = "opc.tcp://localhost:" + std::to_string(port);
     server.build.manufacturer_name = "Busbar";
     server.build.software_version = BUSBAR_VERSION;
-    for (const std::string& known : {std::string{"localhost"}, std::string{"127.0.0.1"}, host}) {
-        server.host_names.push_back(known);
-    }
+    server.host_names = example::known_hosts(config, machine);
+}
+
+/// Certificate and URL of a controller that listens on `port`.
+void set_endpoint(ControllerConfig& config, std::uint16_t port, DateTime now)
+{
+    server::ServerConfig& server = config.server;
+    channel::EndpointUrl url;
+    url.host = example::default_host(config, example::machine_name());
+    url.port = port;
+    server.endpoint_url = url.text();
     if (needs_certificate(config)) {
         server.identity = example::load_identity(config.certificates, server.application_name,
                                                  server.application_uri, server.host_names, now);
     }
 }
 
-/// How others reach us, as far as this machine knows.
-std::string public_url(const ControllerConfig& config, std::uint16_t port)
+/// Without a file there is no account, and a password that everybody knows is none: the controller
+/// makes one of its own, for whoever has the terminal that it is first started from.
+void add_first_account(ControllerConfig& config)
 {
-    const std::string& address = config.address;
-    const bool is_every = address.empty() || address == "0.0.0.0" || address == "::";
-    channel::EndpointUrl url;
-    url.host = is_every ? host_name() : address;
-    url.port = port;
-    return url.text();
+    const std::string& folder = config.certificates.folder;
+    auto first = example::load_first_account(folder);
+    if (!first && ::isatty(STDOUT_FILENO) == 0) {
+        throw ConfigError{
+            "nobody can log in yet, expected a first start on a terminal, which shows "
+            "a password once, or an account in a file: see --print-config"};
+    }
+    if (!first) {
+        crypto::SystemRandom random;
+        first = example::make_first_account(folder, random);
+        std::printf("user \"%s\", password \"%.*s\": shown this once; %s/operator.password has its "
+                    "hash\n",
+                    first->account.name.c_str(), static_cast<int>(first->password->size()),
+                    first->password->text().data(), folder.c_str());
+    }
+    config.users.accounts.push_back(first->account);
+    example::offer_users(config);
+}
+
+int regenerate_certificate(ControllerConfig config)
+{
+    set_names(config);
+    const server::ServerConfig& server = config.server;
+    const auto made = example::regenerate_certificate(config.certificates, server.application_name,
+                                                      server.application_uri, server.host_names,
+                                                      net::SystemWallClock{}.now());
+    std::printf("certificate: %s\nclients have to trust it anew; a controller that runs uses it "
+                "after a restart\n",
+                made.thumbprint_text().c_str());
+    return 0;
 }
 
 void register_with_discovery_server(net::ServerLoop& loop, const ControllerConfig& config,
-                                    std::uint16_t port,
                                     const channel::ChannelEnvironment& environment)
 {
     if (config.discovery.url.empty()) {
@@ -134,54 +168,37 @@ void register_with_discovery_server(net::ServerLoop& loop, const ControllerConfi
     registration.client =
         client::registration_client(config.discovery.url, wishes, config.server.application_uri,
                                     environment.identity != nullptr);
-    registration.settings = net::registration_of(config.server, {public_url(config, port)});
+    registration.settings = net::registration_of(config.server, {config.server.endpoint_url});
     registration.settings.interval = config.discovery.interval;
     expect(loop.register_with(std::move(registration), environment),
            "registering with " + config.discovery.url);
 }
 
-void print_welcome(const ControllerConfig& config, const controller::Plc& plc)
+bool has_terminal()
 {
-    const server::ServerConfig& server = config.server;
-    std::printf("%s with %zu variables at %s\n", server.application_name.c_str(),
-                plc.variables().size(), server.endpoint_url.c_str());
-    bool has_login = false;
-    for (const server::EndpointConfig& endpoint : server.endpoints) {
-        static constexpr const char* modes[] = {"", "None", "Sign", "SignAndEncrypt"};
-        has_login = has_login || endpoint.allows_anonymous || endpoint.allows_user_name ||
-                    endpoint.allows_certificate || endpoint.allows_issued;
-        std::printf("  endpoint: %s %s%s%s%s%s\n",
-                    std::string{endpoint.security.policy->name}.c_str(),
-                    modes[static_cast<int>(endpoint.security.mode)],
-                    endpoint.allows_anonymous ? ", anonymous" : "",
-                    endpoint.allows_user_name ? ", user name" : "",
-                    endpoint.allows_certificate ? ", user certificate" : "",
-                    endpoint.allows_issued ? ", issued token" : "");
-    }
-    for (const std::string& url : config.reverse_urls) {
-        std::printf("  connects to the client at %s\n", url.c_str());
-    }
-    if (!config.discovery.url.empty()) {
-        std::printf("  registers with the discovery server at %s\n", config.discovery.url.c_str());
-    }
-    if (server.identity) {
-        std::printf("  certificate: %s\n",
-                    server.identity->certificates.front().thumbprint_text().c_str());
-        const std::string& folder = config.certificates.folder;
-        if (config.certificates.trusts_all_clients) {
-            std::printf("  every client is trusted: not for use in production\n");
-        } else {
-            std::printf("  clients: move a certificate from %s/rejected/certs to "
-                        "%s/trusted/certs\n",
-                        folder.c_str(), folder.c_str());
+    const int terminal = ::open("/dev/tty", O_RDWR | O_NOCTTY | O_CLOEXEC);
+    return terminal >= 0 && ::close(terminal) == 0;
+}
+
+/// What fails changes nothing: the reason goes to the log. A signal because the terminal was closed
+/// ends the controller, as it does other programs in a terminal.
+void reload_on_hangup(net::ServerLoop& loop, const std::string& file, example::Admission& admission,
+                      server::Server& server, LogSink& log)
+{
+    loop.on_hangup([&, file, had_terminal = has_terminal()] {
+        if (had_terminal && !has_terminal()) {
+            loop.stop();
+            return;
         }
-    }
-    if (!has_login) {
-        std::printf("  nobody can log in yet: add an account to the configuration, see "
-                    "--print-config\n");
-    }
-    std::printf("ready; stop with Ctrl+C\n");
-    std::fflush(stdout);
+        try {
+            const DateTime now = net::SystemWallClock{}.now();
+            log.write(LogLevel::Info, "controller", example::reload(file, admission, now));
+            server.announce_access_change(std::chrono::steady_clock::now());
+        } catch (const ConfigError& error) {
+            log.write(LogLevel::Error, "controller",
+                      std::string{error.what()} + "; nothing was changed");
+        }
+    });
 }
 
 void print_statistics(const controller::PlcTask::Statistics& statistics)
@@ -197,7 +214,8 @@ void print_statistics(const controller::PlcTask::Statistics& statistics)
                 microseconds(statistics.worst_lateness), microseconds(statistics.worst_scan));
 }
 
-int serve(ControllerConfig config)
+/// `file` is where `config` is from; empty for the built-in one.
+int serve(ControllerConfig config, const std::string& file)
 {
     net::StderrLog log{LogLevel::Debug};
     net::SystemWallClock wall_clock;
@@ -208,11 +226,10 @@ int serve(ControllerConfig config)
     net::ReverseConnectConfig reverse;
     reverse.client_urls = config.reverse_urls;
     expect(loop.connect_to_clients(reverse), "connecting to clients");
-    complete(config, port, wall_clock.now());
+    set_names(config);
+    set_endpoint(config, port, wall_clock.now());
     example::Admission admission{config, log};
-    server::ImageOptions image_options;
-    image_options.max_queued_scans = config.queued_scans;
-    auto plc = controller::Plc::create(config.plc, image_options);
+    auto plc = controller::Plc::create(config.plc, config.image);
     if (!plc) {
         throw ConfigError{plc.error().text};
     }
@@ -233,9 +250,12 @@ int serve(ControllerConfig config)
         environment.key_log = key_log.get();
     }
 #endif
-    register_with_discovery_server(loop, config, port,
+    register_with_discovery_server(loop, config,
                                    {&random, &wall_clock, &log, environment.validator,
                                     config.server.identity ? &*config.server.identity : nullptr});
+    if (const auto checked = server::check_config(config.server, environment); !checked) {
+        throw ConfigError{(file.empty() ? "the server" : file) + ": " + checked.error().found};
+    }
     auto server = expect(server::Server::create(config.server, environment), "the server");
     controller::PlcNodesOptions nodes;
     nodes.source = server.add_source(source);
@@ -256,7 +276,10 @@ int serve(ControllerConfig config)
     task.after_scan([&events](DateTime time) { events.raise(time); });
     task.start();
     loop.stop_on_signals();
-    print_welcome(config, **plc);
+    reload_on_hangup(loop, file, admission, server, log);
+    std::fputs(example::welcome_text(config, (*plc)->variables().size(), wall_clock.now()).c_str(),
+               stdout);
+    std::fflush(stdout);
     loop.run(server);
     task.stop();
     print_statistics(task.statistics());
@@ -305,13 +328,19 @@ int end_early(const CLI::App& app, const CLI::ParseError& error)
 int main(int argc, char** argv)
 {
     std::string file;
+    std::optional<std::uint16_t> port;
     bool wants_hash = false;
     bool wants_config = false;
-    CLI::App app{"An OPC UA server in front of a simulated PLC."};
+    bool wants_certificate = false;
+    CLI::App app{"An OPC UA server in front of a simulated PLC. SIGHUP has it read users and trust "
+                 "lists again."};
     app.add_option("--config", file, "configuration; the built-in one by default");
+    app.add_option("--port", port, "instead of the configuration's; 0 is any that is free");
     app.add_flag("--print-config", wants_config, "print the built-in configuration, commented");
     app.add_flag("--hash-password", wants_hash,
                  "read a password from standard input, print what a configuration may store");
+    app.add_flag("--regenerate-certificate", wants_certificate,
+                 "make a new certificate and key with the names of the configuration, and end");
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -327,12 +356,26 @@ int main(int argc, char** argv)
     // Messages of some 100 kB come and go all the time: keep their pages.
     ::mallopt(M_MMAP_THRESHOLD, 64 << 20);
     ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
+    // Who reads the log may go; the machine goes on.
+    std::signal(SIGPIPE, SIG_IGN);
     try {
         if (!file.empty()) {
             check_readable(file);
         }
-        return serve(file.empty() ? example::parse_config(example::default_config, "built-in")
-                                  : example::read_config(file));
+        ControllerConfig config = file.empty()
+                                      ? example::parse_config(example::default_config, "built-in")
+                                      : example::read_config(file);
+        config.port = port.value_or(config.port);
+        if (wants_certificate) {
+            return regenerate_certificate(std::move(config));
+        }
+        if (file.empty()) {
+            add_first_account(config);
+        } else if (example::is_nobody(config.users)) {
+            throw ConfigError{file + ": nobody can log in, expected an account, anonymous, "
+                                     "certificates or tokens in [users]: see --print-config"};
+        }
+        return serve(std::move(config), file);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "busbar-controller: %s\n", error.what());
         return 1;

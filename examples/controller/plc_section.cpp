@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <numeric>
 #include <utility>
 
 #include <busbar/controller/plc.hpp>
+
+#include "limits_section.hpp"
 
 namespace busbar::example {
 
@@ -16,6 +20,14 @@ using controller::PlcEvent;
 using controller::PlcProgram;
 using controller::PlcProgramKind;
 using controller::PlcVariable;
+
+constexpr std::int64_t most_elements = 16'777'216;
+
+std::uint32_t elements_of(const PlcVariable& variable)
+{
+    return std::accumulate(variable.dimensions.begin(), variable.dimensions.end(), 1U,
+                           std::multiplies<>{});
+}
 
 BuiltInType read_type(const TomlTable& table)
 {
@@ -45,7 +57,7 @@ Variant initial_value(const toml::node& node)
     return {};
 }
 
-PlcVariable read_variable(const TomlTable& table)
+PlcVariable read_variable(const TomlTable& table, const server::ServerLimits& limits)
 {
     table.allow({"name", "type", "dimensions", "count", "initial", "access", "capacity"});
     PlcVariable variable;
@@ -67,6 +79,7 @@ PlcVariable read_variable(const TomlTable& table)
         table.fail("access", "\"read\" or \"write\"");
     }
     variable.is_writable = access == "write";
+    check_size(table, variable, limits);
     return variable;
 }
 
@@ -108,28 +121,41 @@ PlcEvent read_event(const TomlTable& table)
 /// Where the configuration says what the error is about.
 [[noreturn]] void fail(const PlcConfigError& error, const std::vector<TomlTable>& entries)
 {
-    if (error.index < entries.size()) {
-        entries[error.index].fail(error.field, error.text);
+    static constexpr std::string_view expected = "expected ";
+    const std::string key = error.field == "period" ? "period_ms" : error.field;
+    if (error.index >= entries.size()) {
+        throw ConfigError{key + ": " + error.text};
     }
-    throw ConfigError{error.field + ": " + error.text};
+    if (error.text.starts_with(expected)) {
+        entries[error.index].fail(key, error.text.substr(expected.size()));
+    }
+    entries[error.index].refuse(key, error.text);
 }
 
 } // namespace
 
 void read_plc(const TomlTable& table, ControllerConfig& config)
 {
-    table.allow({"scan_ms", "realtime_priority", "queued_scans", "variable", "program", "event"});
+    table.allow({"scan_ms", "realtime_priority", "queued_scans", "waiting_writes", "variable",
+                 "program", "event"});
     config.scan = std::chrono::milliseconds{table.integer("scan_ms", 20, 1, 10'000)};
     config.realtime_priority = static_cast<int>(table.integer("realtime_priority", 0, 0, 99));
-    config.queued_scans =
-        static_cast<std::uint32_t>(table.integer("queued_scans", config.queued_scans, 1, 1'000));
+    server::ImageOptions& image = config.image;
+    image.max_queued_scans =
+        static_cast<std::uint32_t>(table.integer("queued_scans", image.max_queued_scans, 1, 1'000));
+    image.max_waiting_writes = static_cast<std::uint32_t>(
+        table.integer("waiting_writes", image.max_waiting_writes, 1, 100'000));
     const auto variables = table.tables("variable");
     const auto programs = table.tables("program");
     for (const TomlTable& entry : variables) {
-        config.plc.variables.push_back(read_variable(entry));
+        config.plc.variables.push_back(read_variable(entry, config.server.limits));
     }
     for (const TomlTable& entry : programs) {
         config.plc.programs.push_back(read_program(entry));
+    }
+    for (const PlcVariable& variable : config.plc.variables) {
+        // A text takes a change for each element: all of them can be written at once.
+        image.max_changes_per_scan = std::max(image.max_changes_per_scan, elements_of(variable));
     }
     const auto events = table.tables("event");
     for (const TomlTable& entry : events) {

@@ -87,10 +87,13 @@ Account read_account(const TomlTable& table)
     table.allow({"name", "password", "access"});
     Account account;
     account.name = table.text("name");
+    if (account.name.empty()) {
+        table.fail("name", "a name");
+    }
     account.password_hash = table.text("password");
     if (!crypto::is_password_hash(account.password_hash)) {
-        throw ConfigError{"account \"" + account.name +
-                          "\": the password must be the output of --hash-password"};
+        // What stands there may be the password itself.
+        table.refuse("password", "found no hash, expected the output of --hash-password");
     }
     account.access = read_access(table, "access", "write");
     return account;
@@ -183,7 +186,12 @@ void read_users(const TomlTable& table, ControllerConfig& config)
     users.anonymous = read_optional_access(table, "anonymous");
     users.certified = read_optional_access(table, "certificates");
     for (const TomlTable& entry : table.tables("account")) {
-        users.accounts.push_back(read_account(entry));
+        Account account = read_account(entry);
+        if (has_account(users, account.name)) {
+            entry.refuse("name",
+                         "found \"" + account.name + "\" again, expected a name of its own");
+        }
+        users.accounts.push_back(std::move(account));
     }
     if (table.has("tokens")) {
         users.tokens = read_tokens(table.table("tokens"));
@@ -201,6 +209,11 @@ void read_endpoints(const TomlTable& root, ControllerConfig& config)
         table.allow({"policy", "mode"});
         config.server.endpoints.emplace_back().security = read_setting(table);
     }
+    offer_users(config);
+}
+
+void offer_users(ControllerConfig& config)
+{
     for (server::EndpointConfig& endpoint : config.server.endpoints) {
         endpoint.allows_anonymous = config.users.anonymous.has_value();
         endpoint.allows_user_name = !config.users.accounts.empty();

@@ -38,6 +38,12 @@ void TomlTable::fail(std::string_view key, const std::string& expected) const
                       expected};
 }
 
+void TomlTable::refuse(std::string_view key, const std::string& text) const
+{
+    const toml::node* node = table_->get(key);
+    throw ConfigError{place(node == nullptr ? *table_ : *node) + std::string{key} + ": " + text};
+}
+
 void TomlTable::allow(std::initializer_list<std::string_view> keys) const
 {
     for (const auto& [key, node] : *table_) {

@@ -47,6 +47,8 @@ public:
 
     /// Fails at a key, or at the table itself if the key is not there.
     [[noreturn]] void fail(std::string_view key, const std::string& expected) const;
+    /// The same in words of the caller's own, which say what was found and what was expected.
+    [[noreturn]] void refuse(std::string_view key, const std::string& text) const;
 
 private:
     [[nodiscard]] std::string place(const toml::node& node) const;

@@ -1,6 +1,6 @@
 #include "listener.hpp"
 
-#include <chrono>
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -9,6 +9,14 @@
 namespace busbar::net::detail {
 
 using asio::ip::tcp;
+
+namespace {
+
+constexpr std::chrono::milliseconds first_pause{100};
+constexpr std::chrono::milliseconds longest_pause{1'000};
+constexpr std::chrono::minutes quiet_time{1};
+
+} // namespace
 
 Result<std::uint16_t> Listener::open(std::string_view address, std::uint16_t port)
 {
@@ -79,21 +87,55 @@ void Listener::accepted(std::error_code error, tcp::socket socket)
     if (!handler_) {
         return;
     }
-    if (!error) {
-        const Handler handler = handler_; // which may close this
-        handler(std::move(socket));
-        accept();
+    if (error) {
+        back_off(error);
         return;
     }
-    log_->write(LogLevel::Warning, "net", "accept: " + error.message());
-    // Most likely there are no more file descriptors, and the peer still waits: asking again at
-    // once would only burn time and fill the log.
-    pause_.expires_after(std::chrono::milliseconds{100});
+    recover();
+    const Handler handler = handler_; // which may close this
+    handler(std::move(socket));
+    accept();
+}
+
+void Listener::back_off(std::error_code error)
+{
+    if (error != trouble_) {
+        trouble_ = error;
+        next_pause_ = first_pause;
+        tell(error);
+    }
+    // The peer still waits: asking again at once would only burn time.
+    pause_.expires_after(next_pause_);
+    next_pause_ = std::min(2 * next_pause_, longest_pause);
     pause_.async_wait([self = shared_from_this()](std::error_code cancelled) {
         if (!cancelled) {
             self->accept();
         }
     });
+}
+
+void Listener::tell(std::error_code error)
+{
+    const auto now = std::chrono::steady_clock::now();
+    if (told_at_ && now - *told_at_ < quiet_time) {
+        return; // peers could have it come and go
+    }
+    told_at_ = now;
+    is_told_ = true;
+    const bool is_descriptors = error == std::errc::too_many_files_open;
+    log_->write(LogLevel::Warning, "net",
+                "accept: " + error.message() + "; no new connections until that is over. " +
+                    (is_descriptors ? "Raise the limit of open files (ulimit -n, LimitNOFILE) or "
+                                      "lower the limit of connections"
+                                    : "Look at the memory and the network of this machine"));
+}
+
+void Listener::recover()
+{
+    trouble_.clear();
+    if (std::exchange(is_told_, false)) {
+        log_->write(LogLevel::Info, "net", "accept: there are new connections again");
+    }
 }
 
 } // namespace busbar::net::detail

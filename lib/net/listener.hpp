@@ -1,9 +1,12 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string_view>
+#include <system_error>
 
 #include <asio/any_io_executor.hpp>
 #include <asio/ip/tcp.hpp>
@@ -35,9 +38,19 @@ private:
     [[nodiscard]] std::error_code bind(std::string_view address, std::uint16_t port);
     void accept();
     void accepted(std::error_code error, asio::ip::tcp::socket socket);
+    /// Tries again later, ever less often, and says so once, and once a minute if it comes and
+    /// goes.
+    void back_off(std::error_code error);
+    void tell(std::error_code error);
+    void recover();
 
     asio::ip::tcp::acceptor acceptor_;
     asio::steady_timer pause_;
+    std::error_code trouble_;
+    std::chrono::milliseconds next_pause_{0};
+    /// When the log was told of trouble, and whether it is still to be told of its end.
+    std::optional<std::chrono::steady_clock::time_point> told_at_;
+    bool is_told_{false};
     LogSink* log_;
     Handler handler_; // null once closed
 };

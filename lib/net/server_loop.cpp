@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <csignal>
 #include <exception>
+#include <functional>
 #include <optional>
 #include <unordered_map>
 #include <vector>
@@ -20,12 +22,16 @@
 #include "link.hpp"
 #include "listener.hpp"
 #include "reverse_dialer.hpp"
+#include "turn_away.hpp"
 
 namespace busbar::net {
 
 namespace {
 
 using asio::ip::tcp;
+
+/// Peers that are being told that there is no place for them.
+constexpr std::size_t most_turned_away = 16;
 
 /// A pipe to oneself: writing one byte neither blocks nor allocates.
 class PipeWaker final : public server::Waker {
@@ -82,7 +88,7 @@ struct ServerLoop::Impl {
     };
 
     explicit Impl(LogSink& l)
-        : log{&l}, waker{context}, timer{context.get_executor()}, signals{context}
+        : log{&l}, waker{context}, timer{context.get_executor()}, signals{context}, hangup{context}
     {
     }
 
@@ -93,6 +99,7 @@ struct ServerLoop::Impl {
     void after_activity();
     void await_deadline();
     void begin_stop();
+    void await_hangup();
     [[nodiscard]] bool has_stopped() const;
 
     LogSink* log;
@@ -100,6 +107,9 @@ struct ServerLoop::Impl {
     PipeWaker waker;
     detail::DeadlineTimer timer;
     asio::signal_set signals;
+    asio::signal_set hangup;
+    std::function<void()> on_hangup;
+    detail::TurnAway turn_away{most_turned_away};
     std::vector<std::shared_ptr<detail::Listener>> listeners;
     ReverseConnectConfig reverse_connect;
     std::vector<std::unique_ptr<detail::ReverseDialer>> dialers;
@@ -119,7 +129,11 @@ std::optional<std::uint64_t> ServerLoop::Impl::adopt(tcp::socket socket, Directi
     }
     auto connection = server->connect(peer.address().to_string(), detail::now());
     if (!connection) {
-        return std::nullopt; // the server has said why
+        // The log has said why.
+        if (direction == Direction::FromClient) {
+            turn_away(std::move(socket), connection.error(), "no place for a connection");
+        }
+        return std::nullopt;
     }
     auto owned = std::make_unique<server::Connection>(*std::move(connection));
     if (direction == Direction::ToClient && !owned->reverse_hello(server->config().endpoint_url)) {
@@ -270,6 +284,24 @@ void ServerLoop::stop_on_signals()
     impl_->signals.async_wait([this](std::error_code error, int) {
         if (!error) {
             impl_->begin_stop();
+        }
+    });
+}
+
+void ServerLoop::on_hangup(std::function<void()> handler)
+{
+    impl_->on_hangup = std::move(handler);
+    impl_->hangup.add(SIGHUP);
+    impl_->await_hangup();
+}
+
+void ServerLoop::Impl::await_hangup()
+{
+    hangup.async_wait([this](std::error_code error, int) {
+        if (!error) {
+            await_hangup();
+            on_hangup();
+            after_activity();
         }
     });
 }

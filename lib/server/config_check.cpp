@@ -6,7 +6,9 @@
 
 #include "user_policies.hpp"
 
-namespace busbar::server::detail {
+namespace busbar::server {
+
+namespace detail {
 
 namespace {
 
@@ -95,8 +97,6 @@ std::string check_identity(const ServerConfig& config)
     return {};
 }
 
-} // namespace
-
 std::string find_contradiction(const ServerConfig& config, const ServerEnvironment& environment)
 {
     if (!channel::EndpointUrl::parse(config.endpoint_url)) {
@@ -121,6 +121,8 @@ std::string find_contradiction(const ServerConfig& config, const ServerEnvironme
     return {};
 }
 
+} // namespace
+
 void warn_of_deprecated_policies(const ServerConfig& config, LogSink& log)
 {
     for (const EndpointConfig& endpoint : config.endpoints) {
@@ -137,4 +139,15 @@ void warn_of_deprecated_policies(const ServerConfig& config, LogSink& log)
     }
 }
 
-} // namespace busbar::server::detail
+} // namespace detail
+
+Checked<void> check_config(const ServerConfig& config, const ServerEnvironment& environment)
+{
+    if (std::string reason = detail::find_contradiction(config, environment); !reason.empty()) {
+        return refuse(
+            {status::Bad_ConfigurationError, "server configuration", std::move(reason), {}, {}});
+    }
+    return {};
+}
+
+} // namespace busbar::server

@@ -23,6 +23,11 @@ public:
     [[nodiscard]] bool empty() const { return items_.empty(); }
     [[nodiscard]] std::size_t change_count() const { return changes_.size(); }
     [[nodiscard]] std::size_t byte_count() const { return bytes_.size(); }
+    /// What it takes while it waits.
+    [[nodiscard]] std::size_t memory() const
+    {
+        return bytes_.size() + changes_.size() * sizeof(Change) + items_.size() * sizeof(Item);
+    }
 
     /// The task: for each item `guard(handle)`, and if that is Good, the item's bytes.
     template <typename Guard>

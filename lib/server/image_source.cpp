@@ -57,7 +57,8 @@ void ImageSource::write(WriteBatch batch)
         return call->fail(status::Bad_NoCommunication);
     }
     if (image_->writes_->is_full() ||
-        !call->add_all(options.max_changes_per_scan, options.max_bytes_per_scan)) {
+        !call->add_all(options.max_changes_per_scan, options.max_bytes_per_scan) ||
+        !image_->writes_->has_room_for(*call)) {
         return call->fail(status::Bad_TooManyOperations);
     }
     if (call->empty()) {

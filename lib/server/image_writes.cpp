@@ -5,6 +5,7 @@ namespace busbar::server::detail {
 void ImageWrites::push(std::unique_ptr<ImageChanges> changes)
 {
     const std::uint64_t position = head_.load(std::memory_order_relaxed);
+    bytes_ += changes->memory();
     slot(position) = std::move(changes);
     // release: the task finds the slot and what it points at as they are now.
     head_.store(position + 1, std::memory_order_release);
@@ -16,7 +17,9 @@ std::unique_ptr<ImageChanges> ImageWrites::collect()
     if (collected_ == finished_.load(std::memory_order_acquire)) {
         return nullptr;
     }
-    return std::move(slot(collected_++));
+    std::unique_ptr<ImageChanges> changes = std::move(slot(collected_++));
+    bytes_ -= changes->memory();
+    return changes;
 }
 
 void ImageWrites::drop_batches()

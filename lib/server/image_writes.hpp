@@ -19,12 +19,20 @@ namespace busbar::server::detail {
 /// calls to its memory but not published it, up to `head_` they wait.
 class ImageWrites {
 public:
-    explicit ImageWrites(std::uint32_t capacity) : slots_(capacity) {}
+    ImageWrites(std::uint32_t capacity, std::size_t max_bytes)
+        : slots_(capacity), max_bytes_{max_bytes}
+    {
+    }
 
     // The server's thread.
 
     [[nodiscard]] bool is_full() const { return size() == slots_.size(); }
-    /// Not when is_full().
+    /// A single call always has room.
+    [[nodiscard]] bool has_room_for(const ImageChanges& changes) const
+    {
+        return !is_full() && (bytes_ == 0 || bytes_ + changes.memory() <= max_bytes_);
+    }
+    /// Only what it has room for.
     void push(std::unique_ptr<ImageChanges> changes);
     /// The next call that has its results, or null.
     [[nodiscard]] std::unique_ptr<ImageChanges> collect();
@@ -50,6 +58,8 @@ private:
     }
 
     std::vector<std::unique_ptr<ImageChanges>> slots_;
+    std::size_t max_bytes_;
+    std::size_t bytes_{0};       // the server's: of what was pushed and not collected
     std::uint64_t collected_{0}; // the server's
     alignas(64) std::atomic<std::uint64_t> head_{0};
     alignas(64) std::atomic<std::uint64_t> finished_{0};

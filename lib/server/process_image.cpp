@@ -114,7 +114,8 @@ ProcessImage::ProcessImage(Key, ImageLayout layout, ImageOptions options)
     : layout_{std::move(layout)}, options_{checked(options, layout_)}, memory_{layout_},
       pool_{std::make_unique<detail::ImagePool>(layout_, options_.max_pins,
                                                 options_.max_queued_scans)},
-      writes_{std::make_unique<detail::ImageWrites>(options_.max_waiting_writes)}
+      writes_{std::make_unique<detail::ImageWrites>(options_.max_waiting_writes,
+                                                    options_.max_waiting_bytes)}
 {
 }
 

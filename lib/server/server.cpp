@@ -39,9 +39,9 @@ std::vector<EndpointConfig> secure_endpoints()
 Result<Server> Server::create(ServerConfig config, const ServerEnvironment& environment,
                               model::AddressSpace address_space)
 {
-    if (const auto reason = detail::find_contradiction(config, environment); !reason.empty()) {
-        environment.log->write(LogLevel::Error, "server", reason);
-        return fail(status::Bad_ConfigurationError);
+    if (const auto checked = check_config(config, environment); !checked) {
+        environment.log->write(LogLevel::Error, "server", checked.error().found);
+        return fail(checked.error().status);
     }
     detail::warn_of_deprecated_policies(config, *environment.log);
     // Part 5, 6.3.2: index 1 is the server's own namespace.
@@ -129,10 +129,12 @@ std::string Server::Impl::find_obstacle(std::string_view peer_address)
             return link->peer_address() == peer_address;
         });
     if (static_cast<std::size_t>(from_there) >= limits().max_connections_per_address) {
-        return std::to_string(from_there) + " connections from this address, which is the limit";
+        return std::to_string(from_there) +
+               " connections from this address, the limit max_connections_per_address";
     }
     if (!make_place()) {
-        return std::to_string(links.size()) + " connections, all with sessions";
+        return std::to_string(links.size()) +
+               " connections, all with sessions, the limit max_connections";
     }
     return {};
 }

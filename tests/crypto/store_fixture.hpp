@@ -10,42 +10,17 @@
 #include <vector>
 
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <catch2/catch.hpp>
 
 #include <busbar/crypto/certificate_store.hpp>
 
 #include "issuing.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace busbar::test {
 
 namespace fs = std::filesystem;
-
-/// A folder that goes with its owner.
-class TemporaryFolder {
-public:
-    TemporaryFolder()
-    {
-        // In memory if there is such a place: thousands of files are written and nothing is to
-        // last.
-        const fs::path memory{"/dev/shm"};
-        const bool has_memory = ::access(memory.c_str(), W_OK) == 0;
-        std::string name =
-            ((has_memory ? memory : fs::temp_directory_path()) / "busbar-XXXXXX").string();
-        REQUIRE(::mkdtemp(name.data()) != nullptr);
-        path = name;
-    }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    ~TemporaryFolder()
-    {
-        std::error_code error;
-        fs::remove_all(path, error);
-    }
-
-    fs::path path;
-};
 
 class LogBook final : public LogSink {
 public:

@@ -159,7 +159,7 @@ sort "$work/line2.xml" | diff "$work/line" - > "$work/out" || fail "exported twi
 
 # Against a server with security.
 hash=$(printf 'Long-Password-123' | "$controller" --hash-password)
-sed 's/^port = .*/port = 0/' "$source/examples/controller/controller.toml" > "$work/secure.toml"
+sed 's/^port = .*/port = 0\naddress = "127.0.0.1"/' "$source/examples/controller/controller.toml" > "$work/secure.toml"
 cat >> "$work/secure.toml" << END
 [[users.account]]
 name = "operator"

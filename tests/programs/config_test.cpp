@@ -149,7 +149,9 @@ TEST_CASE("what is wrong is told with its place, and what was expected")
          "plant.toml:2: policy: found 'Basic128', expected one of: None"},
         {"[[endpoint]]\npolicy = \"None\"\nmode = \"Sign\"", "expected None, the only mode"},
         {"[users]\nanonymous = \"all\"", "expected \"no\", \"read\" or \"write\""},
-        {"[[users.account]]\nname = \"a\"\npassword = \"plain\"", "--hash-password"},
+        {"[[users.account]]\nname = \"a\"\npassword = \"plain\"",
+         "plant.toml:3: password: found no hash, expected the output of --hash-password"},
+        {"[[users.account]]\nname = \"\"", "plant.toml:2: name: found '', expected a name"},
         {"[users.tokens]\nissuer = \"x\"\nkey_file = \"/nowhere\"", "a file that can be read"},
         {"[plc]\nscan_ms = 0", "plant.toml:2: scan_ms: found 0"},
         {"[[plc.variable]]\nname = \"A\"\ntype = \"Int\"", "expected a built-in type"},
@@ -160,6 +162,109 @@ TEST_CASE("what is wrong is told with its place, and what was expected")
         INFO(said);
         CHECK(said.find(row.said) != std::string::npos);
     }
+}
+
+TEST_CASE("values without sense are refused with line, found, expected and remedy (D10)")
+{
+    const std::string twice = "[[plc.variable]]\nname = \"Running\"\ntype = \"Boolean\"\n";
+    struct Row {
+        std::string text;
+        std::string said;
+    };
+    const Row rows[] = {
+        {"[limits]\nmessage_size = 10",
+         "plant.toml:2: message_size: found 10, expected a number from 8192 to 67108864"},
+        {"[limits]\nmessage_size = 2000000000", "plant.toml:2: message_size: found 2000000000"},
+        {"[limits]\nnodes_per_read = 2000000000",
+         "plant.toml:2: nodes_per_read: found 2000000000, expected a number from 1 to 16777216"},
+        {"[limits]\nnodes_per_read = 65537",
+         "plant.toml:2: nodes_per_read: found 65537, expected at most 65536, the array_length: "
+         "raise that one too"},
+        {"[limits]\nconnections_per_address = 0", "plant.toml:2: connections_per_address: found 0"},
+        {twice + twice, "plant.toml:5: name: found 'Running' again, expected a name of its own"},
+        {twice + "initial = 5.0",
+         "plant.toml:4: initial: found 5.0, expected a value that Boolean"},
+        {twice + "[[plc.program]]\nkind = \"sine\"\ntarget = \"Runing\"\nperiod_ms = 1",
+         "plant.toml:6: target: found 'Runing', expected a variable's name"},
+        {"[[plc.variable]]\nname = \"A\"\ntype = \"Double\"\n[[plc.program]]\nkind = \"sine\"\n"
+         "target = \"A\"\nperiod_ms = 0",
+         "plant.toml:7: period_ms: found 0 ms, expected more than 0"},
+        {"[plc]\nwaiting_writes = 0", "plant.toml:2: waiting_writes: found 0"},
+        {"[server]\naddress = \"localhost\"",
+         "plant.toml:2: address: found 'localhost', expected an IPv4 or IPv6 address"},
+        {"[server]\nhost_names = [\"opc.tcp://plc\"]", "plant.toml:2: host_names: found "},
+        {"[server]\nhost_names = [\"plc:4840\"]", "expected names and addresses without scheme"},
+        {"[server]\nhost_names = [\"\"]", "expected names and addresses without scheme"},
+    };
+    for (const Row& row : rows) {
+        INFO(row.text);
+        const std::string said = complaint(row.text);
+        INFO(said);
+        CHECK(said.starts_with("plant.toml:"));
+        CHECK(said.find(row.said) != std::string::npos);
+        CHECK(said.find("expected expected") == std::string::npos);
+        CHECK(said.find("expected found") == std::string::npos);
+    }
+}
+
+TEST_CASE("a configuration that cannot be read says why (D10)")
+{
+    const auto complaint_of = [](const std::string& path) -> std::string {
+        try {
+            static_cast<void>(example::read_config(path));
+        } catch (const ConfigError& error) {
+            return error.what();
+        }
+        return "nothing";
+    };
+    CHECK(complaint_of(BUSBAR_SOURCE_DIR) == BUSBAR_SOURCE_DIR
+          ": found a directory, expected a file; --print-config prints one");
+    CHECK(complaint_of("/nowhere/plant.toml") ==
+          "/nowhere/plant.toml: the file cannot be read: No such file or directory");
+    CHECK(complaint_of("/dev/zero").find("expected a configuration") != std::string::npos);
+}
+
+TEST_CASE("a variable goes through the limits, or is refused (C4)")
+{
+    const auto array = [](const std::string& more) {
+        return "[[plc.variable]]\nname = \"A\"\ntype = \"Double\"\n" + more;
+    };
+    CHECK(complaint(array("dimensions = [300000]")) ==
+          "plant.toml:4: dimensions: found 300000 elements, expected at most 65536: raise "
+          "array_length in [limits], or nobody could write all of it");
+    CHECK(complaint(array("dimensions = [300, 300]")).find("found 90000 elements") !=
+          std::string::npos);
+    CHECK(complaint(array("dimensions = [65536]")) == "nothing");
+    const std::string raised = "[limits]\narray_length = 3000000\n";
+    CHECK(complaint(raised + array("dimensions = [300000]")) == "nothing");
+    CHECK(complaint(raised + array("dimensions = [3000000]")).find("raise message_size") !=
+          std::string::npos);
+    CHECK(complaint(raised + "message_size = 30000000\n" + array("dimensions = [3000000]")) ==
+          "nothing");
+    const ControllerConfig config = parse(raised + "[[plc.variable]]\nname = \"T\"\n"
+                                                   "type = \"String\"\ndimensions = [100000]");
+    CHECK(config.server.limits.decode.max_array_length == 3'000'000);
+    CHECK(config.image.max_changes_per_scan >= 100'000); // a text is a change
+    CHECK(complaint("[limits]\nstring_length = 256\n[[plc.variable]]\nname = \"T\"\n"
+                    "type = \"String\"\ncapacity = 300")
+              .find("capacity: found 300 bytes, expected at most 256: raise string_length") !=
+          std::string::npos);
+}
+
+TEST_CASE("what holds messages grows with them (C4)")
+{
+    const ControllerConfig config = parse("[limits]\nmessage_size = 67108864");
+    CHECK(config.server.limits.max_assembly >= std::size_t{2} * 67'108'864);
+    CHECK(config.server.limits.max_send_queue >= std::size_t{2} * 67'108'864);
+    CHECK(config.server.limits.transport.max_chunk_count * std::uint64_t{65'535} > 67'108'864);
+}
+
+TEST_CASE("waiting Writes and connections of an address have keys (C5, C7)")
+{
+    const ControllerConfig config =
+        parse("[limits]\nconnections_per_address = 100\n[plc]\nwaiting_writes = 5000");
+    CHECK(config.server.limits.max_connections_per_address == 100);
+    CHECK(config.image.max_waiting_writes == 5'000);
 }
 
 TEST_CASE("a password that is none is not shown in the error")

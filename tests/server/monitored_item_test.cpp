@@ -235,6 +235,34 @@ TEST_CASE_METHOD(ItemFixture, "modes: disabled has no queue, sampling does not r
     CHECK(data[0].value == DataValue{Variant{5}});
 }
 
+TEST_CASE("the links of an item are limited (C7)")
+{
+    server::SubscriptionLimits limits;
+    limits.max_triggering_links = 2;
+    SubscriptionFixture fixture{limits};
+    auto client = fixture.log_in();
+    const std::uint32_t id = fixture.subscribe(client);
+    const NodeId level = fixture.add_variable("level", 1);
+    std::vector<std::uint32_t> items;
+    for (std::uint32_t i = 0; i < 4; ++i) {
+        items.push_back(
+            fixture.monitor(client, id, fixture.item_request(level, i)).monitored_item_id);
+    }
+    const auto link = [&](std::uint32_t trigger, std::uint32_t triggered) {
+        SetTriggeringRequest request;
+        request.subscription_id = id;
+        request.triggering_item_id = trigger;
+        request.links_to_add = {triggered};
+        return client.call<SetTriggeringResponse>(request)->add_results[0];
+    };
+    CHECK(link(items[0], items[1]) == status::Good);
+    CHECK(link(items[0], items[2]) == status::Good);
+    CHECK(link(items[0], items[3]) == status::Bad_TooManyOperations);
+    CHECK(link(items[0], items[1]) == status::Good); // it is there
+    CHECK(link(items[3], items[2]) == status::Good);
+    CHECK(link(items[1], items[2]) == status::Bad_TooManyOperations); // it has two triggers
+}
+
 TEST_CASE_METHOD(ItemFixture, "an item that is triggered reports what it has queued until then")
 {
     const NodeId button = add_variable("button", false, id::Boolean);

@@ -386,6 +386,32 @@ TEST_CASE("what one scan applies is limited, and so are the calls that wait")
     CHECK_FALSE(f.write(three).owner->done);
 }
 
+TEST_CASE("the calls that wait are limited in number and in bytes (C5)")
+{
+    const DataValue one = of(std::int16_t{1});
+    Fixture many;
+    many.scan();
+    std::vector<Fixture::Pending> pending;
+    for (std::uint32_t i = 0; i < many.image->options().max_waiting_writes; ++i) {
+        pending.push_back(many.write({{many.speed, nullptr, &one}}));
+        REQUIRE_FALSE(pending.back().owner->done);
+    }
+    CHECK(pending.size() >= 1'000); // what 200 clients may send within a scan of 500 ms
+    CHECK(many.write({{many.speed, nullptr, &one}}).result() == status::Bad_TooManyOperations);
+
+    ImageOptions options;
+    options.max_waiting_bytes = 1;
+    Fixture few{options};
+    few.scan();
+    const auto first = few.write({{few.speed, nullptr, &one}});
+    CHECK_FALSE(first.owner->done); // which alone is more than a byte
+    CHECK(few.write({{few.speed, nullptr, &one}}).result() == status::Bad_TooManyOperations);
+    few.scan();
+    few.sources->handle_completions();
+    CHECK(first.result() == status::Good);
+    CHECK_FALSE(few.write({{few.speed, nullptr, &one}}).owner->done);
+}
+
 TEST_CASE("a call whose texts are more than the limit is refused before they are copied")
 {
     ImageLayout layout;

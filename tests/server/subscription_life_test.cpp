@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include <map>
 #include <memory>
 
 #include "server/core.hpp"
@@ -217,6 +218,32 @@ TEST_CASE("the highest priority is served first, then the one that waits longest
     const auto response = fixture.take(client, client.messages[0].request_id);
     REQUIRE(response);
     CHECK(response->subscription_id == ids[1]);
+}
+
+TEST_CASE("a Subscription that always has more to send leaves the others their turn (F1)")
+{
+    SubscriptionFixture fixture;
+    auto client = fixture.log_in();
+    auto request = fixture.subscription_request();
+    request.max_notifications_per_publish = 1;
+    const std::uint32_t busy = fixture.subscribe(client, request);
+    const std::uint32_t calm = fixture.subscribe(client);
+    for (const char* name : {"a", "b", "c"}) {
+        fixture.monitor(client, busy, fixture.item_request(fixture.add_variable(name, 0)));
+    }
+    fixture.monitor(client, calm, fixture.item_request(fixture.add_variable("d", 0)));
+    std::map<std::uint32_t, int> messages;
+    for (int round = 1; round <= 20; ++round) {
+        for (std::size_t variable = 0; variable < 4; ++variable) {
+            fixture.set(variable, round);
+        }
+        fixture.advance(cycle);
+        const auto response = fixture.take(client, fixture.publish(client));
+        REQUIRE(response);
+        ++messages[response->subscription_id];
+    }
+    CHECK(messages[busy] == 10);
+    CHECK(messages[calm] == 10);
 }
 
 TEST_CASE("a source that takes its time, is late or dies, and items that go meanwhile")

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string_view>
 
@@ -41,6 +42,9 @@ public:
                                              const channel::ChannelEnvironment& environment);
     /// Ends run() cleanly when the process gets SIGINT or SIGTERM.
     void stop_on_signals();
+    /// Calls `handler` on the loop's thread each time the process gets SIGHUP, which no longer ends
+    /// it: to read again what may have changed. Once, before run().
+    void on_hangup(std::function<void()> handler);
     /// Returns when the server has stopped: clients see State Shutdown first, then their
     /// connections are closed. `server` must live until then.
     void run(server::Server& server);

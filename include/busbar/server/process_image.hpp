@@ -27,8 +27,10 @@ struct ImageOptions {
     /// Scans that wait for the server while items are sampled at each of them. There are so many
     /// more buffers and one.
     std::uint32_t max_queued_scans{4};
-    /// Write calls that may wait for the scan's edge.
-    std::uint32_t max_waiting_writes{64};
+    /// Write calls that may wait for the scan's edge, of all clients together, and the bytes that
+    /// they may take: as many as come within a slow scan. More answer Bad_TooManyOperations.
+    std::uint32_t max_waiting_writes{1'024};
+    std::size_t max_waiting_bytes{64U << 20U};
     /// What the task applies at one scan's edge: single variables, array rows or texts, and their
     /// bytes. One call with more answers Bad_TooManyOperations; calls that together have more are
     /// applied at several edges, each of them at one.

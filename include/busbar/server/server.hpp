@@ -49,9 +49,10 @@ struct ServerEnvironment {
 /// output of the connections that next_changed() names.
 class BUSBAR_API Server {
 public:
-    /// Bad_ConfigurationError, with the reason in the log, if `config` contradicts itself: an
-    /// endpoint with security and no certificate, a certificate that does not name the
-    /// ApplicationUri, a plain password that was not allowed, an URL that is none.
+    /// Bad_ConfigurationError, with the reason in the log, if `config` contradicts itself (see
+    /// check_config, which has it as a value): an endpoint with security and no certificate, a
+    /// certificate that does not name the ApplicationUri, a plain password that was not allowed, an
+    /// URL that is none.
     [[nodiscard]] static Result<Server> create(ServerConfig config,
                                                const ServerEnvironment& environment,
                                                model::AddressSpace address_space = {});

@@ -49,6 +49,9 @@ struct SubscriptionLimits {
 
     std::size_t max_items_per_subscription{100'000};
     std::size_t max_items{1'000'000};
+    /// Links of one item that triggers others, and of one that is triggered (Part 4, 5.13.1.6):
+    /// SetTriggering answers Bad_TooManyOperations for one more.
+    std::size_t max_triggering_links{256};
 
     // What requests are revised to (Part 4, 5.14.2.2 and 7.21).
 

@@ -76,12 +76,12 @@ void MonitoredItem::set_mode(const ItemContext& context, MonitoringMode mode)
     }
 }
 
-StatusCode MonitoredItem::add_link(MonitoredItem& triggered)
+StatusCode MonitoredItem::add_link(MonitoredItem& triggered, std::size_t max_links)
 {
     if (std::find(links_.begin(), links_.end(), &triggered) != links_.end()) {
         return status::Good;
     }
-    if (links_.size() == max_links || triggered.triggers_.size() == max_links) {
+    if (links_.size() >= max_links || triggered.triggers_.size() >= max_links) {
         return status::Bad_TooManyOperations;
     }
     if (!subscription_->memory().charge(link_cost)) {

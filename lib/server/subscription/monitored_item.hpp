@@ -38,7 +38,6 @@ struct ItemRevision {
 class MonitoredItem {
 public:
     enum class Kind : std::uint8_t { Data, Event };
-    static constexpr std::size_t max_links = 256;
 
     MonitoredItem(Subscription& subscription, Kind kind, std::uint32_t client_handle,
                   MonitoringMode mode);
@@ -79,9 +78,9 @@ public:
 
     // Triggering (Part 4, 5.13.1.6): items that report when this one has a Notification.
 
-    /// Good also if the link is there already; Bad_TooManyOperations past max_links of either item,
-    /// Bad_OutOfMemory if the Subscription cannot pay for it.
-    [[nodiscard]] StatusCode add_link(MonitoredItem& triggered);
+    /// Good also if the link is there already; Bad_TooManyOperations past `max_links` of either
+    /// item, Bad_OutOfMemory if the Subscription cannot pay for it.
+    [[nodiscard]] StatusCode add_link(MonitoredItem& triggered, std::size_t max_links);
     /// False if there is no such link.
     [[nodiscard]] bool remove_link(MonitoredItem& triggered);
 

@@ -88,17 +88,20 @@ MonitoredItemCreateResult create_one(const ItemContext& context,
 }
 
 /// What SetTriggering came to for one of its links.
-StatusCode change_link(Subscription& subscription, MonitoredItem& trigger, std::uint32_t id,
-                       bool is_to_be_there)
+StatusCode add_link(Subscription& subscription, MonitoredItem& trigger, std::uint32_t id,
+                    std::size_t max_links)
 {
     MonitoredItem* const triggered = subscription.find_item(id);
-    if (triggered == nullptr) {
-        return status::Bad_MonitoredItemIdInvalid;
-    }
-    if (!is_to_be_there) {
-        return trigger.remove_link(*triggered) ? status::Good : status::Bad_MonitoredItemIdInvalid;
-    }
-    return trigger.add_link(*triggered);
+    return triggered == nullptr ? StatusCode{status::Bad_MonitoredItemIdInvalid}
+                                : trigger.add_link(*triggered, max_links);
+}
+
+StatusCode remove_link(Subscription& subscription, MonitoredItem& trigger, std::uint32_t id)
+{
+    MonitoredItem* const triggered = subscription.find_item(id);
+    return triggered != nullptr && trigger.remove_link(*triggered)
+               ? status::Good
+               : status::Bad_MonitoredItemIdInvalid;
 }
 
 } // namespace
@@ -193,10 +196,11 @@ StatusCode set_triggering(ServiceContext& context, const SetTriggeringRequest& r
     }
     // Links are removed before others are added (Part 4, 5.13.5.2).
     for (const std::uint32_t id : request.links_to_remove) {
-        response.remove_results.push_back(change_link(**subscription, *trigger, id, false));
+        response.remove_results.push_back(remove_link(**subscription, *trigger, id));
     }
+    const std::size_t most = context.core.limits().subscriptions.max_triggering_links;
     for (const std::uint32_t id : request.links_to_add) {
-        response.add_results.push_back(change_link(**subscription, *trigger, id, true));
+        response.add_results.push_back(add_link(**subscription, *trigger, id, most));
     }
     return status::Good;
 }

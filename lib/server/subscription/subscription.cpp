@@ -215,6 +215,8 @@ void Subscription::return_notifications()
         if (request == nullptr) {
             return;
         }
+        // Though it may have more to send for ever: of equal priorities it is the others' turn now.
+        last_served_ = core_.subscriptions.next_serial();
         count(&SubscriptionDiagnosticsDataType::publish_request_count);
         const DateTime now = core_.environment.wall_clock->now();
         const std::size_t room = request->room_for_message(retransmission_.size() + 1);
@@ -234,7 +236,6 @@ void Subscription::return_notifications()
         count(&SubscriptionDiagnosticsDataType::discarded_message_count, discarded);
         request->answer({*this, bytes, more_notifications_});
     } while (more_notifications_);
-    last_served_ = core_.subscriptions.next_serial();
 }
 
 void Subscription::return_keep_alive()

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "config.hpp"
+
+namespace busbar::example {
+
+/// How this machine calls itself; "localhost" if it does not say.
+[[nodiscard]] std::string machine_name();
+
+/// Whether the configured `address` is all that the machine has: "", 0.0.0.0 or ::.
+[[nodiscard]] bool is_every_address(const std::string& address);
+
+/// The host of the URL that clients get which used none that is known: the configured address, and
+/// the machine's name where that is every address.
+[[nodiscard]] std::string default_host(const ControllerConfig& config, const std::string& machine);
+
+/// What the certificate names and endpoints are returned with, if a client used it: the default
+/// host, what `host_names` adds, the machine's name, and its own names for itself where it listens
+/// to them. Each once.
+[[nodiscard]] std::vector<std::string> known_hosts(const ControllerConfig& config,
+                                                   const std::string& machine);
+
+} // namespace busbar::example

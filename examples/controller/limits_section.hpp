@@ -1,0 +1,13 @@
+#pragma once
+
+#include "config.hpp"
+
+namespace busbar::example {
+
+/// [limits]
+void read_limits(const TomlTable& table, server::ServerLimits& limits);
+/// Refuses a variable whose whole value would not go through these limits.
+void check_size(const TomlTable& entry, const controller::PlcVariable& variable,
+                const server::ServerLimits& limits);
+
+} // namespace busbar::example

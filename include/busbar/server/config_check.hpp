@@ -1,0 +1,13 @@
+#pragma once
+
+#include <busbar/core/refusal.hpp>
+#include <busbar/server/server.hpp>
+
+namespace busbar::server {
+
+/// Whether a server can be what `config` says. Bad_ConfigurationError with the contradiction in
+/// words; Server::create says the same to the log.
+[[nodiscard]] Checked<void> check_config(const ServerConfig& config,
+                                         const ServerEnvironment& environment);
+
+} // namespace busbar::server

@@ -1,0 +1,168 @@
+#include <catch2/catch.hpp>
+
+#include <array>
+#include <atomic>
+#include <csignal>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <asio/io_context.hpp>
+#include <asio/ip/tcp.hpp>
+#include <asio/read.hpp>
+#include <asio/write.hpp>
+#include <sys/resource.h>
+
+#include <busbar/net/server_loop.hpp>
+#include <busbar/net/system.hpp>
+
+#include "channel/frame.hpp"
+#include "machine.hpp"
+#include "net/listener.hpp"
+
+using namespace busbar;
+using asio::ip::tcp;
+
+namespace {
+
+class Lines final : public LogSink {
+public:
+    void write(LogLevel, std::string_view, std::string_view text) override
+    {
+        lines.emplace_back(text);
+    }
+    std::vector<std::string> lines;
+};
+
+/// No file can be opened as long as it is there.
+class NoDescriptors {
+public:
+    NoDescriptors()
+    {
+        REQUIRE(::getrlimit(RLIMIT_NOFILE, &before_) == 0);
+        rlimit none = before_;
+        none.rlim_cur = 0;
+        REQUIRE(::setrlimit(RLIMIT_NOFILE, &none) == 0);
+    }
+    NoDescriptors(const NoDescriptors&) = delete;
+    NoDescriptors& operator=(const NoDescriptors&) = delete;
+    ~NoDescriptors() { ::setrlimit(RLIMIT_NOFILE, &before_); }
+
+private:
+    rlimit before_{};
+};
+
+/// A server of one connection for each address, on a thread of its own.
+class Narrow {
+public:
+    Narrow()
+    {
+        environment_.random = &random_;
+        environment_.wall_clock = &clock_;
+        environment_.log = &log_;
+        port = *loop.listen("127.0.0.1", 0);
+        server::ServerConfig config = test::server_config(port);
+        config.limits.max_connections_per_address = 1;
+        server_.emplace(*server::Server::create(std::move(config), environment_));
+    }
+    ~Narrow()
+    {
+        if (thread_.joinable()) {
+            loop.stop();
+            thread_.join();
+        }
+    }
+    void run()
+    {
+        thread_ = std::thread{[this] { loop.run(*server_); }};
+    }
+
+    NullLog log_;
+    net::ServerLoop loop{log_};
+    std::uint16_t port{0};
+
+private:
+    net::SystemWallClock clock_;
+    crypto::SystemRandom random_;
+    server::ServerEnvironment environment_;
+    std::optional<server::Server> server_;
+    std::thread thread_;
+};
+
+tcp::socket connect(asio::io_context& context, std::uint16_t port)
+{
+    tcp::socket socket{context};
+    socket.connect({asio::ip::address_v4::loopback(), port});
+    return socket;
+}
+
+} // namespace
+
+TEST_CASE("a listener without descriptors says so once and goes on when there are some (D10)",
+          "[net]")
+{
+    asio::io_context context;
+    Lines log;
+    const auto listener = std::make_shared<net::detail::Listener>(context.get_executor(), log);
+    const std::uint16_t port = *listener->open("127.0.0.1", 0);
+    asio::io_context outside;
+    const tcp::socket peer = connect(outside, port);
+    int accepted = 0;
+    listener->start([&](const tcp::socket&) { ++accepted; });
+    {
+        const NoDescriptors none;
+        for (int handlers = 0; handlers < 5; ++handlers) { // to accept, to wait, to accept, ...
+            context.run_one();
+        }
+    }
+    REQUIRE(log.lines.size() == 1);
+    CHECK(log.lines[0].find("Too many open files") != std::string::npos);
+    CHECK(log.lines[0].find("Raise the limit of open files") != std::string::npos);
+    CHECK(accepted == 0);
+    while (accepted == 0) {
+        context.run_one();
+    }
+    CHECK(log.lines.size() == 2);
+    listener->close();
+}
+
+TEST_CASE("a peer that there is no place for gets an Error message (C7)", "[net]")
+{
+    Narrow narrow;
+    narrow.run();
+    asio::io_context context;
+    const tcp::socket first = connect(context, narrow.port);
+    tcp::socket second = connect(context, narrow.port);
+    // It has sent its Hello already: closing at once would reset the connection.
+    const std::array<char, 32> hello{'H', 'E', 'L', 'F', 32};
+    asio::write(second, asio::buffer(hello));
+    std::vector<std::byte> bytes(4'096);
+    std::error_code end;
+    bytes.resize(asio::read(second, asio::buffer(bytes), end));
+    CHECK(end == asio::error::eof);
+    REQUIRE(bytes.size() > channel::detail::header_size);
+    const auto header = channel::detail::parse_frame_header(bytes, 4'096);
+    REQUIRE(header);
+    CHECK(header->type == channel::detail::MessageType::ERR);
+    CHECK(header->size == bytes.size());
+    const auto error =
+        channel::detail::parse_error(std::span{bytes}.subspan(channel::detail::header_size));
+    REQUIRE(error);
+    CHECK(error->error == status::Bad_TcpServerTooBusy);
+    CHECK_FALSE(error->reason.empty());
+}
+
+TEST_CASE("SIGHUP calls the handler each time (D6)", "[net]")
+{
+    Narrow narrow;
+    std::atomic<int> calls{0};
+    narrow.loop.on_hangup([&] { ++calls; });
+    narrow.run();
+    for (int i = 1; i <= 2; ++i) {
+        REQUIRE(std::raise(SIGHUP) == 0);
+        while (calls < i) {
+            std::this_thread::yield();
+        }
+    }
+    CHECK(calls == 2);
+}

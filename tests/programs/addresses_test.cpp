@@ -1,0 +1,95 @@
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+
+#include <busbar/channel/endpoint_url.hpp>
+
+#include "addresses.hpp"
+#include "identity.hpp"
+#include "support/temporary_folder.hpp"
+#include "welcome.hpp"
+
+using namespace busbar;
+using namespace busbar::example;
+
+namespace {
+
+using Names = std::vector<std::string>;
+
+ControllerConfig at(const std::string& address, const Names& host_names = {})
+{
+    ControllerConfig config;
+    config.address = address;
+    config.host_names = host_names;
+    return config;
+}
+
+} // namespace
+
+TEST_CASE("endpoints and certificate follow the address and host_names (C3)")
+{
+    struct Row {
+        ControllerConfig config;
+        std::string host;
+        Names names;
+    };
+    const Row rows[] = {
+        {at("192.0.2.7"), "192.0.2.7", {"192.0.2.7", "line3"}},
+        {at("192.0.2.7", {"plc.example", "192.0.2.7"}),
+         "192.0.2.7",
+         {"192.0.2.7", "plc.example", "line3"}},
+        {at("2001:db8::7"), "2001:db8::7", {"2001:db8::7", "line3"}},
+        {at(""), "line3", {"line3", "localhost", "127.0.0.1"}},
+        {at("0.0.0.0"), "line3", {"line3", "localhost", "127.0.0.1"}},
+        {at("::", {"10.0.0.5", "LINE3"}), "line3", {"line3", "10.0.0.5", "localhost", "127.0.0.1"}},
+        {at("127.0.0.1"), "127.0.0.1", {"127.0.0.1", "line3", "localhost"}},
+        {at("::1"), "::1", {"::1", "line3", "localhost"}},
+    };
+    for (const Row& row : rows) {
+        INFO(row.config.address);
+        CHECK(default_host(row.config, "line3") == row.host);
+        CHECK(known_hosts(row.config, "line3") == row.names);
+    }
+    channel::EndpointUrl url;
+    url.host = default_host(at("2001:db8::7"), "line3");
+    CHECK(url.text() == "opc.tcp://[2001:db8::7]:4840");
+    CHECK_FALSE(machine_name().empty());
+}
+
+TEST_CASE("a certificate that lacks a name says so, and can be made anew (C3)")
+{
+    const test::TemporaryFolder folder;
+    ControllerConfig config = at("127.0.0.1");
+    config.certificates.folder = folder.path.string();
+    server::ServerConfig& server = config.server;
+    const DateTime now = DateTime::from_unix_seconds(1'750'000'000);
+    const auto load = [&](const Names& names) {
+        server.host_names = names;
+        server.identity =
+            load_identity(config.certificates, "Line 3", server.application_uri, names, now);
+        return welcome_text(config, 0, now);
+    };
+    CHECK(load({"127.0.0.1", "line3"}).find("does not name") == std::string::npos);
+    const std::string text = load({"127.0.0.1", "line3", "192.0.2.7"});
+    INFO(text);
+    const std::size_t place = text.find("does not name 192.0.2.7, by which clients");
+    REQUIRE(place != std::string::npos);
+    CHECK(text.substr(place, text.find('\n', place) - place).find("--regenerate-certificate") !=
+          std::string::npos);
+    const auto made = regenerate_certificate(config.certificates, "Line 3", server.application_uri,
+                                             server.host_names, now);
+    CHECK(load({"127.0.0.1", "line3", "192.0.2.7"}).find("does not name") == std::string::npos);
+    CHECK(server.identity->certificates.front() == made);
+    const auto names = made.host_names();
+    CHECK(std::find(names.begin(), names.end(), "192.0.2.7") != names.end());
+}
+
+TEST_CASE("start-up lines name the endpoint and the other hosts (C3)")
+{
+    ControllerConfig config = at("2001:db8::7");
+    config.server.endpoint_url = "opc.tcp://[2001:db8::7]:4840";
+    config.server.host_names = {"2001:db8::7", "line3", "plc.example"};
+    const std::string text = welcome_text(config, 5, {});
+    CHECK(text.find(" with 5 variables at opc.tcp://[2001:db8::7]:4840\n") != std::string::npos);
+    CHECK(text.find("clients may also use: line3, plc.example\n") != std::string::npos);
+}

@@ -1,0 +1,172 @@
+#!/bin/sh
+# Runs busbar-controller as operators do: without a file, on a terminal, with signals and with
+# configurations that are wrong.
+# usage: controller_test.sh CONTROLLER BUSBAR
+set -u
+controller=$1 busbar=$2
+
+work=$(mktemp -d)
+pid=""
+failures=0
+trap 'kill $pid 2>/dev/null; wait; rm -rf "$work"' EXIT
+export XDG_DATA_HOME="$work/data" LC_ALL=C
+unset BUSBAR_URL BUSBAR_PASSWORD
+cd "$work" || exit 1
+
+fail() {
+    failures=$((failures + 1))
+    echo "FAILED: $*"
+    sed 's/^/  /' log out 2> /dev/null
+}
+
+# await COMMAND...: until it succeeds.
+await() {
+    for _ in $(seq 300); do
+        "$@" && return 0
+        sleep 0.1
+    done
+    fail "waited in vain for: $*"
+    return 1
+}
+
+logged() { grep -q -e "$1" log; }
+ended() { ! kill -0 "$pid" 2> /dev/null; }
+
+# serve ARGUMENTS...: a controller whose output goes to log, and its URL.
+serve() {
+    "$controller" "$@" > log 2>&1 < /dev/null &
+    pid=$!
+    await logged '^ready' || exit 1
+    url=$(sed -n 's/.* variables at \(opc.tcp:[^ ]*\)$/\1/p' log)
+}
+
+stop() {
+    kill "$pid"
+    wait "$pid" || fail "the controller ends with $?"
+    pid=""
+}
+
+# run CODE ARGUMENTS...: busbar's exit code.
+run() {
+    wanted=$1
+    shift
+    timeout 30 "$busbar" "$@" > out 2>&1 < /dev/null
+    code=$?
+    [ $code -eq "$wanted" ] || fail "busbar $*: exit code $code instead of $wanted"
+}
+
+# refused TEXT ARGUMENTS...: the controller does not start and says so in one line.
+refused() {
+    wanted=$1
+    shift
+    timeout 30 "$controller" "$@" > out 2> log < /dev/null
+    code=$?
+    [ $code -eq 1 ] || fail "busbar-controller $*: exit code $code instead of 1"
+    grep -q -F -e "$wanted" log || fail "busbar-controller $*: expected $wanted"
+}
+
+account() {
+    printf '[[users.account]]\nname = "%s"\npassword = "%s"\n' "$1" \
+        "$(printf '%s' "$2" | "$controller" --hash-password)"
+}
+
+# D8: without a file. Nobody sees a password where there is no terminal.
+refused "expected a first start on a terminal" --port 0
+[ -e busbar-certificates/operator.password ] && fail "a password that nobody has seen"
+# start_on_terminal: in a terminal of its own; what it shows goes to log.
+start_on_terminal() {
+    rm -f pid log
+    script -qfec "sh -c 'echo \$\$ > pid; exec \"$controller\" --port 0 2> errors'" log \
+        > /dev/null 2>&1 < /dev/null &
+    terminal=$!
+    await logged '^ready' || exit 1
+    pid=$(cat pid)
+    url=$(tr -d '\r' < log | sed -n 's/.* variables at opc.tcp:[^ ]*:\([0-9]*\)$/opc.tcp:\/\/localhost:\1/p')
+}
+start_on_terminal
+password=$(sed -n 's/.*user "operator", password "\([^"]*\)": shown this once.*/\1/p' log)
+[ ${#password} -eq 23 ] || fail "a password of 23 characters"
+grep -q -F -e "$password" errors && fail "the password is in the log (D8)"
+[ "$(stat -c %a busbar-certificates/operator.password)" = 600 ] || fail "others may read the hash"
+grep -q -F -e "$password" busbar-certificates/operator.password && fail "the password is stored"
+echo "$password" > secret
+login="--user operator --password-file secret"
+run 4 read i=2258 --url "$url" $login --trust
+mv busbar-certificates/rejected/certs/* busbar-certificates/trusted/certs/
+run 0 read i=2258 --url "$url" $login --trust
+# Who closes the terminal ends it (D6).
+kill -KILL $terminal
+await ended
+start_on_terminal
+logged 'password "' && fail "the password is shown again (D8)"
+run 0 read i=2258 --url "$url" $login --trust
+kill "$pid"
+await ended
+pid=""
+
+# C3: what clients get follows the address and the URL that they used.
+cat > plain.toml << END
+[server]
+address = "127.0.0.1"
+port = 0
+host_names = ["plc.example"]
+[[endpoint]]
+policy = "None"
+[users]
+anonymous = "write"
+END
+serve --config plain.toml
+case $url in opc.tcp://127.0.0.1:*) ;; *) fail "the URL $url (C3)" ;; esac
+logged 'clients may also use: plc.example' || fail "the names of the configuration (C3)"
+run 0 discover "$url"
+grep -q -F "opc.tcp://127.0.0.1:" out || fail "an endpoint by address (C3)"
+run 0 discover "opc.tcp://localhost:${url##*:}"
+grep -q -F "opc.tcp://localhost:" out || fail "an endpoint by name (C3)"
+stop
+if [ -s /proc/net/if_inet6 ]; then
+    sed 's/^address = .*/address = "::1"/' plain.toml > six.toml
+    serve --config six.toml
+    case $url in "opc.tcp://[::1]:"*) ;; *) fail "the URL $url (C3)" ;; esac
+    run 0 read i=2258 --url "$url" --insecure
+    stop
+fi
+
+# D6: whoever reads the log goes, the controller stays.
+mkfifo pipe
+"$controller" --config plain.toml > pipe 2>&1 < /dev/null &
+pid=$!
+sed -n '/^ready/q;p' < pipe > log
+url=$(sed -n 's/.* variables at \(opc.tcp:[^ ]*\)$/\1/p' log)
+run 0 read i=2258 --url "$url" --insecure
+timeout 30 "$busbar" read i=2258 --url "$url" --user nobody --password-file secret > out 2>&1
+run 0 read i=2258 --url "$url" --insecure
+ended && fail "the log's reader went, and the controller too (D6)"
+stop
+
+# D6: SIGHUP reads the users again; a broken file changes nothing.
+{ cat plain.toml; account anna first-password; } > users.toml
+serve --config users.toml
+echo second-password > secret
+login="--insecure --user anna --password-file secret"
+run 4 read i=2258 --url "$url" $login
+{ cat plain.toml; account anna second-password; } > users.toml
+kill -HUP "$pid"
+await logged 'read again: 1 accounts of users.toml'
+run 0 read i=2258 --url "$url" $login
+echo 'acess = "read"' >> users.toml
+kill -HUP "$pid"
+await logged 'users.toml:12: found "acess", expected one of: .*; nothing was changed'
+run 0 read i=2258 --url "$url" $login
+grep -q scrypt log && fail "a hash in the log (D6)"
+stop
+
+# D10: what is refused is told with its reason.
+refused "/nowhere: the file cannot be read: No such file or directory" --config /nowhere
+refused "$work: found a directory, expected a file" --config "$work"
+echo '[server]' > nobody.toml
+refused "nobody.toml: nobody can log in, expected an account" --config nobody.toml
+{ cat plain.toml; printf '[[endpoint]]\npolicy = "None"\n'; } > twice.toml
+refused "twice.toml: endpoint None None: is there twice" --config twice.toml
+
+echo "$failures failures"
+[ $failures -eq 0 ]
