@@ -1,5 +1,7 @@
 #include "remote_nodes.hpp"
 
+#include <algorithm>
+#include <unordered_map>
 #include <unordered_set>
 
 #include <busbar/client/attributes.hpp>
@@ -171,6 +173,33 @@ void read_into(Connection& connection, std::vector<RemoteNode>& nodes, Reading r
 
 } // namespace
 
+void adopt_orphans(std::vector<RemoteNode>& nodes)
+{
+    std::unordered_map<NodeId, std::vector<ReferenceDescription>> orphans;
+    const auto is_inverse = [](const ReferenceDescription& one) { return !one.is_forward; };
+    for (const RemoteNode& node : nodes) {
+        if (std::none_of(node.references.begin(), node.references.end(), is_inverse)) {
+            orphans.try_emplace(node.id);
+        }
+    }
+    for (const RemoteNode& node : nodes) {
+        for (const ReferenceDescription& reference : node.references) {
+            const auto orphan = orphans.find(reference.node_id.node_id);
+            if (reference.is_forward && reference.node_id.is_local() && orphan != orphans.end()) {
+                ReferenceDescription& back = orphan->second.emplace_back();
+                back.reference_type_id = reference.reference_type_id;
+                back.node_id = ExpandedNodeId{node.id};
+            }
+        }
+    }
+    for (RemoteNode& node : nodes) {
+        const auto orphan = orphans.find(node.id);
+        for (std::size_t i = 0; orphan != orphans.end() && i < orphan->second.size(); ++i) {
+            node.references.push_back(orphan->second[i]);
+        }
+    }
+}
+
 RemoteNodes read_remote_nodes(Context& context, Connection& connection, std::uint16_t with_values)
 {
     Progress progress{context};
@@ -179,6 +208,7 @@ RemoteNodes read_remote_nodes(Context& context, Connection& connection, std::uin
     std::vector<RemoteNode>& nodes = remote.nodes;
     nodes = follow_references(connection, find_from_root(connection, remote.is_complete),
                               remote.is_complete);
+    adopt_orphans(nodes);
     progress.say("reading " + std::to_string(nodes.size()) + " nodes ...");
     Reading first;
     for (std::size_t i = 0; i < nodes.size(); ++i) {

@@ -41,4 +41,8 @@ struct RemoteNodes {
 [[nodiscard]] RemoteNodes read_remote_nodes(Context& context, Connection& connection,
                                             std::uint16_t with_values);
 
+/// Gives nodes without any inverse reference those that the forward references of others imply:
+/// some servers tell of the encodings of a DataType at the DataType only.
+void adopt_orphans(std::vector<RemoteNode>& nodes);
+
 } // namespace busbar::cli
