@@ -135,6 +135,21 @@ function(busbar_generate_nodes name sources_variable)
   set(${sources_variable} ${folder}/nodes.cpp PARENT_SCOPE)
 endfunction()
 
+# The command that writes the DataTypes of OPC UA itself, definitions.hpp and definitions.cpp.
+function(busbar_generate_definitions name sources_variable)
+  cmake_parse_arguments(ARG "" "INCLUDE_PATH;ROOT" "NODESETS" ${ARGN})
+  busbar_find_generator(command generator)
+  set(folder ${ARG_ROOT}/${ARG_INCLUDE_PATH})
+  add_custom_command(OUTPUT ${folder}/definitions.cpp ${folder}/definitions.hpp
+    COMMAND ${command} --definitions --output ${folder} --include-path ${ARG_INCLUDE_PATH}
+      --namespace-uri http://opcfoundation.org/UA/ ${ARG_NODESETS}
+    DEPENDS ${generator} ${ARG_NODESETS}
+    COMMENT "Generating definitions in ${folder}"
+    VERBATIM)
+  add_custom_target(${name} DEPENDS ${folder}/definitions.cpp ${folder}/definitions.hpp)
+  set(${sources_variable} ${folder}/definitions.cpp PARENT_SCOPE)
+endfunction()
+
 function(busbar_generate target)
   cmake_parse_arguments(ARG "NODES" "NAMESPACE_URI;CPP_NAMESPACE;INCLUDE_PATH;GROUPS;IDS"
     "NODESETS;DEPENDS" ${ARGN})

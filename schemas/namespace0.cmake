@@ -1,5 +1,6 @@
 # The types of OPC UA itself, which are part of busbar::binary, and the generator if it is built
-# here. Leaves BUSBAR_GENERATED_TYPES_SOURCES and the target busbar_generated_types.
+# here. Leaves BUSBAR_GENERATED_TYPES_SOURCES, BUSBAR_GENERATED_DEFINITIONS_SOURCES and the targets
+# busbar_generated_types and busbar_generated_definitions.
 include(${CMAKE_CURRENT_LIST_DIR}/generate.cmake)
 
 busbar_check_generator()
@@ -25,6 +26,11 @@ busbar_generate_sources(busbar_generated_types BUSBAR_GENERATED_TYPES_SOURCES
   ROOT ${BUSBAR_GENERATED_DIR}
   GROUPS ${CMAKE_CURRENT_LIST_DIR}/groups.csv
   IDS ${CMAKE_CURRENT_LIST_DIR}/NodeIds.csv)
+
+busbar_generate_definitions(busbar_generated_definitions BUSBAR_GENERATED_DEFINITIONS_SOURCES
+  NODESETS ${BUSBAR_NAMESPACE0_NODESETS}
+  INCLUDE_PATH busbar/definitions
+  ROOT ${BUSBAR_GENERATED_DIR})
 
 install(DIRECTORY ${BUSBAR_GENERATED_DIR}/busbar/types
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/busbar FILES_MATCHING PATTERN "*.hpp")

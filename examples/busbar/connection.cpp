@@ -105,7 +105,7 @@ void Connection::connect(Endurance endurance)
         take_interrupt(*client_);
         const auto connected = client_->connect(seconds(options.timeout));
         if (connected) {
-            types_.emplace(client());
+            types_.emplace(client(), client::TypeCacheLimits{}, &client::parse_type_dictionary);
             warn_of_insecurity();
             return;
         }

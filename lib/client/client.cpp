@@ -94,6 +94,9 @@ TimePoint Client::Impl::next_deadline() const
     if (state == ClientState::Waiting && is_wanted && transport.is_none()) {
         next = std::min(next, retry_at);
     }
+    if (state == ClientState::Connecting && transport.is_none()) {
+        next = std::min(next, redial_at);
+    }
     return state == ClientState::Ready ? std::min(next, keep_alive.next_deadline()) : next;
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include <busbar/channel/endpoint_url.hpp>
 #include <busbar/channel/server_certificate.hpp>
 #include <busbar/core/text.hpp>
 
@@ -9,8 +10,29 @@
 
 namespace busbar::client {
 
+namespace {
+
+/// How often the server is asked for a second connection, which it may refuse while it still counts
+/// the first, and the wait before the first time; each further one is twice as long.
+constexpr std::uint32_t max_redials = 3;
+constexpr Duration first_redial_wait = std::chrono::milliseconds{500};
+
+/// Also one that a slash at its end tells from the other.
+bool is_same_url(std::string_view a, std::string_view b)
+{
+    const auto path = [](const channel::EndpointUrl& url) {
+        return url.path == "/" ? std::string_view{} : std::string_view{url.path};
+    };
+    const auto left = channel::EndpointUrl::parse(a);
+    const auto right = channel::EndpointUrl::parse(b);
+    return left && right && channel::is_same_host(left->host, right->host) &&
+           left->port == right->port && path(*left) == path(*right);
+}
+
+} // namespace
+
 /// The states of Part 4, 6.7: an attempt waits for its time, gets a transport, asks for endpoints
-/// over a first one if it has to, and opens channel and session over the next.
+/// if it has to, and opens channel and session, over another transport if it needs security.
 bool Client::Impl::advance()
 {
     if (state == ClientState::Closing) {
@@ -47,12 +69,17 @@ bool Client::Impl::go_on()
         begin_attempt();
         return true;
     }
+    if (state == ClientState::Connecting && now >= redial_at) {
+        open_transport();
+        return true;
+    }
     return false;
 }
 
 void Client::Impl::begin_attempt()
 {
     is_choice_old = choice.has_value();
+    redials = 0;
     attempt_ends_at = detail::deadline_after(now, config.connect_timeout);
     if (kept_session && now >= kept_session->ends_at) {
         kept_session.reset();
@@ -71,7 +98,7 @@ void Client::Impl::open_transport()
     set_state(ClientState::Connecting, {});
 }
 
-/// Endpoints are asked for on a connection of their own, whose security is that of a postcard.
+/// Endpoints are asked for on a channel whose security is that of a postcard.
 bool Client::Impl::is_discovering() const
 {
     return !choice &&
@@ -176,7 +203,44 @@ void Client::Impl::choose(const Array<EndpointDescription>& offered)
     }
     discovered = offered;
     choice = *std::move(chosen);
-    drop_connection(false); // advance() goes on when it is gone
+    if (is_channel_chosen()) {
+        set_state(ClientState::Opening, {});
+        if (const auto opened = connection->open_session(connection_config()); !opened) {
+            lose(opened.error());
+        }
+        return;
+    }
+    // advance() goes on when it is gone.
+    connection->close();
+    transport.drop_with_peer(now, config.peer_close_timeout);
+}
+
+/// The channel that endpoints were asked for over is what they say there is to use: a server with
+/// one connection (Part 7, Nano Embedded Device Server Profile) need not free it first.
+bool Client::Impl::is_channel_chosen() const
+{
+    return choice->policy->is_none() && config.wants_session &&
+           is_same_url(choice->endpoint.endpoint_url.view(), connection->endpoint_url());
+}
+
+/// It was reached a moment ago, so the connection that it lacks may be the one that we closed.
+bool Client::Impl::may_dial_again(StatusCode why) const
+{
+    return state == ClientState::Opening && !is_choice_old && !config.is_reverse &&
+           redials < max_redials && detail::is_server_full(why);
+}
+
+void Client::Impl::dial_again(StatusCode why)
+{
+    const Duration wait = first_redial_wait * (1U << redials++);
+    redial_at = detail::deadline_after(now, wait);
+    environment.log->write(
+        LogLevel::Info, "client",
+        "the server has no second connection yet (" + std::string{name(why)} + "); again in " +
+            std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(wait).count()) +
+            " ms");
+    drop_connection(false);
+    set_state(ClientState::Connecting, {});
 }
 
 void Client::Impl::drop_connection(bool keeps_session)
@@ -210,6 +274,9 @@ void Client::Impl::keep_session()
 
 void Client::Impl::lose(StatusCode why)
 {
+    if (may_dial_again(why)) {
+        return dial_again(why);
+    }
     const bool had_session = state == ClientState::Ready && config.wants_session;
     const bool was_opening = state == ClientState::Opening;
     // An Error message proves nothing about a policy that the endpoints have, or that every server

@@ -67,6 +67,9 @@ struct Client::Impl {
     void drop_connection(bool keeps_session);
     [[nodiscard]] Checked<void> check_certificate(const EndpointChoice& chosen) const;
     void choose(const Array<EndpointDescription>& offered);
+    [[nodiscard]] bool is_channel_chosen() const;
+    [[nodiscard]] bool may_dial_again(StatusCode why) const;
+    void dial_again(StatusCode why);
     /// The attempt, or the connection that was Ready, ends.
     void lose(StatusCode why);
     void keep_session();
@@ -98,6 +101,9 @@ struct Client::Impl {
     std::optional<EndpointChoice> choice;
     /// The choice is that of an earlier attempt.
     bool is_choice_old{false};
+    /// Of this attempt, because the server had no connection left; the next one is at `redial_at`.
+    std::uint32_t redials{0};
+    TimePoint redial_at{TimePoint::min()};
 
     detail::Transport transport;
     std::optional<Connection> connection;

@@ -315,6 +315,16 @@ Connection::send_encoded(FunctionRef<void(binary::Writer&, const RequestHeader&)
     return impl_->send(encode, timeout);
 }
 
+Result<void> Connection::open_session(ConnectionConfig config)
+{
+    if (impl_->state != State::Ready || impl_->config.wants_session) {
+        return fail(status::Bad_InvalidState);
+    }
+    impl_->config = std::move(config);
+    impl_->handle_opened();
+    return {};
+}
+
 void Connection::cancel(std::uint32_t handle)
 {
     if (impl_->pending.remove(handle)) {

@@ -54,6 +54,12 @@ std::string_view final_reason(StatusCode status)
     return found == final_errors.end() ? std::string_view{} : found->reason;
 }
 
+bool is_server_full(StatusCode status)
+{
+    const StatusCode code = status.code();
+    return code == status::Bad_TcpNotEnoughResources || code == status::Bad_TcpServerTooBusy;
+}
+
 bool is_session_gone(StatusCode status)
 {
     const StatusCode code = status.code();

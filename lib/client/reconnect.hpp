@@ -8,6 +8,9 @@ namespace busbar::client::detail {
 /// Why another attempt would end like the last one; empty if it may not.
 [[nodiscard]] std::string_view final_reason(StatusCode status);
 
+/// True if the server has no connection left for now.
+[[nodiscard]] bool is_server_full(StatusCode status);
+
 /// True if the server no longer has the session that a request was sent in.
 [[nodiscard]] bool is_session_gone(StatusCode status);
 

@@ -6,6 +6,8 @@
 
 #include <busbar/client/client.hpp>
 
+#include "pending_requests.hpp"
+
 namespace busbar::client::detail {
 
 /// What became of the one transport that a Client has, and the orders for whoever drives it.
@@ -20,21 +22,9 @@ public:
         order_ = TransportOrder{TransportOrder::Kind::Open, ++id_, std::move(url)};
     }
     /// Whoever drives it may be stuck in a dead connection: the Client goes on without it then.
-    void drop(TimePoint now)
-    {
-        if (state_ == State::None || state_ == State::Dropping) {
-            return;
-        }
-        // It is gone, or nobody has heard of the order yet.
-        if (std::exchange(lost_, std::nullopt) || (state_ == State::Ordered && order_)) {
-            state_ = State::None;
-            order_.reset();
-            return;
-        }
-        state_ = State::Dropping;
-        give_up_at_ = now + std::chrono::seconds{2};
-        order_ = TransportOrder{TransportOrder::Kind::Drop, id_, {}};
-    }
+    void drop(TimePoint now) { drop(now, std::chrono::seconds{2}, false); }
+    /// The same, and it counts as gone only when the peer has ended it too, or after `patience`.
+    void drop_with_peer(TimePoint now, Duration patience) { drop(now, patience, true); }
     [[nodiscard]] std::optional<TransportOrder> next_order()
     {
         return std::exchange(order_, std::nullopt);
@@ -76,6 +66,22 @@ public:
     [[nodiscard]] std::optional<StatusCode> lost() const { return lost_; }
 
 private:
+    void drop(TimePoint now, Duration patience, bool awaits_peer)
+    {
+        if (state_ == State::None || state_ == State::Dropping) {
+            return;
+        }
+        // It is gone, or nobody has heard of the order yet.
+        if (std::exchange(lost_, std::nullopt) || (state_ == State::Ordered && order_)) {
+            state_ = State::None;
+            order_.reset();
+            return;
+        }
+        state_ = State::Dropping;
+        give_up_at_ = deadline_after(now, patience);
+        order_ = TransportOrder{TransportOrder::Kind::Drop, id_, {}, awaits_peer};
+    }
+
     State state_{State::None};
     std::uint64_t id_{0};
     std::optional<TransportOrder> order_;

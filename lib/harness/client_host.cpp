@@ -93,11 +93,17 @@ void ClientHost::update()
 void ClientHost::obey(client::TransportOrder order)
 {
     if (order.kind == client::TransportOrder::Kind::Open) {
+        if (link_ != nullptr) {
+            std::exchange(link_, nullptr)->close(Side::Client);
+        }
         order_ = std::move(order);
         open_.set_after(parts_.connect_time);
         return;
     }
     open_.cancel();
+    if (link_ != nullptr && order.awaits_peer) {
+        return; // update() sends the rest, and link_lost() says that the server has closed
+    }
     if (link_ != nullptr) {
         std::exchange(link_, nullptr)->close(Side::Client);
         client_->disconnected(order_.id, status::Bad_ConnectionClosed, world_.now());

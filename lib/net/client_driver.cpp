@@ -19,7 +19,7 @@ constexpr Duration farewell = std::chrono::seconds{2};
 
 } // namespace
 
-void ClientLine::leave(TimePoint until)
+void ClientLine::leave(TimePoint until, bool awaits_peer)
 {
     if (client_ == nullptr) {
         return;
@@ -29,6 +29,7 @@ void ClientLine::leave(TimePoint until)
     client_->consume(output.size());
     client_ = nullptr;
     is_busy_ = false;
+    awaits_peer_ = awaits_peer;
     until_ = until;
 }
 
@@ -55,6 +56,7 @@ void ClientLine::handle_deadline(TimePoint now)
 {
     if (until_ <= now) {
         sent_ = rest_.size();
+        awaits_peer_ = false;
         until_ = no_deadline;
     }
 }
@@ -137,11 +139,18 @@ bool ClientDriver::poll()
 
 void ClientDriver::carry_out(const client::TransportOrder& order)
 {
-    drop();
+    const bool awaits_peer = order.awaits_peer && link_ != nullptr;
+    drop(awaits_peer);
+    if (awaits_peer) {
+        return; // ended() tells the Client
+    }
     if (order.kind == client::TransportOrder::Kind::Drop) {
         // What was left to say is in good hands: the Client need not wait for it.
         client_.disconnected(order.id, status::Bad_ConnectionClosed, now());
-    } else if (is_reverse_) {
+        return;
+    }
+    end_waiting();
+    if (is_reverse_) {
         open_reverse(order.id);
     } else {
         open(order);
@@ -197,7 +206,7 @@ void ClientDriver::failed(std::uint64_t order, StatusCode why)
     step();
 }
 
-void ClientDriver::drop()
+void ClientDriver::drop(bool awaits_peer)
 {
     connector_.cancel();
     if (queue_) {
@@ -205,12 +214,24 @@ void ClientDriver::drop()
     }
     if (const auto link = std::exchange(link_, nullptr)) {
         leaving_.push_back(link);
-        link->engine().leave(after(farewell));
+        link->engine().leave(after(farewell), awaits_peer);
         link->pump();
     }
 }
 
-void ClientDriver::ended(const ClientLink& link)
+/// The Client goes on: a peer that has not closed yet finds the connection closed.
+void ClientDriver::end_waiting()
+{
+    const auto leaving = leaving_;
+    for (const auto& link : leaving) {
+        if (link->engine().awaits_peer()) {
+            link->engine().stop_waiting();
+            link->pump();
+        }
+    }
+}
+
+void ClientDriver::ended(ClientLink& link)
 {
     if (has_stopped_) {
         return;
@@ -219,7 +240,10 @@ void ClientDriver::ended(const ClientLink& link)
         const auto gone = std::exchange(link_, nullptr);
         client_.disconnected(gone->engine().order(), status::Bad_ConnectionClosed, now());
     } else {
+        const std::uint64_t order = link.engine().order();
         std::erase_if(leaving_, [&](const auto& leaving) { return leaving.get() == &link; });
+        // Of an old order the Client takes no notice.
+        client_.disconnected(order, status::Bad_ConnectionClosed, now());
     }
     wake();
 }

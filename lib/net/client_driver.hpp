@@ -23,7 +23,12 @@ public:
     ClientLine(client::Client& client, std::uint64_t order) : client_{&client}, order_{order} {}
 
     [[nodiscard]] std::uint64_t order() const { return order_; }
-    void leave(TimePoint until);
+    void leave(TimePoint until, bool awaits_peer);
+    /// The peer has had its time to end the connection.
+    void stop_waiting() { awaits_peer_ = false; }
+    [[nodiscard]] bool awaits_peer() const { return awaits_peer_; }
+    /// Nothing more will be said, but the peer is listened to.
+    [[nodiscard]] bool has_said_all() const { return awaits_peer_ && output().empty(); }
     /// The Client has not yet handled what it was fed: a server that sends more than it can take
     /// has to wait, and holds no memory here.
     void set_busy(bool is_busy) { is_busy_ = is_busy; }
@@ -34,7 +39,7 @@ public:
     void consume(std::size_t size);
     [[nodiscard]] TimePoint next_deadline() const { return until_; }
     void handle_deadline(TimePoint now);
-    [[nodiscard]] bool is_closed() const { return client_ == nullptr; }
+    [[nodiscard]] bool is_closed() const { return client_ == nullptr && !awaits_peer_; }
 
 private:
     client::Client* client_; // null once it leaves
@@ -42,6 +47,7 @@ private:
     std::vector<std::byte> rest_;
     std::size_t sent_{0};
     bool is_busy_{false};
+    bool awaits_peer_{false};
     TimePoint until_{no_deadline};
 };
 
@@ -82,8 +88,9 @@ private:
     void open_reverse(std::uint64_t order);
     void opened(std::uint64_t order, asio::ip::tcp::socket socket, std::span<const std::byte> in);
     void failed(std::uint64_t order, StatusCode why);
-    void drop();
-    void ended(const ClientLink& link);
+    void drop(bool awaits_peer);
+    void end_waiting();
+    void ended(ClientLink& link);
     void log(const std::string& text);
 
     asio::any_io_executor executor_;

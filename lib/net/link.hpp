@@ -18,7 +18,8 @@
 namespace busbar::net::detail {
 
 /// The shape all engines share. One that also has has_enough() is not fed while that is true; its
-/// owner calls pump() when it is over.
+/// owner calls pump() when it is over. One that has has_said_all() gets a half-close once that is
+/// true, and is kept until the peer has closed too.
 template <typename E>
 concept Engine = requires(E& engine, std::span<const std::byte> in, TimePoint now, std::size_t n)
 {
@@ -77,6 +78,7 @@ public:
             end();
             return;
         }
+        close_half();
         wait_for_input();
         wait_for_deadline();
     }
@@ -116,6 +118,17 @@ private:
             engine_->consume(sent);
         }
         return true;
+    }
+
+    void close_half()
+    {
+        if constexpr (requires { engine_->has_said_all(); }) {
+            if (!is_half_closed_ && engine_->has_said_all()) {
+                std::error_code ignored;
+                is_half_closed_ = true;
+                socket_.shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+            }
+        }
     }
 
     void wait_for_room()
@@ -188,6 +201,7 @@ private:
     Handler on_end_;
     bool is_reading_{false};
     bool is_writing_{false};
+    bool is_half_closed_{false};
     bool has_ended_{false};
     std::array<std::byte, 65'536> buffer_;
 };

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "names.hpp"
 #include "node_tables.hpp"
 
 namespace busbar::generator {
@@ -96,31 +97,6 @@ std::string table(const char* type, const char* name, const std::vector<T>& entr
     return result + line + "\n};\n\n";
 }
 
-/// A string literal in pieces, with what is not printable as three octal digits.
-std::string literal(const char* name, const std::string& bytes)
-{
-    constexpr std::size_t full_line = 90;
-    std::string result = std::string{"constexpr char "} + name + "[] =\n";
-    std::string line = "    \"";
-    for (const char byte : bytes) {
-        if (byte == '"' || byte == '\\') {
-            line += '\\';
-            line += byte;
-        } else if (byte >= ' ' && byte <= '~' && byte != '?') {
-            line += byte;
-        } else {
-            char escape[8];
-            std::snprintf(escape, sizeof escape, "\\%03o", static_cast<unsigned char>(byte));
-            line += escape;
-        }
-        if (line.size() > full_line) {
-            result += line + "\"\n";
-            line = "    \"";
-        }
-    }
-    return result + line + "\";\n\n";
-}
-
 struct Name {
     std::string in_namespace;
     std::string function;
@@ -186,7 +162,7 @@ std::string source(const NodeTables& tables, const Options& options)
            table("StaticText", "texts", tables.texts) +
            table("StaticExtra", "extras", tables.extras) +
            table("std::uint32_t", "dimensions", tables.dimensions) +
-           literal("text", tables.text.bytes()) + literal("values", tables.values.bytes()) +
+           byte_table("text", tables.text.bytes()) + byte_table("values", tables.values.bytes()) +
            table("std::uint16_t", "slots", tables.slots) +
            table("StaticAccess", "access", tables.access) + "} // namespace\n\n" +
            function(tables, options) + "} // namespace " + name.in_namespace + "\n";

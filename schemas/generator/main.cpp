@@ -3,6 +3,7 @@
 #include "emit.hpp"
 #if BUSBAR_GENERATE_NODES
 #include "emit_nodes.hpp"
+#include "emit_nodes_definitions.hpp"
 #endif
 
 namespace busbar::generator {
@@ -78,6 +79,9 @@ tl::expected<void, Failure> run(Options options)
 #if BUSBAR_GENERATE_NODES
     if (options.nodes) {
         return emit_nodes(*document, options);
+    }
+    if (options.definitions) {
+        return emit_definitions(*document, options);
     }
 #endif
     return emit_types(*document, options);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 
 namespace busbar::generator {
 
@@ -138,6 +139,30 @@ std::string quoted(std::string_view text)
         }
     }
     return result + '"';
+}
+
+std::string byte_table(const char* name, std::string_view bytes)
+{
+    constexpr std::size_t full_line = 90;
+    std::string result = std::string{"constexpr char "} + name + "[] =\n";
+    std::string line = "    \"";
+    for (const char byte : bytes) {
+        if (byte == '"' || byte == '\\') {
+            line += '\\';
+            line += byte;
+        } else if (byte >= ' ' && byte <= '~' && byte != '?') {
+            line += byte;
+        } else {
+            char escape[8];
+            std::snprintf(escape, sizeof escape, "\\%03o", static_cast<unsigned char>(byte));
+            line += escape;
+        }
+        if (line.size() > full_line) {
+            result += line + "\"\n";
+            line = "    \"";
+        }
+    }
+    return result + line + "\";\n\n";
 }
 
 } // namespace busbar::generator

@@ -15,4 +15,8 @@ namespace busbar::generator {
 /// `text` as a C++ string literal.
 [[nodiscard]] std::string quoted(std::string_view text);
 
+/// The definition of a constant array of char, a string literal in pieces, with what is not
+/// printable as three octal digits.
+[[nodiscard]] std::string byte_table(const char* name, std::string_view bytes);
+
 } // namespace busbar::generator

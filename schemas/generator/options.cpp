@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string_view>
 
 namespace busbar::generator {
@@ -22,6 +24,7 @@ constexpr const char* usage =
     "  --groups FILE            CSV of \"TypeName,file\" that splits the structures over files\n"
     "  --ids FILE               CSV of \"Name,identifier,NodeClass\" with the constants' names\n"
     "  --nodes                  emit the nodes as constant data, not the types\n"
+    "  --definitions            emit the DataTypes of namespace 0 as constant data instead\n"
     "  --node-list FILE         with --nodes: the NodeIds to emit, one a line\n";
 
 tl::unexpected<Failure> wrong(const std::string& what)
@@ -40,6 +43,13 @@ Options::Dependency dependency(const std::string& text)
                   text.substr(second + 1)};
     }
     return result;
+}
+
+/// What did not change is left as it is, so that nobody compiles it again.
+bool has_text(const std::filesystem::path& path, const std::string& text)
+{
+    std::ifstream file{path, std::ios::binary};
+    return file && std::string{std::istreambuf_iterator<char>{file}, {}} == text;
 }
 
 /// The option's place for its value; null if there is no such option.
@@ -77,8 +87,8 @@ tl::expected<Options, Failure> parse_options(int argc, char** argv)
             options.inputs.push_back(argument);
             continue;
         }
-        if (argument == "--nodes") {
-            options.nodes = true;
+        if (argument == "--nodes" || argument == "--definitions") {
+            (argument == "--nodes" ? options.nodes : options.definitions) = true;
             continue;
         }
         std::string* const text = text_option(options, argument);
@@ -107,6 +117,9 @@ tl::expected<void, Failure> write_output(const Options& options, const std::stri
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     const std::string path = (folder / name).string();
+    if (!error && has_text(path, text)) {
+        return {};
+    }
     std::FILE* const file = error ? nullptr : std::fopen(path.c_str(), "wb");
     if (file == nullptr) {
         return tl::make_unexpected(

@@ -32,6 +32,8 @@ struct Options {
     std::string ids_file;
     /// Emit nodes.hpp and nodes.cpp, constant data, and not the types.
     bool nodes{false};
+    /// Emit definitions.hpp and definitions.cpp, the DataTypes of namespace 0 as constant data.
+    bool definitions{false};
     /// With `nodes`: a file with one NodeId a line ('#' starts a comment); only those are emitted.
     std::string node_list;
 };

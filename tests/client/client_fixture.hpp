@@ -166,6 +166,11 @@ public:
     bool is_obeying{true};
     /// False: connecting fails.
     bool is_reachable{true};
+    /// Connections that the server refuses with an Error message, and why.
+    int refusals{0};
+    StatusCode refusal{status::Bad_TcpNotEnoughResources};
+    /// False: the server does not end connections that the client has closed.
+    bool is_closing{true};
     /// False: what either says does not arrive.
     bool is_carrying{true};
     /// Bytes to the client that arrive yet before the connection breaks.
@@ -197,7 +202,7 @@ private:
             moved = carry(client, *link, now) || moved;
             moved = to_client() || moved;
         }
-        if (link && link->is_closed() && link->output().empty()) {
+        if (link && link->is_closed() && link->output().empty() && is_closing) {
             cut_quietly();
             moved = true;
         }
@@ -222,6 +227,20 @@ private:
         }
         return !bytes.empty() || breaks;
     }
+    /// Part 6, 7.1.2.5: a header of 8 bytes, the status, a null String.
+    [[nodiscard]] static std::vector<std::byte> error_message(StatusCode why)
+    {
+        std::vector<std::byte> bytes;
+        for (const char c : std::string_view{"ERRF"}) {
+            bytes.push_back(static_cast<std::byte>(c));
+        }
+        for (const std::uint32_t word : {16U, why.value(), 0xFFFFFFFFU}) {
+            for (int shift = 0; shift < 32; shift += 8) {
+                bytes.push_back(static_cast<std::byte>(word >> shift));
+            }
+        }
+        return bytes;
+    }
     void cut_quietly()
     {
         link.reset();
@@ -232,6 +251,9 @@ private:
         if (wanted.kind == client::TransportOrder::Kind::Drop) {
             if (link && is_carrying) {
                 carry(client, *link, now);
+            }
+            if (wanted.awaits_peer && link) {
+                return; // step() sees the server close
             }
             link.reset();
             client.disconnected(wanted.id, {}, now);
@@ -249,6 +271,15 @@ private:
     }
     void accept()
     {
+        if (refusals > 0) {
+            --refusals;
+            link.reset();
+            client.connected(order, now);
+            static_cast<void>(client.feed(error_message(refusal), now));
+            client.poll(now);
+            client.disconnected(order, status::Bad_ConnectionClosed, now);
+            return;
+        }
         link.emplace(site->server.connect("192.0.2.1", now).value());
         if (is_reverse) {
             static_cast<void>(link->reverse_hello("opc.tcp://localhost:4840"));

@@ -35,6 +35,9 @@ struct DataTypeEntry {
     std::variant<std::monostate, StructureDefinition, EnumDefinition> definition;
 };
 
+/// The DataTypes of OPC UA itself that this build has, with their definitions; half a megabyte.
+[[nodiscard]] std::vector<DataTypeEntry> namespace0_data_types();
+
 /// What is accepted of definitions, which may come from a hostile server. Every limit is finite.
 struct DynamicTypeLimits {
     std::size_t max_types{65'536};

@@ -42,6 +42,9 @@ struct ClientConfig {
     Duration request_timeout{std::chrono::seconds{10}};
     /// From the wish for a connection to a session, for one attempt.
     Duration connect_timeout{std::chrono::seconds{20}};
+    /// How long the server may take to end the connection that endpoints were asked for over,
+    /// before the next one is opened: a server with few connections refuses it until then.
+    Duration peer_close_timeout{std::chrono::seconds{1}};
     /// Server_State is read when nothing was heard for so long, or for a third of the session's
     /// timeout; twice without an answer and the connection is given up. Zero: never, and a session
     /// without requests times out.
@@ -70,7 +73,7 @@ struct ClientConfig {
 enum class ClientState : std::uint8_t {
     Waiting,     // for the next attempt, or for the first call of connect()
     Connecting,  // a transport was ordered
-    Discovering, // GetEndpoints over a channel of its own
+    Discovering, // GetEndpoints over a channel without security
     Opening,     // the channel, the session, what the server is able to do
     Ready,
     Closing,
@@ -88,7 +91,10 @@ struct TransportOrder {
     Kind kind{Kind::Open};
     /// Names the attempt; what is told of older ones is ignored.
     std::uint64_t id{0};
-    std::string url;
+    std::string url{};
+    /// Drop: call disconnected() only when the server has ended the connection too, at best after a
+    /// half-close. The Client waits for ClientConfig::peer_close_timeout.
+    bool awaits_peer{false};
 };
 
 /// A client that stays connected to one server: finds the best endpoint, opens channel and session,

@@ -102,6 +102,10 @@ public:
     [[nodiscard]] Result<std::uint32_t>
     send_encoded(FunctionRef<void(binary::Writer&, const RequestHeader&)> encode,
                  Duration timeout = {});
+    /// Opens a session over a channel that was opened without one; Ready comes a second time. Of
+    /// `config` counts what is not of the channel. Bad_InvalidState if it is not Ready, or has a
+    /// session.
+    [[nodiscard]] Result<void> open_session(ConnectionConfig config);
     /// Forgets a request: no Response event will come for it.
     void cancel(std::uint32_t handle);
     /// Closes session and channel (Part 4, 5.7.4 and 5.6.3), with or without the Subscriptions.

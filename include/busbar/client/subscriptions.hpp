@@ -64,6 +64,8 @@ struct EventArrived {
 };
 
 /// Something was really lost, or may have been: nothing that the server still had is in a Gap.
+/// A change of a data item that lies in it is not told again: who needs the present value and
+/// cannot wait for the next change reads it.
 struct Gap {
     SubscriptionHandle subscription;
     /// Empty: all items of the subscription.

@@ -7,13 +7,15 @@
 
 #include <busbar/binary/dynamic_value.hpp>
 #include <busbar/client/operation.hpp>
+#include <busbar/client/type_dictionary.hpp>
 #include <busbar/core/api.hpp>
 
 namespace busbar::client {
 
 /// What is taken from a server, which may describe types without end.
 struct TypeCacheLimits {
-    /// DataTypes that are kept, with those that only have no definition.
+    /// DataTypes that are kept beside those of namespace 0, with those that only have no
+    /// definition.
     std::size_t max_types{5'000};
     /// Encodings that are kept for which the server has no DataType.
     std::size_t max_unknown_encodings{5'000};
@@ -23,17 +25,25 @@ struct TypeCacheLimits {
     /// Structures of one call of learn_values() that are looked at.
     std::size_t max_structures{100'000};
     binary::DynamicTypeLimits definitions;
+    /// Type dictionaries that are read, and what is taken of each.
+    std::size_t max_dictionaries{50};
+    DictionaryLimits dictionaries;
 };
 
 /// The DataTypes of a server as far as they were needed, from their DataTypeDefinition (Part 3,
-/// 5.8.3), or for enumerations of older servers from EnumStrings and EnumValues. Structures that a
-/// server does not describe stay encoded.
+/// 5.8.3), or for enumerations of older servers from EnumStrings and EnumValues. Those of namespace
+/// 0 are known from the start, whatever the server says of them. With a parser, structures of
+/// servers before OPC UA 1.04 are found in their type dictionaries. What a server does not describe
+/// stays encoded.
 ///
 /// Forgets everything when the ServerInfo's revision changes, as the namespaces may have other
 /// indices then. One thread; the Requester must outlive it and its operations.
 class BUSBAR_API TypeCache {
 public:
-    explicit TypeCache(Requester& requester, TypeCacheLimits limits = {});
+    /// `parser`: parse_type_dictionary of busbar::dictionary, or null for a client that does
+    /// without type dictionaries.
+    explicit TypeCache(Requester& requester, TypeCacheLimits limits = {},
+                       DictionaryParser parser = nullptr);
     TypeCache(const TypeCache&) = delete;
     TypeCache& operator=(const TypeCache&) = delete;
     ~TypeCache();
@@ -41,6 +51,11 @@ public:
     /// What is known now, never null. A snapshot: DynamicValues that were decoded with it are valid
     /// as long as it is held.
     [[nodiscard]] std::shared_ptr<const binary::DynamicTypes> types() const;
+
+    /// What of the type dictionaries cannot be used, and why: the first 1,000. What is wrong with
+    /// definitions, also with those that were made of dictionaries, types()->errors() has. Valid
+    /// until the next call.
+    [[nodiscard]] const std::vector<binary::DefinitionError>& dictionary_errors() const;
 
     /// Asks for those of the DataTypes that are not known, and for all that they need. `done` is
     /// called when types() has them, or the server does not describe them.

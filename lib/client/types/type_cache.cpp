@@ -4,6 +4,7 @@
 #include <busbar/client/view.hpp>
 
 #include "client/services/later.hpp"
+#include "dictionary_steps.hpp"
 #include "type_questions.hpp"
 #include "type_state.hpp"
 
@@ -59,9 +60,16 @@ private:
             if (known != cache_->entries.end()) {
                 const auto needed = detail::needed_by(known->second);
                 types.insert(types.end(), needed.begin(), needed.end());
-            } else if (cache_->entries.size() + wanted_.size() < cache_->limits.max_types) {
+                look_up_later(type);
+            } else if (wanted_.size() < cache_->room()) {
                 wanted_.insert(type);
             }
+        }
+    }
+    void look_up_later(const NodeId& type)
+    {
+        if (cache_->undescribed.contains(type)) {
+            undescribed_.insert(type);
         }
     }
     /// False, and the end, if what was asked is of no use any more or it takes too long.
@@ -123,7 +131,7 @@ private:
                                                                     detail::attributes_per_type),
                                      std::span{references}.subspan(i * detail::browses_per_type,
                                                                    detail::browses_per_type));
-            if (answers.has_failed || !cache_->has_room()) {
+            if (answers.has_failed || cache_->room() == 0) {
                 has_failed_ = true;
                 continue;
             }
@@ -131,6 +139,10 @@ private:
             if (!answers.names.is_null()) {
                 items.push_back(attribute_of(std::move(answers.names)));
                 named_.push_back(asked_[i]);
+            }
+            if (cache_->parser != nullptr && detail::is_undescribed(answers.entry)) {
+                cache_->undescribed.insert(answers.entry.id);
+                look_up_later(answers.entry.id);
             }
             cache_->add(std::move(answers.entry));
         }
@@ -162,7 +174,20 @@ private:
         if (!wanted_.empty()) {
             return ask_types();
         }
+        if (!undescribed_.empty()) {
+            return ask_dictionaries();
+        }
         look_at_values();
+    }
+    void ask_dictionaries()
+    {
+        step_ = detail::learn_from_dictionaries(
+            cache_, std::exchange(undescribed_, {}),
+            [self = shared_from_this()](bool has_failed) {
+                self->has_failed_ = self->has_failed_ || has_failed;
+                self->look_at_values();
+            },
+            options_);
     }
 
     // Another step: the encodings in the values.
@@ -256,6 +281,7 @@ private:
     std::vector<NodeId> asked_;
     std::vector<DataValue> attributes_; // of asked_
     std::vector<NodeId> named_;         // types whose names are read
+    std::set<NodeId> undescribed_;      // types to be looked for in dictionaries
     std::vector<NodeId> encodings_;     // whose types are asked for
 };
 
@@ -271,8 +297,8 @@ Operation begin(const std::shared_ptr<TypeCache::State>& state, const std::vecto
 
 } // namespace
 
-TypeCache::TypeCache(Requester& requester, TypeCacheLimits limits)
-    : state_{std::make_shared<State>(requester, limits)}
+TypeCache::TypeCache(Requester& requester, TypeCacheLimits limits, DictionaryParser parser)
+    : state_{std::make_shared<State>(requester, limits, parser)}
 {
 }
 TypeCache::~TypeCache() = default;
@@ -281,6 +307,12 @@ std::shared_ptr<const binary::DynamicTypes> TypeCache::types() const
 {
     state_->check_revision();
     return state_->compiled();
+}
+
+const std::vector<binary::DefinitionError>& TypeCache::dictionary_errors() const
+{
+    state_->check_revision();
+    return state_->dictionary_errors;
 }
 
 Operation TypeCache::learn(std::vector<NodeId> data_types, std::function<void()> done,

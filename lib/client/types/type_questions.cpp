@@ -13,14 +13,6 @@ namespace busbar::client::detail {
 
 namespace {
 
-BrowseDescription references_of(const NodeId& node, std::uint32_t type, BrowseDirection direction)
-{
-    BrowseDescription description = children_of(node);
-    description.reference_type_id = NodeId{0, type};
-    description.browse_direction = direction;
-    return description;
-}
-
 /// The first target on this server, with that BrowseName of namespace 0 if there is one.
 NodeId target_of(const BrowseResult& answer, std::string_view name = {})
 {
@@ -34,7 +26,16 @@ NodeId target_of(const BrowseResult& answer, std::string_view name = {})
     return {};
 }
 
-/// That the node or attribute is not there, rather than that nobody answered.
+} // namespace
+
+BrowseDescription references_of(const NodeId& node, std::uint32_t type, BrowseDirection direction)
+{
+    BrowseDescription description = children_of(node);
+    description.reference_type_id = NodeId{0, type};
+    description.browse_direction = direction;
+    return description;
+}
+
 bool is_answer(StatusCode status)
 {
     constexpr std::array answers{status::Bad_AttributeIdInvalid, status::Bad_NodeIdUnknown,
@@ -43,8 +44,6 @@ bool is_answer(StatusCode status)
     return !status.is_bad() ||
            std::find(answers.begin(), answers.end(), status.code()) != answers.end();
 }
-
-} // namespace
 
 void ask_attributes(const NodeId& type, std::vector<ReadValueId>& items)
 {

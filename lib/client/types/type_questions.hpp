@@ -19,6 +19,11 @@ void ask_references(const NodeId& type, std::vector<BrowseDescription>& items);
 [[nodiscard]] BrowseDescription ask_type_of(const NodeId& encoding);
 [[nodiscard]] std::optional<NodeId> type_of(const BrowseResult& answer);
 
+[[nodiscard]] BrowseDescription references_of(const NodeId& node, std::uint32_t type,
+                                              BrowseDirection direction);
+/// That the node or attribute is not there, rather than that nobody answered.
+[[nodiscard]] bool is_answer(StatusCode status);
+
 /// What a DataType's answers say.
 struct TypeAnswers {
     binary::DataTypeEntry entry;

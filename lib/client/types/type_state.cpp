@@ -2,14 +2,30 @@
 
 namespace busbar::client {
 
+TypeCache::State::State(Requester& r, const TypeCacheLimits& l, DictionaryParser p)
+    : requester{r}, limits{l}, parser{p}
+{
+    begin();
+}
+
+void TypeCache::State::begin()
+{
+    entries.clear();
+    dictionaries.reset();
+    dictionary_errors.clear();
+    undescribed.clear();
+    unknown_encodings.clear();
+    for (binary::DataTypeEntry& entry : binary::namespace0_data_types()) {
+        add(std::move(entry));
+    }
+    built_in = entries.size();
+}
+
 void TypeCache::State::check_revision()
 {
     if (revision != requester.server().revision) {
         revision = requester.server().revision;
-        entries.clear();
-        unknown_encodings.clear();
-        types = std::make_shared<const binary::DynamicTypes>();
-        is_compiled = true;
+        begin();
     }
 }
 

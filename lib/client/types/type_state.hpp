@@ -1,33 +1,51 @@
 #pragma once
 
+#include <optional>
 #include <set>
 #include <unordered_map>
 #include <vector>
 
 #include <busbar/client/type_cache.hpp>
 
+#include "dictionary_types.hpp"
+
 namespace busbar::client {
 
 /// What a TypeCache has, shared with its operations.
 struct TypeCache::State {
-    State(Requester& r, const TypeCacheLimits& l) : requester{r}, limits{l} {}
+    State(Requester& r, const TypeCacheLimits& l, DictionaryParser p);
 
+    void begin();
     /// Forgets what another namespace table was the base of.
     void check_revision();
     void add(binary::DataTypeEntry entry);
     /// The types of all entries.
     [[nodiscard]] std::shared_ptr<const binary::DynamicTypes> compiled();
-    [[nodiscard]] bool has_room() const { return entries.size() < limits.max_types; }
+    /// How many more types may be taken from the server.
+    [[nodiscard]] std::size_t room() const
+    {
+        const std::size_t taken = entries.size() - built_in;
+        return taken < limits.max_types ? limits.max_types - taken : 0;
+    }
 
     Requester& requester;
     TypeCacheLimits limits;
+    DictionaryParser parser;
     std::uint64_t revision{0};
+    /// By the NodeId of the DataType; those of namespace 0 that the build has are there before any
+    /// server is asked.
     std::unordered_map<NodeId, binary::DataTypeEntry> entries;
+    std::size_t built_in{0};
+    /// None until the server's dictionaries were read.
+    std::optional<detail::DictionaryTypes> dictionaries;
+    std::vector<binary::DefinitionError> dictionary_errors;
+    /// Types that are still to be looked for in dictionaries.
+    std::set<NodeId> undescribed;
     /// Encodings that no DataType has.
     std::set<NodeId> unknown_encodings;
     std::shared_ptr<const binary::DynamicTypes> types{
         std::make_shared<const binary::DynamicTypes>()};
-    bool is_compiled{true};
+    bool is_compiled{false};
 };
 
 namespace detail {
