@@ -2,7 +2,7 @@
 
 #include <busbar/core/status_codes.hpp>
 
-#include "watch/link_line.hpp"
+#include "watch/model.hpp"
 
 /// Values at times that a test chooses.
 namespace busbar::test {
