@@ -10,6 +10,23 @@
 
 namespace busbar::cli {
 
+namespace {
+
+/// What poll() says of a descriptor at this moment; -1 for none.
+short polled(int descriptor)
+{
+    ::pollfd input{descriptor, POLLIN, 0};
+    return descriptor >= 0 && ::poll(&input, 1, 0) > 0 ? input.revents : short{0};
+}
+
+/// Whoever typed there has gone: it could be read for ever.
+bool is_gone(int descriptor)
+{
+    return (polled(descriptor) & (POLLHUP | POLLERR | POLLNVAL)) != 0;
+}
+
+} // namespace
+
 void add_stream_options(CLI::App& command, StreamEnd& end)
 {
     command.add_option("-n,--count", end.count, "end after so many; 0 for no end")->type_name("N");
@@ -102,8 +119,7 @@ void Stream::wake_on(int descriptor)
 
 bool Stream::has_input() const
 {
-    ::pollfd input{input_, POLLIN, 0};
-    return input_ >= 0 && ::poll(&input, 1, 0) > 0;
+    return (polled(input_) & POLLIN) != 0;
 }
 
 void Stream::run(const std::function<void()>& tick)
@@ -112,7 +128,7 @@ void Stream::run(const std::function<void()>& tick)
     const auto begin = Clock::now();
     const auto is_over = [&] {
         const std::chrono::duration<double> passed = Clock::now() - begin;
-        return is_stopped_ || (end_.count != 0 && counted_ >= end_.count) ||
+        return is_stopped_ || is_gone(input_) || (end_.count != 0 && counted_ >= end_.count) ||
                (end_.seconds > 0 && passed.count() >= end_.seconds);
     };
     while (!is_over() && !connection_->is_interrupted()) {

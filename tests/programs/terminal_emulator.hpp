@@ -27,7 +27,7 @@ public:
     void resize(Size size);
     void signal(int number);
 
-    /// Shows what comes until `holds`, half a minute at most: false then, or when the program has
+    /// Shows what comes until `holds`, two minutes at most: false then, or when the program has
     /// ended and it still does not.
     [[nodiscard]] bool wait_until(const std::function<bool()>& holds);
     /// Until a line has this text in it.
