@@ -14,6 +14,7 @@ void add_browse(CLI::App& app, Run& run);
 void add_read(CLI::App& app, Run& run);
 void add_write(CLI::App& app, Run& run);
 void add_subscribe(CLI::App& app, Run& run);
+void add_watch(CLI::App& app, Run& run);
 void add_call(CLI::App& app, Run& run);
 void add_events(CLI::App& app, Run& run);
 void add_export(CLI::App& app, Run& run);

@@ -53,6 +53,8 @@ public:
     /// describes them.
     [[nodiscard]] Types types_of(const std::vector<DataValue>& values);
     [[nodiscard]] Types types_of(const std::vector<NodeId>& data_types);
+    /// What the server said of types so far, and what asks it for more without waiting.
+    [[nodiscard]] client::TypeCache& types() { return *types_; }
     template <typename T>
     [[nodiscard]] T value(Result<T> result, const std::string& what) const
     {

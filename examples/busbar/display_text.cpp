@@ -87,6 +87,12 @@ std::string safe(std::string_view text)
     return result;
 }
 
+std::string_view take_character(std::string_view& text)
+{
+    char32_t character = 0;
+    return take_character(text, character);
+}
+
 std::size_t display_width(std::string_view text)
 {
     std::size_t width = 0;

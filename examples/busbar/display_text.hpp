@@ -13,6 +13,9 @@ namespace busbar::cli {
 /// Columns that `safe` text takes: two for wide East Asian characters, none for combining ones.
 [[nodiscard]] std::size_t display_width(std::string_view text);
 
+/// Takes the first character off `safe` text, which is not empty.
+[[nodiscard]] std::string_view take_character(std::string_view& text);
+
 /// `text` cut to at most `columns`, the last three "..." if something was left out.
 [[nodiscard]] std::string cut(std::string_view text, std::size_t columns);
 

@@ -29,6 +29,7 @@ void add_commands(CLI::App& app, Run& run)
     add_read(app, run);
     add_write(app, run);
     add_subscribe(app, run);
+    add_watch(app, run);
     add_call(app, run);
     add_events(app, run);
     add_export(app, run);

@@ -24,6 +24,7 @@ public:
     [[nodiscard]] std::size_t columns() const;
     /// Of the terminal; SIZE_MAX if it is none.
     [[nodiscard]] std::size_t rows() const;
+    [[nodiscard]] bool has_colour() const { return has_colour_; }
     /// True if lines of a tree may be drawn with characters beyond ASCII.
     [[nodiscard]] bool has_unicode() const { return has_unicode_; }
 

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "connection.hpp"
 
@@ -17,11 +19,46 @@ struct StreamEnd {
 };
 void add_stream_options(CLI::App& command, StreamEnd& end);
 
+/// Is told what becomes of the connection; in run() of the Stream.
+class StreamListener {
+public:
+    StreamListener() = default;
+    StreamListener(const StreamListener&) = delete;
+    StreamListener& operator=(const StreamListener&) = delete;
+    virtual ~StreamListener() = default;
+
+    virtual void lost(StatusCode why) = 0;
+    virtual void back() = 0;
+    /// `nodes` are none for all.
+    virtual void missed(const client::Gap& gap, const std::vector<std::string>& nodes) = 0;
+    /// The server has no subscriptions.
+    virtual void polling() = 0;
+};
+
+/// Tells it in lines on standard error, gaps in JSON on standard output.
+class StreamReporter final : public StreamListener {
+public:
+    explicit StreamReporter(Context& context) : context_{&context} {}
+
+    void lost(StatusCode why) override;
+    void back() override;
+    void missed(const client::Gap& gap, const std::vector<std::string>& nodes) override;
+    void polling() override;
+
+private:
+    void report(const std::string& text);
+
+    Context* context_;
+};
+
 /// Waits for what a Subscription delivers. Handlers put into a Stream what is to be done, which may
 /// throw, and run() does it outside of them.
 class Stream {
 public:
     Stream(Context& context, Connection& connection, const StreamEnd& end);
+    /// Somebody else than a StreamReporter is told.
+    Stream(Context& context, Connection& connection, const StreamEnd& end,
+           std::unique_ptr<StreamListener> listener);
     Stream(const Stream&) = delete;
     Stream& operator=(const Stream&) = delete;
     /// Closes the connection, so that no handler is called later.
@@ -30,24 +67,30 @@ public:
     void push(std::function<void()> work) { work_.push_back(std::move(work)); }
     /// One more of what StreamEnd counts; false if that is enough already.
     bool count();
+    /// run() ends after what happens now.
+    void stop() { is_stopped_ = true; }
+    /// run() calls `tick` soon when this can be read.
+    void wake_on(int descriptor);
     /// Until the end; throws Interrupted after Ctrl+C. `tick` is called after everything that
     /// happened and now and then.
     void run(const std::function<void()>& tick = [] {});
 
-    /// Handlers that report gaps and failures; the others are the caller's. `node_of` names an
+    /// Handlers that tell of gaps and failures; the others are the caller's. `node_of` names an
     /// item.
     [[nodiscard]] client::SubscriptionHandlers
     handlers(std::function<std::string(client::ItemHandle)> node_of);
 
 private:
     void watch_connection();
-    void report(const std::string& text);
-    void report_gap(const client::Gap& gap, const std::vector<std::string>& nodes);
+    [[nodiscard]] bool has_input() const;
 
     Context* context_;
     Connection* connection_;
+    std::unique_ptr<StreamListener> listener_;
     StreamEnd end_;
     std::uint64_t counted_{0};
+    int input_{-1};
+    bool is_stopped_{false};
     bool is_created_{false};
     bool was_lost_{false};
     std::deque<std::function<void()>> work_;

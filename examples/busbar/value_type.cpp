@@ -2,15 +2,28 @@
 
 namespace busbar::cli {
 
+namespace {
+
+bool is_built_in(const NodeId& data_type)
+{
+    return data_type.is_numeric() && data_type.namespace_index() == 0 && data_type.numeric() >= 1 &&
+           data_type.numeric() <= static_cast<std::uint32_t>(BuiltInType::Variant);
+}
+
+} // namespace
+
 TypeOfValue value_type(Connection& connection, const NodeId& data_type, std::int32_t value_rank)
 {
-    const bool is_built_in =
-        data_type.is_numeric() && data_type.namespace_index() == 0 && data_type.numeric() >= 1 &&
-        data_type.numeric() <= static_cast<std::uint32_t>(BuiltInType::Variant);
-    if (is_built_in) {
+    return value_type(is_built_in(data_type) ? nullptr
+                                             : connection.types_of(std::vector<NodeId>{data_type}),
+                      data_type, value_rank);
+}
+
+TypeOfValue value_type(Types types, const NodeId& data_type, std::int32_t value_rank)
+{
+    if (is_built_in(data_type)) {
         return {static_cast<BuiltInType>(data_type.numeric()), value_rank, nullptr, nullptr};
     }
-    Types types = connection.types_of(std::vector<NodeId>{data_type});
     const binary::DynamicType* const type = types->find(data_type);
     const BuiltInType built_in = type == nullptr ? BuiltInType::Variant : type->built_in;
     return {built_in, value_rank, type, std::move(types)};

@@ -4,8 +4,10 @@
 #include <cerrno>
 #include <system_error>
 
+#include <asio/error.hpp>
 #include <asio/io_context.hpp>
 #include <asio/posix/stream_descriptor.hpp>
+#include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -55,6 +57,48 @@ private:
     std::atomic<bool> is_interrupted_{false};
 };
 
+/// Ends a wait in an io_context, once for each call of arm(), when a descriptor can be read. It is
+/// waited for through an epoll of its own: asio would make the descriptor non-blocking, for all who
+/// share it.
+class InputWatch {
+public:
+    explicit InputWatch(asio::io_context& context) : epoll_{context} {}
+
+    Result<void> watch(int descriptor)
+    {
+        epoll_.close();
+        is_armed_ = false;
+        const int epoll = ::epoll_create1(EPOLL_CLOEXEC);
+        if (epoll < 0) {
+            return fail(status::Bad_CommunicationError);
+        }
+        epoll_.assign(epoll);
+        ::epoll_event event{};
+        event.events = EPOLLIN;
+        if (::epoll_ctl(epoll, EPOLL_CTL_ADD, descriptor, &event) != 0) {
+            epoll_.close();
+            return fail(status::Bad_CommunicationError);
+        }
+        return {};
+    }
+    void arm()
+    {
+        if (epoll_.is_open() && !is_armed_) {
+            is_armed_ = true;
+            epoll_.async_wait(asio::posix::stream_descriptor::wait_read,
+                              [this](std::error_code error) {
+                                  if (error != asio::error::operation_aborted) {
+                                      is_armed_ = false;
+                                  }
+                              });
+        }
+    }
+
+private:
+    asio::posix::stream_descriptor epoll_;
+    bool is_armed_{false};
+};
+
 } // namespace
 
 struct BlockingClient::Impl {
@@ -70,6 +114,7 @@ struct BlockingClient::Impl {
 
     asio::io_context context{1};
     Interrupter interrupter{context};
+    InputWatch input{context};
     std::shared_ptr<detail::ClientDriver> driver;
     LogSink* log;
     std::optional<ReverseListener> listener;
@@ -82,6 +127,7 @@ BlockingClient::Impl::End BlockingClient::Impl::run_until(const std::function<bo
         return End::Interrupted; // a handler that waits would wait for itself
     }
     driver->step();
+    input.arm();
     while (!is_done()) {
         if (interrupter.take()) {
             return End::Interrupted;
@@ -141,6 +187,11 @@ bool BlockingClient::run_until(const std::function<bool()>& is_done, Duration ti
 bool BlockingClient::run_for(Duration time)
 {
     return impl_->run_until([] { return false; }, detail::after(time)) == Impl::End::Late;
+}
+
+Result<void> BlockingClient::wake_on(int descriptor)
+{
+    return impl_->input.watch(descriptor);
 }
 
 void BlockingClient::interrupt()

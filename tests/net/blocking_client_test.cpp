@@ -7,6 +7,9 @@
 
 #include <asio/io_context.hpp>
 #include <asio/ip/tcp.hpp>
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include <busbar/net/blocking_client.hpp>
 
@@ -242,4 +245,33 @@ TEST_CASE("a handler cannot wait for what only comes after it", "[net][client]")
     REQUIRE(user.client.run_until([&] { return nested.has_value(); }));
     CHECK(*nested == status::Bad_RequestInterrupted);
     CHECK(user.read(test::state_node) == Variant{std::int32_t{0}});
+}
+
+TEST_CASE("a blocking client looks up when something can be read, once in each call",
+          "[net][client]")
+{
+    Machine machine;
+    Blocking user{test::client_config(machine.url())};
+    REQUIRE(user.client.connect());
+    int pipe[2];
+    REQUIRE(::pipe(pipe) == 0);
+    REQUIRE(user.client.wake_on(pipe[0]));
+    const auto is_readable = [&] {
+        ::pollfd input{pipe[0], POLLIN, 0};
+        return ::poll(&input, 1, 0) > 0;
+    };
+    std::thread writer{[&] { CHECK(::write(pipe[1], "x", 1) == 1); }};
+    CHECK(user.client.run_until(is_readable, 30s));
+    writer.join();
+    // What is not read keeps nobody from working, nor does it spin.
+    std::size_t looks = 0;
+    CHECK_FALSE(user.client.run_until([&] { return ++looks > 1'000; }, 100ms));
+    CHECK(user.read(machine.node("Level")).type() == BuiltInType::Double);
+    CHECK((::fcntl(pipe[0], F_GETFL) & O_NONBLOCK) == 0);
+    ::close(pipe[0]);
+    ::close(pipe[1]);
+    const int file = ::open("/proc/self/exe", O_RDONLY | O_CLOEXEC);
+    CHECK(user.client.wake_on(file).error() == status::Bad_CommunicationError);
+    ::close(file);
+    CHECK(user.client.run_for(1ms));
 }

@@ -40,7 +40,7 @@ run() {
     [ $code -eq "$wanted" ] || fail "busbar $*: exit code $code instead of $wanted"
     grep -q "$(printf '\033')" "$work/out" "$work/err" && fail "busbar $*: an escape sequence"
     case " $* " in
-        *" --json "* | *" completion "* | *" export "*) ;;
+        *" --json "* | *" completion "* | *" export "* | *" watch "*) ;;
         *) awk 'length > 80 { exit 1 }' "$work/out" "$work/err" || fail "busbar $*: too wide" ;;
     esac
 }
@@ -62,7 +62,7 @@ run 2
 run 2 nonsense
 run 2 read
 run 0 --help
-for shell in bash zsh fish; do run 0 completion $shell; done
+for shell in bash zsh fish; do run 0 completion $shell; has watch; done
 run 0 cert list
 run 1 cert show
 tells "busbar cert create"
@@ -125,6 +125,21 @@ run 0 subscribe "ns=2;s=Parts" "ns=2;s=Speed" --count 5 --interval 50 --insecure
 json 0 subscribe "ns=2;s=Parts" --count 3 --interval 50 --insecure
 has '"sourceTimestamp"'
 run 1 subscribe "ns=2;s=Nothing" --duration 5 --insecure
+run 0 watch "ns=2;s=Parts" --count 3 --interval 50 --no-events --insecure
+[ "$(wc -l < "$work/out")" -eq 3 ] || fail "not three changes"
+run 0 watch --count 40 --interval 50 --insecure
+has "/Objects/2:PLC/2:SerialNumber  \"BB-0001\""
+run 0 watch --below /Objects/2:PLC --limit 2 --duration 2 --insecure
+has "/Objects/2:PLC/2:Mode  1"
+tells "17 more Variables are left out"
+json 0 watch --below "ns=2;s=PLC" --limit 2 --duration 3 --insecure
+has '"node":"\[ns=2;s=PLC\]/2:Mode"'
+has '"event":{"Time"'
+run 1 watch --below "ns=2;s=Mode" --insecure
+run 1 watch --below "ns=2;s=Nothing" --insecure
+tells "Bad_NodeIdUnknown"
+run 1 watch "ns=2;s=Nothing" --duration 5 --insecure
+run 2 watch "what is this" --insecure
 json 0 events --count 1 --duration 10 --insecure
 has '"Message"'
 # Whoever reads no more ends it; so does Ctrl+C.

@@ -73,6 +73,11 @@ public:
     /// Serves the connection for so long: Subscriptions deliver meanwhile. Ends early, with false,
     /// when interrupted.
     bool run_for(Duration time);
+    /// run_until() asks `is_done` also when `descriptor` has something to read, as the terminal's
+    /// has; once in each call, so that a call that is not interested goes on waiting. The
+    /// descriptor is neither read nor changed, and must be open as long as this lives. A later one
+    /// replaces it. Bad_CommunicationError for what cannot be waited for, such as a file.
+    Result<void> wake_on(int descriptor);
     /// Ends the call that waits now, or the next one. From any thread and from a signal handler.
     void interrupt();
     /// Closes session and channel and waits until that is sent, two seconds at most.

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/client/subscriptions.hpp>
+
+#include "output.hpp"
+
+namespace busbar::cli {
+
+/// What is asked for always (Part 5, 6.4.2); the user's own fields come behind.
+inline constexpr std::array<std::string_view, 6> standard_event_fields{
+    "Time", "Severity", "SourceName", "Message", "EventType", "EventId"};
+
+/// Asks `node` for its events from `severity` on, with the standard fields and those that the user
+/// names: "2:Press/Force".
+[[nodiscard]] client::ItemSettings event_item(client::NodeAddress node,
+                                              const std::vector<std::string>& fields = {},
+                                              std::uint16_t severity = 0);
+/// A field on one line, without quotes if it is a text; "-" for none.
+[[nodiscard]] std::string plain_text(const Variant& field);
+/// Severities are in thirds: low, medium, high.
+[[nodiscard]] Style event_style(std::uint16_t severity);
+
+} // namespace busbar::cli
