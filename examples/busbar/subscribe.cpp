@@ -2,6 +2,7 @@
 
 #include "commands.hpp"
 #include "display_text.hpp"
+#include "nodes.hpp"
 #include "table.hpp"
 #include "value.hpp"
 #include "watched_values.hpp"
