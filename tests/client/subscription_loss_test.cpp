@@ -110,7 +110,45 @@ TEST_CASE_METHOD(PuppetFixture, "A resumed session is asked for what it has", "[
     CHECK(heard.take_values() == Values{1, 2, 3});
     const auto request = publish(message(4));
     CHECK(heard.take_values() == Values{4});
-    CHECK(request.subscription_acknowledgements.size() == 1); // of message 1
+    CHECK(request.subscription_acknowledgements.size() == 3); // nothing was published before
+    CHECK(heard.gaps.empty());
+}
+
+TEST_CASE_METHOD(PuppetFixture, "Kept messages are fetched before more is asked for (F2)",
+                 "[client]")
+{
+    start();
+    publish(message(1));
+    subscriptions.session_lost();
+    const bool is_resumed = GENERATE(true, false);
+    subscriptions.session_started(is_resumed ? Start::Resumed : Start::New);
+    settle();
+    if (!is_resumed) {
+        static_cast<void>(requester.take<TransferSubscriptionsRequest>());
+        CHECK(requester.count<PublishRequest>() == 0);
+        TransferSubscriptionsResponse response;
+        response.results.push_back({status::Good, {2}});
+        reply(response);
+    }
+    CHECK(requester.count<PublishRequest>() == 0);
+    republish(2);
+    CHECK(requester.count<PublishRequest>() == 0);
+    SECTION("until there is none")
+    {
+        refuse_republish(3);
+    }
+    SECTION("until the server has refused to answer often enough")
+    {
+        for (int i = 0; i < 3; ++i) {
+            CHECK(requester.count<PublishRequest>() == 0);
+            static_cast<void>(requester.take<RepublishRequest>());
+            refuse(status::Bad_Timeout);
+            pass(1s);
+        }
+    }
+    CHECK(requester.count<PublishRequest>() == 2);
+    publish(message(3));
+    CHECK(heard.take_values() == Values{1, 2, 3});
     CHECK(heard.gaps.empty());
 }
 

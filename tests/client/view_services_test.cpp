@@ -291,7 +291,7 @@ TEST_CASE_METHOD(ResolveFixture, "Addresses are resolved with as few requests as
 
     resolved({"/Objects/nsu=urn:acme;Speed", "i=1", "[nsu=urn:acme;i=7]<HasComponent>two", "/none",
               "/far", "/nsu=urn:else;x"});
-    CHECK(requester.sent() == 1);
+    CHECK(requester.sent() == 2); // "none" might be of another namespace
     CHECK(ids[0] == NodeId{2, "Speed"});
     CHECK(ids[1] == NodeId{0, 1});
     CHECK(ids[2] == fail(status::Bad_TooManyMatches));

@@ -72,6 +72,10 @@ private:
 /// for paths (Part 4, 5.9.4), in as few requests as its limits allow. A path with several targets
 /// is Bad_TooManyMatches, with none Bad_NoMatch.
 ///
+/// Where the server finds none, a name without namespace stands for the only one of that name in
+/// any namespace: the path is followed by browsing then. Bad_TooManyMatches if there are several,
+/// which resolve_nodes() (resolve_nodes.hpp) tells.
+///
 /// Names of ReferenceTypes that are not the specification's are looked up on the server. Before
 /// the first session the namespaces are not known: the operation waits for it then, as long as a
 /// request does.

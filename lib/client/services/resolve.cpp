@@ -1,11 +1,12 @@
 #include <map>
 
 #include <busbar/client/attributes.hpp>
-#include <busbar/client/node_address.hpp>
+#include <busbar/client/resolve_nodes.hpp>
 #include <busbar/client/view.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "later.hpp"
+#include "path_search.hpp"
 #include "reference_types.hpp"
 
 namespace busbar::client {
@@ -17,13 +18,13 @@ namespace {
 class ResolveOperation final : public detail::OperationState,
                                public std::enable_shared_from_this<ResolveOperation> {
 public:
-    using Done = std::function<void(std::vector<Result<NodeId>>)>;
+    using Done = std::function<void(std::vector<ResolvedNode>)>;
 
     ResolveOperation(Requester& requester, std::vector<NodeAddress> addresses, Done done,
                      const ServiceOptions& options)
         : requester_{requester}, addresses_{std::move(addresses)},
-          results_(addresses_.size(), fail(status::Bad_NoMatch)), done_{std::move(done)},
-          options_{options}
+          results_(addresses_.size(), ResolvedNode{fail(status::Bad_NoMatch), {}}),
+          done_{std::move(done)}, options_{options}
     {
     }
 
@@ -62,7 +63,7 @@ private:
     void waited(StatusCode status)
     {
         if (requester_.server().namespaces.empty() && status.is_bad()) {
-            results_.assign(results_.size(), fail(status));
+            results_.assign(results_.size(), ResolvedNode{fail(status), {}});
             return finish();
         }
         use_ids();
@@ -74,7 +75,7 @@ private:
             if (addresses_[i].is_path()) {
                 paths_.push_back(i);
             } else {
-                results_[i] = addresses_[i].node_id(requester_.server());
+                results_[i].id = addresses_[i].node_id(requester_.server());
             }
         }
     }
@@ -94,6 +95,7 @@ private:
                 options_);
             return;
         }
+        sent_ = paths;
         step_ = translate(
             requester_, std::move(paths),
             [self = shared_from_this()](const std::vector<BrowsePathResult>& results) {
@@ -112,7 +114,7 @@ private:
                 paths.push_back(*std::move(path));
                 asked_.push_back(i);
             } else {
-                results_[i] = fail(path.error());
+                results_[i].id = fail(path.error());
             }
         }
         return paths;
@@ -140,10 +142,29 @@ private:
 
     void translated(const std::vector<BrowsePathResult>& results)
     {
+        std::vector<BrowsePath> paths;
+        std::vector<std::size_t> searched;
         for (std::size_t i = 0; i < asked_.size(); ++i) {
-            results_[asked_[i]] = target_of(results[i]);
+            ResolvedNode& result = results_[asked_[i]];
+            result.id = target_of(results[i]);
+            if (results[i].status_code == status::Bad_NoMatch &&
+                detail::may_be_searched(sent_[i])) {
+                paths.push_back(std::move(sent_[i]));
+                searched.push_back(asked_[i]);
+            }
         }
-        finish();
+        if (paths.empty()) {
+            return finish();
+        }
+        step_ = detail::search_paths(
+            requester_, std::move(paths),
+            [self = shared_from_this(), searched](std::vector<ResolvedNode> found) {
+                for (std::size_t i = 0; i < searched.size(); ++i) {
+                    self->results_[searched[i]] = std::move(found[i]);
+                }
+                self->finish();
+            },
+            options_);
     }
     [[nodiscard]] Result<NodeId> target_of(const BrowsePathResult& result) const
     {
@@ -170,7 +191,7 @@ private:
 
     Requester& requester_;
     std::vector<NodeAddress> addresses_;
-    std::vector<Result<NodeId>> results_;
+    std::vector<ResolvedNode> results_;
     Done done_;
     ServiceOptions options_;
     Operation step_;
@@ -179,19 +200,37 @@ private:
     bool needs_types_{false};
     std::vector<std::size_t> paths_; // indices of addresses_
     std::vector<std::size_t> asked_; // those that have a BrowsePath
+    std::vector<BrowsePath> sent_;   // theirs
     std::map<QualifiedName, NodeId> types_;
 };
 
 } // namespace
 
-Operation resolve(Requester& requester, std::vector<NodeAddress> addresses,
-                  std::function<void(std::vector<Result<NodeId>>)> done,
-                  const ServiceOptions& options)
+Operation resolve_nodes(Requester& requester, std::vector<NodeAddress> addresses,
+                        std::function<void(std::vector<ResolvedNode>)> done,
+                        const ServiceOptions& options)
 {
     const auto operation = std::make_shared<ResolveOperation>(requester, std::move(addresses),
                                                               std::move(done), options);
     operation->begin();
     return Operation{operation};
+}
+
+Operation resolve(Requester& requester, std::vector<NodeAddress> addresses,
+                  std::function<void(std::vector<Result<NodeId>>)> done,
+                  const ServiceOptions& options)
+{
+    return resolve_nodes(
+        requester, std::move(addresses),
+        [done = std::move(done)](std::vector<ResolvedNode> found) {
+            std::vector<Result<NodeId>> results;
+            results.reserve(found.size());
+            for (ResolvedNode& each : found) {
+                results.push_back(std::move(each.id));
+            }
+            done(std::move(results));
+        },
+        options);
 }
 
 } // namespace busbar::client

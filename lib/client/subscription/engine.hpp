@@ -125,6 +125,7 @@ private:
     void forget_acknowledgements(std::uint32_t server_id);
     void acknowledge(std::uint32_t server_id, std::uint32_t sequence_number);
     void renew_publishes();
+    void catch_up(WatchedSubscription& subscription);
     void receive(PublishResponse response);
     void heard(WatchedSubscription& subscription, DateTime time);
     void accept(SubscriptionHandle handle, NotificationMessage message);

@@ -17,7 +17,11 @@ std::size_t SubscriptionEngine::wanted_publishes() const
     std::size_t live = 0;
     std::size_t kept = 0;
     for (const auto& [handle, subscription] : subscriptions_) {
-        live += subscription.phase == Phase::Live ? 1 : 0;
+        const bool is_live = subscription.phase == Phase::Live;
+        if (subscription.phase == Phase::Transferring || (is_live && subscription.is_catching_up)) {
+            return 0; // its messages come first
+        }
+        live += is_live ? 1 : 0;
         kept += subscription.sequence.kept_count();
     }
     if (live == 0 || kept > max_kept) {

@@ -62,6 +62,7 @@ void SubscriptionEngine::settle(SubscriptionHandle handle)
 void SubscriptionEngine::fetch_missing(WatchedSubscription& subscription)
 {
     const bool is_needed = subscription.is_probing || subscription.sequence.is_missing();
+    subscription.is_catching_up = subscription.is_catching_up && is_needed;
     if (!has_session_ || subscription.phase != Phase::Live || subscription.is_republishing ||
         !is_needed || requester_.now() < subscription.republish_at) {
         return;

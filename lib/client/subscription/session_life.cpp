@@ -59,15 +59,14 @@ void SubscriptionEngine::start_again(WatchedSubscription& subscription, bool is_
     subscription.retry_at = {};
     subscription.republish_at = {};
     subscription.probe_count = 0;
+    subscription.is_catching_up = false;
     const bool is_at_server = subscription.server_id != 0;
     if (is_at_server && subscription.is_uncertain) {
         lost(subscription, status::Bad_SubscriptionIdInvalid, true);
     } else if (is_at_server && (is_new_session || subscription.phase == Phase::Transferring)) {
         subscription.phase = Phase::Transferring;
     } else if (is_at_server) {
-        subscription.is_probing = true;
-        heard(subscription, subscription.heard_time);
-        fetch_missing(subscription);
+        catch_up(subscription);
     } else if (subscription.phase == Phase::Polling) {
         subscription.polls.clear();
         subscription.phase = Phase::Wished; // this one may have Subscriptions
@@ -170,12 +169,20 @@ void SubscriptionEngine::transferred(WatchedSubscription& subscription,
                                      const TransferResult& result)
 {
     subscription.phase = Phase::Live;
-    subscription.is_probing = true;
-    heard(subscription, subscription.heard_time);
     // Numbers that are too far ahead are not believed until a message has one.
     for (const std::uint32_t number : result.available_sequence_numbers) {
         subscription.sequence.expect_through(number);
     }
+    catch_up(subscription);
+}
+
+/// Asks for what the server has kept, before it is asked for more (Part 4, 6.7): an answer to
+/// Publish would push the oldest out.
+void SubscriptionEngine::catch_up(WatchedSubscription& subscription)
+{
+    subscription.is_probing = true;
+    subscription.is_catching_up = true;
+    heard(subscription, subscription.heard_time);
     fetch_missing(subscription);
 }
 

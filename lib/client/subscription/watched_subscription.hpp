@@ -88,6 +88,8 @@ struct WatchedSubscription {
     bool is_republishing{false};
     /// Republish shall tell whether there is more than is known of.
     bool is_probing{false};
+    /// Since the session began it was not yet brought up to date; nothing is published meanwhile.
+    bool is_catching_up{false};
     std::size_t probe_count{0};
     std::uint32_t republish_failures{0};
     TimePoint republish_at{};

@@ -1,0 +1,155 @@
+#include "path_search.hpp"
+
+#include <algorithm>
+
+#include <busbar/client/view.hpp>
+
+namespace busbar::client::detail {
+
+namespace {
+
+/// What is looked at of one node.
+constexpr std::size_t max_targets = 10'000;
+/// Names that are told where a path fits several.
+constexpr std::size_t max_candidates = 20;
+
+/// One element for all paths in each step.
+class PathSearch final : public OperationState, public std::enable_shared_from_this<PathSearch> {
+public:
+    using Done = std::function<void(std::vector<ResolvedNode>)>;
+
+    PathSearch(Requester& requester, std::vector<BrowsePath> paths, Done done,
+               const ServiceOptions& options)
+        : requester_{requester}, paths_{std::move(paths)},
+          found_(paths_.size(), ResolvedNode{fail(status::Bad_NoMatch), {}}),
+          done_{std::move(done)}, options_{options}
+    {
+        for (std::size_t i = 0; i < paths_.size(); ++i) {
+            found_[i].id = paths_[i].starting_node;
+            open_.push_back(i);
+        }
+    }
+
+    void step()
+    {
+        std::erase_if(open_, [this](std::size_t i) {
+            return !found_[i].id || at_ == paths_[i].relative_path.elements.size();
+        });
+        if (open_.empty()) {
+            return finish();
+        }
+        std::vector<BrowseDescription> items;
+        for (const std::size_t i : open_) {
+            const RelativePathElement& element = paths_[i].relative_path.elements[at_];
+            BrowseDescription item = children_of(*found_[i].id);
+            item.reference_type_id = element.reference_type_id;
+            item.include_subtypes = element.include_subtypes;
+            item.browse_direction =
+                element.is_inverse ? BrowseDirection::Inverse : BrowseDirection::Forward;
+            items.push_back(std::move(item));
+        }
+        BrowseLimits limits;
+        limits.max_references_per_node = max_targets;
+        operation_ = browse(
+            requester_, std::move(items),
+            [self = shared_from_this()](const std::vector<BrowseResult>& results) {
+                self->take(results);
+            },
+            limits, options_);
+    }
+    void cancel() override
+    {
+        done_ = nullptr;
+        operation_.cancel();
+    }
+
+private:
+    void take(const std::vector<BrowseResult>& results)
+    {
+        for (std::size_t i = 0; i < open_.size(); ++i) {
+            const QualifiedName& name = paths_[open_[i]].relative_path.elements[at_].target_name;
+            found_[open_[i]] = choose(results[i], name);
+        }
+        ++at_;
+        step();
+    }
+    /// A target in the namespace that was named goes before all others.
+    [[nodiscard]] ResolvedNode choose(const BrowseResult& result, const QualifiedName& name) const
+    {
+        std::vector<const ReferenceDescription*> exact;
+        std::vector<const ReferenceDescription*> others;
+        for (const ReferenceDescription& reference : result.references) {
+            if (reference.browse_name == name) {
+                add(reference, exact);
+            } else if (name.namespace_index == 0 && reference.browse_name.name == name.name) {
+                add(reference, others);
+            }
+        }
+        const auto& fitting = exact.empty() ? others : exact;
+        // What was not seen may fit, too.
+        const bool is_complete = result.status_code.is_good();
+        if (fitting.empty() || !is_complete) {
+            return {fail(status::Bad_NoMatch), {}};
+        }
+        if (fitting.size() == 1) {
+            return {local_id(fitting.front()->node_id, requester_.server()), {}};
+        }
+        ResolvedNode many{fail(status::Bad_TooManyMatches), {}};
+        for (const ReferenceDescription* each : fitting) {
+            if (many.candidates.size() < max_candidates) {
+                many.candidates.push_back(each->browse_name);
+            }
+        }
+        return many;
+    }
+    /// Several references to one node are one match.
+    static void add(const ReferenceDescription& reference,
+                    std::vector<const ReferenceDescription*>& to)
+    {
+        if (std::ranges::none_of(to, [&](const ReferenceDescription* each) {
+                return each->node_id == reference.node_id;
+            })) {
+            to.push_back(&reference);
+        }
+    }
+    void finish()
+    {
+        if (const Done done = std::exchange(done_, nullptr)) {
+            done(std::move(found_));
+        }
+    }
+
+    Requester& requester_;
+    std::vector<BrowsePath> paths_;
+    std::vector<ResolvedNode> found_;
+    Done done_;
+    ServiceOptions options_;
+    Operation operation_;
+    std::size_t at_{0};
+    std::vector<std::size_t> open_;
+};
+
+} // namespace
+
+bool may_be_searched(const BrowsePath& path)
+{
+    const auto& elements = path.relative_path.elements;
+    const bool has_names = std::ranges::none_of(elements, [](const RelativePathElement& element) {
+        return element.target_name.name.empty();
+    });
+    return has_names && std::ranges::any_of(elements, [](const RelativePathElement& element) {
+               return element.target_name.namespace_index == 0;
+           });
+}
+
+Operation search_paths(Requester& requester, std::vector<BrowsePath> paths,
+                       std::function<void(std::vector<ResolvedNode>)> done,
+                       const ServiceOptions& options)
+{
+    const auto operation =
+        std::make_shared<PathSearch>(requester, std::move(paths), std::move(done), options);
+    operation->step();
+    return Operation{operation};
+}
+
+} // namespace busbar::client::detail
