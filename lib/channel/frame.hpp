@@ -23,7 +23,8 @@ inline constexpr std::size_t sequence_header_size = 8;
 /// Part 6, 7.1.2.3: URLs of the connection protocol's messages.
 inline constexpr std::uint32_t max_url_size = 4'096;
 /// Anything that is exchanged before the buffer sizes are known.
-inline constexpr std::uint32_t max_early_size = header_size + 20 + 2 * (4 + max_url_size);
+inline constexpr std::uint32_t max_early_size =
+    header_size + 20 + 2 * (4U + std::size_t{max_url_size});
 
 /// The first eight bytes of every message (Part 6, 7.1.2.2).
 struct FrameHeader {

@@ -32,16 +32,15 @@ channel::ServerChannelConfig channel_config(Core& core)
 channel::ChannelEnvironment channel_environment(Core& core, LogSink& log)
 {
     const ServerEnvironment& from = core.environment;
-    channel::ChannelEnvironment environment{from.random,
-                                            from.wall_clock,
-                                            &log,
-                                            from.validator,
-                                            core.config.identity ? &*core.config.identity : nullptr,
-                                            &core.assembly};
-#ifdef BUSBAR_KEY_LOG
-    environment.key_log = from.key_log;
-#endif
-    return environment;
+    return {
+        .random = from.random,
+        .wall_clock = from.wall_clock,
+        .log = &log,
+        .validator = from.validator,
+        .identity = core.config.identity ? &*core.config.identity : nullptr,
+        .budget = &core.assembly,
+        .key_log = from.key_log,
+    };
 }
 
 Refusal no_session(const ServerLimits& limits)

@@ -75,10 +75,8 @@ struct ChannelEnvironment {
     crypto::CertificateValidator* validator{nullptr};
     const ApplicationIdentity* identity{nullptr};
     AssemblyBudget* budget{nullptr};
-#ifdef BUSBAR_KEY_LOG
-    /// May be null, and is in every product.
+    /// Null in every product; builds without BUSBAR_KEY_LOG do not look at it.
     KeyLog* key_log{nullptr};
-#endif
 };
 
 /// What happened on a channel.

@@ -35,10 +35,8 @@ struct ServerEnvironment {
     const AccessControl* access{nullptr};
     /// Null if every data source completes inline.
     Waker* waker{nullptr};
-#ifdef BUSBAR_KEY_LOG
-    /// May be null, and is in every product.
+    /// Null in every product; builds without BUSBAR_KEY_LOG do not look at it.
     channel::KeyLog* key_log{nullptr};
-#endif
 };
 
 /// One OPC UA server: address space, data sources and sessions, to which Connections bring the
