@@ -73,11 +73,11 @@ Exit show(Context& context, Connection& connection, const Arguments& arguments)
     LiveTable table{context.out};
     Stream stream{context, connection, arguments.end};
     WatchedValues values{context,
-                      connection,
-                      stream,
-                      arguments.feed,
-                      parse_feed(arguments.nodes),
-                      is_live ? WatchedValues::Printing::None : WatchedValues::Printing::Lines};
+                         connection,
+                         stream,
+                         arguments.feed,
+                         parse_feed(arguments.nodes),
+                         is_live ? WatchedValues::Printing::None : WatchedValues::Printing::Lines};
     const auto draw = [&](bool is_forced) {
         if (is_live) {
             table.draw(values, is_forced);

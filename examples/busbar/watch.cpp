@@ -9,9 +9,9 @@
 #include "display_text.hpp"
 #include "event_fields.hpp"
 #include "value.hpp"
-#include "watched_values.hpp"
 #include "variables_below.hpp"
 #include "watch/view.hpp"
+#include "watched_values.hpp"
 
 namespace busbar::cli {
 
@@ -91,7 +91,7 @@ Exit show_lines(Context& context, Connection& connection, const Arguments& argum
     }
     Stream stream{context, connection, arguments.end};
     WatchedValues lines{context,        connection,       stream,
-                     arguments.feed, std::move(nodes), WatchedValues::Printing::Lines};
+                        arguments.feed, std::move(nodes), WatchedValues::Printing::Lines};
     if (!arguments.has_no_events) {
         lines.feed().add_events(
             event_item(NodeId{0, id::Server}),

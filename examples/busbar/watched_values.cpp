@@ -8,7 +8,8 @@
 namespace busbar::cli {
 
 WatchedValues::WatchedValues(Context& context, Connection& connection, Stream& stream,
-                       const FeedSettings& settings, std::vector<FeedNode> nodes, Printing printing)
+                             const FeedSettings& settings, std::vector<FeedNode> nodes,
+                             Printing printing)
     : context_{&context}, connection_{&connection}, stream_{&stream}, printing_{printing},
       rows_(nodes.size()),
       feed_{connection,

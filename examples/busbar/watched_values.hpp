@@ -21,7 +21,7 @@ public:
 
     /// Throws Failure.
     WatchedValues(Context& context, Connection& connection, Stream& stream,
-               const FeedSettings& settings, std::vector<FeedNode> nodes, Printing printing);
+                  const FeedSettings& settings, std::vector<FeedNode> nodes, Printing printing);
 
     [[nodiscard]] NodeFeed& feed() { return feed_; }
     [[nodiscard]] const std::vector<FeedNode>& nodes() const { return feed_.nodes(); }

@@ -1,8 +1,6 @@
-#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <cstring>
 #include <iostream>
 #include <optional>
 #include <string>
@@ -287,21 +285,6 @@ int serve(ControllerConfig config, const std::string& file)
     return 0;
 }
 
-/// A file that cannot be read is told of with the system's reason.
-void check_readable(const std::string& path)
-{
-    std::FILE* const file = std::fopen(path.c_str(), "rbe");
-    const bool is_open = file != nullptr;
-    const bool is_readable = is_open && (std::fgetc(file) != EOF || std::ferror(file) == 0);
-    const int error = errno;
-    if (is_open) {
-        std::fclose(file);
-    }
-    if (!is_readable) {
-        throw ConfigError{path + ": " + std::strerror(error)};
-    }
-}
-
 constexpr int usage_exit = 2;
 
 /// 0 for --help.
@@ -359,9 +342,6 @@ int main(int argc, char** argv)
     // Who reads the log may go; the machine goes on.
     std::signal(SIGPIPE, SIG_IGN);
     try {
-        if (!file.empty()) {
-            check_readable(file);
-        }
         ControllerConfig config = file.empty()
                                       ? example::parse_config(example::default_config, "built-in")
                                       : example::read_config(file);

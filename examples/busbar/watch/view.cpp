@@ -104,13 +104,17 @@ View::View(Context& context, Connection& connection, const ViewSettings& setting
 Exit View::run()
 {
     draw();
-    stream_.run([this] {
-        take_keys();
-        const auto passed = now().steady - drawn_;
-        if (passed >= (is_changed_ ? shortest_between_pictures : longest_between_pictures)) {
-            draw();
-        }
-    });
+    try {
+        stream_.run([this] {
+            take_keys();
+            const auto passed = now().steady - drawn_;
+            if (passed >= (is_changed_ ? shortest_between_pictures : longest_between_pictures)) {
+                draw();
+            }
+        });
+    } catch (const Interrupted&) {
+        // One more key that ends the view.
+    }
     const std::size_t bad = count_bad(statuses_);
     return bad == 0 ? Exit::Good : bad == statuses_.size() ? Exit::Failed : Exit::Partly;
 }
