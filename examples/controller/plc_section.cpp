@@ -14,9 +14,6 @@ namespace busbar::example {
 
 namespace {
 
-/// More do not fit into the largest message, whatever they are.
-constexpr std::int64_t max_elements = 67'108'864;
-
 using controller::PlcConfig;
 using controller::PlcConfigError;
 using controller::PlcEvent;
@@ -66,7 +63,7 @@ PlcVariable read_variable(const TomlTable& table, const server::ServerLimits& li
     PlcVariable variable;
     variable.name = table.text("name");
     variable.type = read_type(table);
-    for (const std::int64_t size : table.integers("dimensions", 1, max_elements)) {
+    for (const std::int64_t size : table.integers("dimensions", 1, most_elements)) {
         variable.dimensions.push_back(static_cast<std::uint32_t>(size));
     }
     variable.count = static_cast<std::uint32_t>(table.integer("count", 0, 0, 1'000'000));

@@ -64,6 +64,32 @@ void ValueReader::within(const std::string& place)
     error_ = place + (error_.starts_with('[') || error_.starts_with('.') ? "" : ": ") + error_;
 }
 
+template <typename T>
+bool ValueReader::read_one(const Json& from, const ValueType& type, T& to)
+{
+    if constexpr (std::is_same_v<T, Variant>) {
+        auto value = read_any(from);
+        to = value ? *std::move(value) : Variant{};
+        return value.has_value();
+    } else if constexpr (std::is_same_v<T, ExtensionObject>) {
+        return read_object(from, type.type, to);
+    } else if constexpr (std::is_same_v<T, DataValue> || std::is_same_v<T, DiagnosticInfo>) {
+        static_cast<void>(fail(from, "a type that has a text form"));
+        return false;
+    } else {
+        if constexpr (std::is_integral_v<T> && !std::is_same_v<T, bool>) {
+            if (type.type != nullptr && !type.type->values.empty()) {
+                return read_number(from, *type.type, to);
+            }
+        }
+        const bool is_read = read_scalar(from, to);
+        if (!is_read) {
+            static_cast<void>(fail(from, expectation(type.built_in)));
+        }
+        return is_read;
+    }
+}
+
 std::optional<Variant> ValueReader::read(const Json& from, const ValueType& type)
 {
     if (type.built_in == BuiltInType::Variant && from.kind != Json::Kind::List) {
@@ -193,32 +219,6 @@ std::optional<Variant> ValueReader::read_array(const Elements& from, const Value
             }
             return Variant::matrix(std::move(values), Array<std::uint32_t>{from.dimensions});
         });
-}
-
-template <typename T>
-bool ValueReader::read_one(const Json& from, const ValueType& type, T& to)
-{
-    if constexpr (std::is_same_v<T, Variant>) {
-        auto value = read_any(from);
-        to = value ? *std::move(value) : Variant{};
-        return value.has_value();
-    } else if constexpr (std::is_same_v<T, ExtensionObject>) {
-        return read_object(from, type.type, to);
-    } else if constexpr (std::is_same_v<T, DataValue> || std::is_same_v<T, DiagnosticInfo>) {
-        static_cast<void>(fail(from, "a type that has a text form"));
-        return false;
-    } else {
-        if constexpr (std::is_integral_v<T> && !std::is_same_v<T, bool>) {
-            if (type.type != nullptr && !type.type->values.empty()) {
-                return read_number(from, *type.type, to);
-            }
-        }
-        const bool is_read = read_scalar(from, to);
-        if (!is_read) {
-            static_cast<void>(fail(from, expectation(type.built_in)));
-        }
-        return is_read;
-    }
 }
 
 /// By its fields, of the type that it names or else of `type`, or encoded as to_json leaves it.
