@@ -43,19 +43,20 @@ export async function makeRevocationList(authority, revoked = []) {
   return Buffer.from(list.rawData);
 }
 
-const applicationExtensions = (applicationUri, isSelfSigned) => [
+const applicationExtensions = (applicationUri, addresses, isSelfSigned) => [
   new x509.KeyUsagesExtension(
     Usage.digitalSignature | Usage.nonRepudiation | Usage.keyEncipherment | Usage.dataEncipherment |
       (isSelfSigned ? Usage.keyCertSign : 0), true),
   new x509.ExtendedKeyUsageExtension([x509.ExtendedKeyUsage.clientAuth, x509.ExtendedKeyUsage.serverAuth]),
   new x509.SubjectAlternativeNameExtension([
     { type: "url", value: applicationUri }, { type: "dns", value: "localhost" },
+    ...addresses.map((value) => ({ type: "ip", value })),
   ]),
 ];
 const userExtensions = () => [new x509.KeyUsagesExtension(Usage.digitalSignature, true)];
 
-/** A certificate with its key; an application's if it has an ApplicationUri, else a user's. */
-export async function makeCertificate(name, { issuer, applicationUri } = {}) {
+/** A certificate with its key; an application's, for IP addresses too, if it has an ApplicationUri, else a user's. */
+export async function makeCertificate(name, { issuer, applicationUri, addresses = [] } = {}) {
   const keys = await makeKeys();
   const certificate = await x509.X509CertificateGenerator.create({
     serialNumber: (++serial).toString(16), ...validity(), signingAlgorithm: algorithm, publicKey: keys.publicKey,
@@ -63,7 +64,7 @@ export async function makeCertificate(name, { issuer, applicationUri } = {}) {
     signingKey: issuer?.keys.privateKey ?? keys.privateKey,
     extensions: [
       new x509.BasicConstraintsExtension(false, undefined, true),
-      ...(applicationUri ? applicationExtensions(applicationUri, !issuer) : userExtensions()),
+      ...(applicationUri ? applicationExtensions(applicationUri, addresses, !issuer) : userExtensions()),
       await x509.SubjectKeyIdentifierExtension.create(keys.publicKey),
       await x509.AuthorityKeyIdentifierExtension.create(issuer?.keys.publicKey ?? keys.publicKey),
     ],

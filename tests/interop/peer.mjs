@@ -12,9 +12,10 @@ const here = dirname(fileURLToPath(import.meta.url));
 const limitMs = 60_000; // nothing takes so long, even where others build
 
 /** A folder with the certificate that all servers of a test share, since keys take their time. */
-export async function makeFolder() {
+export async function makeFolder(addresses = []) {
   const folder = mkdtempSync(join(tmpdir(), "busbar-peer-"));
-  await clientOptions(folder, "peer", await makeCertificate("Peer", { applicationUri: "urn:interop:peer" }));
+  const made = await makeCertificate("Peer", { applicationUri: "urn:interop:peer", addresses });
+  await clientOptions(folder, "peer", made);
   return folder;
 }
 export const removeFolder = (folder) => rmSync(folder, { recursive: true, force: true });
@@ -74,9 +75,11 @@ class Running {
 }
 
 /** A server that is ready, with the certificate in `folder`. */
-export async function startPeer({ folder, port, types = join(here, "peer.NodeSet2.xml"), options = [] }) {
+export async function startPeer({
+  folder, port, types = join(here, "peer.NodeSet2.xml"), program = "peer_server.mjs", options = [],
+}) {
   port ??= await freePort();
-  const words = [join(here, "peer_server.mjs"), String(port), folder, types, ...options];
+  const words = [join(here, program), String(port), folder, types, ...options];
   const server = new Running(process.execPath, words);
   await server.until((lines) => lines.includes("ready"), "being ready");
   return {

@@ -3,6 +3,7 @@
 // usage: node peer_server.mjs PORT FOLDER TYPES [OPTION...]
 import { join } from "node:path";
 import opcua from "node-opcua";
+import { tellLogins } from "./logins.mjs";
 
 const {
   DataType, MessageSecurityMode, OPCUACertificateManager, OPCUAServer, SecurityPolicy, ServiceFault, StatusCodes,
@@ -43,15 +44,6 @@ function answerWith(serviceResult, message, channel) {
   const { requestHandle } = message.request.requestHeader;
   const responseHeader = { requestHandle, serviceResult, timestamp: new Date() };
   channel.send_response("MSG", new ServiceFault({ responseHeader }), message, () => {});
-}
-
-/** Tells with what security whoever logs in has come. */
-function tellLogins() {
-  server.on("session_activated", ({ channel }, token) => {
-    const policy = channel.securityPolicy.split("#")[1];
-    const mode = MessageSecurityMode[channel.securityMode];
-    process.stdout.write(`login: ${policy} ${mode} ${token.constructor.name}\n`);
-  });
 }
 
 /** No more references in one answer than this: the rest is for BrowseNext. */
@@ -143,7 +135,7 @@ function raiseEvents(ns, machine) {
 }
 
 for (const option of options) optionActions[option]();
-tellLogins();
+tellLogins(server);
 limitBrowse(50);
 await server.initialize();
 const space = server.engine.addressSpace;
