@@ -65,6 +65,21 @@ void ValueReader::within(const std::string& place)
 }
 
 template <typename T>
+bool ValueReader::read_number(const Json& from, const DynamicType& type, T& to)
+{
+    if (read_scalar(from, to)) {
+        return true;
+    }
+    const auto number =
+        from.kind == Json::Kind::String ? number_of_name(from.text, type) : std::nullopt;
+    to = number ? static_cast<T>(*number) : T{};
+    if (!number) {
+        static_cast<void>(fail(from, expectation(type)));
+    }
+    return number.has_value();
+}
+
+template <typename T>
 bool ValueReader::read_one(const Json& from, const ValueType& type, T& to)
 {
     if constexpr (std::is_same_v<T, Variant>) {
@@ -254,21 +269,6 @@ bool ValueReader::read_object(const Json& from, const DynamicType* type, Extensi
     }
     to = object ? *std::move(object) : ExtensionObject{};
     return object.has_value();
-}
-
-template <typename T>
-bool ValueReader::read_number(const Json& from, const DynamicType& type, T& to)
-{
-    if (read_scalar(from, to)) {
-        return true;
-    }
-    const auto number =
-        from.kind == Json::Kind::String ? number_of_name(from.text, type) : std::nullopt;
-    to = number ? static_cast<T>(*number) : T{};
-    if (!number) {
-        static_cast<void>(fail(from, expectation(type)));
-    }
-    return number.has_value();
 }
 
 std::optional<DynamicValue> ValueReader::read_structure(const Json& from, const DynamicType& type)
