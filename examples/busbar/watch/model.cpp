@@ -17,7 +17,8 @@ bool contains(std::string_view text, std::string_view part)
         return std::tolower(static_cast<unsigned char>(a)) ==
                std::tolower(static_cast<unsigned char>(b));
     };
-    return part.empty() || !std::ranges::search(text, part, is_same).empty();
+    return part.empty() ||
+           std::search(text.begin(), text.end(), part.begin(), part.end(), is_same) != text.end();
 }
 
 /// How long the server had the value before it sent it. Old values of a server that gives no
