@@ -29,7 +29,7 @@ await() {
     return 1
 }
 
-logged() { grep -q -e "$1" log; }
+logged() { grep -q -s -e "$1" log; }
 ended() { ! kill -0 "$pid" 2> /dev/null; }
 
 # serve ARGUMENTS...: a controller whose output goes to log, and its URL.

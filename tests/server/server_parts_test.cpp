@@ -1,12 +1,12 @@
 #include <catch2/catch.hpp>
 
-#include "server/config_check.hpp"
+#include <busbar/server/config_check.hpp>
+
 #include "support/server_fixture.hpp"
 
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
-using server::detail::find_contradiction;
 
 TEST_CASE("the default configuration has no open door")
 {
@@ -30,11 +30,14 @@ struct Contradiction {
         environment.random = &random;
         environment.wall_clock = &clock;
         environment.log = &log;
-        REQUIRE(find_contradiction(config, environment).empty());
+        REQUIRE(server::check_config(config, environment));
     }
     void check_refused()
     {
-        CHECK(find_contradiction(config, environment).find(reason) != std::string::npos);
+        const auto checked = server::check_config(config, environment);
+        REQUIRE_FALSE(checked);
+        CHECK(checked.error().status == status::Bad_ConfigurationError);
+        CHECK(checked.error().found.find(reason) != std::string::npos);
         CHECK(server::Server::create(config, environment).error() ==
               status::Bad_ConfigurationError);
         CHECK(log.text.find(reason) != std::string::npos);
