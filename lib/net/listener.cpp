@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include <asio/error.hpp>
 #include <asio/ip/v6_only.hpp>
 
 namespace busbar::net::detail {
@@ -122,7 +123,7 @@ void Listener::tell(std::error_code error)
     }
     told_at_ = now;
     is_told_ = true;
-    const bool is_descriptors = error == std::errc::too_many_files_open;
+    const bool is_descriptors = error == asio::error::no_descriptors;
     log_->write(LogLevel::Warning, "net",
                 "accept: " + error.message() + "; no new connections until that is over. " +
                     (is_descriptors ? "Raise the limit of open files (ulimit -n, LimitNOFILE) or "

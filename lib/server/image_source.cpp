@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <busbar/server/process_image.hpp>
 
 #include "image_pool.hpp"
@@ -16,6 +18,9 @@ ImageSource::~ImageSource()
 DataSourceOptions ImageSource::options() const
 {
     DataSourceOptions options;
+    // Reads are done at once: what waits are Writes, which the image counts itself.
+    options.max_batches =
+        std::max<std::size_t>(options.max_batches, image_->options().max_waiting_writes);
     // Ranges to read are left to the server: it cuts them out of the shared value.
     options.writes_ranges = true;
     return options;

@@ -98,6 +98,9 @@ tcp::socket connect(asio::io_context& context, std::uint16_t port)
 
 } // namespace
 
+// The sanitizer of undefined behaviour opens a pipe to look at the type of an object, and takes one
+// for invalid that it could not look at.
+#ifndef BUSBAR_SANITIZES_UNDEFINED
 TEST_CASE("a listener without descriptors says so once and goes on when there are some (D10)",
           "[net]")
 {
@@ -108,9 +111,9 @@ TEST_CASE("a listener without descriptors says so once and goes on when there ar
     asio::io_context outside;
     const tcp::socket peer = connect(outside, port);
     int accepted = 0;
-    listener->start([&](const tcp::socket&) { ++accepted; });
     {
         const NoDescriptors none;
+        listener->start([&](const tcp::socket&) { ++accepted; });
         for (int handlers = 0; handlers < 5; ++handlers) { // to accept, to wait, to accept, ...
             context.run_one();
         }
@@ -125,6 +128,7 @@ TEST_CASE("a listener without descriptors says so once and goes on when there ar
     CHECK(log.lines.size() == 2);
     listener->close();
 }
+#endif
 
 TEST_CASE("a peer that there is no place for gets an Error message (C7)", "[net]")
 {

@@ -394,6 +394,7 @@ TEST_CASE("the calls that wait are limited in number and in bytes (C5)")
     std::vector<Fixture::Pending> pending;
     for (std::uint32_t i = 0; i < many.image->options().max_waiting_writes; ++i) {
         pending.push_back(many.write({{many.speed, nullptr, &one}}));
+        INFO(i << " waiting");
         REQUIRE_FALSE(pending.back().owner->done);
     }
     CHECK(pending.size() >= 1'000); // what 200 clients may send within a scan of 500 ms

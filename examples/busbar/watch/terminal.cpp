@@ -11,6 +11,8 @@
 #define NCURSES_WIDECHAR 1
 #include <curses.h>
 
+#include "known_terminal.hpp"
+
 namespace busbar::cli::watch {
 
 namespace {
@@ -124,6 +126,9 @@ std::unique_ptr<Terminal> Terminal::open(bool has_colour)
     // The terminal knows its size; LINES and COLUMNS do not change with it.
     ::unsetenv("LINES");
     ::unsetenv("COLUMNS");
+    if (!is_known_terminal()) {
+        return nullptr;
+    }
     SCREEN* const screen = newterm(nullptr, stdout, stdin);
     if (screen == nullptr) {
         return nullptr;
