@@ -1,6 +1,6 @@
-#include <algorithm>
-
 #include <busbar/server/process_image.hpp>
+
+#include <algorithm>
 
 #include "image_pool.hpp"
 #include "image_writes.hpp"
@@ -18,11 +18,11 @@ ImageSource::~ImageSource()
 DataSourceOptions ImageSource::options() const
 {
     DataSourceOptions options;
-    // Reads are done at once: what waits are Writes, which the image counts itself.
-    options.max_batches =
-        std::max<std::size_t>(options.max_batches, image_->options().max_waiting_writes);
     // Ranges to read are left to the server: it cuts them out of the shared value.
     options.writes_ranges = true;
+    // Writes that wait are limited by the image; a Read, done at once, goes past them.
+    options.max_batches =
+        std::max(options.max_batches, std::size_t{image_->options().max_waiting_writes} + 2);
     return options;
 }
 

@@ -399,6 +399,7 @@ TEST_CASE("the calls that wait are limited in number and in bytes (C5)")
     }
     CHECK(pending.size() >= 1'000); // what 200 clients may send within a scan of 500 ms
     CHECK(many.write({{many.speed, nullptr, &one}}).result() == status::Bad_TooManyOperations);
+    CHECK(many.read(many.speed).value == Variant{std::int16_t{0}});
 
     ImageOptions options;
     options.max_waiting_bytes = 1;
