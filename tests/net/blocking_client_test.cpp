@@ -260,9 +260,11 @@ TEST_CASE("a blocking client looks up when something can be read, once in each c
         ::pollfd input{pipe[0], POLLIN, 0};
         return ::poll(&input, 1, 0) > 0;
     };
-    std::thread writer{[&] { CHECK(::write(pipe[1], "x", 1) == 1); }};
+    ssize_t written = 0;
+    std::thread writer{[&] { written = ::write(pipe[1], "x", 1); }};
     CHECK(user.client.run_until(is_readable, 30s));
     writer.join();
+    CHECK(written == 1);
     // What is not read keeps nobody from working, nor does it spin.
     std::size_t looks = 0;
     CHECK_FALSE(user.client.run_until([&] { return ++looks > 1'000; }, 100ms));
