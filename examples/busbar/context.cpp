@@ -48,16 +48,10 @@ std::string check_policy(const std::string& text)
 {
     std::vector<std::string> names;
     for (const crypto::SecurityPolicy& policy : crypto::security_policies()) {
-        if (!policy.is_none()) {
-            names.emplace_back(policy.name);
-        }
+        names.emplace_back(policy.name);
     }
-    const auto* const found = crypto::find_policy_by_name(text);
-    if (found != nullptr && !found->is_none()) {
-        return "";
-    }
-    return found != nullptr ? "None is no security: --insecure allows it"
-                            : unknown(text, "security policy", names);
+    return crypto::find_policy_by_name(text) != nullptr ? ""
+                                                        : unknown(text, "security policy", names);
 }
 
 } // namespace

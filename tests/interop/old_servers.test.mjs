@@ -91,7 +91,7 @@ describe("a server without DataTypeDefinition (C2)", () => {
   test("for people they have the names of fields and values", async () => {
     const reading = clientOf(peer).startForPeople(["read", id("Stroke")]);
     assert.equal(await reading.end(), 0, reading.errors);
-    assert.match(reading.lines.join("\n"), /Phase: Closed \(4\)/);
+    assert.match(reading.lines.join("\n"), /Phase +Closed \(4\)/);
   });
 
   test("what OPC UA Binary does not have stays encoded", async () => {

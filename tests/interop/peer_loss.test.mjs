@@ -42,7 +42,7 @@ async function follow(server, action) {
   try {
     await goesOn(subscriber);
     await action(subscriber);
-    assert.equal(await subscriber.kill("SIGINT"), 0, subscriber.errors);
+    assert.equal(await subscriber.kill("SIGINT"), 130, subscriber.errors); // as shells say it
     return subscriber;
   } finally {
     await subscriber.kill("SIGKILL");
