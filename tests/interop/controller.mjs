@@ -95,7 +95,7 @@ export const openHouse = {
  * fill the folder of the certificates before it starts.
  */
 export async function startController({ endpoints, trustsAll = false, users, prepare, nodesets = [],
-  reverseUrls = [], discoveryUrl = "" } = openHouse) {
+  reverseUrls = [], discoveryUrl = "", address = "" } = openHouse) {
   const program = process.env.BUSBAR_CONTROLLER;
   const folder = mkdtempSync(join(tmpdir(), "busbar-interop-"));
   const certificates = join(folder, "pki");
@@ -105,6 +105,7 @@ export async function startController({ endpoints, trustsAll = false, users, pre
   const config = join(folder, "controller.toml");
   writeFileSync(config, `
 [server]
+address = "${address}"
 port = ${port}
 min_channel_lifetime_ms = 1000
 nodesets = ${JSON.stringify(nodesets)}
@@ -136,7 +137,7 @@ ${plc}`);
     port,
     folder,
     certificates,
-    endpointUrl: `opc.tcp://localhost:${port}`,
+    endpointUrl: `opc.tcp://${address || "localhost"}:${port}`,
     output: () => output,
     async stop() {
       child.kill("SIGTERM");

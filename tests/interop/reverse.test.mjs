@@ -13,7 +13,10 @@ let controller;
 before(async () => {
   listener = new opcua.ClientReverseConnect(`opc.tcp://127.0.0.1:${await freePort()}`);
   await listener.start();
-  controller = await startController({ ...openHouse, reverseUrls: [listener.connectionUrl] });
+  // The listener knows the server by the URL that it announces, which follows its address.
+  controller = await startController({
+    ...openHouse, address: "127.0.0.1", reverseUrls: [listener.connectionUrl],
+  });
 });
 
 after(async () => {
