@@ -29,7 +29,7 @@ public:
     {
         using Ticks = std::chrono::duration<std::int64_t, std::ratio<1, 10'000'000>>;
         const auto since = std::chrono::system_clock::now().time_since_epoch();
-        return DateTime::from_unix(std::chrono::duration_cast<Ticks>(since));
+        return DateTime::from_unix_ticks(std::chrono::duration_cast<Ticks>(since).count());
     }
 };
 

@@ -1,5 +1,6 @@
 #include <busbar/net/system.hpp>
 
+#include <chrono>
 #include <cstdio>
 
 namespace busbar::net {
@@ -7,8 +8,8 @@ namespace busbar::net {
 DateTime SystemWallClock::now() const
 {
     using Ticks = std::chrono::duration<std::int64_t, std::ratio<1, DateTime::ticks_per_second>>;
-    return DateTime::from_unix(
-        std::chrono::duration_cast<Ticks>(std::chrono::system_clock::now().time_since_epoch()));
+    const auto since = std::chrono::system_clock::now().time_since_epoch();
+    return DateTime::from_unix_ticks(std::chrono::duration_cast<Ticks>(since).count());
 }
 
 void StderrLog::write(LogLevel level, std::string_view source, std::string_view text)

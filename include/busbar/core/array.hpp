@@ -3,9 +3,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
-#include <memory>
+#include <iterator>
 #include <new>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -79,7 +80,7 @@ public:
     void reset() noexcept
     {
         if (data_ != nullptr) {
-            std::destroy_n(data_, size_);
+            destroy(data_, size_);
             deallocate(data_);
         }
         data_ = nullptr;
@@ -89,7 +90,7 @@ public:
     void clear()
     {
         reserve(1);
-        std::destroy_n(data_, size_);
+        destroy(data_, size_);
         size_ = 0;
     }
     /// Makes room for `capacity` elements; the array is not null afterwards.
@@ -103,9 +104,11 @@ public:
     {
         reserve(size);
         if (size < size_) {
-            std::destroy_n(data_ + size, size_ - size);
-        } else {
-            std::uninitialized_value_construct_n(data_ + size_, size - size_);
+            destroy(data_ + size, size_ - size);
+        }
+        static_assert(std::is_nothrow_default_constructible_v<T>);
+        for (T *at = data_ + size_, *end = data_ + size; at < end; ++at) {
+            ::new (static_cast<void*>(at)) T();
         }
         size_ = static_cast<std::uint32_t>(size);
     }
@@ -121,7 +124,7 @@ public:
     }
     void push_back(const T& value) { emplace_back(value); }
     void push_back(T&& value) { emplace_back(std::move(value)); }
-    void pop_back() { std::destroy_at(data_ + --size_); }
+    void pop_back() { destroy(data_ + --size_, 1); }
     template <typename Iterator>
     void assign(Iterator first, Iterator last)
     {
@@ -161,12 +164,21 @@ private:
         T* data =
             static_cast<T*>(::operator new (capacity * sizeof(T), std::align_val_t{alignof(T)}));
         if (data_ != nullptr) {
-            std::uninitialized_move_n(data_, size_, data);
-            std::destroy_n(data_, size_);
+            static_assert(std::is_nothrow_move_constructible_v<T>);
+            for (std::size_t i = 0; i < size_; ++i) {
+                ::new (static_cast<void*>(data + i)) T(std::move(data_[i]));
+            }
+            destroy(data_, size_);
             deallocate(data_);
         }
         data_ = data;
         capacity_ = static_cast<std::uint32_t>(capacity);
+    }
+    static void destroy(T* data, std::size_t count)
+    {
+        for (std::size_t i = 0; i < count; ++i) {
+            data[i].~T();
+        }
     }
     static void deallocate(T* data) { ::operator delete (data, std::align_val_t{alignof(T)}); }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <compare>
 #include <cstdint>
 #include <string>
@@ -23,10 +22,10 @@ struct DateTime {
     {
         return {unix_epoch + seconds * ticks_per_second};
     }
-    [[nodiscard]] static constexpr DateTime
-    from_unix(std::chrono::duration<std::int64_t, std::ratio<1, ticks_per_second>> since_epoch)
+    /// `ticks` of 100 ns since 1970-01-01.
+    [[nodiscard]] static constexpr DateTime from_unix_ticks(std::int64_t ticks)
     {
-        return {unix_epoch + since_epoch.count()};
+        return {unix_epoch + ticks};
     }
     [[nodiscard]] constexpr std::int64_t unix_seconds() const
     {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <memory>
 #include <type_traits>
 #include <utility>
 
@@ -16,7 +15,7 @@ public:
     template <typename F>
     requires(!std::is_same_v<std::remove_cvref_t<F>, FunctionRef> &&
              std::is_invocable_r_v<R, F&, Args...>) FunctionRef(F&& function)
-        : object_{const_cast<void*>(static_cast<const void*>(std::addressof(function)))},
+        : object_{const_cast<void*>(static_cast<const void*>(&function))},
           call_{[](void* object, Args... args) -> R {
               return (*static_cast<std::remove_reference_t<F>*>(object))(
                   std::forward<Args>(args)...);
