@@ -1,6 +1,7 @@
 #include <busbar/core/date_time.hpp>
 
 #include <array>
+#include <chrono>
 #include <cstdio>
 
 namespace busbar {

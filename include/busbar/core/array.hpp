@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
-#include <iterator>
 #include <new>
 #include <span>
 #include <type_traits>
@@ -105,12 +104,17 @@ public:
         reserve(size);
         if (size < size_) {
             destroy(data_ + size, size_ - size);
+            size_ = static_cast<std::uint32_t>(size);
         }
-        static_assert(std::is_nothrow_default_constructible_v<T>);
-        for (T *at = data_ + size_, *end = data_ + size; at < end; ++at) {
-            ::new (static_cast<void*>(at)) T();
+        if constexpr (std::is_trivially_copyable_v<T>) { // one memset
+            for (T *at = data_ + size_, *const end = data_ + size; at != end; ++at) {
+                ::new (static_cast<void*>(at)) T();
+            }
+            size_ = static_cast<std::uint32_t>(size);
         }
-        size_ = static_cast<std::uint32_t>(size);
+        for (; size_ < size; ++size_) {
+            ::new (static_cast<void*>(data_ + size_)) T();
+        }
     }
     template <typename... Args>
     T& emplace_back(Args&&... args)
@@ -129,7 +133,7 @@ public:
     void assign(Iterator first, Iterator last)
     {
         clear();
-        reserve(static_cast<std::size_t>(std::distance(first, last)));
+        reserve(static_cast<std::size_t>(last - first));
         for (; first != last; ++first) {
             emplace_back(*first);
         }
