@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <busbar/binary/codec.hpp>
 #include <busbar/binary/type_registry.hpp>
 
@@ -106,6 +108,23 @@ void decode(binary::Reader& reader, ExtensionObject& value)
         XmlElement body;
         decode(reader, body);
         value = ExtensionObject::from_xml(std::move(encoding_id), std::move(body));
+        return;
+    }
+    }
+    reader.fail(status::Bad_DecodingError);
+}
+
+void skip_extension_object(binary::Reader& reader)
+{
+    NodeId encoding_id;
+    decode(reader, encoding_id);
+    switch (reader.number<Encoding>()) {
+    case Encoding::None:
+        return;
+    case Encoding::ByteString:
+    case Encoding::Xml: {
+        const std::int32_t length = reader.text_length(reader.limits().max_byte_string_length);
+        reader.skip(static_cast<std::size_t>(std::max(length, 0)));
         return;
     }
     }

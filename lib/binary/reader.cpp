@@ -6,12 +6,11 @@ namespace busbar::binary {
 
 namespace {
 
-constexpr std::size_t free_budget = 4'096;
-
-std::size_t budget_for(std::size_t input, std::uint32_t expansion)
+std::size_t budget_for(std::size_t input, const DecodeLimits& limits)
 {
     constexpr std::size_t most = std::numeric_limits<std::size_t>::max() / 2;
-    return input > most / (std::uint64_t{expansion} + 1) ? most : free_budget + input * expansion;
+    const bool is_huge = input > most / (std::uint64_t{limits.max_expansion} + 1);
+    return is_huge ? most : limits.free_memory + input * limits.max_expansion;
 }
 
 } // namespace
@@ -19,7 +18,7 @@ std::size_t budget_for(std::size_t input, std::uint32_t expansion)
 Reader::Reader(std::span<const std::byte> input, Strings strings, const TypeRegistry* types,
                const DecodeLimits& limits)
     : begin_{input.data()}, position_{begin_}, end_{begin_ + input.size()}, types_{types},
-      limits_{limits}, budget_{budget_for(input.size(), limits.max_expansion)}, strings_{strings}
+      limits_{limits}, budget_{budget_for(input.size(), limits)}, strings_{strings}
 {
 }
 

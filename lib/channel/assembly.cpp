@@ -35,7 +35,7 @@ Result<std::optional<Event>> Assembly::add(char flag, const SymmetricContent& co
     if (flag == 'A') {
         return give_up(content);
     }
-    if (chunks_ == max_chunk_count_ || content.body.size() > max_message_size_ - message_.size()) {
+    if (chunks_ == max_chunk_count_ || message_.size() + content.body.size() > max_message_size_) {
         return fail(status::Bad_TcpMessageTooLarge);
     }
     if (flag == 'C' && !charge(content.body.size())) {

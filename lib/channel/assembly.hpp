@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -18,7 +19,7 @@ namespace busbar::channel::detail {
 class Assembly {
 public:
     Assembly(const TransportLimits& limits, AssemblyBudget* budget)
-        : max_message_size_{limits.max_message_size},
+        : most_{limits.max_message_size}, max_message_size_{limits.max_message_size},
           max_chunk_count_{limits.max_chunk_count}, budget_{budget}
     {
     }
@@ -30,6 +31,9 @@ public:
     /// sender's status. Bad_TcpMessageTypeInvalid for a chunk of another message in between,
     /// Bad_TcpMessageTooLarge past a limit, Bad_TcpNotEnoughResources past the budget.
     [[nodiscard]] Result<std::optional<Event>> add(char flag, const SymmetricContent& content);
+    /// What a message may have from now on, the one that has begun included; never more than the
+    /// limits that it was made with.
+    void limit_messages(std::uint32_t size) { max_message_size_ = std::min(size, most_); }
     /// True while a message is unfinished.
     [[nodiscard]] bool has_begun() const { return chunks_ != 0; }
     /// Takes a buffer for the next message to be put together in.
@@ -41,6 +45,7 @@ private:
     [[nodiscard]] bool charge(std::size_t size);
     void drop();
 
+    std::uint32_t most_;
     std::uint32_t max_message_size_;
     std::uint32_t max_chunk_count_;
     AssemblyBudget* budget_;

@@ -329,6 +329,11 @@ void ServerChannel::close(StatusCode status, std::string_view reason)
     }
 }
 
+void ServerChannel::limit_messages(std::uint32_t size)
+{
+    impl_->conversation.assembly().limit_messages(size);
+}
+
 void ServerChannel::recycle(std::vector<std::byte> body)
 {
     impl_->conversation.assembly().recycle(std::move(body));

@@ -118,7 +118,7 @@ std::optional<Refusal> ActivateSession::check_channel() const
         return refusal_of(status::Bad_SecurityChecksFailed, check,
                           "the new channel has another security policy or mode");
     }
-    if (core_->sessions.count_of(*link_) >= core_->limits().max_sessions_per_channel) {
+    if (link_->sessions().size() >= core_->limits().max_sessions_per_channel) {
         return refusal_of(status::Bad_TooManySessions, check,
                           "the new channel is full of sessions");
     }
@@ -320,7 +320,7 @@ void ActivateSession::accept(UserIdentity user, TimePoint now)
     const bool is_other_user = !(session.user == user);
     session.server_nonce = *std::move(nonce);
     session.is_activated = true;
-    session.link = link_;
+    link_->bind(session);
     Subscriptions::session_moved(session);
     set_user(*core_, *find_endpoint(*core_, session), session, std::move(user), now);
     core_->session_nodes.add(*core_, session);

@@ -93,7 +93,7 @@ tl::unexpected<Refusal> refuse_place(std::size_t count, std::string_view which)
 Checked<void> make_place(ServiceContext& context)
 {
     Core& core = context.core;
-    const std::size_t over_channel = core.sessions.count_of(context.link);
+    const std::size_t over_channel = context.link.sessions().size();
     if (over_channel >= core.limits().max_sessions_per_channel) {
         return refuse_place(over_channel, "sessions over this channel");
     }
@@ -172,7 +172,6 @@ Result<std::unique_ptr<Session>> make_session(ServiceContext& context,
     session->client_application_uri =
         request.client_description.application_uri.view().substr(0, max_text_size);
     describe_client(*session, request);
-    session->link = &context.link;
     session->security = context.link.channel().security();
     if (const auto& certificates = context.link.channel().peer_certificates();
         !certificates.empty()) {
@@ -209,7 +208,8 @@ StatusCode create_session(ServiceContext& context, const CreateSessionRequest& r
     if (!made) {
         return made.error();
     }
-    const Session& session = core.sessions.add(*std::move(made));
+    Session& session = core.sessions.add(*std::move(made));
+    context.link.bind(session);
     ++core.diagnostics.summary.cumulated_session_count;
     response.session_id = session.id;
     response.authentication_token = session.authentication_token;

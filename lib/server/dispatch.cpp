@@ -32,7 +32,7 @@ struct Incoming {
     std::vector<std::byte> message;
     RequestHeader header;
     Reply reply;
-    /// Where the request begins in the message, behind its type.
+    /// Where the parameters begin in the message, behind the header.
     std::size_t offset;
 };
 
@@ -59,7 +59,7 @@ void run_function(ServiceContext& context, Incoming& incoming)
     binary::Reader reader{std::span{incoming.message}.subspan(incoming.offset),
                           binary::Strings::Borrow, &core.types, core.limits().decode};
     Request request;
-    decode(reader, request);
+    decode_parameters(reader, request);
     if (reader.ok() && reader.remaining() != 0) {
         reader.fail(status::Bad_DecodingError);
     }
@@ -78,7 +78,7 @@ void run_function(ServiceContext& context, Incoming& incoming)
     context.link.recycle(std::move(incoming.message));
 }
 
-template <std::unique_ptr<Operation> (*Make)()>
+template <typename Request, std::unique_ptr<Operation> (*Make)()>
 void run_operation(ServiceContext& context, Incoming& incoming)
 {
     if (!context.link.has_place_for_operation()) {
@@ -87,7 +87,8 @@ void run_operation(ServiceContext& context, Incoming& incoming)
     if (!context.link.has_place_for_operation()) {
         return context.link.fault(incoming.reply, status::Bad_ServerTooBusy);
     }
-    context.link.start(Make(), std::move(incoming.message), incoming.header, incoming.reply,
+    context.link.start(Make(), std::move(incoming.message), incoming.offset,
+                       {Request::binary_encoding_id, incoming.header.timeout_hint, incoming.reply},
                        context);
 }
 
@@ -97,11 +98,10 @@ constexpr Service function(Need need, bool is_for_shutdown = false)
     return {Request::binary_encoding_id, need, is_for_shutdown,
             run_function<Function, Request, Response>};
 }
-template <typename Request>
-constexpr Service operation(Need need, void (*run)(ServiceContext&, Incoming&),
-                            bool is_for_shutdown = false)
+template <typename Request, std::unique_ptr<Operation> (*Make)()>
+constexpr Service operation(Need need, bool is_for_shutdown = false)
 {
-    return {Request::binary_encoding_id, need, is_for_shutdown, run};
+    return {Request::binary_encoding_id, need, is_for_shutdown, run_operation<Request, Make>};
 }
 template <typename Request>
 constexpr Service unsupported()
@@ -118,7 +118,7 @@ constexpr auto services = [] {
         unsupported<RegisterServer2Request>(),
         unsupported<FindServersOnNetworkRequest>(),
         function<create_session, CreateSessionRequest, CreateSessionResponse>(Need::Nothing),
-        operation<ActivateSessionRequest>(Need::Known, run_operation<make_activate_session>),
+        operation<ActivateSessionRequest, make_activate_session>(Need::Known),
         function<close_session, CloseSessionRequest, CloseSessionResponse>(Need::Known, true),
         function<cancel, CancelRequest, CancelResponse>(Need::Activated),
         function<add_nodes, AddNodesRequest, AddNodesResponse>(Need::Activated),
@@ -135,11 +135,11 @@ constexpr auto services = [] {
             Need::Activated),
         unsupported<QueryFirstRequest>(),
         unsupported<QueryNextRequest>(),
-        operation<ReadRequest>(Need::Activated, run_operation<make_operation<ReadOperation>>, true),
-        operation<WriteRequest>(Need::Activated, run_operation<make_operation<WriteOperation>>),
+        operation<ReadRequest, make_operation<ReadOperation>>(Need::Activated, true),
+        operation<WriteRequest, make_operation<WriteOperation>>(Need::Activated),
         unsupported<HistoryReadRequest>(),
         unsupported<HistoryUpdateRequest>(),
-        operation<CallRequest>(Need::Activated, run_operation<make_operation<CallOperation>>),
+        operation<CallRequest, make_operation<CallOperation>>(Need::Activated),
         function<create_monitored_items, CreateMonitoredItemsRequest, CreateMonitoredItemsResponse>(
             Need::Activated),
         function<modify_monitored_items, ModifyMonitoredItemsRequest, ModifyMonitoredItemsResponse>(
@@ -155,9 +155,8 @@ constexpr auto services = [] {
             Need::Activated),
         function<set_publishing_mode, SetPublishingModeRequest, SetPublishingModeResponse>(
             Need::Activated),
-        operation<PublishRequest>(Need::Activated, run_operation<make_operation<PublishOperation>>),
-        operation<RepublishRequest>(Need::Activated,
-                                    run_operation<make_operation<RepublishOperation>>),
+        operation<PublishRequest, make_operation<PublishOperation>>(Need::Activated),
+        operation<RepublishRequest, make_operation<RepublishOperation>>(Need::Activated),
         function<transfer_subscriptions, TransferSubscriptionsRequest,
                  TransferSubscriptionsResponse>(Need::Activated),
         function<delete_subscriptions, DeleteSubscriptionsRequest, DeleteSubscriptionsResponse>(
@@ -217,6 +216,18 @@ Checked<Session*> find_session(Core& core, const Link& link, const RequestHeader
     return session;
 }
 
+/// The whole header but its additionalHeader: no service uses it, so nothing is made of it.
+void decode_header(binary::Reader& reader, RequestHeader& header)
+{
+    decode(reader, header.authentication_token);
+    decode(reader, header.timestamp);
+    decode(reader, header.request_handle);
+    decode(reader, header.return_diagnostics);
+    decode(reader, header.audit_entry_id);
+    decode(reader, header.timeout_hint);
+    skip_extension_object(reader);
+}
+
 /// What sends one to a server does not speak the protocol.
 bool is_response(const Core& core, const NodeId& encoding_id)
 {
@@ -259,7 +270,6 @@ void dispatch(Core& core, Link& link, std::vector<std::byte> message, std::uint3
                           core.limits().decode};
     NodeId encoding_id;
     decode(reader, encoding_id);
-    incoming.offset = reader.offset();
     const Service* service = find_service(encoding_id);
     if (service == nullptr && is_response(core, encoding_id)) {
         return link.close({status::Bad_TcpMessageTypeInvalid, "message type",
@@ -267,7 +277,8 @@ void dispatch(Core& core, Link& link, std::vector<std::byte> message, std::uint3
                            "Find out what connects to this port"});
     }
     // Every request begins with its header (Part 4, 7.32); those that are not known may too.
-    decode(reader, incoming.header);
+    decode_header(reader, incoming.header);
+    incoming.offset = reader.offset();
     if (reader.ok()) {
         incoming.reply.request_handle = incoming.header.request_handle;
     } else if (service != nullptr || encoding_id.is_null()) {

@@ -1,6 +1,7 @@
 #include "link.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include <busbar/core/text.hpp>
 
@@ -101,6 +102,7 @@ Link::Link(Core& core, std::string_view peer_address, TimePoint now)
       created_{now}, now_{now}, session_check_{now + core.limits().sessionless_timeout}
 {
     core_.links.push_back(this);
+    trust_peer();
 }
 
 Link::~Link()
@@ -183,7 +185,7 @@ void Link::handle_deadline(TimePoint now)
     }
     if (session_check_ <= now) {
         session_check_ = now + core_.limits().sessionless_timeout;
-        if (!core_.sessions.has_activated(*this)) {
+        if (!has_activated_session()) {
             close(no_session(core_.limits()));
         }
     }
@@ -247,6 +249,37 @@ void Link::handle_closed(StatusCode status, std::string reason)
     }
     core_.sessions.unbind(*this);
     events_.push_back({ConnectionEvent::Kind::Closed, status, std::move(reason)});
+}
+
+bool Link::has_activated_session() const
+{
+    return std::any_of(sessions_.begin(), sessions_.end(),
+                       [](const Session* session) { return session->is_activated; });
+}
+
+void Link::bind(Session& session)
+{
+    if (session.link != this) {
+        if (session.link != nullptr) {
+            session.link->unbind(session);
+        }
+        session.link = this;
+        sessions_.push_back(&session);
+    }
+    trust_peer();
+}
+
+void Link::unbind(Session& session)
+{
+    session.link = nullptr;
+    std::erase(sessions_, &session);
+    trust_peer();
+}
+
+void Link::trust_peer()
+{
+    constexpr auto all = std::numeric_limits<std::uint32_t>::max();
+    channel_.limit_messages(has_activated_session() ? all : core_.limits().max_sessionless_message);
 }
 
 ResponseHeader Link::response_header(const Reply& reply, StatusCode status) const

@@ -24,6 +24,15 @@ struct Reply {
     std::uint32_t max_size{0};
 };
 
+/// What is known of a request before its parameters are.
+struct Question {
+    /// Of the request's type.
+    std::uint32_t encoding_id{0};
+    /// Milliseconds, 0 for none (Part 4, 7.32).
+    std::uint32_t timeout_hint{0};
+    Reply reply;
+};
+
 /// The server's log with the peer's address before each line; as bounded as Core::log.
 class PeerLog final : public LogSink {
 public:
@@ -62,6 +71,14 @@ public:
 
     [[nodiscard]] const channel::ServerChannel& channel() const { return channel_; }
     [[nodiscard]] std::string_view peer_address() const { return peer_address_; }
+    /// The sessions that use this channel.
+    [[nodiscard]] const std::vector<Session*>& sessions() const { return sessions_; }
+    [[nodiscard]] bool has_activated_session() const;
+    /// The session uses this channel from now on and no other. To be called again when it is
+    /// activated: what the peer may send depends on it.
+    void bind(Session& session);
+    /// It uses this channel no more.
+    void unbind(Session& session);
     /// For what is to be said of this peer.
     [[nodiscard]] LogSink& log() { return log_; }
 
@@ -76,9 +93,10 @@ public:
     [[nodiscard]] bool has_place_for_operation() const;
     /// Gives back the memory of a message that is done with.
     void recycle(std::vector<std::byte> message) { channel_.recycle(std::move(message)); }
-    /// Takes the operation with its message, decodes the request and starts it.
+    /// Takes the operation with its message, decodes the parameters that begin at `offset` and
+    /// starts it.
     void start(std::unique_ptr<Operation> operation, std::vector<std::byte> message,
-               const RequestHeader& header, const Reply& reply, ServiceContext& context);
+               std::size_t offset, const Question& question, ServiceContext& context);
 
     // For the server.
 
@@ -100,6 +118,7 @@ private:
     /// While one of the engine's own members runs, whose caller looks at the output anyhow.
     class Running;
 
+    void trust_peer();
     void work(TimePoint now);
     void handle(channel::Event event, TimePoint now);
     void handle_closed(StatusCode status, std::string reason);
@@ -113,6 +132,7 @@ private:
     PeerLog log_;
     channel::ServerChannel channel_;
     std::vector<std::unique_ptr<Operation>> operations_;
+    std::vector<Session*> sessions_;
     std::vector<ConnectionEvent> events_;
     TimePoint created_;
     /// The last time that was given.

@@ -60,25 +60,24 @@ bool Operation::charge(std::size_t bytes)
 }
 
 void Link::start(std::unique_ptr<Operation> operation, std::vector<std::byte> message,
-                 const RequestHeader& header, const Reply& reply, ServiceContext& context)
+                 std::size_t offset, const Question& question, ServiceContext& context)
 {
     operation->message_ = std::move(message);
-    binary::Reader reader{operation->message_, binary::Strings::Borrow, &core_.types,
-                          core_.limits().decode};
-    NodeId encoding_id;
-    decode(reader, encoding_id);
+    binary::Reader reader{std::span{operation->message_}.subspan(offset), binary::Strings::Borrow,
+                          &core_.types, core_.limits().decode};
     operation->decode_request(reader);
     if (!reader.ok() || reader.remaining() != 0) {
-        fault(reply, reader.ok() ? status::Bad_DecodingError : reader.status());
+        fault(question.reply, reader.ok() ? status::Bad_DecodingError : reader.status());
         return;
     }
     operation->link_ = this;
     operation->session_ = context.session;
-    operation->encoding_id_ = encoding_id.numeric();
-    operation->request_id_ = reply.request_id;
-    operation->request_handle_ = reply.request_handle;
-    if (header.timeout_hint != 0) {
-        operation->client_deadline_ = context.now + std::chrono::milliseconds{header.timeout_hint};
+    operation->encoding_id_ = question.encoding_id;
+    operation->request_id_ = question.reply.request_id;
+    operation->request_handle_ = question.reply.request_handle;
+    if (question.timeout_hint != 0) {
+        operation->client_deadline_ =
+            context.now + std::chrono::milliseconds{question.timeout_hint};
     }
     operations_.push_back(std::move(operation));
     Operation& started = *operations_.back();

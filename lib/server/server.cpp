@@ -151,7 +151,7 @@ bool Server::Impl::make_place()
                             "activated session",
                             "Part 4, 5.6.2.1", "Raise max_connections if all of them are needed"};
     for (detail::Link* link : links) { // the oldest first
-        if (!link->is_closed() && !sessions.has_activated(*link)) {
+        if (!link->is_closed() && !link->has_activated_session()) {
             link->close(displaced);
             sweep();
             return links.size() < 2 * limits().max_connections;

@@ -99,7 +99,7 @@ private:
     std::size_t charged_{0};
 };
 
-/// An Operation with its request.
+/// An Operation with its request, of which the header is left empty.
 template <typename Request>
 class OperationOf : public Operation {
 protected:
@@ -107,7 +107,7 @@ protected:
     [[nodiscard]] Request take_request() { return std::move(request_); }
 
 private:
-    void decode_request(binary::Reader& reader) final { decode(reader, request_); }
+    void decode_request(binary::Reader& reader) final { decode_parameters(reader, request_); }
 
     Request request_;
 };

@@ -1,6 +1,6 @@
 #include "session_table.hpp"
 
-#include <algorithm>
+#include "link.hpp"
 
 namespace busbar::server::detail {
 
@@ -16,26 +16,15 @@ Session& SessionTable::add(std::unique_ptr<Session> session)
     return *sessions_.emplace(std::move(token), std::move(session)).first->second;
 }
 
-void SessionTable::remove(const Session& session)
+void SessionTable::remove(Session& session)
 {
+    if (session.link != nullptr) {
+        session.link->unbind(session);
+    }
     const auto found = sessions_.find(session.authentication_token);
     if (found != sessions_.end()) {
         sessions_.erase(found);
     }
-}
-
-std::size_t SessionTable::count_of(const Link& link) const
-{
-    return static_cast<std::size_t>(
-        std::count_if(sessions_.begin(), sessions_.end(),
-                      [&](const auto& entry) { return entry.second->link == &link; }));
-}
-
-bool SessionTable::has_activated(const Link& link) const
-{
-    return std::any_of(sessions_.begin(), sessions_.end(), [&](const auto& entry) {
-        return entry.second->link == &link && entry.second->is_activated;
-    });
 }
 
 Session* SessionTable::oldest_unactivated()
@@ -60,15 +49,14 @@ Session* SessionTable::next_due() const
     return first;
 }
 
-void SessionTable::unbind(const Link& link)
+void SessionTable::unbind(Link& link)
 {
-    // What was never activated can only be activated over the channel that has gone.
-    std::erase_if(sessions_, [&](const auto& entry) {
-        return entry.second->link == &link && !entry.second->is_activated;
-    });
-    for (const auto& [token, session] : sessions_) {
-        if (session->link == &link) {
-            session->link = nullptr;
+    while (!link.sessions().empty()) {
+        Session& session = *link.sessions().back();
+        if (session.is_activated) {
+            link.unbind(session);
+        } else { // it can only be activated over the channel that has gone
+            remove(session);
         }
     }
 }

@@ -15,11 +15,9 @@ public:
     [[nodiscard]] Session* find(const NodeId& authentication_token);
     /// Takes a session whose token is not there yet.
     Session& add(std::unique_ptr<Session> session);
-    void remove(const Session& session);
+    void remove(Session& session);
 
     [[nodiscard]] std::size_t size() const { return sessions_.size(); }
-    [[nodiscard]] std::size_t count_of(const Link& link) const;
-    [[nodiscard]] bool has_activated(const Link& link) const;
     /// The oldest that was never activated, or null (Part 4, 5.7.2.1).
     [[nodiscard]] Session* oldest_unactivated();
     /// The session with the first deadline, or null if there is none at all.
@@ -34,7 +32,7 @@ public:
         return sessions_;
     }
     /// A connection has gone; its activated sessions wait for another.
-    void unbind(const Link& link);
+    void unbind(Link& link);
 
 private:
     std::unordered_map<NodeId, std::unique_ptr<Session>> sessions_;

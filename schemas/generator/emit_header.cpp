@@ -93,8 +93,13 @@ std::string structure(const Schema& schema, const Type& type)
     text += "BUSBAR_API void encode(" + schema.prefix + "binary::Writer& writer, const " +
             type.name + "& value);\n";
     text += "BUSBAR_API void decode(" + schema.prefix + "binary::Reader& reader, " + type.name +
-            "& value);\n\n";
-    return text;
+            "& value);\n";
+    if (is_request(type)) {
+        text += "/// What follows the header, which stays as it is.\n"
+                "BUSBAR_API void decode_parameters(binary::Reader& reader, " +
+                type.name + "& value);\n";
+    }
+    return text + "\n";
 }
 
 bool has_matrix(const Schema::Group& group)

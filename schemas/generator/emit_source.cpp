@@ -1,6 +1,7 @@
 #include "emit.hpp"
 
 #include <algorithm>
+#include <span>
 
 #include "names.hpp"
 
@@ -63,7 +64,7 @@ std::string encode_structure(const Type& type)
     return text;
 }
 
-std::string decode_structure(const Type& type)
+std::string decode_structure(const Type& type, std::size_t first_field = 0)
 {
     std::string text;
     if (has_optionals(type)) {
@@ -79,7 +80,7 @@ std::string decode_structure(const Type& type)
         }
     }
     std::size_t index = 0;
-    for (const StructureField& field : type.fields) {
+    for (const StructureField& field : std::span{type.fields}.subspan(first_field)) {
         if (!field.is_optional) {
             text += "    decode(reader, value." + field.name + ");\n";
             continue;
@@ -116,20 +117,41 @@ std::string decode_union(const Type& type)
            "        reader.fail(busbar::status::Bad_DecodingError);\n        break;\n    }\n";
 }
 
-std::string codec(const Schema& schema, const Type& type)
+/// The whole of a request is its header and then its parameters, which whoever has read the header
+/// already reads alone.
+std::string request_decoder(const Type& type)
 {
+    return "void decode(binary::Reader& reader, " + type.name +
+           "& value)\n{\n    decode(reader, value.request_header);\n"
+           "    decode_parameters(reader, value);\n}\n\n"
+           "void decode_parameters(binary::Reader& " +
+           (type.fields.size() == 1 ? "/*reader*/" : "reader") + ", " + type.name + "& " +
+           (type.fields.size() == 1 ? "/*value*/" : "value") + ")\n{\n" +
+           decode_structure(type, 1) + "}\n\n";
+}
+
+std::string decoder(const Schema& schema, const Type& type)
+{
+    if (is_request(type)) {
+        return request_decoder(type);
+    }
     const bool is_union = type.kind == Type::Kind::Union;
     const bool is_empty = type.fields.empty();
-    const std::string writer = is_empty ? "/*writer*/" : "writer";
-    const std::string reader = is_empty ? "/*reader*/" : "reader";
-    const std::string value = is_empty ? "/*value*/" : "value";
-    return "void encode(" + schema.prefix + "binary::Writer& " + writer + ", const " + type.name +
-           "& " + value + ")\n{\n" + enter(type, "writer") +
-           (is_union ? encode_union(type) : encode_structure(type)) + leave(type, "writer") +
-           "}\n\nvoid decode(" + schema.prefix + "binary::Reader& " + reader + ", " + type.name +
-           "& " + value + ")\n{\n" + enter(type, "reader") +
+    return "void decode(" + schema.prefix + "binary::Reader& " +
+           (is_empty ? "/*reader*/" : "reader") + ", " + type.name + "& " +
+           (is_empty ? "/*value*/" : "value") + ")\n{\n" + enter(type, "reader") +
            (is_union ? decode_union(type) : decode_structure(type)) + leave(type, "reader") +
            "}\n\n";
+}
+
+std::string codec(const Schema& schema, const Type& type)
+{
+    const bool is_empty = type.fields.empty();
+    return "void encode(" + schema.prefix + "binary::Writer& " +
+           (is_empty ? "/*writer*/" : "writer") + ", const " + type.name + "& " +
+           (is_empty ? "/*value*/" : "value") + ")\n{\n" + enter(type, "writer") +
+           (type.kind == Type::Kind::Union ? encode_union(type) : encode_structure(type)) +
+           leave(type, "writer") + "}\n\n" + decoder(schema, type);
 }
 
 } // namespace

@@ -66,6 +66,13 @@ struct Type {
     }
 };
 
+/// A service's request (Part 4, 7.32): it begins with a RequestHeader.
+[[nodiscard]] inline bool is_request(const Type& type)
+{
+    return type.kind == Type::Kind::Structure && !type.fields.empty() &&
+           type.fields.front().type.cpp == "RequestHeader";
+}
+
 /// The types of one namespace, ready to be written.
 struct Schema {
     std::string namespace_uri;

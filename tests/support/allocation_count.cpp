@@ -7,10 +7,12 @@
 namespace {
 
 std::atomic<std::size_t> count{0};
+std::atomic<std::size_t> bytes{0};
 
 void* allocate(std::size_t size)
 {
     ++count;
+    bytes += size;
     return std::malloc(size == 0 ? 1 : size);
 }
 
@@ -28,6 +30,11 @@ void* allocate_or_end(std::size_t size)
 std::size_t busbar::test::allocation_count()
 {
     return count;
+}
+
+std::size_t busbar::test::allocated_bytes()
+{
+    return bytes;
 }
 
 // The other forms call these. No type here asks for more than malloc aligns to.

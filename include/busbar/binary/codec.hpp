@@ -92,6 +92,8 @@ BUSBAR_API void decode(binary::Reader& reader, StatusCode& value);
 BUSBAR_API void decode(binary::Reader& reader, QualifiedName& value);
 BUSBAR_API void decode(binary::Reader& reader, LocalizedText& value);
 BUSBAR_API void decode(binary::Reader& reader, ExtensionObject& value);
+/// Reads over an ExtensionObject and makes nothing of it; its body is not looked at.
+BUSBAR_API void skip_extension_object(binary::Reader& reader);
 BUSBAR_API void decode(binary::Reader& reader, DataValue& value);
 BUSBAR_API void decode(binary::Reader& reader, Variant& value);
 BUSBAR_API void decode(binary::Reader& reader, DiagnosticInfo& value);

@@ -24,9 +24,10 @@ struct DecodeLimits {
     std::uint32_t max_depth{100};
     /// Levels of DiagnosticInfo (Part 6, 5.2.2.12).
     std::uint32_t max_diagnostic_depth{10};
-    /// Memory that the elements of arrays and decoded structures may take, in bytes of C++ objects
-    /// per byte of input (and 4,096 in all), so that many one-byte elements cannot blow up.
-    std::uint32_t max_expansion{80};
+    /// Memory that the elements of arrays and decoded structures may take, so that many one-byte
+    /// elements cannot blow up: bytes of C++ objects per byte of input, and beyond that in all.
+    std::uint32_t max_expansion{8};
+    std::uint32_t free_memory{64U << 10U};
 };
 
 /// Whether decoded strings own their bytes or point into the message (see detail::Blob).

@@ -65,6 +65,10 @@ public:
     /// Bytes of a message's body that certainly fit the client's limits and one's own.
     [[nodiscard]] std::size_t max_response_size() const;
 
+    /// From now on a message of the client with more than `size` bytes ends the channel with
+    /// Bad_TcpMessageTooLarge; what was agreed in Acknowledge stays the most. For peers of whom
+    /// less is known than the limits allow.
+    void limit_messages(std::uint32_t size);
     /// Gives a Message's body back, so that the next one needs no allocation. Never needed.
     void recycle(std::vector<std::byte> body);
     /// Bytes that the buffers of this connection hold now, for the owner's accounts.

@@ -52,7 +52,9 @@ struct ClientConfig {
     ReconnectPolicy reconnect;
     Duration channel_lifetime{std::chrono::hours{1}};
     channel::TransportLimits transport;
-    binary::DecodeLimits decode;
+    /// Of a response: what was asked for may be answered by elements of a few bytes each, say
+    /// 65,536 Booleans without timestamps.
+    binary::DecodeLimits decode{.free_memory = 4U << 20U};
     SubscriptionLimits subscriptions;
     /// Requests that may wait or be under way together; past it Bad_TooManyOperations.
     std::size_t max_requests{10'000};

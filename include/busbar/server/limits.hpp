@@ -37,6 +37,8 @@ struct ServerLimits {
     /// A connection without an activated session is closed after this time; the oldest one goes
     /// earlier if a new one needs its place (Part 4, 5.6.2.1).
     std::chrono::milliseconds sessionless_timeout{30'000};
+    /// Bytes of a request over a channel to which no activated session is bound.
+    std::uint32_t max_sessionless_message{64U << 10U};
     /// Bytes that may wait for a peer to take them, and how long it may take none. Past half of it
     /// no more requests are worked on.
     std::size_t max_send_queue{32U << 20U};
