@@ -14,7 +14,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-struct Arguments {
+struct BenchArguments {
     std::vector<std::string> nodes;
     double seconds{2};
     std::size_t in_flight{32};
@@ -188,7 +188,7 @@ void print(Output& out, const std::vector<Measured>& reads, const Delivered& del
              number(delivered.worst, 1) + " ms at worst");
 }
 
-Exit measure(Context& context, Connection& connection, const Arguments& arguments)
+Exit measure(Context& context, Connection& connection, const BenchArguments& arguments)
 {
     std::vector<NodeId> nodes;
     for (const NamedNode& node : find_nodes(connection, arguments.nodes)) {
@@ -214,7 +214,7 @@ Exit measure(Context& context, Connection& connection, const Arguments& argument
 void add_bench(CLI::App& app, Run& run)
 {
     auto* command = app.add_subcommand("bench", "Measures shortly how fast a server answers.");
-    const auto arguments = std::make_shared<Arguments>();
+    const auto arguments = std::make_shared<BenchArguments>();
     command->add_option("NODE", arguments->nodes, "[URL] and nodes; the server's time by default");
     command->add_option("-s,--seconds", arguments->seconds, "for each of the three measurements")
         ->check(CLI::Range(0.1, 3'600.0))

@@ -14,7 +14,7 @@ namespace busbar::cli {
 
 namespace {
 
-struct Arguments {
+struct BrowseArguments {
     std::vector<std::string> node;
     std::size_t depth{2};
     bool has_values{false};
@@ -32,7 +32,7 @@ struct Forest {
     Types types;
 };
 
-Forest browse_forest(Connection& connection, const NodeId& root, const Arguments& arguments)
+Forest browse_forest(Connection& connection, const NodeId& root, const BrowseArguments& arguments)
 {
     client::TreeLimits limits;
     limits.max_depth = arguments.depth;
@@ -139,7 +139,7 @@ private:
 };
 
 Exit show_tree(Context& context, Connection& connection, const NodeId& root,
-               const Arguments& arguments)
+               const BrowseArguments& arguments)
 {
     const Forest forest = browse_forest(connection, root, arguments);
     const TreeNode& first = forest.tree.nodes.front();
@@ -196,7 +196,7 @@ void print_references(Context& context, Connection& connection,
 }
 
 Exit show_references(Context& context, Connection& connection, const NodeId& node,
-                     const Arguments& arguments)
+                     const BrowseArguments& arguments)
 {
     BrowseDescription description = client::children_of(node);
     description.browse_direction = BrowseDirection::Both;
@@ -217,7 +217,7 @@ Exit show_references(Context& context, Connection& connection, const NodeId& nod
 void add_browse(CLI::App& app, Run& run)
 {
     auto* command = app.add_subcommand("browse", "Shows the tree of nodes below a node.");
-    const auto arguments = std::make_shared<Arguments>();
+    const auto arguments = std::make_shared<BrowseArguments>();
     command->add_option("NODE", arguments->node, "[URL] and a node; /Objects by default");
     command->add_option("-d,--depth", arguments->depth, "levels below the node")
         ->check(CLI::Range(0, 100))

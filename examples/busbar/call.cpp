@@ -16,7 +16,7 @@ namespace busbar::cli {
 
 namespace {
 
-struct Arguments {
+struct CallArguments {
     std::vector<std::string> words; // object, method, values
     ValueLimits limits;
 };
@@ -80,7 +80,7 @@ std::string names_of(Connection& connection, const std::vector<Argument>& argume
     return names;
 }
 
-CallMethodRequest request_for(Connection& connection, const Arguments& arguments)
+CallMethodRequest request_for(Connection& connection, const CallArguments& arguments)
 {
     CallMethodRequest request;
     request.object_id = find_node(connection, arguments.words[0]);
@@ -125,7 +125,7 @@ void print(Context& context, const std::vector<Argument>& outputs, const CallMet
     }
 }
 
-Exit call_method(Context& context, Connection& connection, const Arguments& arguments)
+Exit call_method(Context& context, Connection& connection, const CallArguments& arguments)
 {
     CallMethodRequest request = request_for(connection, arguments);
     const auto outputs = arguments_of(connection, request.method_id, "OutputArguments");
@@ -157,7 +157,7 @@ Exit call_method(Context& context, Connection& connection, const Arguments& argu
 void add_call(CLI::App& app, Run& run)
 {
     auto* command = app.add_subcommand("call", "Calls a method of an object.");
-    const auto arguments = std::make_shared<Arguments>();
+    const auto arguments = std::make_shared<CallArguments>();
     command
         ->add_option("OBJECT METHOD VALUE", arguments->words,
                      "[URL], an object, a method of it by node or name, its arguments")

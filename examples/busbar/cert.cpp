@@ -27,7 +27,7 @@ constexpr std::array lists{StoreList::Own, StoreList::Trusted, StoreList::Issuer
                            StoreList::Rejected};
 
 /// What the subcommands take.
-struct Arguments {
+struct CertArguments {
     std::string certificate; // thumbprint, the beginning of one, or a file
     std::string file;
     std::uint32_t valid_days{crypto::default_valid_days};
@@ -139,7 +139,7 @@ void report(Context& context, const std::string& done, StoreList list, const Sto
     }
 }
 
-Exit create(Context& context, Pki& pki, const Arguments& arguments)
+Exit create(Context& context, Pki& pki, const CertArguments& arguments)
 {
     if (pki.own() && !arguments.is_forced &&
         !confirm(context, "There is a certificate already. Servers have to trust the new one. "
@@ -160,7 +160,7 @@ Exit create(Context& context, Pki& pki, const Arguments& arguments)
     return Exit::Good;
 }
 
-Exit trust(Context& context, Pki& pki, const Arguments& arguments)
+Exit trust(Context& context, Pki& pki, const CertArguments& arguments)
 {
     const StoreList to = arguments.is_issuer ? StoreList::Issuers : StoreList::Trusted;
     if (is_file(arguments.certificate)) {
@@ -177,7 +177,7 @@ Exit trust(Context& context, Pki& pki, const Arguments& arguments)
     return Exit::Good;
 }
 
-Exit reject(Context& context, Pki& pki, const Arguments& arguments)
+Exit reject(Context& context, Pki& pki, const CertArguments& arguments)
 {
     const Found found = find(pki, arguments.certificate);
     if (found.list != StoreList::Rejected) {
@@ -189,7 +189,7 @@ Exit reject(Context& context, Pki& pki, const Arguments& arguments)
 }
 
 /// Ours, if nothing is named.
-std::string thumbprint_of(Pki& pki, const Arguments& arguments)
+std::string thumbprint_of(Pki& pki, const CertArguments& arguments)
 {
     if (!arguments.certificate.empty()) {
         return find(pki, arguments.certificate).entry.thumbprint;
@@ -201,7 +201,7 @@ std::string thumbprint_of(Pki& pki, const Arguments& arguments)
     return own->certificates.front().thumbprint_text();
 }
 
-Exit show(Context& context, Pki& pki, const Arguments& arguments)
+Exit show(Context& context, Pki& pki, const CertArguments& arguments)
 {
     const std::string thumbprint = thumbprint_of(pki, arguments);
     const Found found = find(pki, thumbprint);
@@ -219,7 +219,7 @@ Exit show(Context& context, Pki& pki, const Arguments& arguments)
     return Exit::Good;
 }
 
-Exit export_certificate(Context& context, Pki& pki, const Arguments& arguments)
+Exit export_certificate(Context& context, Pki& pki, const CertArguments& arguments)
 {
     const Found found = find(pki, thumbprint_of(pki, arguments));
     if (found.entry.kind != StoreEntry::Kind::Certificate) {
@@ -233,9 +233,9 @@ Exit export_certificate(Context& context, Pki& pki, const Arguments& arguments)
     return Exit::Good;
 }
 
-using Action = Exit (*)(Context&, Pki&, const Arguments&);
+using Action = Exit (*)(Context&, Pki&, const CertArguments&);
 
-CLI::App* add(CLI::App& cert, Run& run, const std::shared_ptr<Arguments>& arguments,
+CLI::App* add(CLI::App& cert, Run& run, const std::shared_ptr<CertArguments>& arguments,
               const char* name, const char* text, Action action)
 {
     auto* command = cert.add_subcommand(name, text);
@@ -256,7 +256,7 @@ void add_cert(CLI::App& app, Run& run)
 {
     auto* cert = app.add_subcommand("cert", "Manages certificates: ours, and whom we trust.");
     cert->require_subcommand(1);
-    const auto arguments = std::make_shared<Arguments>();
+    const auto arguments = std::make_shared<CertArguments>();
     const auto name = [&](CLI::App* command, bool is_required) {
         command
             ->add_option("CERTIFICATE", arguments->certificate,
@@ -265,7 +265,7 @@ void add_cert(CLI::App& app, Run& run)
     };
 
     add(*cert, run, arguments, "list", "Lists all certificates.",
-        [](Context& context, Pki& pki, const Arguments&) { return list(context, pki); });
+        [](Context& context, Pki& pki, const CertArguments&) { return list(context, pki); });
     auto* made = add(*cert, run, arguments, "create", "Makes our certificate and key.", create);
     made->add_option("--days", arguments->valid_days, "how long it is valid")
         ->check(CLI::Range(1, 36'500))

@@ -1,6 +1,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "usage.hpp"
 
 // The scripts are made from the commands and options that the program has, so that they cannot
 // fall behind it.
@@ -8,29 +9,13 @@ namespace busbar::cli {
 
 namespace {
 
-/// Names of the options of `app` and, since they are offered everywhere, of the program.
-std::vector<std::string> options_of(const CLI::App& app)
-{
-    std::vector<std::string> names;
-    for (const CLI::App* level = &app; level != nullptr; level = level->get_parent()) {
-        for (const CLI::Option* option : level->get_options()) {
-            for (const std::string& name : option->get_lnames()) {
-                if (std::find(names.begin(), names.end(), "--" + name) == names.end()) {
-                    names.push_back("--" + name);
-                }
-            }
-        }
-    }
-    return names;
-}
-
 std::vector<const CLI::App*> commands_of(const CLI::App& app)
 {
     return app.get_subcommands(
         [](const CLI::App* command) { return !command->get_name().empty(); });
 }
 
-std::string joined(const std::vector<std::string>& words)
+std::string spaced(const std::vector<std::string>& words)
 {
     std::string text;
     for (const std::string& word : words) {
@@ -48,7 +33,7 @@ std::string words_of(const CLI::App& app)
     for (std::string& option : options_of(app)) {
         words.push_back(std::move(option));
     }
-    return joined(words);
+    return spaced(words);
 }
 
 /// A branch for each command, "cert" and "cert list" alike.
@@ -111,7 +96,7 @@ void append_fish(const CLI::App& app, const std::string& condition, std::string&
     }
     for (const CLI::App* command : commands_of(app)) {
         script += "complete -c busbar -n '" + condition +
-                  (names.empty() ? "" : "; and not __fish_seen_subcommand_from " + joined(names)) +
+                  (names.empty() ? "" : "; and not __fish_seen_subcommand_from " + spaced(names)) +
                   "' -f -a " + command->get_name() + " -d " + quoted(command->get_description()) +
                   "\n";
         append_fish(*command,

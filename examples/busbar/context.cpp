@@ -17,15 +17,6 @@ namespace {
 /// No key of a keyboard, and in no value that anybody writes.
 constexpr char mark = '\x1f';
 
-std::string joined(const std::vector<std::string>& words)
-{
-    std::string text;
-    for (const std::string& word : words) {
-        text += (text.empty() ? "" : ", ") + word;
-    }
-    return text;
-}
-
 /// "abc is no thing, perhaps abd is meant; there are ..."
 std::string unknown(const std::string& text, const std::string& thing,
                     const std::vector<std::string>& names)

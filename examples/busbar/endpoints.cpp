@@ -95,7 +95,7 @@ std::string json_of(const Array<EndpointDescription>& endpoints)
     return json.close_array().document();
 }
 
-Style style_of(MessageSecurityMode mode)
+Style mode_style(MessageSecurityMode mode)
 {
     return mode == MessageSecurityMode::SignAndEncrypt ? Style::Good
            : mode == MessageSecurityMode::Sign         ? Style::Uncertain
@@ -128,7 +128,7 @@ void print(Output& out, const Array<EndpointDescription>& endpoints)
     Table table{{{"MODE"}, {"POLICY"}, {"LEVEL", 5, true}, {"USERS"}, {"URL", 16}}};
     for (const EndpointDescription& endpoint : endpoints) {
         table.add(
-            {{std::string{mode_name(endpoint.security_mode)}, style_of(endpoint.security_mode)},
+            {{std::string{mode_name(endpoint.security_mode)}, mode_style(endpoint.security_mode)},
              {policy_name(endpoint.security_policy_uri)},
              {std::to_string(endpoint.security_level)},
              {tokens_of(endpoint)},

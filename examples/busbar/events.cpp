@@ -13,7 +13,7 @@ namespace busbar::cli {
 
 namespace {
 
-struct Arguments {
+struct EventsArguments {
     std::vector<std::string> node;
     std::vector<std::string> fields;
     std::uint16_t severity{0};
@@ -26,7 +26,7 @@ std::string padded(std::string text, std::size_t width)
     return text + std::string(width - display_width(text), ' ');
 }
 
-void print(Output& out, const Arguments& arguments, const Array<Variant>& fields)
+void print(Output& out, const EventsArguments& arguments, const Array<Variant>& fields)
 {
     const auto severity = fields[1].value_or<std::uint16_t>(0);
     std::string number = std::to_string(severity);
@@ -43,7 +43,7 @@ void print(Output& out, const Arguments& arguments, const Array<Variant>& fields
     out.line(line + cut(rest, std::max<std::size_t>(out.columns(), used + 12) - used));
 }
 
-void print_json(Output& out, const Arguments& arguments, const Array<Variant>& fields)
+void print_json(Output& out, const EventsArguments& arguments, const Array<Variant>& fields)
 {
     JsonWriter json;
     json.open_object();
@@ -57,7 +57,7 @@ void print_json(Output& out, const Arguments& arguments, const Array<Variant>& f
     out.line(json.close_object().document());
 }
 
-Exit follow(Context& context, Connection& connection, const Arguments& arguments)
+Exit follow(Context& context, Connection& connection, const EventsArguments& arguments)
 {
     const std::size_t field_count = standard_event_fields.size() + arguments.fields.size();
     Stream stream{context, connection, arguments.end};
@@ -101,7 +101,7 @@ Exit follow(Context& context, Connection& connection, const Arguments& arguments
 void add_events(CLI::App& app, Run& run)
 {
     auto* command = app.add_subcommand("events", "Shows events as they come, until Ctrl+C.");
-    const auto arguments = std::make_shared<Arguments>();
+    const auto arguments = std::make_shared<EventsArguments>();
     command->add_option("NODE", arguments->node,
                         "[URL] and the node that notifies; the Server by default");
     command->add_option("-f,--field", arguments->fields, "show one more: 2:Press/Force")

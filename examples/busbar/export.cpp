@@ -15,7 +15,7 @@ namespace busbar::cli {
 
 namespace {
 
-struct Arguments {
+struct ExportArguments {
     std::vector<std::string> name_space;
     std::string file;
 };
@@ -80,7 +80,7 @@ void save(Context& context, const std::string& file, const std::string& text)
     write_file(file, text);
 }
 
-void report(Context& context, const Arguments& arguments, const SpaceBuilder& builder,
+void report(Context& context, const ExportArguments& arguments, const SpaceBuilder& builder,
             std::size_t count)
 {
     const bool to_file = !arguments.file.empty() && arguments.file != "-";
@@ -105,7 +105,7 @@ void report(Context& context, const Arguments& arguments, const SpaceBuilder& bu
     }
 }
 
-Exit export_namespace(Context& context, Connection& connection, const Arguments& arguments)
+Exit export_namespace(Context& context, Connection& connection, const ExportArguments& arguments)
 {
     const std::vector<std::string> namespaces = connection.client().server().namespaces;
     const std::uint16_t index = find_namespace(namespaces, arguments.name_space.front());
@@ -134,7 +134,7 @@ Exit export_namespace(Context& context, Connection& connection, const Arguments&
 void add_export(CLI::App& app, Run& run)
 {
     auto* command = app.add_subcommand("export", "Writes a namespace's nodes as NodeSet2 file.");
-    const auto arguments = std::make_shared<Arguments>();
+    const auto arguments = std::make_shared<ExportArguments>();
     command->add_option("NAMESPACE", arguments->name_space, "[URL] and a namespace: index or URI")
         ->required();
     command->add_option("-o,--output", arguments->file, "instead of standard output")

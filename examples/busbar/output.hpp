@@ -8,6 +8,9 @@
 
 namespace busbar::cli {
 
+/// Blanks between two columns of any table.
+inline constexpr std::size_t column_gap = 2;
+
 /// Whoever read our output has gone: an end, not an error.
 struct OutputClosed {};
 

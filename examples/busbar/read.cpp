@@ -12,7 +12,7 @@ namespace busbar::cli {
 
 namespace {
 
-struct Arguments {
+struct ReadArguments {
     std::vector<std::string> nodes;
     std::string attribute{"Value"};
     std::string range;
@@ -62,7 +62,7 @@ void print(Output& out, const std::vector<NamedNode>& nodes, const std::vector<D
     table.print(out);
 }
 
-Exit read_values(Context& context, Connection& connection, const Arguments& arguments)
+Exit read_values(Context& context, Connection& connection, const ReadArguments& arguments)
 {
     const auto attribute = find_attribute(arguments.attribute);
     if (!attribute) {
@@ -137,7 +137,7 @@ Exit read_all(Context& context, Connection& connection, const std::string& text,
 void add_read(CLI::App& app, Run& run)
 {
     auto* command = app.add_subcommand("read", "Reads values, or other attributes, of nodes.");
-    const auto arguments = std::make_shared<Arguments>();
+    const auto arguments = std::make_shared<ReadArguments>();
     command->add_option("NODE", arguments->nodes, "[URL] and nodes")->required();
     command->add_option("-a,--attribute", arguments->attribute, "instead of Value")
         ->type_name("NAME");

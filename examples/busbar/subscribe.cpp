@@ -11,7 +11,7 @@ namespace busbar::cli {
 
 namespace {
 
-struct Arguments {
+struct SubscribeArguments {
     std::vector<std::string> nodes;
     FeedSettings feed;
     StreamEnd end;
@@ -67,7 +67,7 @@ private:
     std::size_t shown_{0};
 };
 
-Exit show(Context& context, Connection& connection, const Arguments& arguments)
+Exit show(Context& context, Connection& connection, const SubscribeArguments& arguments)
 {
     const bool is_live = context.out.is_terminal() && !context.options.is_json;
     LiveTable table{context.out};
@@ -98,7 +98,7 @@ Exit show(Context& context, Connection& connection, const Arguments& arguments)
 void add_subscribe(CLI::App& app, Run& run)
 {
     auto* command = app.add_subcommand("subscribe", "Shows values as they change, until Ctrl+C.");
-    const auto arguments = std::make_shared<Arguments>();
+    const auto arguments = std::make_shared<SubscribeArguments>();
     command->add_option("NODE", arguments->nodes, "[URL] and nodes")->required();
     add_feed_options(*command, arguments->feed);
     add_stream_options(*command, arguments->end);

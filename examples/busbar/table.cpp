@@ -9,8 +9,6 @@ namespace busbar::cli {
 
 namespace {
 
-constexpr std::size_t gap = 2;
-
 std::string padded(const Output& out, const Cell& cell, std::size_t width, const Column& column,
                    bool is_last)
 {
@@ -37,7 +35,8 @@ std::vector<std::size_t> Table::widths(std::size_t columns) const
         }
         widths.push_back(width);
     }
-    std::size_t total = std::accumulate(widths.begin(), widths.end(), gap * (widths.size() - 1));
+    std::size_t total =
+        std::accumulate(widths.begin(), widths.end(), column_gap * (widths.size() - 1));
     while (total > columns) {
         std::size_t widest = widths.size();
         for (std::size_t i = 0; i < widths.size(); ++i) {
@@ -60,7 +59,7 @@ std::vector<std::string> Table::lines(const Output& out, std::size_t columns) co
     const auto join = [&](const std::vector<Cell>& row) {
         std::string line;
         for (std::size_t i = 0; i < row.size(); ++i) {
-            line += (i == 0 ? "" : std::string(gap, ' ')) +
+            line += (i == 0 ? "" : std::string(column_gap, ' ')) +
                     padded(out, row[i], width[i], columns_[i], i + 1 == row.size());
         }
         line.erase(line.find_last_not_of(' ') + 1);

@@ -58,28 +58,6 @@ std::vector<std::string> commands_below(const CLI::App& level)
     return names;
 }
 
-std::string joined(const std::vector<std::string>& words)
-{
-    std::string text;
-    for (const std::string& word : words) {
-        text += (text.empty() ? "" : ", ") + word;
-    }
-    return text;
-}
-
-std::vector<std::string> options_of(const CLI::App& command)
-{
-    std::vector<std::string> names;
-    for (const CLI::App* level = &command; level != nullptr; level = level->get_parent()) {
-        for (const CLI::Option* option : level->get_options()) {
-            for (const std::string& name : option->get_lnames()) {
-                names.push_back("--" + name);
-            }
-        }
-    }
-    return names;
-}
-
 Failure unknown_command(const CLI::App& level, const std::string& word)
 {
     const std::vector<std::string> commands = commands_below(level);
@@ -106,6 +84,30 @@ Failure unknown_option(const CLI::App& command, const std::string& word)
 }
 
 } // namespace
+
+std::string joined(const std::vector<std::string>& words)
+{
+    std::string text;
+    for (const std::string& word : words) {
+        text += (text.empty() ? "" : ", ") + word;
+    }
+    return text;
+}
+
+std::vector<std::string> options_of(const CLI::App& app)
+{
+    std::vector<std::string> names;
+    for (const CLI::App* level = &app; level != nullptr; level = level->get_parent()) {
+        for (const CLI::Option* option : level->get_options()) {
+            for (const std::string& name : option->get_lnames()) {
+                if (std::find(names.begin(), names.end(), "--" + name) == names.end()) {
+                    names.push_back("--" + name);
+                }
+            }
+        }
+    }
+    return names;
+}
 
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates)
 {

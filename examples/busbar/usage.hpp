@@ -13,6 +13,11 @@ class ParseError;
 
 namespace busbar::cli {
 
+/// "a, b, c".
+[[nodiscard]] std::string joined(const std::vector<std::string>& words);
+/// Names of the options of `app` and, since they are offered everywhere, of the program.
+[[nodiscard]] std::vector<std::string> options_of(const CLI::App& app);
+
 /// The candidate that `word` is most likely a misspelling of; empty if none is near.
 [[nodiscard]] std::string nearest(std::string_view word,
                                   const std::vector<std::string>& candidates);

@@ -5,13 +5,13 @@
 #include <CLI/CLI.hpp>
 
 #include "display_text.hpp"
+#include "output.hpp"
 
 namespace busbar::cli {
 
 namespace {
 
 constexpr std::size_t indent_width = 2;
-constexpr std::size_t gap = 2;
 /// Names that are longer do not push the values of all others aside.
 constexpr std::size_t max_name_columns = 32;
 /// Of arrays where no width is given.
@@ -87,11 +87,12 @@ private:
                                !part.parts.front().cells.empty();
         for (const ValuePart& one : part.parts) {
             const std::string name = std::string(indent, ' ') + left(one.name, name_width);
-            if (is_matrix && fits(one, indent + name_width + gap, cell_width)) {
-                add(name + std::string(gap, ' ') + joined(one, 0, one.cells.size(), cell_width));
+            if (is_matrix && fits(one, indent + name_width + column_gap, cell_width)) {
+                add(name + std::string(column_gap, ' ') +
+                    joined(one, 0, one.cells.size(), cell_width));
                 continue;
             }
-            std::string line = name + std::string(gap, ' ') + one.text;
+            std::string line = name + std::string(column_gap, ' ') + one.text;
             line.erase(line.find_last_not_of(' ') + 1);
             add(line);
             if (is_matrix) {
@@ -103,14 +104,14 @@ private:
     }
     [[nodiscard]] bool fits(const ValuePart& row, std::size_t used, std::size_t cell_width) const
     {
-        return used + row.cells.size() * (cell_width + gap) <= array_columns_ + gap;
+        return used + row.cells.size() * (cell_width + column_gap) <= array_columns_ + column_gap;
     }
     static std::string joined(const ValuePart& part, std::size_t first, std::size_t end,
                               std::size_t width)
     {
         std::string line;
         for (std::size_t i = first; i < end; ++i) {
-            line += i == first ? "" : std::string(gap, ' ');
+            line += i == first ? "" : std::string(column_gap, ' ');
             line += part.has_numbers ? right(part.cells[i], width) : left(part.cells[i], width);
         }
         line.erase(line.find_last_not_of(' ') + 1);
@@ -125,11 +126,11 @@ private:
         const std::size_t index_width = std::to_string(part.cells.size() - 1).size() + 2;
         const std::size_t used = indent + index_width;
         const std::size_t room = array_columns_ - std::min(array_columns_, used);
-        const std::size_t fitting = std::max<std::size_t>(1, room / (width + gap));
+        const std::size_t fitting = std::max<std::size_t>(1, room / (width + column_gap));
         for (std::size_t first = 0; first < part.cells.size(); first += fitting) {
             const std::string index = "[" + std::to_string(first) + "]";
             const std::size_t end = std::min(first + fitting, part.cells.size());
-            add(std::string(indent, ' ') + left(index, index_width) + std::string(gap, ' ') +
+            add(std::string(indent, ' ') + left(index, index_width) + std::string(column_gap, ' ') +
                 joined(part, first, end, width));
         }
     }

@@ -17,7 +17,7 @@ namespace busbar::cli {
 
 namespace {
 
-struct Arguments {
+struct WatchArguments {
     std::vector<std::string> nodes;
     std::vector<std::string> below;
     std::size_t limit{1'000};
@@ -33,7 +33,7 @@ struct Selection {
     std::string note;
 };
 
-Selection select(Connection& connection, const Arguments& arguments)
+Selection select(Connection& connection, const WatchArguments& arguments)
 {
     Selection selection;
     for (FeedNode& node : parse_feed(arguments.nodes)) {
@@ -79,7 +79,7 @@ void print_event(Context& context, const Array<Variant>& fields)
     context.out.line(json.close_object().close_object().document());
 }
 
-Exit show_lines(Context& context, Connection& connection, const Arguments& arguments,
+Exit show_lines(Context& context, Connection& connection, const WatchArguments& arguments,
                 const Selection& selection)
 {
     if (!selection.note.empty()) {
@@ -103,7 +103,8 @@ Exit show_lines(Context& context, Connection& connection, const Arguments& argum
 }
 
 /// Null where lines are shown: to a pipe, for a script, and on what is hardly a terminal.
-std::unique_ptr<watch::Terminal> open_terminal(const Context& context, const Arguments& arguments)
+std::unique_ptr<watch::Terminal> open_terminal(const Context& context,
+                                               const WatchArguments& arguments)
 {
     const char* const type = std::getenv("TERM");
     const bool is_simple = type == nullptr || std::string_view{type} == "dumb";
@@ -116,7 +117,7 @@ std::unique_ptr<watch::Terminal> open_terminal(const Context& context, const Arg
     return watch::Terminal::open(context.out.has_colour());
 }
 
-Exit watch_nodes(Context& context, const Arguments& arguments)
+Exit watch_nodes(Context& context, const WatchArguments& arguments)
 {
     Connection connection{context, Connection::Endurance::Lasting};
     const Selection selection = select(connection, arguments);
@@ -129,7 +130,7 @@ Exit watch_nodes(Context& context, const Arguments& arguments)
     return show_lines(context, connection, arguments, selection);
 }
 
-constexpr const char* footer =
+constexpr const char* watch_footer =
     "Keys: arrows, Page Up and Down, Home and End move; w or Enter writes the value, / filters by\n"
     "name, s sorts by name, value, age, status, r reverses that, p pauses, e shows events or not,\n"
     "Escape ends what was typed or the filter, q quits. Lines instead of a view in a pipe, with\n"
@@ -140,7 +141,7 @@ constexpr const char* footer =
 void add_watch(CLI::App& app, Run& run)
 {
     auto* command = app.add_subcommand("watch", "Shows values and events live, in a table.");
-    const auto arguments = std::make_shared<Arguments>();
+    const auto arguments = std::make_shared<WatchArguments>();
     command->add_option("NODE", arguments->nodes,
                         "[URL] and Variables; all that the server has of its own by default");
     command->add_option("--below", arguments->below, "the Variables below a node")
@@ -155,7 +156,7 @@ void add_watch(CLI::App& app, Run& run)
     command->add_flag("--lines", arguments->wants_lines, "lines on a terminal, too");
     add_feed_options(*command, arguments->feed);
     add_stream_options(*command, arguments->end);
-    command->footer(footer);
+    command->footer(watch_footer);
     command->callback([&run, arguments] {
         run = [arguments](Context& context) {
             take_url(arguments->nodes, context.options);

@@ -13,7 +13,7 @@ namespace busbar::cli {
 
 namespace {
 
-struct Arguments {
+struct WriteArguments {
     std::vector<std::string> nodes_and_values;
     std::string type;
     std::string range;
@@ -21,7 +21,7 @@ struct Arguments {
 
 /// The values as the DataTypes of their nodes, or --type, have them.
 std::vector<WriteValue> values_of(Connection& connection, const std::vector<NamedNode>& nodes,
-                                  const Arguments& arguments)
+                                  const WriteArguments& arguments)
 {
     const auto data_types = read_nodes(connection, nodes, AttributeId::DataType);
     const auto ranks = read_nodes(connection, nodes, AttributeId::ValueRank);
@@ -81,7 +81,7 @@ void print(Context& context, const std::vector<NamedNode>& nodes,
     }
 }
 
-Exit write_values(Context& context, Connection& connection, const Arguments& arguments)
+Exit write_values(Context& context, Connection& connection, const WriteArguments& arguments)
 {
     std::vector<std::string> texts;
     for (std::size_t i = 0; i < arguments.nodes_and_values.size(); i += 2) {
@@ -100,7 +100,7 @@ Exit write_values(Context& context, Connection& connection, const Arguments& arg
                                                            : Exit::Partly;
 }
 
-constexpr const char* footer =
+constexpr const char* write_footer =
     "Values are 42, true, any text, 2026-11-21T06:00:00Z, base64 or 0x00FF for bytes;\n"
     "arrays are [1, 2], with texts in quotes; structures {\"Name\": value, ...}.";
 
@@ -109,13 +109,13 @@ constexpr const char* footer =
 void add_write(CLI::App& app, Run& run)
 {
     auto* command = app.add_subcommand("write", "Writes values of nodes.");
-    const auto arguments = std::make_shared<Arguments>();
+    const auto arguments = std::make_shared<WriteArguments>();
     command->add_option("NODE VALUE", arguments->nodes_and_values, "[URL] and nodes with values")
         ->required();
     command->add_option("--type", arguments->type, "instead of the node's DataType: Int16, ...")
         ->type_name("NAME");
     command->add_option("--range", arguments->range, "elements of arrays: 3, 0:9 or 1,0:2");
-    command->footer(footer);
+    command->footer(write_footer);
     command->callback([&run, arguments] {
         run = [arguments](Context& context) {
             take_url_before(arguments->nodes_and_values, context.options);

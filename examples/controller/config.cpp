@@ -19,7 +19,7 @@ namespace busbar::example {
 namespace {
 
 /// Larger ones are no configurations.
-constexpr std::size_t max_file_size = 4U << 20U;
+constexpr std::size_t max_config_size = 4U << 20U;
 
 bool is_address(const std::string& text)
 {
@@ -138,15 +138,15 @@ ControllerConfig read_config(const std::string& path)
     }
     errno = 0;
     std::ifstream file{path, std::ios::binary};
-    std::string text(max_file_size + 1, '\0');
+    std::string text(max_config_size + 1, '\0');
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
     if (file.bad() || !file.is_open()) {
         throw ConfigError{path +
                           ": the file cannot be read: " + std::generic_category().message(errno)};
     }
     text.resize(static_cast<std::size_t>(file.gcount()));
-    if (text.size() > max_file_size) {
-        throw ConfigError{path + ": found more than " + std::to_string(max_file_size) +
+    if (text.size() > max_config_size) {
+        throw ConfigError{path + ": found more than " + std::to_string(max_config_size) +
                           " bytes, expected a configuration; --print-config prints one"};
     }
     return parse_config(text, path);

@@ -9,7 +9,6 @@ namespace {
 
 constexpr std::int64_t most_connections = 100'000;
 constexpr std::int64_t most_references = 10'000'000;
-constexpr std::int64_t most_elements = 16'777'216;
 constexpr std::int64_t most_bytes = 67'108'864;
 constexpr std::int64_t least_message = 8'192; // Part 6, 7.1.2.3: the least buffer
 constexpr std::uint32_t bytes_of_a_chunk = 32'768;

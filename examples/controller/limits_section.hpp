@@ -4,6 +4,9 @@
 
 namespace busbar::example {
 
+/// What array_length can be raised to.
+inline constexpr std::int64_t most_elements = 16'777'216;
+
 /// [limits]
 void read_limits(const TomlTable& table, server::ServerLimits& limits);
 /// Refuses a variable whose whole value would not go through these limits.

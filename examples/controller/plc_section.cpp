@@ -21,8 +21,6 @@ using controller::PlcProgram;
 using controller::PlcProgramKind;
 using controller::PlcVariable;
 
-constexpr std::int64_t most_elements = 16'777'216;
-
 std::uint32_t elements_of(const PlcVariable& variable)
 {
     return std::accumulate(variable.dimensions.begin(), variable.dimensions.end(), 1U,

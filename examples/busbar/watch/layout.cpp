@@ -1,13 +1,13 @@
 #include <algorithm>
 
 #include "../display_text.hpp"
+#include "../output.hpp"
 #include "render.hpp"
 
 namespace busbar::cli::watch {
 
 namespace {
 
-constexpr std::size_t gap = 2;
 constexpr std::size_t age_width = 6;
 constexpr std::size_t status_width = 30;
 constexpr std::size_t least_name = 8;
@@ -22,7 +22,7 @@ Columns columns_of(const Model& model, std::size_t columns)
     Columns widths{};
     std::size_t left = columns;
     const auto take = [&left](std::size_t width) {
-        left -= width + gap;
+        left -= width + column_gap;
         return width;
     };
     if (columns >= columns_with_age) {
@@ -39,8 +39,8 @@ Columns columns_of(const Model& model, std::size_t columns)
         longest = std::max(longest, display_width(row.name));
     }
     // The half at most; the value has the rest.
-    widths.name = std::min(longest, left / 2 - std::min(left / 2, gap / 2));
-    widths.value = left - std::min(left, widths.name + gap);
+    widths.name = std::min(longest, left / 2 - std::min(left / 2, column_gap / 2));
+    widths.value = left - std::min(left, widths.name + column_gap);
     return widths;
 }
 

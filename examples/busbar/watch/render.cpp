@@ -4,13 +4,13 @@
 
 #include "../display_text.hpp"
 #include "../event_fields.hpp"
+#include "../output.hpp"
 #include "../value.hpp"
 
 namespace busbar::cli::watch {
 
 namespace {
 
-constexpr std::size_t gap = 2;
 constexpr const char* blocks[] = {" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
 constexpr const char* ascii_blocks[] = {" ", "_", ".", "-", "~", "+", "=", "*", "#"};
 static_assert(std::size(blocks) == History::highest_level + 1);
@@ -83,8 +83,8 @@ void Painter::title()
     screen_.fill(row_, ink);
     const std::string right = cut(view_text(), columns() - std::min<std::size_t>(columns(), 1));
     const std::size_t at = columns() - std::min(columns(), display_width(right) + 1);
-    if (at > 2 + gap) {
-        screen_.put(row_, 1, cut("busbar watch " + model_->title(), at - 1 - gap), ink);
+    if (at > 2 + column_gap) {
+        screen_.put(row_, 1, cut("busbar watch " + model_->title(), at - 1 - column_gap), ink);
     }
     screen_.put(row_, at, right, ink);
     ++row_;
@@ -118,7 +118,7 @@ void Painter::cells(const std::string& name, const std::string& value, const std
     const auto cell = [&](std::size_t width, const std::string& text, Ink ink) {
         if (width > 0) {
             screen_.put(row_, column, text, ink);
-            column += width + gap;
+            column += width + column_gap;
         }
     };
     cell(widths.name, cut_front(name, widths.name), inks[0]);
@@ -209,7 +209,7 @@ void Painter::event(const EventRow& event)
     put(0, time_of_day(event.time) + severity + "  ", ink);
     const std::size_t source = columns() < 60 ? 10 : 20;
     put(19, cut(event.source, source), ink);
-    put(19 + source + gap, event.message, ink);
+    put(19 + source + column_gap, event.message, ink);
     ++row_;
 }
 
