@@ -192,7 +192,7 @@ Exit measure(Context& context, Connection& connection, const BenchArguments& arg
 {
     std::vector<NodeId> nodes;
     for (const NamedNode& node : find_nodes(connection, arguments.nodes)) {
-        nodes.push_back(connection.value(node.id, node.text));
+        nodes.push_back(id_of(connection, node));
     }
     const std::string one = "read " + std::to_string(nodes.size());
     std::vector<Measured> reads;

@@ -120,6 +120,7 @@ void add_events(CLI::App& app, Run& run)
             }
             check_addresses(arguments->node);
             Connection connection{context, Connection::Endurance::Lasting};
+            refuse_ambiguous(connection, arguments->node);
             return follow(context, connection, *arguments);
         };
     });

@@ -50,6 +50,26 @@ bool is_about_certificate(StatusCode code)
     return name(code).starts_with("Bad_Certificate");
 }
 
+constexpr std::size_t max_shown_candidates = 10;
+
+/// As a POSIX shell takes it for one word, whatever the server has in it.
+std::string shell_word(const std::string& text)
+{
+    static constexpr std::string_view plain = "/:._=-";
+    const auto is_plain = [](char c) {
+        const bool is_letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+        return is_letter || (c >= '0' && c <= '9') || plain.find(c) != std::string_view::npos;
+    };
+    if (std::all_of(text.begin(), text.end(), is_plain)) {
+        return text;
+    }
+    std::string word = "'";
+    for (const char c : text) {
+        word += c == '\'' ? "'\\''" : std::string{c};
+    }
+    return word + "'";
+}
+
 std::string status_text(StatusCode code)
 {
     const std::string_view known = name(code);
@@ -113,7 +133,19 @@ std::string text_of(const Failure& failure, const Output& out)
         text +=
             "\n  " + out.styled(Style::Bold, "hint: ") + wrap(safe(failure.hint), columns - 8, 8);
     }
-    return text + "\n";
+    return text + lines_of(failure.candidates) + "\n";
+}
+
+std::string lines_of(const std::vector<std::string>& candidates)
+{
+    std::string lines;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+        if (i == max_shown_candidates) {
+            return lines + "\n    and others";
+        }
+        lines += "\n    " + shell_word(safe(candidates[i]));
+    }
+    return lines;
 }
 
 std::string json_of(const Failure& failure)
@@ -125,6 +157,9 @@ std::string json_of(const Failure& failure)
         json.member("meaning", help_for(failure.status).meaning);
     }
     json.member("hint", failure.hint);
+    if (!failure.candidates.empty()) {
+        json.key("candidates").texts(failure.candidates);
+    }
     json.member("exit", static_cast<std::int64_t>(failure.exit));
     return json.close_object().close_object().document() + "\n";
 }

@@ -3,6 +3,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <busbar/core/status_code.hpp>
 
@@ -39,7 +40,13 @@ public:
     StatusCode status;
     /// What the user can do; may be empty.
     std::string hint;
+    /// What a text that fits several things may have meant, each to be given instead of it; mostly
+    /// there are none.
+    std::vector<std::string> candidates;
 };
+
+/// The first ten of them, each on a line of its own that can be pasted into a shell.
+[[nodiscard]] std::string lines_of(const std::vector<std::string>& candidates);
 
 /// No connection could be made to `url`; `why` is the system's reason, or empty.
 [[nodiscard]] Failure connect_failure(StatusCode status, const std::string& url,

@@ -97,6 +97,15 @@ JsonWriter& JsonWriter::text(std::string_view value)
     return *this;
 }
 
+JsonWriter& JsonWriter::texts(std::span<const std::string> values)
+{
+    open_array();
+    for (const std::string& value : values) {
+        text(value);
+    }
+    return close_array();
+}
+
 JsonWriter& JsonWriter::number(double value)
 {
     if (!std::isfinite(value)) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -21,6 +22,8 @@ public:
 
     /// Bytes that are no UTF-8 become U+FFFD.
     JsonWriter& text(std::string_view value);
+    /// An array of them.
+    JsonWriter& texts(std::span<const std::string> values);
     JsonWriter& number(std::int64_t value) { return raw(std::to_string(value)); }
     JsonWriter& number(double value);
     JsonWriter& boolean(bool value) { return raw(value ? "true" : "false"); }

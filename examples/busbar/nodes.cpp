@@ -1,7 +1,10 @@
 #include "nodes.hpp"
 
 #include <busbar/client/attributes.hpp>
+#include <busbar/client/resolve_nodes.hpp>
 #include <busbar/types/ids.hpp>
+
+#include "display_text.hpp"
 
 namespace busbar::cli {
 
@@ -45,20 +48,66 @@ std::vector<NamedNode> find_nodes(Connection& connection, const std::vector<std:
     for (const std::string& text : texts) {
         addresses.push_back(parse_address(text));
     }
-    using Ids = std::vector<Result<NodeId>>;
-    const Ids ids = connection.wait_for<Ids>([&](std::function<void(Ids)> done) {
-        client::resolve(connection.client(), std::move(addresses), std::move(done));
+    using Resolved = std::vector<client::ResolvedNode>;
+    const auto resolved = connection.wait_for<Resolved>([&](std::function<void(Resolved)> done) {
+        client::resolve_nodes(connection.client(), std::move(addresses), std::move(done));
     });
     std::vector<NamedNode> nodes;
     for (std::size_t i = 0; i < texts.size(); ++i) {
-        nodes.push_back({texts[i], ids[i]});
+        nodes.push_back({texts[i], resolved[i].id, {}});
+        for (const client::NodeAddress& candidate : resolved[i].candidates) {
+            nodes.back().candidates.push_back(candidate.text());
+        }
     }
     return nodes;
 }
 
 NodeId find_node(Connection& connection, const std::string& text)
 {
-    return connection.value(find_nodes(connection, {text}).front().id, text);
+    return id_of(connection, find_nodes(connection, {text}).front());
+}
+
+NodeId id_of(const Connection& connection, const NamedNode& node)
+{
+    if (!node.candidates.empty()) {
+        throw failure_of(node, node.id.error());
+    }
+    return connection.value(node.id, node.text);
+}
+
+void refuse_ambiguous(Connection& connection, const std::vector<std::string>& texts)
+{
+    for (const NamedNode& node : find_nodes(connection, texts)) {
+        if (!node.candidates.empty()) {
+            throw failure_of(node, node.id.error());
+        }
+    }
+}
+
+Failure failure_of(const NamedNode& node, StatusCode status)
+{
+    Failure failure{status, node.text};
+    if (!node.candidates.empty()) {
+        failure.hint = "give one of these instead";
+        failure.candidates = node.candidates;
+    }
+    return failure;
+}
+
+void print_candidates(Output& err, const std::vector<NamedNode>& nodes)
+{
+    for (const NamedNode& node : nodes) {
+        if (!node.candidates.empty()) {
+            err.line("busbar: " + safe(node.text) + " may be" + lines_of(node.candidates));
+        }
+    }
+}
+
+void append_candidates(JsonWriter& json, const NamedNode& node)
+{
+    if (!node.candidates.empty()) {
+        json.key("candidates").texts(node.candidates);
+    }
 }
 
 std::vector<DataValue> read_attributes(Connection& connection, const NodeId& node,

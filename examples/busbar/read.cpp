@@ -43,6 +43,7 @@ void print_json(Output& out, const std::vector<NamedNode>& nodes,
             json.member("nodeId", to_string(*nodes[i].id));
         }
         append_json(json, values[i], types);
+        append_candidates(json, nodes[i]);
         json.close_object();
     }
     out.line(json.close_array().document());
@@ -75,18 +76,21 @@ Exit read_values(Context& context, Connection& connection, const ReadArguments& 
     const auto nodes = find_nodes(connection, arguments.nodes);
     const auto values = read_nodes(connection, nodes, *attribute, arguments.range);
     if (nodes.size() == 1 && values.front().status.is_bad()) {
-        throw Failure{values.front().status, nodes.front().text};
+        throw failure_of(nodes.front(), values.front().status);
     }
     const Types types = connection.types_of(values);
     if (context.options.is_json) {
         print_json(context.out, nodes, values, types);
-    } else if (arguments.is_plain) {
+        return exit_of_all(values);
+    }
+    if (arguments.is_plain) {
         for (const DataValue& value : values) {
             context.out.line(text_of(value, types));
         }
     } else {
         print(context.out, nodes, values, types, arguments.limits);
     }
+    print_candidates(context.err, nodes);
     return exit_of_all(values);
 }
 

@@ -107,6 +107,7 @@ void add_subscribe(CLI::App& app, Run& run)
             take_url_before(arguments->nodes, context.options);
             check_addresses(arguments->nodes);
             Connection connection{context, Connection::Endurance::Lasting};
+            refuse_ambiguous(connection, arguments->nodes);
             return show(context, connection, *arguments);
         };
     });

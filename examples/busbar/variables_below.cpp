@@ -95,7 +95,7 @@ std::vector<Root> named_roots(Connection& connection, const std::vector<std::str
 {
     std::vector<Root> roots;
     for (const NamedNode& node : find_nodes(connection, nodes)) {
-        roots.push_back({connection.value(node.id, node.text), parse_address(node.text)});
+        roots.push_back({id_of(connection, node), parse_address(node.text)});
     }
     return roots;
 }

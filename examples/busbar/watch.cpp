@@ -8,6 +8,7 @@
 #include "commands.hpp"
 #include "display_text.hpp"
 #include "event_fields.hpp"
+#include "nodes.hpp"
 #include "value.hpp"
 #include "variables_below.hpp"
 #include "watch/view.hpp"
@@ -39,6 +40,7 @@ Selection select(Connection& connection, const WatchArguments& arguments)
     for (FeedNode& node : parse_feed(arguments.nodes)) {
         selection.nodes.push_back({node, node.text});
     }
+    refuse_ambiguous(connection, arguments.nodes);
     if (!arguments.nodes.empty() && arguments.below.empty()) {
         return selection;
     }

@@ -71,6 +71,7 @@ void print(Context& context, const std::vector<NamedNode>& nodes,
     Table table{{{"NODE", 16, false, true}, {"STATUS", 20}}};
     for (std::size_t i = 0; i < nodes.size(); ++i) {
         json.open_object().member("node", nodes[i].text).member("status", statuses[i]);
+        append_candidates(json, nodes[i]);
         json.close_object();
         table.add({{safe(nodes[i].text)}, {text_of(statuses[i]), style_of(statuses[i])}});
     }
@@ -78,6 +79,7 @@ void print(Context& context, const std::vector<NamedNode>& nodes,
         context.out.line(json.close_array().document());
     } else {
         table.print(context.out);
+        print_candidates(context.err, nodes);
     }
 }
 
@@ -92,7 +94,7 @@ Exit write_values(Context& context, Connection& connection, const WriteArguments
     const auto bad = std::count_if(statuses.begin(), statuses.end(),
                                    [](StatusCode status) { return status.is_bad(); });
     if (nodes.size() == 1 && bad == 1) {
-        throw Failure{statuses.front(), texts.front()};
+        throw failure_of(nodes.front(), statuses.front());
     }
     print(context, nodes, statuses);
     return bad == 0                                        ? Exit::Good

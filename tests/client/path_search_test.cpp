@@ -88,6 +88,17 @@ struct PathServer {
     int browsed{0};
 };
 
+using Texts = std::vector<std::string>;
+
+Texts texts(const ResolvedNode& node)
+{
+    Texts texts;
+    for (const NodeAddress& candidate : node.candidates) {
+        texts.push_back(candidate.text());
+    }
+    return texts;
+}
+
 } // namespace
 
 TEST_CASE_METHOD(PathServer, "A path needs no namespaces where there is one way only")
@@ -111,12 +122,69 @@ TEST_CASE_METHOD(PathServer, "A name of several namespaces is told with them")
 {
     const ResolvedNode oven = resolved("/Objects/Oven/Heat");
     CHECK(oven.id == fail(status::Bad_TooManyMatches));
-    CHECK(oven.candidates == std::vector<QualifiedName>{{2, "Oven"}, {1, "Oven"}});
+    CHECK(texts(oven) == Texts{"/Objects/2:Oven/Heat", "/Objects/1:Oven/Heat"});
     CHECK(resolved("/Objects/1:Oven/Heat").id == NodeId{1, "Heat"});
     // That of OPC UA goes before all others.
     nodes[NodeId{0, id::ObjectsFolder}].push_back({{2, "Server"}, NodeId{2, "Server"}});
     nodes[NodeId{0, id::Server}] = {{{2, "Own"}, NodeId{2, "Own"}}};
     CHECK(resolved("/Objects/Server/Own").id == NodeId{2, "Own"});
+}
+
+TEST_CASE_METHOD(PathServer, "Candidates have the namespaces that were found on the way")
+{
+    nodes[NodeId{2, "Press"}].push_back({{3, "Force"}, NodeId{3, "Force"}});
+    CHECK(texts(resolved("/Objects/Press<HasComponent>Force.Unit")) ==
+          Texts{"/Objects/2:Press<HasComponent>2:Force.Unit",
+                "/Objects/2:Press<HasComponent>3:Force.Unit"});
+    CHECK(texts(resolved("[ns=2;s=Press]/Force")) ==
+          Texts{"[ns=2;s=Press]/2:Force", "[ns=2;s=Press]/3:Force"});
+}
+
+TEST_CASE_METHOD(PathServer, "Nodes that have even the namespace in common are told by their ids")
+{
+    nodes[NodeId{0, id::ObjectsFolder}].push_back({{2, "Oven"}, NodeId{2, "Spare"}});
+    CHECK(texts(resolved("/Objects/Oven/Heat")) ==
+          Texts{"[ns=2;s=Oven]/Heat", "/Objects/1:Oven/Heat", "[ns=2;s=Spare]/Heat"});
+    CHECK(texts(resolved("/Objects/Oven")) ==
+          Texts{"ns=2;s=Oven", "/Objects/1:Oven", "ns=2;s=Spare"});
+}
+
+TEST_CASE_METHOD(PathServer, "Each candidate is a path that leads to one node")
+{
+    nodes[NodeId{0, id::ObjectsFolder}].push_back({{2, "Oven"}, NodeId{2, "Spare"}});
+    std::vector<Result<NodeId>> found;
+    for (const std::string& text : texts(resolved("/Objects/Oven"))) {
+        found.push_back(resolved(text.c_str()).id);
+    }
+    CHECK(found ==
+          std::vector<Result<NodeId>>{NodeId{2, "Oven"}, NodeId{1, "Oven"}, NodeId{2, "Spare"}});
+}
+
+TEST_CASE_METHOD(PathServer, "Candidates are twenty at most")
+{
+    for (std::uint16_t ns = 3; ns < 40; ++ns) {
+        nodes[NodeId{0, id::ObjectsFolder}].push_back({{ns, "Oven"}, NodeId{ns, "Oven"}});
+    }
+    const ResolvedNode oven = resolved("/Objects/Oven");
+    CHECK(oven.id == fail(status::Bad_TooManyMatches));
+    CHECK(oven.candidates.size() == 20);
+}
+
+TEST_CASE_METHOD(PathServer, "Several targets that the server tells are the candidates")
+{
+    requester.on<TranslateBrowsePathsToNodeIdsRequest, TranslateBrowsePathsToNodeIdsResponse>(
+        [](const TranslateBrowsePathsToNodeIdsRequest&) {
+            TranslateBrowsePathsToNodeIdsResponse response;
+            response.results.push_back(
+                {status::Good,
+                 {BrowsePathTarget{NodeId{2, "Oven"}, UINT32_MAX},
+                  BrowsePathTarget{NodeId{2, "Spare"}, UINT32_MAX},
+                  BrowsePathTarget{NodeId{2, "Elsewhere"}, 1}}}); // on another server
+            return response;
+        });
+    const ResolvedNode oven = resolved("/Objects/2:Oven");
+    CHECK(oven.id == fail(status::Bad_TooManyMatches));
+    CHECK(texts(oven) == Texts{"ns=2;s=Oven", "ns=2;s=Spare"});
 }
 
 TEST_CASE_METHOD(PathServer, "Two references to one node are one way")

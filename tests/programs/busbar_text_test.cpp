@@ -56,6 +56,21 @@ TEST_CASE("a table fits, and cuts what may be cut")
     CHECK(display_width(table.lines(out, 5)[1]) == 8 + 2 + 1 + 2 + 6); // never below the least
 }
 
+TEST_CASE("candidates are lines that can be pasted, ten of them")
+{
+    CHECK(lines_of({}).empty());
+    CHECK(lines_of({"/Objects/2:Oven/Heat", "[ns=2;s=Oven]/Heat"}) ==
+          "\n    /Objects/2:Oven/Heat\n    '[ns=2;s=Oven]/Heat'");
+    CHECK(lines_of({"/2:It's $(here)\x1b"}) == "\n    '/2:It'\\''s $(here)\\x1B'");
+    const std::string ten = lines_of(std::vector<std::string>(10, "/2:Oven"));
+    CHECK(ten.find("others") == std::string::npos);
+    CHECK(lines_of(std::vector<std::string>(11, "/2:Oven")) == ten + "\n    and others");
+    Failure failure{status::Bad_TooManyMatches, "/Oven", "give one of these instead"};
+    failure.candidates = {"/2:Oven", "/3:Oven"};
+    CHECK(text_of(failure, Output{stdout}).ends_with("these instead\n    /2:Oven\n    /3:Oven\n"));
+    CHECK(json_of(failure).find("\"candidates\":[\"/2:Oven\",\"/3:Oven\"]") != std::string::npos);
+}
+
 TEST_CASE("what went wrong decides the exit code")
 {
     CHECK(exit_of(status::Bad_CertificateUntrusted) == Exit::Refused);

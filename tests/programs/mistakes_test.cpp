@@ -87,6 +87,17 @@ constexpr Mistake mistakes[] = {
      "this is no node id"},
     {"node that does not exist", "busbar read $OPEN 'ns=2;s=Nothing' --insecure", 1,
      "the server has no such node"},
+    {"path that fits two nodes", "busbar read $OPEN /Objects/Oven/Heat --insecure", 1,
+     "hint: give one of these instead /Objects/3:Oven/Heat /Objects/4:Oven/Heat"},
+    {"the same beside a good one", "busbar read $OPEN i=2258 /Objects/Oven/Heat --insecure", 5,
+     "busbar: /Objects/Oven/Heat may be /Objects/3:Oven/Heat /Objects/4:Oven/Heat"},
+    {"the same, written", "busbar write $OPEN /Objects/Oven/Heat 7 --insecure", 1,
+     "give one of these instead /Objects/3:Oven/Heat /Objects/4:Oven/Heat"},
+    {"the same, watched", "busbar watch $OPEN /Objects/Oven/Heat --insecure", 1,
+     "give one of these instead /Objects/3:Oven/Heat /Objects/4:Oven/Heat"},
+    {"the same for a script", "busbar browse $OPEN /Objects/Oven --insecure --json", 1,
+     "\"candidates\":[\"/Objects/3:Oven\",\"/Objects/4:Oven\"]"},
+    {"one of these paths", "busbar read $OPEN /Objects/4:Oven/Heat --insecure --value", 0, "230"},
     {"path without a name: the root (E13)", "busbar browse $OPEN / --depth 1 --insecure", 0,
      "Types"},
     {"type that does not exist", "busbar write $OPEN 'ns=2;s=Mode' 1 --type Int33 --insecure", 2,
@@ -173,6 +184,33 @@ std::string squeezed(const std::string& text)
     return result;
 }
 
+/// A NodeSet2 file with an Oven below Objects, and Heat below that.
+std::string oven_model(const std::string& uri)
+{
+    return R"(<UANodeSet xmlns="http://opcfoundation.org/UA/2011/03/UANodeSet.xsd">
+<NamespaceUris><Uri>)" +
+           uri + R"(</Uri></NamespaceUris>
+<Models><Model ModelUri=")" +
+           uri + R"(" Version="1.0.0" PublicationDate="2026-01-01T00:00:00Z"/></Models>
+<UAObject NodeId="ns=1;s=Oven" BrowseName="1:Oven"><DisplayName>Oven</DisplayName><References>
+<Reference ReferenceType="i=40">i=61</Reference>
+<Reference ReferenceType="i=35" IsForward="false">i=85</Reference></References></UAObject>
+<UAVariable NodeId="ns=1;s=Heat" BrowseName="1:Heat" DataType="i=6"><DisplayName>Heat</DisplayName>
+<References><Reference ReferenceType="i=40">i=63</Reference>
+<Reference ReferenceType="i=47" IsForward="false">ns=1;s=Oven</Reference></References>
+<Value><Int32 xmlns="http://opcfoundation.org/UA/2008/02/Types.xsd">230</Int32></Value>
+</UAVariable></UANodeSet>
+)";
+}
+
+/// Without security, and with two Ovens.
+std::string two_ovens(const ScratchFolder& scratch)
+{
+    const std::string one = scratch.write("oven1.xml", oven_model("urn:ovens:one"));
+    const std::string two = scratch.write("oven2.xml", oven_model("urn:ovens:two"));
+    return "nodesets = [\"" + one + "\", \"" + two + "\"]\n" + open_configuration();
+}
+
 /// All servers that the table needs.
 class Plant {
 public:
@@ -220,7 +258,7 @@ public:
     }
 
     ScratchFolder scratch;
-    Controller open{scratch, "open", open_configuration()};
+    Controller open{scratch, "open", two_ovens(scratch)};
     std::string configuration{secure_configuration()};
     std::vector<std::unique_ptr<Controller>> servers;
     Environment environment;

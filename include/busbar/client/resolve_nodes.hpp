@@ -9,14 +9,15 @@ namespace busbar::client {
 
 struct ResolvedNode {
     Result<NodeId> id;
-    /// Where it is Bad_TooManyMatches for a name without namespace: the names that it might be, 20
-    /// of them at most.
-    std::vector<QualifiedName> candidates;
+    /// Where it is Bad_TooManyMatches: what the path might mean, 20 of them at most. A path whose
+    /// names have their namespaces up to the one that fits several nodes; for nodes that have even
+    /// the namespace in common a path from the node, or its NodeId.
+    std::vector<NodeAddress> candidates;
 };
 
 /// resolve() that also says what a path might have meant.
-Operation resolve_nodes(Requester& requester, std::vector<NodeAddress> addresses,
-                        std::function<void(std::vector<ResolvedNode>)> done,
-                        const ServiceOptions& options = {});
+BUSBAR_API Operation resolve_nodes(Requester& requester, std::vector<NodeAddress> addresses,
+                                   std::function<void(std::vector<ResolvedNode>)> done,
+                                   const ServiceOptions& options = {});
 
 } // namespace busbar::client

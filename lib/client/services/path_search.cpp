@@ -1,7 +1,9 @@
 #include "path_search.hpp"
 
 #include <algorithm>
+#include <span>
 
+#include <busbar/client/node_address.hpp>
 #include <busbar/client/view.hpp>
 
 namespace busbar::client::detail {
@@ -10,18 +12,16 @@ namespace {
 
 /// What is looked at of one node.
 constexpr std::size_t max_targets = 10'000;
-/// Names that are told where a path fits several.
-constexpr std::size_t max_candidates = 20;
 
 /// One element for all paths in each step.
 class PathSearch final : public OperationState, public std::enable_shared_from_this<PathSearch> {
 public:
-    using Done = std::function<void(std::vector<ResolvedNode>)>;
+    using Done = std::function<void(std::vector<SearchedPath>)>;
 
     PathSearch(Requester& requester, std::vector<BrowsePath> paths, Done done,
                const ServiceOptions& options)
         : requester_{requester}, paths_{std::move(paths)},
-          found_(paths_.size(), ResolvedNode{fail(status::Bad_NoMatch), {}}),
+          found_(paths_.size(), SearchedPath{fail(status::Bad_NoMatch), {}}),
           done_{std::move(done)}, options_{options}
     {
         for (std::size_t i = 0; i < paths_.size(); ++i) {
@@ -64,20 +64,23 @@ public:
     }
 
 private:
+    using Targets = std::vector<const ReferenceDescription*>;
+
     void take(const std::vector<BrowseResult>& results)
     {
         for (std::size_t i = 0; i < open_.size(); ++i) {
-            const QualifiedName& name = paths_[open_[i]].relative_path.elements[at_].target_name;
-            found_[open_[i]] = choose(results[i], name);
+            found_[open_[i]] = choose(results[i], paths_[open_[i]]);
         }
         ++at_;
         step();
     }
-    /// A target in the namespace that was named goes before all others.
-    [[nodiscard]] ResolvedNode choose(const BrowseResult& result, const QualifiedName& name) const
+    /// A target in the namespace that was named goes before all others. The path's element gets
+    /// the name of the target, for candidates of later elements.
+    [[nodiscard]] SearchedPath choose(const BrowseResult& result, BrowsePath& path) const
     {
-        std::vector<const ReferenceDescription*> exact;
-        std::vector<const ReferenceDescription*> others;
+        QualifiedName& name = path.relative_path.elements[at_].target_name;
+        Targets exact;
+        Targets others;
         for (const ReferenceDescription& reference : result.references) {
             if (reference.browse_name == name) {
                 add(reference, exact);
@@ -92,19 +95,37 @@ private:
             return {fail(status::Bad_NoMatch), {}};
         }
         if (fitting.size() == 1) {
+            name = fitting.front()->browse_name;
             return {local_id(fitting.front()->node_id, requester_.server()), {}};
         }
-        ResolvedNode many{fail(status::Bad_TooManyMatches), {}};
-        for (const ReferenceDescription* each : fitting) {
-            if (many.candidates.size() < max_candidates) {
-                many.candidates.push_back(each->browse_name);
+        return {fail(status::Bad_TooManyMatches), candidates(path, fitting)};
+    }
+    [[nodiscard]] std::vector<BrowsePath> candidates(const BrowsePath& path,
+                                                     const Targets& targets) const
+    {
+        std::vector<BrowsePath> found;
+        for (const ReferenceDescription* each : targets) {
+            const auto has_name = [each](const ReferenceDescription* other) {
+                return other->browse_name == each->browse_name;
+            };
+            const bool is_only = std::ranges::count_if(targets, has_name) == 1;
+            const auto id = local_id(each->node_id, requester_.server());
+            if (found.size() == max_candidates || (!is_only && !id)) {
+                continue;
+            }
+            BrowsePath& candidate = found.emplace_back(path);
+            auto& elements = candidate.relative_path.elements;
+            elements[at_].target_name = each->browse_name;
+            if (!is_only) {
+                candidate.starting_node = *id;
+                const std::span<const RelativePathElement> all = path.relative_path.elements;
+                elements = Array<RelativePathElement>{all.subspan(at_ + 1)};
             }
         }
-        return many;
+        return found;
     }
     /// Several references to one node are one match.
-    static void add(const ReferenceDescription& reference,
-                    std::vector<const ReferenceDescription*>& to)
+    static void add(const ReferenceDescription& reference, Targets& to)
     {
         if (std::ranges::none_of(to, [&](const ReferenceDescription* each) {
                 return each->node_id == reference.node_id;
@@ -121,7 +142,7 @@ private:
 
     Requester& requester_;
     std::vector<BrowsePath> paths_;
-    std::vector<ResolvedNode> found_;
+    std::vector<SearchedPath> found_;
     Done done_;
     ServiceOptions options_;
     Operation operation_;
@@ -143,7 +164,7 @@ bool may_be_searched(const BrowsePath& path)
 }
 
 Operation search_paths(Requester& requester, std::vector<BrowsePath> paths,
-                       std::function<void(std::vector<ResolvedNode>)> done,
+                       std::function<void(std::vector<SearchedPath>)> done,
                        const ServiceOptions& options)
 {
     const auto operation =

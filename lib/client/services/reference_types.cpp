@@ -46,4 +46,12 @@ NodeId standard_reference_type(const QualifiedName& name)
     return found == types.end() ? NodeId{} : NodeId{0, found->id};
 }
 
+QualifiedName standard_name(const NodeId& reference_type)
+{
+    const auto* const found = std::find_if(types.begin(), types.end(), [&](const Type& type) {
+        return reference_type == NodeId{0, type.id};
+    });
+    return found == types.end() ? QualifiedName{} : QualifiedName{0, found->name};
+}
+
 } // namespace busbar::client::detail

@@ -1,5 +1,6 @@
 #include <map>
 
+#include <busbar/binary/relative_path.hpp>
 #include <busbar/client/attributes.hpp>
 #include <busbar/client/resolve_nodes.hpp>
 #include <busbar/client/view.hpp>
@@ -146,7 +147,7 @@ private:
         std::vector<std::size_t> searched;
         for (std::size_t i = 0; i < asked_.size(); ++i) {
             ResolvedNode& result = results_[asked_[i]];
-            result.id = target_of(results[i]);
+            result = target_of(results[i]);
             if (results[i].status_code == status::Bad_NoMatch &&
                 detail::may_be_searched(sent_[i])) {
                 paths.push_back(std::move(sent_[i]));
@@ -158,24 +159,64 @@ private:
         }
         step_ = detail::search_paths(
             requester_, std::move(paths),
-            [self = shared_from_this(), searched](std::vector<ResolvedNode> found) {
+            [self = shared_from_this(), searched](std::vector<detail::SearchedPath> found) {
                 for (std::size_t i = 0; i < searched.size(); ++i) {
-                    self->results_[searched[i]] = std::move(found[i]);
+                    self->take(std::move(found[i]), self->results_[searched[i]]);
                 }
                 self->finish();
             },
             options_);
     }
-    [[nodiscard]] Result<NodeId> target_of(const BrowsePathResult& result) const
+    void take(detail::SearchedPath found, ResolvedNode& result) const
+    {
+        result.id = std::move(found.id);
+        for (const BrowsePath& candidate : found.candidates) {
+            const auto& path = candidate.relative_path;
+            if (path.elements.empty()) {
+                result.candidates.emplace_back(candidate.starting_node);
+                continue;
+            }
+            const auto text =
+                binary::to_text(path, [this](const NodeId& type) { return name_of(type); });
+            const auto address =
+                text ? NodeAddress::path(*text, candidate.starting_node) : fail(text.error());
+            if (address) {
+                result.candidates.push_back(*address);
+            }
+        }
+    }
+    [[nodiscard]] QualifiedName name_of(const NodeId& type) const
+    {
+        for (const auto& [name, id] : types_) {
+            if (id == type) {
+                return name;
+            }
+        }
+        return detail::standard_name(type);
+    }
+    [[nodiscard]] ResolvedNode target_of(const BrowsePathResult& result) const
     {
         if (result.status_code.is_bad()) {
-            return fail(result.status_code);
+            return {fail(result.status_code), {}};
         }
-        if (result.targets.size() != 1) {
-            return fail(result.targets.empty() ? status::Bad_NoMatch : status::Bad_TooManyMatches);
+        if (result.targets.empty()) {
+            return {fail(status::Bad_NoMatch), {}};
         }
+        if (result.targets.size() == 1) {
+            return {local_target(result.targets.front()), {}};
+        }
+        ResolvedNode many{fail(status::Bad_TooManyMatches), {}};
+        for (const BrowsePathTarget& target : result.targets) {
+            const auto id = local_target(target);
+            if (id && many.candidates.size() < detail::max_candidates) {
+                many.candidates.emplace_back(*id);
+            }
+        }
+        return many;
+    }
+    [[nodiscard]] Result<NodeId> local_target(const BrowsePathTarget& target) const
+    {
         // Part 4, 7.6: a path that leaves the server ends before its last element.
-        const BrowsePathTarget& target = result.targets.front();
         return target.remaining_path_index != UINT32_MAX
                    ? fail(status::Bad_NoMatch)
                    : local_id(target.target_id, requester_.server());
