@@ -35,19 +35,24 @@ std::string between(const std::string& text, const std::string& before, const st
 
 } // namespace
 
-Controller::Controller(const ScratchFolder& scratch, const std::string& name,
-                       const std::string& configuration)
+Controller::Controller(const ScratchFolder& scratch, std::string name, std::string configuration)
+    : scratch_{&scratch}, name_{std::move(name)}, configuration_{std::move(configuration)}
 {
-    const std::string file = scratch.write(name + "/" + name + ".toml",
-                                           "[server]\nname = \"" + name +
-                                               "\"\naddress = \"127.0.0.1\"\nport = 0\n"
-                                               "application_uri = \"" +
-                                               application_uri(name) + "\"\n" + configuration);
-    const std::string folder = scratch.path() + "/" + name;
+    start("0");
+}
+
+void Controller::start(const std::string& port)
+{
+    const std::string server = "[server]\nname = \"" + name_ +
+                               "\"\naddress = \"127.0.0.1\"\nport = " + port +
+                               "\napplication_uri = \"" + application_uri(name_) + "\"\n";
+    const std::string file =
+        scratch_->write(name_ + "/" + name_ + ".toml", server + configuration_);
+    const std::string folder = scratch_->path() + "/" + name_;
     program_ = std::make_unique<Program>(
         std::vector<std::string>{BUSBAR_CONTROLLER, "--config", file}, folder, folder + "/log");
     if (!program_->wait_for("ready; ")) {
-        throw std::runtime_error{name + " does not start: " + program_->output()};
+        throw std::runtime_error{name_ + " does not start: " + program_->output()};
     }
     port_ = between(program_->output(), "variables at opc.tcp://", "\n");
     port_ = port_.substr(port_.rfind(':') + 1);

@@ -13,14 +13,22 @@ namespace busbar::test {
 class Controller {
 public:
     /// `configuration` is TOML without its [server] table's port and address. Throws if it does not
-    /// start.
-    Controller(const ScratchFolder& scratch, const std::string& name,
-               const std::string& configuration);
+    /// start. The folder outlives it.
+    Controller(const ScratchFolder& scratch, std::string name, std::string configuration);
+
+    void kill() { program_.reset(); }
+    /// Starts it again, at the same port.
+    void restart() { start(port_); }
 
     [[nodiscard]] const std::string& port() const { return port_; }
     [[nodiscard]] std::string url() const { return "opc.tcp://localhost:" + port_; }
 
 private:
+    void start(const std::string& port);
+
+    const ScratchFolder* scratch_;
+    std::string name_;
+    std::string configuration_;
     std::unique_ptr<Program> program_;
     std::string port_;
 };

@@ -11,11 +11,7 @@ using namespace busbar::test;
 
 namespace {
 
-struct Size {
-    std::size_t columns;
-    std::size_t rows;
-};
-constexpr Size sizes[] = {{80, 24}, {60, 20}, {200, 60}};
+constexpr TerminalSize sizes[] = {{80, 24}, {60, 20}, {200, 60}};
 
 class Plant {
 public:
@@ -29,13 +25,13 @@ public:
         REQUIRE(end_of({"write", "ns=2;s=Grid", "[[1, 2, 3], [40, 50, 60]]"}) == 0);
     }
 
-    [[nodiscard]] TerminalProgram program(std::vector<std::string> arguments, Size size = {80, 24})
+    [[nodiscard]] TerminalProgram program(std::vector<std::string> arguments,
+                                          TerminalSize size = {})
     {
         arguments.insert(arguments.begin(), BUSBAR);
         arguments.emplace_back("--insecure");
         return {std::move(arguments),
-                size.columns,
-                size.rows,
+                size,
                 {{"HOME", scratch_.path()}, {"BUSBAR_URL", controller_.url()}}};
     }
     [[nodiscard]] std::optional<int> end_of(const std::vector<std::string>& arguments)
@@ -43,13 +39,15 @@ public:
         return Terminal{program(arguments)}.wait_for_end();
     }
     /// The screen after the program has ended well, with times masked.
-    [[nodiscard]] std::string screen_of(const std::vector<std::string>& arguments, Size size)
+    [[nodiscard]] std::string screen_of(const std::vector<std::string>& arguments,
+                                        TerminalSize size)
     {
         Terminal terminal{program(arguments, size)};
         CHECK(terminal.wait_for_end() == 0);
         static const std::regex date{"[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9:]{8}[.0-9]*Z"};
         static const std::regex time{"[0-9]{2}:[0-9]{2}:[0-9]{2}\\.[0-9]{3}"};
-        const std::string without_dates = std::regex_replace(terminal.text(), date, "<date>");
+        const std::string without_dates =
+            std::regex_replace(terminal.screen().text(), date, "<date>");
         return std::regex_replace(without_dates, time, "<time>");
     }
 
@@ -104,7 +102,7 @@ std::string curve_lines(int in_line, int count, int index_width)
 TEST_CASE("a structure has a line for each field in every terminal")
 {
     Plant plant;
-    for (const Size& size : sizes) {
+    for (const TerminalSize& size : sizes) {
         INFO(size.columns << "x" << size.rows);
         const std::string warning =
             size.columns == 60 ? "busbar: insecure: no encryption, and nobody knows who the\n"
@@ -117,7 +115,7 @@ TEST_CASE("a structure has a line for each field in every terminal")
 TEST_CASE("an array fills the width of the terminal, up to a limit that is said")
 {
     Plant plant;
-    const auto shown = [&](Size size) {
+    const auto shown = [&](TerminalSize size) {
         const std::string screen =
             plant.screen_of({"read", "ns=2;s=Curve", "--limit", "100"}, size);
         const std::size_t second = screen.find("\n  [0]");

@@ -1,28 +1,18 @@
 #include <catch2/catch.hpp>
 
 #include <csignal>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
-#include <thread>
 
-#include <sys/wait.h>
-#include <unistd.h>
+#include "programs/controllers.hpp"
+#include "support/terminal.hpp"
 
-#include "terminal_emulator.hpp"
+// `busbar watch` as it is seen and used in a terminal.
 
-using busbar::test::TerminalEmulator;
-using namespace std::chrono_literals;
+using namespace busbar::test;
 
 namespace {
 
-const std::string programs = std::string{BUSBAR_BINARY_DIR} + "/bin/";
-
-constexpr const char* config = R"([server]
-name = "Screens"
-address = "127.0.0.1"
-port = PORT
-[[endpoint]]
+constexpr const char* configuration = R"([[endpoint]]
 policy = "None"
 [users]
 anonymous = "write"
@@ -61,90 +51,24 @@ severity = 700
 message = "The machine started"
 )";
 
-/// A folder of its own that goes with it.
-struct Folder {
-    Folder()
-    {
-        std::string name = (std::filesystem::temp_directory_path() / "busbarXXXXXX").string();
-        REQUIRE(::mkdtemp(name.data()) != nullptr);
-        path = name;
-    }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    ~Folder() { std::filesystem::remove_all(path); }
-
-    std::filesystem::path path;
-};
-
-/// A busbar-controller that can be killed and comes back at the same port.
+/// A busbar-controller, and `busbar watch` of it.
 class Machine {
 public:
-    Machine() { start("0"); }
-    Machine(const Machine&) = delete;
-    Machine& operator=(const Machine&) = delete;
-    ~Machine() { kill(); }
-
-    void kill()
+    [[nodiscard]] std::string url() const { return "opc.tcp://127.0.0.1:" + controller.port(); }
+    [[nodiscard]] std::unique_ptr<Terminal> watch(TerminalSize size,
+                                                  const std::vector<std::string>& options = {},
+                                                  Environment environment = {}) const
     {
-        if (process_ > 0) {
-            ::kill(process_, SIGKILL);
-            ::waitpid(process_, nullptr, 0);
-            process_ = -1;
-        }
-    }
-    void restart() { start(port_); }
-    [[nodiscard]] std::string url() const { return "opc.tcp://127.0.0.1:" + port_; }
-    /// `busbar watch` of it in a terminal.
-    [[nodiscard]] std::unique_ptr<TerminalEmulator>
-    watch(TerminalEmulator::Size size, std::vector<std::string> options = {},
-          std::vector<std::string> variables = {}) const
-    {
-        std::vector<std::string> command{programs + "busbar", "watch",      url(),
-                                         "--insecure",        "--interval", "100"};
-        command.insert(command.end(), options.begin(), options.end());
-        variables.push_back("XDG_DATA_HOME=" + (folder_.path / "data").string());
-        return std::make_unique<TerminalEmulator>(command, size, variables);
+        TerminalProgram program{{BUSBAR, "watch", url(), "--insecure", "--interval", "100"},
+                                size,
+                                std::move(environment)};
+        program.command.insert(program.command.end(), options.begin(), options.end());
+        program.environment.emplace_back("HOME", scratch.path());
+        return std::make_unique<Terminal>(program);
     }
 
-private:
-    void start(const std::string& port)
-    {
-        std::string text{config};
-        text.replace(text.find("PORT"), 4, port);
-        std::ofstream{folder_.path / "machine.toml"} << text;
-        const std::string log = (folder_.path / "log").string();
-        process_ = ::fork();
-        if (process_ == 0) {
-            std::filesystem::current_path(folder_.path);
-            static_cast<void>(!std::freopen(log.c_str(), "w", stdout));
-            static_cast<void>(!std::freopen(log.c_str(), "a", stderr));
-            const std::string program = programs + "busbar-controller";
-            ::execl(program.c_str(), program.c_str(), "--config", "machine.toml", nullptr);
-            ::_exit(127);
-        }
-        const auto end = std::chrono::steady_clock::now() + 60s;
-        while (!find_port(log)) {
-            REQUIRE(std::chrono::steady_clock::now() < end);
-            REQUIRE(::waitpid(process_, nullptr, WNOHANG) == 0);
-            std::this_thread::sleep_for(20ms);
-        }
-    }
-    bool find_port(const std::string& log)
-    {
-        std::ifstream file{log};
-        const std::string text{std::istreambuf_iterator<char>{file}, {}};
-        const std::size_t url = text.rfind("opc.tcp://");
-        if (text.find("ready") == std::string::npos || url == std::string::npos) {
-            return false;
-        }
-        const std::size_t digits = text.find(':', url + 10) + 1;
-        port_ = text.substr(digits, text.find_first_not_of("0123456789", digits) - digits);
-        return !port_.empty();
-    }
-
-    Folder folder_;
-    std::string port_;
-    ::pid_t process_{-1};
+    ScratchFolder scratch;
+    Controller controller{scratch, "screens", configuration};
 };
 
 /// Whether a line is as the pattern has it, in which % stands for any one character, ~ for the rest
@@ -179,20 +103,20 @@ std::vector<std::string> read_pattern(const std::string& name)
     return lines;
 }
 
-bool shows(const TerminalEmulator& terminal, const std::vector<std::string>& pattern)
+bool shows(const Terminal& terminal, const std::vector<std::string>& pattern)
 {
-    const auto lines = terminal.lines();
+    const auto lines = terminal.screen().rows();
     return std::equal(lines.begin(), lines.end(), pattern.begin(), pattern.end(), matches);
 }
 
 /// Waits for the picture of the file, then says of each line that does not come what it is.
-void check_screen(TerminalEmulator& terminal, const std::string& name)
+void check_screen(Terminal& terminal, const std::string& name)
 {
     const auto pattern = read_pattern(name);
     REQUIRE_FALSE(pattern.empty());
     const bool is_shown = terminal.wait_until([&] { return shows(terminal, pattern); });
     if (!is_shown) {
-        const auto lines = terminal.lines();
+        const auto lines = terminal.screen().rows();
         std::string text;
         for (std::size_t i = 0; i < lines.size(); ++i) {
             const bool is_good = i < pattern.size() && matches(lines[i], pattern[i]);
@@ -200,46 +124,38 @@ void check_screen(TerminalEmulator& terminal, const std::string& name)
         }
         FAIL(name << " is not what is seen:\n" << text);
     }
-    CHECK(terminal.is_reversed(0, 0));
-    CHECK(terminal.is_reversed(3, terminal.size().columns - 1)); // the selected row
-    CHECK_FALSE(terminal.is_reversed(4, 0));
-    CHECK(terminal.is_reversed(terminal.size().rows - 1, 0));
+    CHECK(terminal.screen().is_reversed(0, 0));
+    CHECK(
+        terminal.screen().is_reversed(3, terminal.screen().size().columns - 1)); // the selected row
+    CHECK_FALSE(terminal.screen().is_reversed(4, 0));
+    CHECK(terminal.screen().is_reversed(terminal.screen().size().rows - 1, 0));
 }
 
-/// The line with this text in it; empty if there is none.
-std::string line_with(const TerminalEmulator& terminal, const std::string& text)
+bool wait_for_row(Terminal& terminal, std::size_t row, const std::string& pattern)
 {
-    for (const std::string& line : terminal.lines()) {
-        if (line.find(text) != std::string::npos) {
-            return line;
-        }
-    }
-    return {};
+    return terminal.wait_until([&] { return matches(terminal.screen().row(row), pattern); });
 }
 
-bool wait_for_line(TerminalEmulator& terminal, int row, const std::string& pattern)
+bool wait_for_selected(Terminal& terminal, std::size_t row)
 {
-    return terminal.wait_until([&] { return matches(terminal.line(row), pattern); });
-}
-
-bool wait_for_selected(TerminalEmulator& terminal, int row)
-{
-    return terminal.wait_until(
-        [&] { return terminal.is_reversed(row, 0) && !terminal.is_reversed(row == 3 ? 4 : 3, 0); });
+    return terminal.wait_until([&] {
+        return terminal.screen().is_reversed(row, 0) &&
+               !terminal.screen().is_reversed(row == 3 ? 4 : 3, 0);
+    });
 }
 
 /// The number that Speed has on the screen.
-std::string speed_of(const TerminalEmulator& terminal)
+std::string speed_of(const Terminal& terminal)
 {
-    const std::string line = line_with(terminal, "2:Speed  ");
+    const std::string line = terminal.screen().row_with("2:Speed  ");
     return line.substr(0, line.find(' ', line.find_first_of("0123456789", 2)));
 }
 
 /// The terminal is as it was before.
-void check_given_back(const TerminalEmulator& terminal)
+void check_given_back(const Terminal& terminal)
 {
-    CHECK_FALSE(terminal.is_alternate());
-    CHECK(terminal.is_cursor_visible());
+    CHECK_FALSE(terminal.screen().is_alternate());
+    CHECK(terminal.screen().is_cursor_visible());
 }
 
 } // namespace
@@ -249,19 +165,19 @@ TEST_CASE("watch fits the terminal, whatever size it gets", "[watch]")
     const Machine machine;
     const auto terminal = machine.watch({80, 24});
     check_screen(*terminal, "terminal_80x24.txt");
-    CHECK(terminal->is_alternate());
-    CHECK_FALSE(terminal->is_cursor_visible());
+    CHECK(terminal->screen().is_alternate());
+    CHECK_FALSE(terminal->screen().is_cursor_visible());
     terminal->resize({60, 20});
     check_screen(*terminal, "terminal_60x20.txt");
     terminal->resize({200, 60});
     check_screen(*terminal, "terminal_200x60.txt");
     terminal->resize({20, 3});
-    CHECK(
-        terminal->wait_until([&] { return terminal->line(1).find("Level") != std::string::npos; }));
+    CHECK(terminal->wait_until(
+        [&] { return terminal->screen().row(1).find("Level") != std::string::npos; }));
     terminal->resize({80, 24});
     check_screen(*terminal, "terminal_80x24.txt");
     terminal->type("q");
-    CHECK(terminal->wait_for_exit() == 0);
+    CHECK(terminal->wait_for_end() == 0);
     check_given_back(*terminal);
 }
 
@@ -273,37 +189,37 @@ TEST_CASE("keys of watch filter, sort, reverse, pause and move", "[watch]")
     terminal->type("/spe");
     REQUIRE(terminal->wait_for("filter: spe"));
     CHECK(terminal->wait_for("1-1 of 1"));
-    CHECK(wait_for_line(*terminal, 23, "filter: spe"));
-    CHECK(line_with(*terminal, "Level").empty());
-    CHECK(terminal->wait_until([&] { return terminal->is_cursor_visible(); }));
+    CHECK(wait_for_row(*terminal, 23, "filter: spe"));
+    CHECK(terminal->screen().row_with("Level").empty());
+    CHECK(terminal->wait_until([&] { return terminal->screen().is_cursor_visible(); }));
     terminal->type("\x1b");
     CHECK(terminal->wait_for("1-5 of 5"));
     terminal->type("s");
     CHECK(terminal->wait_for("sort: name"));
-    CHECK(wait_for_line(*terminal, 7, "2:Speed ~"));
+    CHECK(wait_for_row(*terminal, 7, "2:Speed ~"));
     terminal->type("r");
     CHECK(terminal->wait_for("sort: name reversed"));
-    CHECK(wait_for_line(*terminal, 3, "2:Speed ~"));
+    CHECK(wait_for_row(*terminal, 3, "2:Speed ~"));
     // Speed counts on, but not in a picture that is paused. What stands at the bottom is drawn
     // last: with the prompt the rest is there.
     terminal->type("p/");
     REQUIRE(terminal->wait_for("PAUSED"));
-    REQUIRE(wait_for_line(*terminal, 23, "filter:"));
-    const std::string paused = line_with(*terminal, "2:Speed");
+    REQUIRE(wait_for_row(*terminal, 23, "filter:"));
+    const std::string paused = terminal->screen().row_with("2:Speed");
     terminal->type("\x15\rs/");
     REQUIRE(terminal->wait_for("sort: value"));
-    REQUIRE(wait_for_line(*terminal, 23, "filter:"));
-    CHECK(line_with(*terminal, "2:Speed") == paused);
+    REQUIRE(wait_for_row(*terminal, 23, "filter:"));
+    CHECK(terminal->screen().row_with("2:Speed") == paused);
     terminal->type("\rp");
-    CHECK(terminal->wait_until([&] { return line_with(*terminal, "2:Speed") != paused; }));
+    CHECK(terminal->wait_until([&] { return terminal->screen().row_with("2:Speed") != paused; }));
     terminal->type("\x1bOH"); // Home
     CHECK(wait_for_selected(*terminal, 3));
     terminal->type("\x1bOB"); // Down
     CHECK(wait_for_selected(*terminal, 4));
     terminal->type("e");
-    CHECK(terminal->wait_until([&] { return line_with(*terminal, "EVENTS").empty(); }));
+    CHECK(terminal->wait_until([&] { return terminal->screen().row_with("EVENTS").empty(); }));
     terminal->type("\x03");
-    CHECK(terminal->wait_for_exit() == 0);
+    CHECK(terminal->wait_for_end() == 0);
     check_given_back(*terminal);
 }
 
@@ -334,10 +250,10 @@ TEST_CASE("watch writes a value, and says why if it cannot", "[watch]")
     terminal->type("w");
     REQUIRE(terminal->wait_for("(Int32):"));
     terminal->type("-7\r");
-    CHECK(
-        terminal->wait_until([&] { return terminal->line(3).find(" -7 ") != std::string::npos; }));
+    CHECK(terminal->wait_until(
+        [&] { return terminal->screen().row(3).find(" -7 ") != std::string::npos; }));
     terminal->type("q");
-    CHECK(terminal->wait_for_exit() == 0);
+    CHECK(terminal->wait_for_end() == 0);
 }
 
 TEST_CASE("watch goes on when the server was lost and is back", "[watch]")
@@ -346,53 +262,54 @@ TEST_CASE("watch goes on when the server was lost and is back", "[watch]")
     const auto terminal = machine.watch({120, 24});
     REQUIRE(terminal->wait_for("BB-0001"));
     REQUIRE(terminal->wait_for("The machine started"));
-    CHECK(wait_for_line(*terminal, 1, "connected, no security, anonymous"));
-    machine.kill();
-    REQUIRE(wait_for_line(*terminal, 1, "lost since %%:%%:%%, ~"));
+    CHECK(wait_for_row(*terminal, 1, "connected, no security, anonymous"));
+    machine.controller.kill();
+    REQUIRE(wait_for_row(*terminal, 1, "lost since %%:%%:%%, ~"));
     terminal->type("s");
     CHECK(terminal->wait_for("sort: name"));
     terminal->type("w");
     CHECK(terminal->wait_for("2:Level: Bad_"));
     terminal->resize({60, 20});
-    CHECK(terminal->wait_until([&] { return terminal->line(2).size() == 60; }));
-    CHECK(wait_for_line(*terminal, 1, "lost since %%:%%:%%, ~"));
+    CHECK(terminal->wait_until([&] { return terminal->screen().row(2).size() == 60; }));
+    CHECK(wait_for_row(*terminal, 1, "lost since %%:%%:%%, ~"));
     const std::string speed = speed_of(*terminal);
-    machine.restart();
-    REQUIRE(wait_for_line(*terminal, 1, "back since %%:%%:%% after ~"));
+    machine.controller.restart();
+    REQUIRE(wait_for_row(*terminal, 1, "back since %%:%%:%% after ~"));
     CHECK(terminal->wait_until([&] { return speed_of(*terminal) != speed; }));
     terminal->resize({200, 20});
     CHECK(terminal->wait_for("may have missed "));
     terminal->signal(SIGTERM);
-    CHECK(terminal->wait_for_exit() == 0);
+    CHECK(terminal->wait_for_end() == 0);
     check_given_back(*terminal);
 }
 
 TEST_CASE("watch has no colour where none is wanted", "[watch]")
 {
     const Machine machine;
-    const auto plain = machine.watch({80, 24}, {}, {"NO_COLOR=1"});
+    const auto plain = machine.watch({80, 24}, {}, {{"NO_COLOR", "1"}});
     const auto coloured = machine.watch({80, 24});
     REQUIRE(plain->wait_for("The machine started"));
     REQUIRE(coloured->wait_for("The machine started"));
-    CHECK_FALSE(plain->has_colours());
-    CHECK(coloured->has_colours());
+    CHECK_FALSE(plain->screen().has_colours());
+    CHECK(coloured->screen().has_colours());
 }
 
 TEST_CASE("watch shows lines where there is no screen to draw on", "[watch]")
 {
     const Machine machine;
     const std::string level = "  /Objects/2:PLC/2:Level  42";
-    for (const char* type : {"TERM=dumb", "TERM=no-such-terminal"}) {
+    for (const char* type : {"dumb", "no-such-terminal"}) {
         INFO(type);
-        const auto terminal = machine.watch({100, 24}, {"--count", "5", "--no-events"}, {type});
-        CHECK(terminal->wait_for_exit() == 0);
-        CHECK_FALSE(line_with(*terminal, level).empty());
-        CHECK_FALSE(terminal->is_alternate());
+        const auto terminal =
+            machine.watch({100, 24}, {"--count", "5", "--no-events"}, {{"TERM", type}});
+        CHECK(terminal->wait_for_end() == 0);
+        CHECK_FALSE(terminal->screen().row_with(level).empty());
+        CHECK_FALSE(terminal->screen().is_alternate());
     }
     const auto bounded = machine.watch({100, 24}, {"--below", "/Objects/2:PLC", "--limit", "2"});
     CHECK(bounded->wait_for("3 more Variables are left out"));
     CHECK(bounded->wait_for("1-2 of 2"));
     const auto ending = machine.watch({100, 24}, {"ns=2;s=Level", "--count", "1"});
-    CHECK(ending->wait_for_exit() == 0);
+    CHECK(ending->wait_for_end() == 0);
     check_given_back(*ending);
 }

@@ -1,5 +1,6 @@
 #include "support/program.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -26,16 +27,6 @@ std::string read_all(const std::string& path)
     return {std::istreambuf_iterator<char>{file}, {}};
 }
 
-std::vector<char*> pointers_to(std::vector<std::string>& texts)
-{
-    std::vector<char*> pointers;
-    for (std::string& text : texts) {
-        pointers.push_back(text.data());
-    }
-    pointers.push_back(nullptr);
-    return pointers;
-}
-
 /// In the child: nothing to read, everything that is printed into the file.
 void redirect(const std::string& output_file)
 {
@@ -47,6 +38,32 @@ void redirect(const std::string& output_file)
 }
 
 } // namespace
+
+std::vector<std::string> variables_of(const Environment& environment, const Environment& defaults)
+{
+    const char* const path = std::getenv("PATH");
+    Environment all{environment};
+    all.insert(all.end(), defaults.begin(), defaults.end());
+    all.emplace_back("PATH", path == nullptr ? "" : path);
+    std::vector<std::string> variables;
+    for (auto each = all.begin(); each != all.end(); ++each) {
+        const auto has_name = [each](const auto& other) { return other.first == each->first; };
+        if (std::none_of(all.begin(), each, has_name)) {
+            variables.push_back(each->first + "=" + each->second);
+        }
+    }
+    return variables;
+}
+
+std::vector<char*> pointers_to(std::vector<std::string>& texts)
+{
+    std::vector<char*> pointers;
+    for (std::string& text : texts) {
+        pointers.push_back(text.data());
+    }
+    pointers.push_back(nullptr);
+    return pointers;
+}
 
 ScratchFolder::ScratchFolder()
 {
@@ -80,15 +97,7 @@ Program::Program(std::vector<std::string> command, const std::string& folder,
                  const std::string& output_file, const Environment& environment)
     : output_file_{output_file}
 {
-    std::vector<std::string> variables;
-    bool has_path = false;
-    for (const auto& [name, value] : environment) {
-        variables.push_back(name + "=" + value);
-        has_path = has_path || name == "PATH";
-    }
-    if (const char* const path = std::getenv("PATH"); path != nullptr && !has_path) {
-        variables.push_back(std::string{"PATH="} + path);
-    }
+    std::vector<std::string> variables = variables_of(environment);
     const std::vector<char*> arguments = pointers_to(command);
     const std::vector<char*> variable_list = pointers_to(variables);
     process_ = ::fork();

@@ -14,6 +14,13 @@ namespace busbar::test {
 
 using Environment = std::vector<std::pair<std::string, std::string>>;
 
+/// "NAME=value" for each, and for those of `defaults` and for PATH as it is here that have another
+/// name.
+[[nodiscard]] std::vector<std::string> variables_of(const Environment& environment,
+                                                    const Environment& defaults = {});
+/// As execve() takes them; valid as long as `texts` is unchanged.
+[[nodiscard]] std::vector<char*> pointers_to(std::vector<std::string>& texts);
+
 /// A folder that is gone with the object.
 class ScratchFolder {
 public:
