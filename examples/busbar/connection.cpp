@@ -13,10 +13,12 @@ namespace {
 std::atomic<net::BlockingClient*> interruptible{nullptr};
 
 std::atomic<bool> has_interrupt{false};
+std::atomic<bool> has_hangup{false};
 
-void on_interrupt(int)
+void on_interrupt(int signal)
 {
     has_interrupt = true;
+    has_hangup = has_hangup || signal == SIGHUP;
     if (net::BlockingClient* client = interruptible.load()) {
         client->interrupt();
     }
@@ -64,6 +66,18 @@ void Connection::close()
 bool Connection::is_interrupted() const
 {
     return has_interrupt;
+}
+
+void Connection::end_at_hangup()
+{
+    if (std::signal(SIGHUP, on_interrupt) == SIG_IGN) {
+        std::signal(SIGHUP, SIG_IGN);
+    }
+}
+
+bool Connection::is_hung_up() const
+{
+    return has_hangup;
 }
 
 Types Connection::types_of(const std::vector<DataValue>& values)

@@ -32,6 +32,9 @@ public:
     void close();
     [[nodiscard]] net::BlockingClient& blocking() { return *client_; }
     [[nodiscard]] bool is_interrupted() const;
+    /// From now on SIGHUP ends what waits as Ctrl+C does, unless whoever started us has it ignored.
+    void end_at_hangup();
+    [[nodiscard]] bool is_hung_up() const;
     [[nodiscard]] client::Client& client() { return client_->client(); }
 
     /// The response; throws Failure, which says that `what` failed, or Interrupted.

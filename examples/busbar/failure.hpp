@@ -19,6 +19,7 @@ enum class Exit : int {
     NotConnected = 3, // no server there, or it went away
     Refused = 4,      // security: a certificate, the user, or what the endpoint offers
     Partly = 5,       // some of several nodes failed, the others did not
+    HungUp = 129,     // the terminal of `busbar watch` went away, as shells have it for SIGHUP
     Interrupted = 130 // by Ctrl+C, as shells have it for SIGINT
 };
 

@@ -18,7 +18,7 @@ constexpr const char* footer =
     "\n"
     "Exit codes: 0 good, 1 refused by the server or the disk, 2 usage,\n"
     "3 not connected, 4 security or login, 5 some of the nodes failed,\n"
-    "130 interrupted.\n"
+    "129 the terminal went away, 130 interrupted.\n"
     "Environment: BUSBAR_URL, BUSBAR_PASSWORD, XDG_DATA_HOME, NO_COLOR, COLUMNS.";
 
 void add_commands(CLI::App& app, Run& run)

@@ -117,6 +117,11 @@ void Stream::wake_on(int descriptor)
     }
 }
 
+bool Stream::has_lost_input() const
+{
+    return is_gone(input_);
+}
+
 bool Stream::has_input() const
 {
     return (polled(input_) & POLLIN) != 0;
@@ -128,7 +133,7 @@ void Stream::run(const std::function<void()>& tick)
     const auto begin = Clock::now();
     const auto is_over = [&] {
         const std::chrono::duration<double> passed = Clock::now() - begin;
-        return is_stopped_ || is_gone(input_) || (end_.count != 0 && counted_ >= end_.count) ||
+        return is_stopped_ || has_lost_input() || (end_.count != 0 && counted_ >= end_.count) ||
                (end_.seconds > 0 && passed.count() >= end_.seconds);
     };
     while (!is_over() && !connection_->is_interrupted()) {

@@ -69,8 +69,10 @@ public:
     bool count();
     /// run() ends after what happens now.
     void stop() { is_stopped_ = true; }
-    /// run() calls `tick` soon when this can be read.
+    /// run() calls `tick` soon when this can be read, and ends when nobody can write there any
+    /// more.
     void wake_on(int descriptor);
+    [[nodiscard]] bool has_lost_input() const;
     /// Until the end; throws Interrupted after Ctrl+C. `tick` is called after everything that
     /// happened and now and then.
     void run(const std::function<void()>& tick = [] {});

@@ -1,135 +1,14 @@
 #include <catch2/catch.hpp>
 
 #include <csignal>
-#include <fstream>
 
-#include "programs/controllers.hpp"
-#include "support/terminal.hpp"
+#include "programs/watched_machine.hpp"
 
 // `busbar watch` as it is seen and used in a terminal.
 
 using namespace busbar::test;
 
 namespace {
-
-constexpr const char* configuration = R"([[endpoint]]
-policy = "None"
-[users]
-anonymous = "write"
-[plc]
-scan_ms = 20
-[[plc.variable]]
-name = "Level"
-type = "Int32"
-initial = 42
-[[plc.variable]]
-name = "Speed"
-type = "Int16"
-[[plc.variable]]
-name = "Recipe"
-type = "String"
-initial = "standard"
-capacity = 64
-[[plc.variable]]
-name = "Serial"
-type = "String"
-initial = "BB-0001"
-access = "read"
-[[plc.variable]]
-name = "Running"
-type = "Boolean"
-[[plc.program]]
-kind = "increment"
-target = "Speed"
-[[plc.program]]
-kind = "toggle"
-target = "Running"
-period_ms = 1000
-[[plc.event]]
-variable = "Running"
-severity = 700
-message = "The machine started"
-)";
-
-/// A busbar-controller, and `busbar watch` of it.
-class Machine {
-public:
-    [[nodiscard]] std::string url() const { return "opc.tcp://127.0.0.1:" + controller.port(); }
-    [[nodiscard]] std::unique_ptr<Terminal> watch(TerminalSize size,
-                                                  const std::vector<std::string>& options = {},
-                                                  Environment environment = {}) const
-    {
-        TerminalProgram program{{BUSBAR, "watch", url(), "--insecure", "--interval", "100"},
-                                size,
-                                std::move(environment)};
-        program.command.insert(program.command.end(), options.begin(), options.end());
-        program.environment.emplace_back("HOME", scratch.path());
-        return std::make_unique<Terminal>(program);
-    }
-
-    ScratchFolder scratch;
-    Controller controller{scratch, "screens", configuration};
-};
-
-/// Whether a line is as the pattern has it, in which % stands for any one character, ~ for the rest
-/// of the line.
-bool matches(std::string_view line, std::string_view pattern)
-{
-    const auto width = [](char lead) {
-        const auto byte = static_cast<unsigned char>(lead);
-        return byte < 0x80 ? 1U : byte < 0xE0 ? 2U : byte < 0xF0 ? 3U : 4U;
-    };
-    while (!pattern.empty()) {
-        if (pattern[0] == '~') {
-            return true;
-        }
-        const char next = line.empty() ? ' ' : line[0];
-        if (pattern[0] != '%' && pattern[0] != next) {
-            return false;
-        }
-        line.remove_prefix(std::min<std::size_t>(pattern[0] == '%' ? width(next) : 1, line.size()));
-        pattern.remove_prefix(1);
-    }
-    return line.empty();
-}
-
-std::vector<std::string> read_pattern(const std::string& name)
-{
-    std::ifstream file{std::string{BUSBAR_SOURCE_DIR} + "/tests/programs/screens/" + name};
-    std::vector<std::string> lines;
-    for (std::string line; std::getline(file, line);) {
-        lines.push_back(line);
-    }
-    return lines;
-}
-
-bool shows(const Terminal& terminal, const std::vector<std::string>& pattern)
-{
-    const auto lines = terminal.screen().rows();
-    return std::equal(lines.begin(), lines.end(), pattern.begin(), pattern.end(), matches);
-}
-
-/// Waits for the picture of the file, then says of each line that does not come what it is.
-void check_screen(Terminal& terminal, const std::string& name)
-{
-    const auto pattern = read_pattern(name);
-    REQUIRE_FALSE(pattern.empty());
-    const bool is_shown = terminal.wait_until([&] { return shows(terminal, pattern); });
-    if (!is_shown) {
-        const auto lines = terminal.screen().rows();
-        std::string text;
-        for (std::size_t i = 0; i < lines.size(); ++i) {
-            const bool is_good = i < pattern.size() && matches(lines[i], pattern[i]);
-            text += (is_good ? "  " : "! ") + lines[i] + "\n";
-        }
-        FAIL(name << " is not what is seen:\n" << text);
-    }
-    CHECK(terminal.screen().is_reversed(0, 0));
-    CHECK(
-        terminal.screen().is_reversed(3, terminal.screen().size().columns - 1)); // the selected row
-    CHECK_FALSE(terminal.screen().is_reversed(4, 0));
-    CHECK(terminal.screen().is_reversed(terminal.screen().size().rows - 1, 0));
-}
 
 bool wait_for_row(Terminal& terminal, std::size_t row, const std::string& pattern)
 {
@@ -149,13 +28,6 @@ std::string speed_of(const Terminal& terminal)
 {
     const std::string line = terminal.screen().row_with("2:Speed  ");
     return line.substr(0, line.find(' ', line.find_first_of("0123456789", 2)));
-}
-
-/// The terminal is as it was before.
-void check_given_back(const Terminal& terminal)
-{
-    CHECK_FALSE(terminal.screen().is_alternate());
-    CHECK(terminal.screen().is_cursor_visible());
 }
 
 } // namespace

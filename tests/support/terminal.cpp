@@ -8,6 +8,7 @@
 #include <signal.h>
 #include <sys/ioctl.h>
 #include <sys/wait.h>
+#include <termios.h>
 #include <unistd.h>
 
 namespace busbar::test {
@@ -50,7 +51,7 @@ Terminal::~Terminal()
         ::kill(program_, SIGKILL);
         ::waitpid(program_, nullptr, 0);
     }
-    ::close(terminal_);
+    hang_up();
 }
 
 bool Terminal::take()
@@ -134,6 +135,26 @@ void Terminal::resize(TerminalSize size)
 void Terminal::signal(int number)
 {
     ::kill(program_, number);
+}
+
+void Terminal::take_over(std::string_view text)
+{
+    while (::waitpid(program_, nullptr, WUNTRACED) != program_) {
+    }
+    termios modes{};
+    ::tcgetattr(terminal_, &modes);
+    modes.c_lflag |= static_cast<tcflag_t>(ECHO | ICANON);
+    ::tcsetattr(terminal_, TCSANOW, &modes);
+    write(screen_.take(text));
+}
+
+void Terminal::hang_up()
+{
+    if (terminal_ >= 0) {
+        ::close(terminal_);
+    }
+    terminal_ = -1;
+    is_open_ = false;
 }
 
 } // namespace busbar::test

@@ -49,6 +49,11 @@ public:
     /// The program is told by SIGWINCH.
     void resize(TerminalSize size);
     void signal(int number);
+    /// Does what a shell does that finds the program stopped: writes to the screen, and lets the
+    /// terminal show what is typed and wait for the end of a line.
+    void take_over(std::string_view text);
+    /// The terminal is gone, and the program is told by SIGHUP.
+    void hang_up();
 
     [[nodiscard]] const TerminalScreen& screen() const { return screen_; }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <climits>
 #include <clocale>
+#include <csignal>
 #include <cstdlib>
 #include <cwchar>
 
@@ -29,6 +30,13 @@ constexpr std::array colours{
     StyleColour{2, COLOR_YELLOW},
     StyleColour{3, COLOR_RED},
 };
+
+volatile std::sig_atomic_t was_continued = 0;
+
+void on_continue(int)
+{
+    was_continued = 1;
+}
 
 short pair_of(Style style)
 {
@@ -136,6 +144,7 @@ std::unique_ptr<Terminal> Terminal::open(bool has_colour)
     cbreak();
     noecho();
     nonl();
+    std::signal(SIGCONT, on_continue);
     keypad(stdscr, true);
     nodelay(stdscr, true);
     leaveok(stdscr, false);
@@ -154,6 +163,7 @@ Terminal::Terminal(std::unique_ptr<State> state) : state_{std::move(state)} {}
 
 Terminal::~Terminal()
 {
+    std::signal(SIGCONT, SIG_DFL);
     curs_set(1);
     endwin();
     delscreen(state_->screen);
@@ -166,6 +176,11 @@ Size Terminal::size() const
 
 std::optional<Key> Terminal::next_key()
 {
+    if (was_continued != 0) {
+        was_continued = 0;
+        reset_prog_mode(); // it was stopped, perhaps by SIGSTOP, which ncurses does not see
+        return Key{Key::Kind::Redraw};
+    }
     // What has no meaning here is passed over.
     for (;;) {
         wint_t code = 0;

@@ -25,7 +25,7 @@ public:
     ~Terminal();
 
     [[nodiscard]] Size size() const;
-    /// What was typed, without waiting.
+    /// What was typed, without waiting. Redraw, too, after the program was stopped.
     [[nodiscard]] std::optional<Key> next_key();
     void draw(const Screen& screen);
     /// Draw all of it the next time, whatever else has written there.

@@ -99,6 +99,7 @@ View::View(Context& context, Connection& connection, const ViewSettings& setting
     model_.tell(settings.note, Style::Uncertain);
     set_connected();
     stream_.wake_on(STDIN_FILENO);
+    connection.end_at_hangup();
 }
 
 Exit View::run()
@@ -114,6 +115,9 @@ Exit View::run()
         });
     } catch (const Interrupted&) {
         // One more key that ends the view.
+    }
+    if (connection_->is_hung_up() || stream_.has_lost_input()) {
+        return Exit::HungUp;
     }
     const std::size_t bad = count_bad(statuses_);
     return bad == 0 ? Exit::Good : bad == statuses_.size() ? Exit::Failed : Exit::Partly;

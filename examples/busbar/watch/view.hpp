@@ -35,7 +35,7 @@ public:
     View& operator=(const View&) = delete;
     ~View() = default;
 
-    /// Until the user quits. Partly if items were refused.
+    /// Until the user quits, or the terminal is gone: HungUp. Partly if items were refused.
     Exit run();
 
 private:
