@@ -148,6 +148,10 @@ client::ClientConfig Connection::config(Endurance endurance)
     config.session_name = "busbar";
     config.request_timeout = seconds(options.timeout);
     config.connect_timeout = seconds(options.timeout);
+    // Whatever fits into a message is shown.
+    config.decode.max_array_length = config.transport.max_message_size;
+    config.decode.max_string_length = config.transport.max_message_size;
+    config.decode.max_byte_string_length = config.transport.max_message_size;
     config.reconnect.is_enabled = endurance == Endurance::Lasting;
     return config;
 }

@@ -131,7 +131,17 @@ constexpr std::array nodes{
     Row{status::Bad_FilterNotAllowed, {"the node sends no events", "try the Server, i=2253"}},
     Row{status::Bad_TooManyOperations, {"that is more than the server takes at once", ""}},
     Row{status::Bad_EncodingLimitsExceeded,
-        {"the message is larger than one side accepts", "ask for less at once"}},
+        {"an array or a text is longer than the other side accepts",
+         "write a part of it with --range; MaxArrayLength in /Objects/Server/ServerCapabilities "
+         "tells the limit, which a busbar-controller has as array_length in [limits], and those of "
+         "texts as string_length and byte_string_length"}},
+    Row{status::Bad_RequestTooLarge,
+        {"the request is larger than the server accepts",
+         "write a part with --range; a busbar-controller accepts more with message_size in its "
+         "[limits]"}},
+    Row{status::Bad_ResponseTooLarge,
+        {"the answer is larger than we accept or the server sends",
+         "read a part with --range, or fewer nodes at once"}},
     Row{status::Bad_DecodingError, {"the answer makes no sense", ""}},
     Row{status::Bad_OutOfMemory, {"the other side has no memory left", ""}},
 };
