@@ -56,6 +56,9 @@ struct ItemStatus {
 struct DataChange {
     ItemHandle item;
     DataValue value;
+    /// Not a notification, but what a Read after a Gap gave: the value at that moment, whatever the
+    /// filter and the sampling interval would have made of it, or why it cannot be read.
+    bool is_read_again{false};
 };
 struct EventArrived {
     ItemHandle item;
@@ -64,8 +67,14 @@ struct EventArrived {
 };
 
 /// Something was really lost, or may have been: nothing that the server still had is in a Gap.
-/// A change of a data item that lies in it is not told again: who needs the present value and
-/// cannot wait for the next change reads it.
+/// Changes and events that lie in it are never told.
+///
+/// Present values are: a data item that reports, and has had no notification since, gets one soon
+/// after the Gap, be it the value that was told last. In a Subscription that was made anew all
+/// items begin with one. In one that goes on the server is asked for them (Part 4, 6.7): by the
+/// Method ResendData, which repeats the values of the other items as well, or, where that is not to
+/// be had, by Read (is_read_again). Nobody asks for what is only sampled for a trigger, or reads
+/// what a filter calculates, as an AggregateFilter does: those wait for the next notification.
 struct Gap {
     SubscriptionHandle subscription;
     /// Empty: all items of the subscription.

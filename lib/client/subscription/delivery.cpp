@@ -136,8 +136,9 @@ void SubscriptionEngine::deliver_data(SubscriptionHandle handle,
     std::vector<DataChange> changes;
     changes.reserve(notification.monitored_items.size());
     for (const MonitoredItemNotification& change : notification.monitored_items) {
-        const Item* item = items_.find(change.client_handle);
+        Item* item = items_.find(change.client_handle);
         if (item != nullptr && item->subscription == handle) {
+            item->told_after = subscription->refresh.losses;
             changes.push_back({change.client_handle, change.value});
         }
     }

@@ -4,6 +4,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include <busbar/client/attributes.hpp>
 #include <busbar/types/attribute.hpp>
 
 #include "watched_subscription.hpp"
@@ -84,6 +85,13 @@ private:
     void queue_all_items(WatchedSubscription& subscription);
     bool create_items(WatchedSubscription& subscription);
     void resolve_items(WatchedSubscription& subscription, std::vector<ItemHandle> items);
+    /// `done` gets the NodeIds: at once, or later if paths have to be looked up, unless the session
+    /// or the Subscription at the server is another one then.
+    void resolve_nodes(const WatchedSubscription& subscription, std::vector<NodeAddress> addresses,
+                       std::function<void(const std::vector<Result<NodeId>>&)> done);
+    /// False as soon as answers for what the Subscription is now are of no use. Outlives the
+    /// engine.
+    [[nodiscard]] std::function<bool()> guard(const WatchedSubscription& subscription) const;
     void items_resolved(SubscriptionHandle handle, const std::vector<Result<NodeId>>& nodes);
     void send_creation(WatchedSubscription& subscription,
                        Array<MonitoredItemCreateRequest> requests, TimestampsToReturn timestamps);
@@ -143,6 +151,19 @@ private:
     void not_republished(WatchedSubscription& subscription, bool is_sent, StatusCode status);
     void watch(WatchedSubscription& subscription, TimePoint now);
 
+    // Values of data items after a Gap (refresh.cpp).
+    void refresh(WatchedSubscription& subscription);
+    void ask_again(WatchedSubscription& subscription);
+    [[nodiscard]] bool is_stale(const WatchedSubscription& subscription, ItemHandle handle);
+    void call_resend_data(WatchedSubscription& subscription);
+    void resend_answered(WatchedSubscription& subscription, StatusCode status);
+    void queue_stale_items(WatchedSubscription& subscription);
+    void read_again(WatchedSubscription& subscription);
+    void read_again(WatchedSubscription& subscription, const std::vector<ItemHandle>& items,
+                    const std::vector<Result<NodeId>>& nodes, const ReadSettings& settings);
+    void deliver_read(SubscriptionHandle handle, const std::vector<DataChange>& values,
+                      std::uint32_t losses);
+
     // After another session was made (session_life.cpp).
     void begin_session();
     [[nodiscard]] TimePoint deadline_of(const WatchedSubscription& subscription) const;
@@ -190,6 +211,7 @@ private:
     std::deque<SubscriptionAcknowledgement> acknowledgements_;
     std::size_t max_publishes_;
     TimePoint publish_at_{};
+    bool has_resend_data_{true}; // the server, as far as is known
 
     std::size_t max_batch_;
     std::vector<std::uint32_t> doomed_; // Subscriptions to be deleted

@@ -95,30 +95,45 @@ void SubscriptionEngine::resolve_items(WatchedSubscription& subscription,
         item.is_modified = item.is_mode_changed = false;
         addresses.push_back(item.node);
     }
+    subscription.is_busy = true;
+    subscription.under_way = std::move(items);
+    resolve_nodes(
+        subscription, std::move(addresses),
+        [this, handle = subscription.handle](const auto& nodes) { items_resolved(handle, nodes); });
+}
+
+void SubscriptionEngine::resolve_nodes(const WatchedSubscription& subscription,
+                                       std::vector<NodeAddress> addresses,
+                                       std::function<void(const std::vector<Result<NodeId>>&)> done)
+{
     const bool has_paths =
         std::any_of(addresses.begin(), addresses.end(),
                     [](const NodeAddress& address) { return address.is_path(); });
-    subscription.is_busy = true;
-    subscription.under_way = std::move(items);
-    const SubscriptionHandle handle = subscription.handle;
     if (!has_paths) {
         std::vector<Result<NodeId>> nodes;
         nodes.reserve(addresses.size());
         for (const NodeAddress& address : addresses) {
             nodes.push_back(address.node_id(requester_.server()));
         }
-        items_resolved(handle, nodes);
+        done(nodes);
         return;
     }
     resolve(requester_, std::move(addresses),
-            [self = std::weak_ptr{self_}, epoch = epoch_, handle,
-             incarnation = subscription.incarnation](std::vector<Result<NodeId>> nodes) {
-                const auto engine = self.lock();
-                if (engine && (*engine)->epoch_ == epoch &&
-                    (*engine)->find(handle, incarnation) != nullptr) {
-                    (*engine)->items_resolved(handle, nodes);
+            [guard = guard(subscription), done = std::move(done)](const auto& nodes) {
+                if (guard()) {
+                    done(nodes);
                 }
             });
+}
+
+std::function<bool()> SubscriptionEngine::guard(const WatchedSubscription& subscription) const
+{
+    return [self = std::weak_ptr{self_}, epoch = epoch_, handle = subscription.handle,
+            incarnation = subscription.incarnation] {
+        const auto engine = self.lock();
+        return engine && (*engine)->epoch_ == epoch &&
+               (*engine)->find(handle, incarnation) != nullptr;
+    };
 }
 
 void SubscriptionEngine::items_resolved(SubscriptionHandle handle,
@@ -209,6 +224,7 @@ ItemStatus SubscriptionEngine::item_created(WatchedSubscription& subscription, I
     } else if (!result.status_code.is_bad()) {
         item->is_created = true;
         item->server_id = result.monitored_item_id;
+        item->told_after = subscription.refresh.losses; // its first value is still to come
         if (item->is_modified) {
             work.to_modify[static_cast<std::size_t>(item->parameters->timestamps)].push_back(
                 handle);

@@ -43,6 +43,11 @@ bool ItemParameters::has_events() const
     return attribute == AttributeId::EventNotifier;
 }
 
+bool ItemParameters::is_readable() const
+{
+    return !has_events() && (filter.is_null() || filter.get_if<DataChangeFilter>() != nullptr);
+}
+
 MonitoringParameters ItemParameters::for_server(ItemHandle item) const
 {
     MonitoringParameters result;

@@ -15,6 +15,8 @@ struct ItemParameters {
     explicit ItemParameters(const ItemSettings& settings);
     [[nodiscard]] bool are_those_of(const ItemSettings& settings) const;
     [[nodiscard]] bool has_events() const;
+    /// A Read gives what a notification would: neither events nor what a filter calculates.
+    [[nodiscard]] bool is_readable() const;
     [[nodiscard]] MonitoringParameters for_server(ItemHandle item) const;
 
     AttributeId attribute;
@@ -32,6 +34,8 @@ struct Item {
     std::shared_ptr<const ItemParameters> parameters;
     SubscriptionHandle subscription{0}; // 0: this place of the table is free
     std::uint32_t server_id{0};
+    /// How often notifications of its Subscription had been lost when it was told of last.
+    std::uint32_t told_after{0};
     std::uint16_t generation{1};
     /// Counts its changes while it is polled; of older places in a poll it is known by that.
     std::uint16_t poll_version{0};

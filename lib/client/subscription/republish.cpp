@@ -24,6 +24,8 @@ bool is_final(StatusCode status)
 /// Notifications after complete_until are lost; the Gap ends with the next one.
 void SubscriptionEngine::lose(WatchedSubscription& subscription, StatusCode reason)
 {
+    ++subscription.refresh.losses;
+    subscription.refresh.is_due = true;
     if (!subscription.loss) {
         subscription.loss = Loss{reason, subscription.complete_until};
     }
@@ -80,7 +82,10 @@ void SubscriptionEngine::fetch_missing(WatchedSubscription& subscription)
             found->is_republishing = false;
             republished(*found, number, is_sent, r);
         }
-        if (WatchedSubscription* found = find(handle, incarnation)) {
+        WatchedSubscription* found = find(handle, incarnation);
+        if (found != nullptr && found->heard_time > found->complete_until) {
+            settle(handle); // what was told of since is here, or is given up
+        } else if (found != nullptr) {
             fetch_missing(*found);
         }
     });

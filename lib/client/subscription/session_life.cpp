@@ -40,6 +40,7 @@ void SubscriptionEngine::session_started(bool is_new)
     max_publishes_ = std::max<std::size_t>(limits_.max_publish_requests, 1);
     max_batch_ = ItemTable::capacity;
     publish_at_ = {};
+    has_resend_data_ = true;
     if (is_new) {
         doomed_.clear(); // of another session
     }
@@ -98,6 +99,7 @@ void SubscriptionEngine::interrupt(WatchedSubscription& subscription)
 {
     subscription.is_republishing = false;
     subscription.silent_at = no_deadline;
+    subscription.refresh.interrupt();
     if (subscription.phase == Phase::Creating) {
         subscription.phase = Phase::Wished;
     }
@@ -209,6 +211,10 @@ TimePoint SubscriptionEngine::deadline_of(const WatchedSubscription& subscriptio
     }
     if (!subscription.is_republishing && subscription.republish_at > handled_until_) {
         next = std::min(next, subscription.republish_at);
+    }
+    if (subscription.refresh.at > handled_until_ &&
+        (subscription.refresh.is_due || subscription.refresh.is_reading())) {
+        next = std::min(next, subscription.refresh.at);
     }
     for (const auto& [key, group] : subscription.polls) {
         next = group.is_reading ? next : std::min(next, group.due);

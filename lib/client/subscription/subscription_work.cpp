@@ -42,6 +42,7 @@ void SubscriptionEngine::work()
         return;
     }
     for_each([this](WatchedSubscription& subscription) { work_on(subscription); });
+    for_each([this](WatchedSubscription& subscription) { refresh(subscription); });
     delete_doomed();
     publish();
 }
@@ -243,9 +244,11 @@ void SubscriptionEngine::lost(WatchedSubscription& subscription, StatusCode reas
     subscription.is_republishing = false;
     subscription.is_probing = false;
     subscription.republish_failures = 0;
+    subscription.refresh.interrupt();
     subscription.under_way.clear();
     subscription.redo = {};
     subscription.silent_at = no_deadline;
+    subscription.heard_time = {};
     subscription.sequence = SequenceTracker{limits_.max_missing};
     // However often a server takes it away, it is not asked more than once a second.
     subscription.retry_at = subscription.created_at + first_retry;

@@ -15,6 +15,23 @@ void ItemWork::clear()
     *this = ItemWork{};
 }
 
+bool Refresh::is_reading() const
+{
+    return std::any_of(to_read.begin(), to_read.end(),
+                       [](const auto& queue) { return !queue.empty(); });
+}
+
+/// What is under way has no answer; it is asked for again.
+void Refresh::interrupt()
+{
+    is_due = is_due || is_under_way || is_reading();
+    is_under_way = false;
+    read.cancel();
+    for (auto& queue : to_read) {
+        queue.clear();
+    }
+}
+
 WatchedSubscription::WatchedSubscription(SubscriptionHandle name, SubscriptionSettings wished,
                                          SubscriptionHandlers told, std::size_t max_missing)
     : handle{name}, settings{wished},

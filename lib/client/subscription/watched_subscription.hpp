@@ -8,6 +8,8 @@
 #include <optional>
 #include <vector>
 
+#include <busbar/client/operation.hpp>
+
 #include "item_poll.hpp"
 #include "item_table.hpp"
 #include "sequence_tracker.hpp"
@@ -47,6 +49,20 @@ struct ItemWork {
 struct Loss {
     StatusCode reason;
     DateTime from;
+};
+
+/// How values that lie in a Gap are had again.
+struct Refresh {
+    void interrupt();
+    [[nodiscard]] bool is_reading() const;
+
+    std::uint32_t losses{0}; // how often notifications were lost
+    bool is_due{false};      // since the last of them nothing was asked for
+    bool is_under_way{false};
+    std::uint32_t failures{0};
+    TimePoint at{}; // nothing is asked for before
+    Operation read;
+    std::array<std::deque<ItemHandle>, ItemWork::timestamps_count> to_read; // by TimestampsToReturn
 };
 
 /// A Subscription that the user wants, and what has become of it.
@@ -99,6 +115,7 @@ struct WatchedSubscription {
     DateTime heard_time;     // of the last message
     DateTime complete_until; // null before the first message
     std::optional<Loss> loss;
+    Refresh refresh;
 
     std::map<PollKey, PollGroup> polls;
 };
