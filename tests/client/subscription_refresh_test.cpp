@@ -346,3 +346,39 @@ TEST_CASE_METHOD(GapFixture, "Handlers may remove what is read again (F3)", "[cl
     CHECK(requester.count<ReadRequest>() == 0);
     CHECK(requester.count<DeleteSubscriptionsRequest>() == 1);
 }
+
+TEST_CASE_METHOD(PuppetFixture, "An answer to an old Publish request is heard (F3)", "[client]")
+{
+    start();
+    publish(message(1)); // keep-alives come every 10 s
+    pass(16s);
+    refuse_republish(2);
+    CHECK(requester.count<PublishRequest>() == 2);
+    pass(16s);
+    refuse_republish(2);
+    CHECK(requester.count<PublishRequest>() == 4); // they may have been forgotten
+    SECTION("which the server has kept")
+    {
+        publish(message(2));
+        publish(message(3));
+        CHECK(heard.take_values() == Values{1, 2, 3});
+        CHECK(requester.count<RepublishRequest>() == 0);
+        CHECK(requester.count<PublishRequest>() == 2);
+    }
+    SECTION("which are too many for it")
+    {
+        for (int i = 0; i < 2; ++i) {
+            static_cast<void>(requester.take<PublishRequest>());
+            refuse(status::Bad_TooManyPublishRequests);
+        }
+        CHECK(requester.count<PublishRequest>() == 2);
+    }
+    SECTION("and those that wait are never more than twice as many")
+    {
+        for (int i = 0; i < 60; ++i) {
+            pass(1s);
+            CHECK(requester.open_count() <= 5); // and a Republish
+        }
+    }
+    CHECK(heard.gaps.empty());
+}

@@ -47,6 +47,8 @@ private:
 
     struct Publish {
         std::uint64_t token{0}; // of its request
+        /// The server was silent for so long that it may have forgotten it; its answer counts.
+        bool is_overdue{false};
         Array<SubscriptionAcknowledgement> acknowledgements;
     };
     using ItemStatuses = std::vector<std::pair<ItemHandle, ItemStatus>>;
@@ -124,6 +126,7 @@ private:
 
     // Notifications (publish.cpp, delivery.cpp, republish.cpp).
     [[nodiscard]] std::size_t wanted_publishes() const;
+    [[nodiscard]] std::size_t awaited_publishes() const;
     [[nodiscard]] Duration publish_timeout() const;
     void publish();
     void send_publish();

@@ -31,6 +31,13 @@ std::size_t SubscriptionEngine::wanted_publishes() const
     return std::min(std::max<std::size_t>(live + 1, 2), max_publishes_);
 }
 
+std::size_t SubscriptionEngine::awaited_publishes() const
+{
+    return static_cast<std::size_t>(
+        std::count_if(publishes_.begin(), publishes_.end(),
+                      [](const auto& entry) { return !entry.second.is_overdue; }));
+}
+
 Duration SubscriptionEngine::publish_timeout() const
 {
     // Requests are answered in their order, the last one after as many keep-alive messages.
@@ -48,7 +55,7 @@ void SubscriptionEngine::publish()
     if (!has_session_ || requester_.now() < publish_at_) {
         return;
     }
-    for (std::size_t wanted = wanted_publishes(); publishes_.size() < wanted;) {
+    for (std::size_t wanted = wanted_publishes(); awaited_publishes() < wanted;) {
         send_publish();
     }
 }
@@ -99,8 +106,9 @@ void SubscriptionEngine::publish_failed(StatusCode status)
 {
     if (status == status::Bad_TooManyPublishRequests) {
         // Part 4, 5.14.5.3: wait for a response before the next request.
-        max_publishes_ = std::max<std::size_t>(publishes_.size(), 1);
-        publish_at_ = publishes_.empty() ? requester_.now() + pause_after_failure : publish_at_;
+        const std::size_t awaited = awaited_publishes();
+        max_publishes_ = std::max<std::size_t>(awaited, 1);
+        publish_at_ = awaited == 0 ? requester_.now() + pause_after_failure : publish_at_;
         return;
     }
     if (status == status::Bad_Timeout) {
@@ -137,12 +145,17 @@ void SubscriptionEngine::acknowledge(std::uint32_t server_id, std::uint32_t sequ
     acknowledgements_.push_back({server_id, sequence_number});
 }
 
-/// The server may have forgotten the requests that wait there.
+/// The server may have forgotten the requests that wait there: as many go out beside them. If it
+/// has not, it answers the old ones first (Part 4, 5.14.1.2), and a message in such an answer is as
+/// good as any. They end with their timeout at the latest, and until then no more are made.
 void SubscriptionEngine::renew_publishes()
 {
-    for (auto& [token, entry] : std::exchange(publishes_, {})) {
-        cancel(entry.token);
-        take_back(std::move(entry.acknowledgements));
+    if (awaited_publishes() < publishes_.size()) {
+        return;
+    }
+    for (auto& [token, entry] : publishes_) {
+        entry.is_overdue = true;
+        take_back(std::exchange(entry.acknowledgements, {}));
     }
 }
 
