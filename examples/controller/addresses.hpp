@@ -17,10 +17,19 @@ namespace busbar::example {
 /// the machine's name where that is every address.
 [[nodiscard]] std::string default_host(const ControllerConfig& config, const std::string& machine);
 
+/// The addresses of this machine's network interfaces that are up, in the system's order; nothing
+/// if it does not say.
+[[nodiscard]] std::vector<std::string> interface_addresses();
+
+/// How many addresses of interfaces a controller that listens to all of them makes known.
+constexpr std::size_t max_interface_addresses = 16;
+
 /// What the certificate names and endpoints are returned with, if a client used it: the default
-/// host, what `host_names` adds, the machine's name, and its own names for itself where it listens
-/// to them. Each once.
+/// host, what `host_names` adds, the machine's name, where it listens to every address those of the
+/// `interfaces`, and its own names for itself where it listens to them. Each once. Addresses that
+/// only the same link reaches (169.254.0.0/16, fe80::/10) are left out if there are others.
 [[nodiscard]] std::vector<std::string> known_hosts(const ControllerConfig& config,
-                                                   const std::string& machine);
+                                                   const std::string& machine,
+                                                   const std::vector<std::string>& interfaces);
 
 } // namespace busbar::example

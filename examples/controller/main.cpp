@@ -100,7 +100,7 @@ void set_names(ControllerConfig& config)
     }
     server.build.manufacturer_name = "Busbar";
     server.build.software_version = BUSBAR_VERSION;
-    server.host_names = example::known_hosts(config, machine);
+    server.host_names = example::known_hosts(config, machine, example::interface_addresses());
 }
 
 /// Certificate and URL of a controller that listens on `port`.

@@ -41,19 +41,51 @@ TEST_CASE("endpoints and certificate follow the address and host_names (C3)")
         {at("2001:db8::7"), "2001:db8::7", {"2001:db8::7", "line3"}},
         {at(""), "line3", {"line3", "localhost", "127.0.0.1"}},
         {at("0.0.0.0"), "line3", {"line3", "localhost", "127.0.0.1"}},
-        {at("::", {"10.0.0.5", "LINE3"}), "line3", {"line3", "10.0.0.5", "localhost", "127.0.0.1"}},
+        {at("::", {"10.0.0.5", "LINE3"}), "line3", {"line3", "10.0.0.5", "localhost", "::1"}},
         {at("127.0.0.1"), "127.0.0.1", {"127.0.0.1", "line3", "localhost"}},
         {at("::1"), "::1", {"::1", "line3", "localhost"}},
     };
     for (const Row& row : rows) {
         INFO(row.config.address);
         CHECK(default_host(row.config, "line3") == row.host);
-        CHECK(known_hosts(row.config, "line3") == row.names);
+        CHECK(known_hosts(row.config, "line3", {}) == row.names);
     }
     channel::EndpointUrl url;
     url.host = default_host(at("2001:db8::7"), "line3");
     CHECK(url.text() == "opc.tcp://[2001:db8::7]:4840");
     CHECK_FALSE(machine_name().empty());
+}
+
+TEST_CASE("who listens to every address is known by those of the interfaces (C3)")
+{
+    const Names usual{"127.0.0.1", "::1", "10.0.0.7", "169.254.3.4", "2001:db8::7", "fe80::7"};
+    const auto known = [](const std::string& address, const Names& interfaces) {
+        return known_hosts(at(address, {"2001:DB8::7"}), "line3", interfaces);
+    };
+    // What host_names has is not named twice.
+    CHECK(known("", usual) ==
+          Names{"line3", "2001:DB8::7", "10.0.0.7", "localhost", "127.0.0.1", "::1"});
+    CHECK(known("0.0.0.0", usual) ==
+          Names{"line3", "2001:DB8::7", "10.0.0.7", "localhost", "127.0.0.1"});
+    CHECK(known("::", usual) == Names{"line3", "2001:DB8::7", "localhost", "::1"});
+    CHECK(known("10.0.0.7", usual) == Names{"10.0.0.7", "2001:DB8::7", "line3"});
+    // Nothing but the cable to an engineer's computer.
+    CHECK(known("", {"127.0.0.1", "169.254.3.4", "fe80::7"}) ==
+          Names{"line3", "2001:DB8::7", "169.254.3.4", "fe80::7", "localhost", "127.0.0.1"});
+}
+
+TEST_CASE("a machine with very many addresses makes some of them known (C3)")
+{
+    Names many;
+    for (int i = 0; i < 200; ++i) {
+        many.push_back("10.0.0." + std::to_string(i));
+    }
+    const Names known = known_hosts(at(""), "line3", many);
+    CHECK(known.size() == max_interface_addresses + 3);
+    CHECK(known[1] == "10.0.0.0");
+    for (const std::string& address : interface_addresses()) {
+        CHECK(address.find_first_not_of("0123456789abcdef:.") == std::string::npos);
+    }
 }
 
 TEST_CASE("a certificate that lacks a name says so, and can be made anew (C3)")
