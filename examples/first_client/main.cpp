@@ -25,8 +25,9 @@ static Result<void> watch(net::BlockingClient& client, std::chrono::seconds time
     std::map<client::ItemHandle, std::string> names;
     client::SubscriptionHandlers handlers;
     handlers.on_data = [&](std::span<const client::DataChange> changes) {
-        for (const auto& [item, value] : changes) {
-            std::printf("%-30s %s\n", names[item].c_str(), client::to_text(value).c_str());
+        for (const client::DataChange& change : changes) {
+            std::printf("%-30s %s\n", names[change.item].c_str(),
+                        client::to_text(change.value).c_str());
         }
     };
     client::Subscriptions& subscriptions = client.client().subscriptions();
