@@ -47,6 +47,12 @@ public:
     {
         return configuration(client::NamedUser{"operator", "operator-secret"});
     }
+    [[nodiscard]] static client::UserIdentity certificate_user()
+    {
+        const auto& user = user_certificate();
+        return client::CertificateUser{user.certificate,
+                                       std::make_shared<crypto::PrivateKey>(user.key)};
+    }
     /// Without security, which the server allows to anonymous users.
     [[nodiscard]] static client::ClientConfig insecure()
     {
