@@ -183,6 +183,11 @@ const binary::DecodeLimits& Client::decode_limits() const
     return impl_->config.decode;
 }
 
+const binary::TypeRegistry& Client::types() const
+{
+    return impl_->types;
+}
+
 RequestId Client::start(Encode encode, Handler<ResponseBody> handler, const RequestOptions& options)
 {
     const ClientState state = impl_->state;

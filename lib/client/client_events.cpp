@@ -109,6 +109,7 @@ void Client::Impl::info_arrived(const ConnectionEvent& event)
     const bool has_changed = revision == 0 || !detail::is_same(info, reader.info());
     info = reader.info();
     info.revision = revision + (has_changed ? 1 : 0);
+    types = detail::types_at(info, config.types);
     become_ready();
 }
 

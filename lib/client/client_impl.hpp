@@ -120,6 +120,8 @@ struct Client::Impl {
     std::uint32_t state_handle{0};
     detail::ServerInfoReader reader;
     ServerInfo info;
+    /// With the server's namespace indexes.
+    binary::TypeRegistry types{standard_types()};
     detail::KeepAlive keep_alive;
 
     detail::RequestQueue requests;

@@ -131,6 +131,22 @@ bool is_same(const ServerInfo& a, const ServerInfo& b)
            a.operation_limits == b.operation_limits;
 }
 
+binary::TypeRegistry types_at(const ServerInfo& info,
+                              const std::vector<binary::TypeRegistry::Table>& tables)
+{
+    binary::TypeRegistry types{standard_types()};
+    const auto& uris = info.namespaces;
+    for (const binary::TypeRegistry::Table& table : tables) {
+        const std::string_view uri = table.empty() ? "" : table.front()->namespace_uri;
+        const auto found = std::find(uris.begin(), uris.end(), uri);
+        const auto index = static_cast<std::size_t>(found - uris.begin());
+        if (found != uris.end() && index <= UINT16_MAX) {
+            types.add(static_cast<std::uint16_t>(index), table);
+        }
+    }
+    return types;
+}
+
 ReadRequest state_request()
 {
     ReadRequest request;

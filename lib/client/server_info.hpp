@@ -29,6 +29,10 @@ private:
 /// Whether both say the same of the server, but for its state.
 [[nodiscard]] bool is_same(const ServerInfo& a, const ServerInfo& b);
 
+/// The structures of namespace 0, and those of `tables` whose namespaces the server has.
+[[nodiscard]] binary::TypeRegistry types_at(const ServerInfo& info,
+                                            const std::vector<binary::TypeRegistry::Table>& tables);
+
 /// Server_ServerStatus_State and SecondsTillShutdown.
 [[nodiscard]] ReadRequest state_request();
 /// Takes them into `info`; false if they are not there.

@@ -29,8 +29,7 @@ public:
     {
         const auto found = std::find_if(waiting_.begin(), waiting_.end(), is<Request>);
         REQUIRE(found != waiting_.end());
-        static const binary::TypeRegistry types{binary::namespace0_types()};
-        binary::Reader reader{found->bytes, binary::Strings::Own, &types};
+        binary::Reader reader{found->bytes, binary::Strings::Own, &client::standard_types()};
         NodeId id;
         Request request;
         decode(reader, id);

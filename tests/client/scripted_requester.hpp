@@ -83,8 +83,7 @@ private:
         if (!request.bytes) {
             return fail(request.bytes.error());
         }
-        static const binary::TypeRegistry types{binary::namespace0_types()};
-        binary::Reader reader{*request.bytes, binary::Strings::Own, &types};
+        binary::Reader reader{*request.bytes, binary::Strings::Own, &client::standard_types()};
         NodeId id;
         decode(reader, id);
         const auto found = answers_.find(id.numeric());

@@ -55,6 +55,10 @@ struct ClientConfig {
     /// Of a response: what was asked for may be answered by elements of a few bytes each, say
     /// 65,536 Booleans without timestamps.
     binary::DecodeLimits decode{.free_memory = 4U << 20U};
+    /// Generated structures beside those of namespace 0, a table for each namespace: values of them
+    /// in responses and notifications are objects of their C++ types. Found by their namespace URI
+    /// in the server's NamespaceArray, whatever the index is there.
+    std::vector<binary::TypeRegistry::Table> types;
     SubscriptionLimits subscriptions;
     /// Requests that may wait or be under way together; past it Bad_TooManyOperations.
     std::size_t max_requests{10'000};
@@ -140,6 +144,7 @@ public:
     [[nodiscard]] const ServerInfo& server() const override;
     [[nodiscard]] TimePoint now() const override;
     [[nodiscard]] const binary::DecodeLimits& decode_limits() const override;
+    [[nodiscard]] const binary::TypeRegistry& types() const override;
 
     // For who drives it.
 

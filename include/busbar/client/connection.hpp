@@ -68,9 +68,11 @@ struct ConnectionEvent {
     std::vector<std::byte> body;
 
     /// The response as a T, whose strings borrow from this event; Bad_DecodingError if it is none,
-    /// the ServiceResult if that is bad.
+    /// the ServiceResult if that is bad. `types` has the structures of namespace 0 and others, by
+    /// the server's namespace indexes.
     template <typename T>
-    [[nodiscard]] Result<T> response(const binary::DecodeLimits& limits = {}) const;
+    [[nodiscard]] Result<T> response(const binary::DecodeLimits& limits = {},
+                                     const binary::TypeRegistry& types = standard_types()) const;
 };
 
 /// A client on one connection to a server: opens the channel, creates and activates a session,
@@ -129,12 +131,13 @@ private:
 };
 
 template <typename T>
-Result<T> ConnectionEvent::response(const binary::DecodeLimits& limits) const
+Result<T> ConnectionEvent::response(const binary::DecodeLimits& limits,
+                                    const binary::TypeRegistry& types) const
 {
     if (status.is_bad()) {
         return fail(status);
     }
-    return decode_response<T>(body, binary::Strings::Borrow, limits);
+    return decode_response<T>(body, binary::Strings::Borrow, limits, types);
 }
 
 template <typename Request>

@@ -60,9 +60,10 @@ struct ResponseBody {
 
     /// As a T that owns its strings; Bad_DecodingError if it is none.
     template <typename T>
-    [[nodiscard]] Result<T> decoded(const binary::DecodeLimits& limits) const
+    [[nodiscard]] Result<T> decoded(const binary::DecodeLimits& limits,
+                                    const binary::TypeRegistry& types = standard_types()) const
     {
-        return decode_response<T>(bytes, binary::Strings::Own, limits);
+        return decode_response<T>(bytes, binary::Strings::Own, limits, types);
     }
 };
 
@@ -94,7 +95,7 @@ public:
                 encode(writer, request);
             },
             [this, handler = std::move(handler)](Result<ResponseBody> body) {
-                handler(body ? body->template decoded<Response>(decode_limits())
+                handler(body ? body->template decoded<Response>(decode_limits(), types())
                              : fail(body.error()));
             },
             options);
@@ -106,6 +107,8 @@ public:
     /// The time of the call under way.
     [[nodiscard]] virtual TimePoint now() const = 0;
     [[nodiscard]] virtual const binary::DecodeLimits& decode_limits() const = 0;
+    /// The structures that responses are decoded with: those of namespace 0 at least.
+    [[nodiscard]] virtual const binary::TypeRegistry& types() const { return standard_types(); }
 
 protected:
     /// Writes the request with the header that is given; may be called later.

@@ -5,18 +5,21 @@
 
 #include <busbar/binary/codec.hpp>
 #include <busbar/binary/type_registry.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/core/result.hpp>
-#include <busbar/types/registry.hpp>
 
 namespace busbar::client {
 
+/// The structures of namespace 0.
+[[nodiscard]] BUSBAR_API const binary::TypeRegistry& standard_types();
+
 /// The body of a response, NodeId of its encoding and the structure, as a T; Bad_DecodingError if
-/// it is none.
+/// it is none. Structures in it that `types` does not have are kept as bytes.
 template <typename T>
 [[nodiscard]] Result<T> decode_response(std::span<const std::byte> body, binary::Strings strings,
-                                        const binary::DecodeLimits& limits)
+                                        const binary::DecodeLimits& limits,
+                                        const binary::TypeRegistry& types = standard_types())
 {
-    static const binary::TypeRegistry types{binary::namespace0_types()};
     binary::Reader reader{body, strings, &types, limits};
     NodeId id;
     T structure;
