@@ -67,20 +67,33 @@ void Core::watch_certificate(TimePoint now)
     certificate_check = now + Ticks{next.ticks - today.ticks};
 }
 
+Link* Core::find_link(std::uint64_t link_id) const
+{
+    const auto found =
+        std::lower_bound(links.begin(), links.end(), link_id,
+                         [](const Link* link, std::uint64_t id) { return link->id() < id; });
+    return found != links.end() && (*found)->id() == link_id ? *found : nullptr;
+}
+
 void Core::sweep()
 {
-    if (std::exchange(needs_sweep, false)) {
-        for (Link* link : links) {
-            link->sweep();
-        }
+    while (!to_sweep.empty()) {
+        Link* link = to_sweep.back();
+        to_sweep.pop_back();
+        link->sweep();
     }
     subscriptions.sampler().tell_sources();
 }
 
 void Core::close_session(Session& session, StatusCode status, bool deletes_subscriptions)
 {
-    for (Link* link : links) {
-        link->end_operations(&session, status);
+    if (session.link != nullptr) {
+        session.link->end_operations(&session, status);
+    }
+    // What began before it moved to the channel that it has now is with another.
+    for (auto link = links.begin(); link != links.end() && session.pending_operations != 0;
+         ++link) {
+        (*link)->end_operations(&session, status);
     }
     subscriptions.session_ends(session, deletes_subscriptions);
     log(LogLevel::Info, "session",

@@ -47,12 +47,12 @@ struct Core {
     crypto::CertificateWatch certificate_watch;
     /// When the server's certificate is looked at again.
     TimePoint certificate_check{no_deadline};
-    /// All connections, oldest first.
+    /// All connections, oldest first, which is by id.
     std::vector<Link*> links;
+    /// Those with operations that have answered and can be destroyed, each once.
+    std::vector<Link*> to_sweep;
     /// Ids of connections with news for whoever drives them.
     std::deque<std::uint64_t> changed;
-    /// There are operations that have answered and can be destroyed.
-    bool needs_sweep{false};
     std::uint64_t next_link_id{1};
     /// Of the next channel; begins at a random number (Part 6, 6.7.2.2).
     std::uint32_t next_channel_id{1};
@@ -69,6 +69,8 @@ struct Core {
     [[nodiscard]] bool is_shutting_down() const { return state == ServerState::Shutdown; }
     /// Only so many lines a minute: what peers cause must not fill a disk (Part 2, 5.1.2.3).
     void log(LogLevel level, std::string_view source, std::string_view text);
+    /// Null if it has gone.
+    [[nodiscard]] Link* find_link(std::uint64_t link_id) const;
     /// To be called at the end of whatever is called from outside.
     void sweep();
     /// Says what the operator should know of the server's own certificate (see

@@ -108,6 +108,9 @@ Link::Link(Core& core, std::string_view peer_address, TimePoint now)
 Link::~Link()
 {
     handle_closed(status::Good, {});
+    if (waits_for_sweep_) {
+        std::erase(core_.to_sweep, this);
+    }
     std::erase(core_.links, this);
 }
 
@@ -362,8 +365,16 @@ void Link::close(const Refusal& refusal)
     close(refusal.status, refusal.check);
 }
 
+void Link::wants_sweep()
+{
+    if (!std::exchange(waits_for_sweep_, true)) {
+        core_.to_sweep.push_back(this);
+    }
+}
+
 void Link::sweep()
 {
+    waits_for_sweep_ = false;
     std::erase_if(operations_, [](const auto& operation) { return operation->is_finished(); });
 }
 

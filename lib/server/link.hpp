@@ -107,6 +107,8 @@ public:
     void close(StatusCode status, std::string_view reason);
     /// The same because of something the peer did or left undone, which the log explains.
     void close(const Refusal& refusal);
+    /// One of the operations has answered: sweep() is to be called when none of them is running.
+    void wants_sweep();
     /// Destroys the operations that have answered.
     void sweep();
     [[nodiscard]] TimePoint created() const { return created_; }
@@ -144,6 +146,7 @@ private:
     bool has_progressed_{false};
     bool is_running_{false};
     bool is_marked_{false};
+    bool waits_for_sweep_{false};
     bool has_ended_{false};
     /// The peer took nothing for too long; what is left is not offered any more.
     bool has_given_up_{false};

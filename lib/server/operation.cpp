@@ -9,9 +9,10 @@ Link& Operation::finish()
     Link& link = *std::exchange(link_, nullptr);
     if (session_ != nullptr) {
         session_->release(charged_);
+        --session_->pending_operations;
         session_ = nullptr;
     }
-    link.core().needs_sweep = true;
+    link.wants_sweep();
     return link;
 }
 
@@ -72,6 +73,9 @@ void Link::start(std::unique_ptr<Operation> operation, std::vector<std::byte> me
     }
     operation->link_ = this;
     operation->session_ = context.session;
+    if (context.session != nullptr) {
+        ++context.session->pending_operations;
+    }
     operation->encoding_id_ = question.encoding_id;
     operation->request_id_ = question.reply.request_id;
     operation->request_handle_ = question.reply.request_handle;

@@ -219,10 +219,8 @@ std::optional<std::uint64_t> Server::next_changed()
     while (!impl_->changed.empty()) {
         const std::uint64_t id = impl_->changed.front();
         impl_->changed.pop_front();
-        const auto found =
-            std::find_if(impl_->links.begin(), impl_->links.end(),
-                         [id](const detail::Link* link) { return link->id() == id; });
-        if (found != impl_->links.end() && (*found)->take_mark()) {
+        detail::Link* link = impl_->find_link(id);
+        if (link != nullptr && link->take_mark()) {
             return id;
         }
     }

@@ -57,6 +57,8 @@ public:
     /// When the user becomes an anonymous one (see user_expiry.hpp).
     TimePoint user_deadline{no_deadline};
 
+    /// Requests that wait for their answers, over whichever channel.
+    std::size_t pending_operations{0};
     /// The connection whose channel it is bound to; null while there is none.
     Link* link{nullptr};
     channel::SecuritySetting security;
@@ -83,6 +85,9 @@ public:
     std::unique_ptr<SessionPart> view;
     /// Subscriptions, and Publish requests that wait.
     std::unique_ptr<SessionPart> publishing;
+
+    /// Where it stands in its SessionTable.
+    TimePoint filed_for{no_deadline};
 
     /// Only what is counted; see Diagnostics.
     SessionDiagnosticsDataType diagnostics;

@@ -13,6 +13,8 @@ Session* SessionTable::find(const NodeId& authentication_token)
 Session& SessionTable::add(std::unique_ptr<Session> session)
 {
     NodeId token = session->authentication_token;
+    session->filed_for = session->next_deadline();
+    due_.emplace(session->filed_for, session.get());
     return *sessions_.emplace(std::move(token), std::move(session)).first->second;
 }
 
@@ -21,6 +23,7 @@ void SessionTable::remove(Session& session)
     if (session.link != nullptr) {
         session.link->unbind(session);
     }
+    due_.erase({session.filed_for, &session});
     const auto found = sessions_.find(session.authentication_token);
     if (found != sessions_.end()) {
         sessions_.erase(found);
@@ -38,15 +41,27 @@ Session* SessionTable::oldest_unactivated()
     return oldest;
 }
 
-Session* SessionTable::next_due() const
+Session* SessionTable::next_due()
 {
-    Session* first = nullptr;
-    for (const auto& [token, session] : sessions_) {
-        if (first == nullptr || session->next_deadline() < first->next_deadline()) {
-            first = session.get();
-        }
+    while (!due_.empty() && due_.begin()->first < due_.begin()->second->next_deadline()) {
+        file(*due_.begin()->second);
     }
-    return first;
+    return due_.empty() ? nullptr : due_.begin()->second;
+}
+
+void SessionTable::hurry(Session& session)
+{
+    if (session.next_deadline() < session.filed_for) {
+        file(session);
+    }
+}
+
+void SessionTable::file(Session& session)
+{
+    auto entry = due_.extract({session.filed_for, &session});
+    session.filed_for = session.next_deadline();
+    entry.value() = {session.filed_for, &session};
+    due_.insert(std::move(entry));
 }
 
 void SessionTable::unbind(Link& link)

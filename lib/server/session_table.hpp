@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <memory>
+#include <set>
 #include <unordered_map>
+#include <utility>
 
 #include "session.hpp"
 
@@ -21,7 +23,10 @@ public:
     /// The oldest that was never activated, or null (Part 4, 5.7.2.1).
     [[nodiscard]] Session* oldest_unactivated();
     /// The session with the first deadline, or null if there is none at all.
-    [[nodiscard]] Session* next_due() const;
+    [[nodiscard]] Session* next_due();
+    /// To be called when a session's deadline has come nearer; that it goes away, as it does with
+    /// each request, is seen when the old one comes.
+    void hurry(Session& session);
     [[nodiscard]] Session* any() const
     {
         return empty() ? nullptr : sessions_.begin()->second.get();
@@ -35,7 +40,11 @@ public:
     void unbind(Link& link);
 
 private:
+    void file(Session& session);
+
     std::unordered_map<NodeId, std::unique_ptr<Session>> sessions_;
+    /// By a time that is not after their deadlines.
+    std::set<std::pair<TimePoint, Session*>> due_;
 };
 
 } // namespace busbar::server::detail

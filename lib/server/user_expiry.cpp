@@ -48,6 +48,7 @@ void set_user(Core& core, const EndpointConfig& endpoint, Session& session, User
     session.user_deadline = endpoint.allows_anonymous ? end : no_deadline;
     session.ends_at = endpoint.allows_anonymous ? no_deadline : end;
     session.touch(now);
+    core.sessions.hurry(session);
 }
 
 void expire_user(Core& core, Session& session, TimePoint now)
