@@ -126,8 +126,8 @@ constexpr auto services = [] {
         function<delete_nodes, DeleteNodesRequest, DeleteNodesResponse>(Need::Activated),
         function<delete_references, DeleteReferencesRequest, DeleteReferencesResponse>(
             Need::Activated),
-        function<browse, BrowseRequest, BrowseResponse>(Need::Activated),
-        function<browse_next, BrowseNextRequest, BrowseNextResponse>(Need::Activated),
+        operation<BrowseRequest, make_browse>(Need::Activated),
+        operation<BrowseNextRequest, make_browse_next>(Need::Activated),
         function<translate_browse_paths, TranslateBrowsePathsToNodeIdsRequest,
                  TranslateBrowsePathsToNodeIdsResponse>(Need::Activated),
         function<register_nodes, RegisterNodesRequest, RegisterNodesResponse>(Need::Activated),

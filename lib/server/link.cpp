@@ -150,7 +150,9 @@ void Link::consume(std::size_t size)
     if (output().empty()) {
         send_check_ = no_deadline;
     }
-    work(now_);
+    if (!has_more_) { // else others come first
+        work(now_);
+    }
 }
 
 TimePoint Link::next_deadline() const
@@ -161,6 +163,9 @@ TimePoint Link::next_deadline() const
     }
     if (is_closed()) {
         return first;
+    }
+    if (has_more_) {
+        return now_;
     }
     first = std::min({first, channel_.next_deadline(), session_check_});
     for (const auto& operation : operations_) {
@@ -208,17 +213,38 @@ void Link::check_silence(TimePoint now)
 
 void Link::work(TimePoint now)
 {
-    // A peer that does not take its answers is not asked for more requests.
-    while (channel_.output().size() <= core_.limits().max_send_queue / 2) {
+    turn_ = Turn{Turn::units};
+    give_turns(now);
+    has_more_ = turn_.is_over();
+    while (!has_more_ && has_room()) {
         auto event = channel_.next_event();
         if (!event) {
             break;
         }
         handle(*std::move(event), now);
+        has_more_ = turn_.is_over();
     }
     if (send_check_ == no_deadline && !output().empty()) {
         send_check_ = now + core_.limits().send_timeout;
         has_progressed_ = false;
+    }
+}
+
+/// A peer that does not take its answers is not worked for.
+bool Link::has_room() const
+{
+    return channel_.output().size() <= core_.limits().max_send_queue / 2;
+}
+
+/// Operations that were not done in their first turn go on before anything else begins.
+void Link::give_turns(TimePoint now)
+{
+    for (std::size_t i = 0; i < operations_.size() && !turn_.is_over() && has_room(); ++i) {
+        Operation& operation = *operations_[i];
+        if (operation.wants_turn()) {
+            ServiceContext context{core_, *this, operation.session_, now};
+            operation.take_turn(context);
+        }
     }
 }
 
@@ -229,6 +255,7 @@ void Link::handle(channel::Event event, TimePoint now)
         events_.push_back({ConnectionEvent::Kind::Opened, {}, {}});
         break;
     case channel::Event::Kind::Message:
+        turn_.spend(Turn::units_of_request + event.body.size());
         dispatch(core_, *this, std::move(event.body), event.request_id, now);
         break;
     case channel::Event::Kind::Closed:
@@ -300,6 +327,7 @@ void Link::respond(const Reply& reply, std::uint32_t encoding_id,
     const auto sent = channel_.send(reply.request_id, [&](binary::Writer& writer) {
         encode(writer, NodeId{0, encoding_id});
         encode_response(writer);
+        turn_.spend(writer.written());
         if (reply.max_size != 0 && writer.written() > reply.max_size) {
             writer.fail(status::Bad_ResponseTooLarge); // Part 4, 5.7.2.2
         }

@@ -13,6 +13,7 @@
 
 #include "core.hpp"
 #include "service.hpp"
+#include "turn.hpp"
 
 namespace busbar::server::detail {
 
@@ -79,6 +80,8 @@ public:
     void bind(Session& session);
     /// It uses this channel no more.
     void unbind(Session& session);
+    /// What may still be done for this peer before others have their turn.
+    [[nodiscard]] Turn& turn() { return turn_; }
     /// For what is to be said of this peer.
     [[nodiscard]] LogSink& log() { return log_; }
 
@@ -121,7 +124,9 @@ private:
     class Running;
 
     void trust_peer();
+    [[nodiscard]] bool has_room() const;
     void work(TimePoint now);
+    void give_turns(TimePoint now);
     void handle(channel::Event event, TimePoint now);
     void handle_closed(StatusCode status, std::string reason);
     void check_silence(TimePoint now);
@@ -136,6 +141,9 @@ private:
     std::vector<std::unique_ptr<Operation>> operations_;
     std::vector<Session*> sessions_;
     std::vector<ConnectionEvent> events_;
+    Turn turn_;
+    /// The turn was over before all that has come was worked on.
+    bool has_more_{false};
     TimePoint created_;
     /// The last time that was given.
     TimePoint now_;

@@ -53,6 +53,10 @@ public:
     /// business.
     [[nodiscard]] virtual TimePoint next_deadline() const { return no_deadline; }
     virtual void handle_deadline(TimePoint) {}
+    /// It has more to do than one turn of its connection allows, and nothing to wait for.
+    [[nodiscard]] virtual bool wants_turn() const { return false; }
+    /// Goes on as far as the connection's Turn allows.
+    virtual void take_turn(ServiceContext&) {}
 
     [[nodiscard]] bool is_finished() const { return link_ == nullptr; }
     /// The client does not wait for it any more.

@@ -1,10 +1,12 @@
 #include <algorithm>
+#include <utility>
 
 #include <busbar/types/ids.hpp>
 
 #include "hierarchy.hpp"
 #include "view_context.hpp"
 #include "view_part.hpp"
+#include "view_walk.hpp"
 
 namespace busbar::server::detail {
 
@@ -87,7 +89,8 @@ struct Walk {
     NodeIndex instances;
 };
 
-/// The next reference that matches; `walk` stands behind it.
+/// The next reference that matches; `walk` stands behind it. None at the end, or when the context
+/// may not go on.
 std::optional<Reference> next_match(ViewContext& context, const BrowseFilter& filter, Walk& walk)
 {
     while (const auto reference = walk.cursor.next()) {
@@ -99,9 +102,10 @@ std::optional<Reference> next_match(ViewContext& context, const BrowseFilter& fi
         }
     }
     const NodeIndex has_type_definition = context.space.find(id::HasTypeDefinition);
-    while (walk.instances != model::no_node && context.visits_left != 0) {
-        const NodeIndex instance =
-            context.space.next_instance(walk.type, walk.instances, context.visits_left);
+    while (walk.instances != model::no_node && context.may_go_on()) {
+        std::size_t visits = context.visits_left - context.pause_at;
+        const NodeIndex instance = context.space.next_instance(walk.type, walk.instances, visits);
+        context.visits_left = context.pause_at + visits;
         const Reference reference{has_type_definition, instance, false};
         if (instance != model::no_node && matches(context, filter, reference)) {
             return reference;
@@ -117,9 +121,13 @@ std::size_t count_matches(ViewContext& context, const BrowseFilter& filter, Walk
 {
     Walk ahead = walk;
     std::size_t count = 0;
+    // The other half is for looking at the same again.
+    const std::size_t pause_at = std::exchange(
+        context.pause_at, context.visits_left - (context.visits_left - context.pause_at) / 2);
     while (count < most && context.visit(1) && next_match(context, filter, ahead)) {
         ++count;
     }
+    context.pause_at = pause_at;
     if (count == 0 && most != 0) {
         walk = ahead;
     }
@@ -141,32 +149,9 @@ NodeIndex first_instance(const model::AddressSpace& space, NodeIndex node,
     return is_asked_for ? NodeIndex{0} : model::no_node;
 }
 
-/// Fills `result` from where `state` stands and leaves a continuation point if more is to come.
-void continue_browse(ViewContext& context, BrowseState state, BrowseResult& result)
+/// Gives the client a continuation point for what is to come.
+void leave_point(ViewContext& context, const BrowseState& state, BrowseResult& result)
 {
-    const NodeIndex node = context.space.resolve(state.node);
-    const std::size_t most = std::min<std::size_t>(state.max_references, context.references_left);
-    Walk walk{context.space.references(node, state.position), node, state.instances};
-    // Instances are too much work to look for them twice.
-    const bool is_counted = state.instances == model::no_node;
-    const std::size_t count = is_counted ? count_matches(context, state.filter, walk, most) : most;
-    result.references.reserve(is_counted ? count : 0);
-    while (result.references.size() < count) {
-        const auto reference = next_match(context, state.filter, walk);
-        if (!reference) {
-            break;
-        }
-        describe(context.space, *reference, state.filter.result_mask,
-                 result.references.emplace_back());
-    }
-    context.references_left -= result.references.size();
-    state.position = walk.cursor.position();
-    state.instances = walk.instances;
-    const bool is_complete = context.visits_left != 0 && !next_match(context, state.filter, walk) &&
-                             context.visits_left != 0;
-    if (is_complete) {
-        return;
-    }
     ViewPart& part = ViewPart::of(context.session);
     auto point = part.add(context.session, context.random, state,
                           context.limits.max_browse_continuation_points);
@@ -177,6 +162,28 @@ void continue_browse(ViewContext& context, BrowseState state, BrowseResult& resu
         return;
     }
     result.continuation_point = std::move(*point);
+}
+
+/// Adds what matches to `result` until it has `most`, or until the turn is over.
+void take_matches(ViewContext& context, const BrowseFilter& filter, Walk& walk, std::size_t most,
+                  BrowseResult& result)
+{
+    const std::size_t has = result.references.size();
+    std::size_t count = std::min(most - has, context.turn.left() / Turn::units_of_reference + 1);
+    // Instances are too much work to look for them twice.
+    if (walk.instances == model::no_node) {
+        count = count_matches(context, filter, walk, count);
+        result.references.reserve(has + count);
+    }
+    while (result.references.size() < has + count) {
+        const auto reference = next_match(context, filter, walk);
+        if (!reference) {
+            break;
+        }
+        describe(context.space, *reference, filter.result_mask, result.references.emplace_back());
+        context.turn.spend(Turn::units_of_reference);
+    }
+    context.references_left -= result.references.size() - has;
 }
 
 Result<BrowseFilter> make_filter(const ViewContext& context, const BrowseDescription& description)
@@ -212,127 +219,51 @@ Result<NodeIndex> find_in_view(ViewContext& context, const NodeId& id, NodeIndex
     return is_outside ? fail(status::Bad_NodeNotInView) : std::move(node);
 }
 
-void browse_node(ViewContext& context, const BrowseDescription& description, NodeIndex view,
-                 std::uint32_t max_references, BrowseResult& result)
+} // namespace
+
+Result<BrowseState> begin_browse(ViewContext& context, const BrowseDescription& description,
+                                 NodeIndex view, std::uint32_t max_references)
 {
     const auto node = find_in_view(context, description.node_id, view);
     auto filter = node ? make_filter(context, description) : fail(node.error());
     if (!filter) {
-        result.status_code = filter.error();
-        return;
+        return fail(filter.error());
     }
     if (view != model::no_node) {
         filter->view = context.space.handle(view);
     }
-    continue_browse(context,
-                    {context.space.handle(*node), *filter, max_references, 0,
-                     context.space.reference_epoch(),
-                     first_instance(context.space, *node, *filter)},
-                    result);
+    return BrowseState{context.space.handle(*node),
+                       *filter,
+                       max_references,
+                       0,
+                       context.space.reference_epoch(),
+                       first_instance(context.space, *node, *filter)};
 }
 
-/// The value of the View's property ViewVersion, 0 if it has none.
-std::uint32_t version_of(const model::AddressSpace& space, NodeIndex view)
+bool continue_browse(ViewContext& context, BrowseState& state, BrowseResult& result)
 {
-    std::uint32_t version = 0;
-    space.for_each_child(view, space.find(id::HasProperty), true, QualifiedName{0, "ViewVersion"},
-                         [&](NodeIndex property) {
-                             version = space.value(property).value_or(std::uint32_t{0});
-                             return false;
-                         });
-    return version;
-}
-
-/// There are only Views as they are now, and no times of theirs are kept (Part 4, 7.45).
-StatusCode check_view(const ViewContext& context, const ViewDescription& view)
-{
-    if (view.view_id.is_null()) {
-        return status::Good;
+    const NodeIndex node = context.space.resolve(state.node);
+    const std::size_t has = result.references.size();
+    const std::size_t most =
+        std::min<std::size_t>(state.max_references, context.references_left + has);
+    Walk walk{context.space.references(node, state.position), node, state.instances};
+    take_matches(context, state.filter, walk, most, result);
+    state.position = walk.cursor.position();
+    state.instances = walk.instances;
+    const bool is_more = next_match(context, state.filter, walk).has_value();
+    if (!is_more && context.may_go_on()) {
+        return true;
     }
-    const auto node = context.find(view.view_id);
-    if (!node || context.space.node_class(*node) != NodeClass::View) {
-        return status::Bad_ViewIdUnknown;
+    if (!is_more) { // nothing fits of what was looked at
+        state.position = walk.cursor.position();
+        state.instances = walk.instances;
     }
-    const bool has_time = !view.timestamp.is_null();
-    if (has_time && view.view_version != 0) {
-        return status::Bad_ViewParameterMismatch;
+    const bool is_full = result.references.size() == most && is_more;
+    if (!is_full && context.visits_left != 0) {
+        return false;
     }
-    if (has_time) {
-        return status::Bad_ViewTimestampInvalid;
-    }
-    const bool is_present =
-        view.view_version == 0 || view.view_version == version_of(context.space, *node);
-    return is_present ? status::Good : status::Bad_ViewVersionInvalid;
-}
-
-/// False if the View is gone that a Browse was made in.
-bool has_its_view(const model::AddressSpace& space, const BrowseFilter& filter)
-{
-    return filter.view.index == model::no_node || space.resolve(filter.view) != model::no_node;
-}
-
-} // namespace
-
-StatusCode browse(ViewContext& context, const BrowseRequest& request, BrowseResponse& response)
-{
-    const std::size_t count = request.nodes_to_browse.size();
-    if (count == 0) {
-        return status::Bad_NothingToDo;
-    }
-    if (count > context.limits.operations.max_nodes_per_browse) {
-        return status::Bad_TooManyOperations;
-    }
-    if (const StatusCode bad = check_view(context, request.view); bad.is_bad()) {
-        return bad;
-    }
-    const std::uint32_t requested = request.requested_max_references_per_node;
-    const std::uint32_t most = requested == 0
-                                   ? context.limits.max_references_per_node
-                                   : std::min(requested, context.limits.max_references_per_node);
-    const NodeIndex view =
-        request.view.view_id.is_null() ? model::no_node : context.space.find(request.view.view_id);
-    ViewPart::of(context.session).begin_request();
-    response.results.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        browse_node(context, request.nodes_to_browse[i], view, most, response.results[i]);
-    }
-    return status::Good;
-}
-
-StatusCode browse_next(ViewContext& context, const BrowseNextRequest& request,
-                       BrowseNextResponse& response)
-{
-    const std::size_t count = request.continuation_points.size();
-    if (count == 0) {
-        return status::Bad_NothingToDo;
-    }
-    if (count > context.limits.operations.max_nodes_per_browse) {
-        return status::Bad_TooManyOperations;
-    }
-    ViewPart& part = ViewPart::of(context.session);
-    part.begin_request();
-    if (request.release_continuation_points) {
-        for (const ByteString& id : request.continuation_points) {
-            static_cast<void>(part.take(context.session, id));
-        }
-        return status::Good;
-    }
-    response.results.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        BrowseResult& result = response.results[i];
-        const auto state = part.take(context.session, request.continuation_points[i]);
-        if (!state) {
-            result.status_code = state.error();
-        } else if (context.space.resolve(state->node) == model::no_node) {
-            result.status_code = status::Bad_NodeIdUnknown;
-        } else if (state->epoch != context.space.reference_epoch() ||
-                   !has_its_view(context.space, state->filter)) {
-            result.status_code = status::Bad_ContinuationPointInvalid;
-        } else {
-            continue_browse(context, *state, result);
-        }
-    }
-    return status::Good;
+    leave_point(context, state, result);
+    return true;
 }
 
 } // namespace busbar::server::detail

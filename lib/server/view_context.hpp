@@ -10,6 +10,7 @@
 
 #include "data_rights.hpp"
 #include "session.hpp"
+#include "turn.hpp"
 
 namespace busbar::server::detail {
 
@@ -23,6 +24,10 @@ struct ViewContext {
     /// Work and memory of one request.
     std::size_t visits_left{10'000'000};
     std::size_t references_left{200'000};
+    /// What may be done of it before others have their turn.
+    Turn turn{};
+    /// With so many visits left, or none, what looks at references has to stop for now.
+    std::size_t pause_at{0};
 
     [[nodiscard]] bool may_see(model::NodeIndex node) const
     {
@@ -40,18 +45,16 @@ struct ViewContext {
         }
         return node;
     }
-    /// False once the request has looked at too much.
+    /// False if it has to stop after this one, for now or because the request has looked at too
+    /// much.
     [[nodiscard]] bool visit(std::size_t count)
     {
         visits_left -= count < visits_left ? count : visits_left;
-        return visits_left != 0;
+        return may_go_on();
     }
+    [[nodiscard]] bool may_go_on() const { return visits_left > pause_at; }
 };
 
-[[nodiscard]] StatusCode browse(ViewContext& context, const BrowseRequest& request,
-                                BrowseResponse& response);
-[[nodiscard]] StatusCode browse_next(ViewContext& context, const BrowseNextRequest& request,
-                                     BrowseNextResponse& response);
 [[nodiscard]] StatusCode translate_browse_paths(ViewContext& context,
                                                 const TranslateBrowsePathsToNodeIdsRequest& request,
                                                 TranslateBrowsePathsToNodeIdsResponse& response);

@@ -1,6 +1,10 @@
 #include "view_services.hpp"
 
+#include <algorithm>
+
+#include "browse_work.hpp"
 #include "core.hpp"
+#include "link.hpp"
 #include "session_rights.hpp"
 #include "view_context.hpp"
 
@@ -15,19 +19,63 @@ ViewContext view_context(const ServiceContext& context)
             *context.session};
 }
 
+/// A request that browses as long as its turns allow.
+template <typename Request, typename Response, typename Work>
+class BrowseOperation final : public OperationOf<Request> {
+public:
+    void start(ServiceContext& context) override
+    {
+        ViewContext view = view_context(context);
+        const StatusCode status = work_.begin(view, this->request(), response_);
+        visits_left_ = view.visits_left;
+        references_left_ = view.references_left;
+        if (status.is_bad()) {
+            this->fault(status);
+        } else {
+            take_turn(context);
+        }
+    }
+    [[nodiscard]] bool wants_turn() const override { return !this->is_finished(); }
+    void take_turn(ServiceContext& context) override
+    {
+        ViewContext view = view_context(context);
+        view.visits_left = visits_left_;
+        view.references_left = references_left_;
+        view.turn = context.link.turn();
+        const bool is_complete = work_.go_on(view, this->request(), response_);
+        context.link.turn() = view.turn;
+        const std::size_t added =
+            references_left_ - std::min(references_left_, view.references_left);
+        visits_left_ = view.visits_left;
+        references_left_ = view.references_left;
+        if (is_complete) {
+            this->template respond<Response>([this](binary::Writer& writer) {
+                encode(writer, response_.results);
+                encode(writer, response_.diagnostic_infos);
+            });
+        } else if (!this->charge(added * sizeof(ReferenceDescription))) {
+            this->fault(status::Bad_OutOfMemory);
+        }
+    }
+
+private:
+    Work work_;
+    Response response_;
+    std::size_t visits_left_{0};
+    std::size_t references_left_{0};
+};
+
 } // namespace
 
-StatusCode browse(ServiceContext& context, const BrowseRequest& request, BrowseResponse& response)
+std::unique_ptr<Operation> make_browse()
 {
-    ViewContext view = view_context(context);
-    return browse(view, request, response);
+    return std::make_unique<BrowseOperation<BrowseRequest, BrowseResponse, BrowseWork>>();
 }
 
-StatusCode browse_next(ServiceContext& context, const BrowseNextRequest& request,
-                       BrowseNextResponse& response)
+std::unique_ptr<Operation> make_browse_next()
 {
-    ViewContext view = view_context(context);
-    return browse_next(view, request, response);
+    return std::make_unique<
+        BrowseOperation<BrowseNextRequest, BrowseNextResponse, BrowseNextWork>>();
 }
 
 StatusCode translate_browse_paths(ServiceContext& context,

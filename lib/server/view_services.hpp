@@ -7,10 +7,9 @@
 /// The View service set (Part 4, 5.9). All need an activated session.
 namespace busbar::server::detail {
 
-[[nodiscard]] StatusCode browse(ServiceContext& context, const BrowseRequest& request,
-                                BrowseResponse& response);
-[[nodiscard]] StatusCode browse_next(ServiceContext& context, const BrowseNextRequest& request,
-                                     BrowseNextResponse& response);
+/// Operations, as they may take several turns.
+[[nodiscard]] std::unique_ptr<Operation> make_browse();
+[[nodiscard]] std::unique_ptr<Operation> make_browse_next();
 [[nodiscard]] StatusCode translate_browse_paths(ServiceContext& context,
                                                 const TranslateBrowsePathsToNodeIdsRequest& request,
                                                 TranslateBrowsePathsToNodeIdsResponse& response);

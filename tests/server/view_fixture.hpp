@@ -8,6 +8,7 @@
 #include <busbar/types/ids.hpp>
 
 #include "model/model_fixture.hpp"
+#include "server/browse_work.hpp"
 #include "server/view_context.hpp"
 #include "server/view_part.hpp"
 #include "support/seeded_random.hpp"
@@ -33,6 +34,29 @@ public:
 private:
     NodeId hidden_;
 };
+
+/// As the server does it, however many turns it takes.
+template <typename Work, typename Request, typename Response>
+StatusCode run_turns(ViewContext& context, const Request& request, Response& response)
+{
+    Work work;
+    const std::size_t units = context.turn.left();
+    const StatusCode bad = work.begin(context, request, response);
+    while (!bad.is_bad() && !work.go_on(context, request, response)) {
+        context.turn = Turn{units};
+    }
+    return bad;
+}
+inline StatusCode browse(ViewContext& context, const BrowseRequest& request,
+                         BrowseResponse& response)
+{
+    return run_turns<BrowseWork>(context, request, response);
+}
+inline StatusCode browse_next(ViewContext& context, const BrowseNextRequest& request,
+                              BrowseNextResponse& response)
+{
+    return run_turns<BrowseNextWork>(context, request, response);
+}
 
 struct ViewFixture : model::ModelFixture {
     ServerLimits limits;

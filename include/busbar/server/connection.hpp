@@ -49,6 +49,10 @@ public:
     /// Takes bytes and answers what requests they complete. Bad once closed. While more output
     /// waits than the limits allow, requests stay unanswered until consume() has made room: stop
     /// reading from the peer as long as there is output.
+    ///
+    /// A call does a bounded amount of work, whatever was asked for. What is left is done by
+    /// handle_deadline(), for which next_deadline() is not after the last time that was given: look
+    /// after other connections and the server first.
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
     [[nodiscard]] std::optional<ConnectionEvent> next_event();
     /// Bytes for the peer, valid until the next call of a member of the server or its connections.

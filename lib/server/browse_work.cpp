@@ -1,0 +1,195 @@
+#include "browse_work.hpp"
+
+#include <algorithm>
+
+#include <busbar/types/ids.hpp>
+
+#include "view_walk.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+using model::NodeIndex;
+
+/// The value of the View's property ViewVersion, 0 if it has none.
+std::uint32_t version_of(const model::AddressSpace& space, NodeIndex view)
+{
+    std::uint32_t version = 0;
+    space.for_each_child(view, space.find(id::HasProperty), true, QualifiedName{0, "ViewVersion"},
+                         [&](NodeIndex property) {
+                             version = space.value(property).value_or(std::uint32_t{0});
+                             return false;
+                         });
+    return version;
+}
+
+/// There are only Views as they are now, and no times of theirs are kept (Part 4, 7.45).
+StatusCode check_view(const ViewContext& context, const ViewDescription& view)
+{
+    if (view.view_id.is_null()) {
+        return status::Good;
+    }
+    const auto node = context.find(view.view_id);
+    if (!node || context.space.node_class(*node) != NodeClass::View) {
+        return status::Bad_ViewIdUnknown;
+    }
+    const bool has_time = !view.timestamp.is_null();
+    if (has_time && view.view_version != 0) {
+        return status::Bad_ViewParameterMismatch;
+    }
+    if (has_time) {
+        return status::Bad_ViewTimestampInvalid;
+    }
+    const bool is_present =
+        view.view_version == 0 || view.view_version == version_of(context.space, *node);
+    return is_present ? status::Good : status::Bad_ViewVersionInvalid;
+}
+
+/// False if the View is gone that a Browse was made in.
+bool has_its_view(const model::AddressSpace& space, const BrowseFilter& filter)
+{
+    return filter.view.index == model::no_node || space.resolve(filter.view) != model::no_node;
+}
+
+/// Goes on with a node that was begun; true once its result is complete. Nothing of it is kept
+/// where the node has other references now.
+bool go_on_with(ViewContext& context, std::optional<BrowseState>& state, BrowseResult& result)
+{
+    constexpr std::size_t least = 1'000; // so that it comes forward
+    const std::size_t before = context.visits_left;
+    context.pause_at = before - std::min(before, std::max(context.turn.left(), least));
+    const bool is_complete = continue_browse(context, *state, result);
+    context.turn.spend(before - context.visits_left);
+    if (is_complete) {
+        state.reset();
+    }
+    return is_complete;
+}
+
+/// Why the references of a node cannot be browsed any further; good if they can.
+StatusCode check_state(const ViewContext& context, const BrowseState& state)
+{
+    if (context.space.resolve(state.node) == model::no_node) {
+        return status::Bad_NodeIdUnknown;
+    }
+    const bool is_valid =
+        state.epoch == context.space.reference_epoch() && has_its_view(context.space, state.filter);
+    return is_valid ? status::Good : status::Bad_ContinuationPointInvalid;
+}
+
+/// Forgets what was found of a node whose references have changed since.
+void begin_again(ViewContext& context, std::optional<BrowseState>& state, BrowseResult& result)
+{
+    context.references_left += result.references.size();
+    result = BrowseResult{};
+    state.reset();
+}
+
+} // namespace
+
+StatusCode BrowseWork::begin(ViewContext& context, const BrowseRequest& request,
+                             BrowseResponse& response)
+{
+    const std::size_t count = request.nodes_to_browse.size();
+    if (count == 0) {
+        return status::Bad_NothingToDo;
+    }
+    if (count > context.limits.operations.max_nodes_per_browse) {
+        return status::Bad_TooManyOperations;
+    }
+    if (const StatusCode bad = check_view(context, request.view); bad.is_bad()) {
+        return bad;
+    }
+    const std::uint32_t requested = request.requested_max_references_per_node;
+    max_references_ = requested == 0 ? context.limits.max_references_per_node
+                                     : std::min(requested, context.limits.max_references_per_node);
+    ViewPart::of(context.session).begin_request();
+    response.results.resize(count);
+    return status::Good;
+}
+
+bool BrowseWork::go_on(ViewContext& context, const BrowseRequest& request, BrowseResponse& response)
+{
+    // Looked for in each turn: it may be another index, or gone.
+    view_ =
+        request.view.view_id.is_null() ? model::no_node : context.space.find(request.view.view_id);
+    while (next_ < response.results.size()) {
+        if (context.turn.is_over()) {
+            return false;
+        }
+        BrowseResult& result = response.results[next_];
+        if (state_ && check_state(context, *state_).is_bad()) {
+            begin_again(context, state_, result);
+        }
+        if (!state_) {
+            auto begun =
+                begin_browse(context, request.nodes_to_browse[next_], view_, max_references_);
+            if (!begun) {
+                result.status_code = begun.error();
+                ++next_;
+                continue;
+            }
+            state_ = *std::move(begun);
+        }
+        if (go_on_with(context, state_, result)) {
+            ++next_;
+        }
+    }
+    return true;
+}
+
+StatusCode BrowseNextWork::begin(ViewContext& context, const BrowseNextRequest& request,
+                                 BrowseNextResponse& response)
+{
+    const std::size_t count = request.continuation_points.size();
+    if (count == 0) {
+        return status::Bad_NothingToDo;
+    }
+    if (count > context.limits.operations.max_nodes_per_browse) {
+        return status::Bad_TooManyOperations;
+    }
+    ViewPart& part = ViewPart::of(context.session);
+    part.begin_request();
+    if (request.release_continuation_points) {
+        for (const ByteString& id : request.continuation_points) {
+            static_cast<void>(part.take(context.session, id));
+        }
+        return status::Good; // and no results
+    }
+    response.results.resize(count);
+    return status::Good;
+}
+
+bool BrowseNextWork::go_on(ViewContext& context, const BrowseNextRequest& request,
+                           BrowseNextResponse& response)
+{
+    while (next_ < response.results.size()) {
+        if (context.turn.is_over()) {
+            return false;
+        }
+        BrowseResult& result = response.results[next_];
+        if (!state_) {
+            auto taken = ViewPart::of(context.session)
+                             .take(context.session, request.continuation_points[next_]);
+            if (!taken) {
+                result.status_code = taken.error();
+                ++next_;
+                continue;
+            }
+            state_ = *std::move(taken);
+        }
+        if (const StatusCode bad = check_state(context, *state_); bad.is_bad()) {
+            context.references_left += result.references.size();
+            result = BrowseResult{};
+            result.status_code = bad;
+            state_.reset();
+            ++next_;
+        } else if (go_on_with(context, state_, result)) {
+            ++next_;
+        }
+    }
+    return true;
+}
+
+} // namespace busbar::server::detail

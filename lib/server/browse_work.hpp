@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "view_context.hpp"
+#include "view_part.hpp"
+
+namespace busbar::server::detail {
+
+/// A Browse (Part 4, 5.9.2) that goes on where its turn ended, within a node as well.
+class BrowseWork {
+public:
+    /// What is wrong with all of the request, if something is. To be called first, once.
+    [[nodiscard]] StatusCode begin(ViewContext& context, const BrowseRequest& request,
+                                   BrowseResponse& response);
+    /// True once the response is complete; false if the turn is over before.
+    [[nodiscard]] bool go_on(ViewContext& context, const BrowseRequest& request,
+                             BrowseResponse& response);
+
+private:
+    std::size_t next_{0};
+    /// Of the node that was begun.
+    std::optional<BrowseState> state_;
+    model::NodeIndex view_{model::no_node};
+    std::uint32_t max_references_{0};
+};
+
+/// The same for BrowseNext (Part 4, 5.9.3).
+class BrowseNextWork {
+public:
+    [[nodiscard]] StatusCode begin(ViewContext& context, const BrowseNextRequest& request,
+                                   BrowseNextResponse& response);
+    [[nodiscard]] bool go_on(ViewContext& context, const BrowseNextRequest& request,
+                             BrowseNextResponse& response);
+
+private:
+    std::size_t next_{0};
+    std::optional<BrowseState> state_;
+};
+
+} // namespace busbar::server::detail

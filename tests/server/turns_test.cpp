@@ -1,0 +1,160 @@
+#include <catch2/catch.hpp>
+
+#include "server/view_fixture.hpp"
+#include "support/slow_server.hpp"
+
+using namespace busbar;
+using namespace busbar::test;
+
+namespace {
+
+/// What costs a server most for its size: all nodes are looked at for instances of the type, of
+/// which none is to be told.
+BrowseRequest dear_browse(std::size_t nodes)
+{
+    BrowseDescription one;
+    one.node_id = NodeId{0, id::PropertyType};
+    one.browse_direction = BrowseDirection::Inverse;
+    one.include_subtypes = true;
+    one.node_class_mask = static_cast<std::uint32_t>(NodeClass::ReferenceType);
+    BrowseRequest request;
+    request.nodes_to_browse.resize(nodes);
+    std::fill(request.nodes_to_browse.begin(), request.nodes_to_browse.end(), one);
+    return request;
+}
+
+/// Puts a request into the channel and sends nothing yet.
+template <typename Request>
+void prepare(TestClient& client, Request request)
+{
+    request.request_header.authentication_token = client.authentication_token;
+    REQUIRE(client.channel.send([&](binary::Writer& writer) {
+        encode(writer, NodeId{0, Request::binary_encoding_id});
+        encode(writer, request);
+    }));
+}
+
+std::size_t take_answers(TestClient& client, TimePoint now)
+{
+    carry(client.connection, client.channel, now);
+    std::size_t count = 0;
+    while (auto event = client.channel.next_event()) {
+        count += event->kind == channel::Event::Kind::Message ? 1U : 0U;
+    }
+    return count;
+}
+
+} // namespace
+
+TEST_CASE("D2: a connection that asks for much waits for its next turn")
+{
+    constexpr std::size_t requests = 20;
+    ServerFixture fixture;
+    auto greedy = fixture.log_in();
+    auto good = fixture.log_in();
+    for (std::size_t i = 0; i < requests; ++i) {
+        prepare(greedy, dear_browse(1'000));
+    }
+    carry(greedy.channel, greedy.connection, fixture.now);
+    std::size_t answered = take_answers(greedy, fixture.now);
+    CHECK(answered < requests);
+    std::size_t turns = 0;
+    for (; answered < requests; ++turns) {
+        REQUIRE(greedy.connection.next_deadline() <= fixture.now);
+        // Between any two turns others are served at once.
+        if (turns % 16 == 0) {
+            REQUIRE(good.status_of<ReadResponse>(SlowFixture::fast()) == status::Good);
+        }
+        greedy.connection.handle_deadline(fixture.now);
+        answered += take_answers(greedy, fixture.now);
+    }
+    CHECK(turns >= requests);
+    greedy.connection.handle_deadline(fixture.now);
+    CHECK(greedy.connection.next_deadline() > fixture.now);
+}
+
+TEST_CASE("D2: what waits for its turn ends with its session")
+{
+    ServerFixture fixture;
+    auto greedy = fixture.log_in();
+    prepare(greedy, dear_browse(1'000));
+    prepare(greedy, CloseSessionRequest{});
+    carry(greedy.channel, greedy.connection, fixture.now);
+    CHECK(take_answers(greedy, fixture.now) == 0);
+    std::size_t answered = 0;
+    while (greedy.connection.next_deadline() <= fixture.now) {
+        greedy.connection.handle_deadline(fixture.now);
+        answered += take_answers(greedy, fixture.now);
+    }
+    CHECK(answered == 2);
+    CHECK(fixture.server.session_count() == 0);
+}
+
+TEST_CASE("D2: a connection that goes away takes its turns with it")
+{
+    ServerFixture fixture;
+    auto good = fixture.log_in();
+    {
+        auto greedy = fixture.log_in();
+        prepare(greedy, dear_browse(1'000));
+        carry(greedy.channel, greedy.connection, fixture.now);
+    }
+    CHECK(good.status_of<ReadResponse>(SlowFixture::fast()) == status::Good);
+}
+
+namespace busbar::server::detail {
+
+TEST_CASE_METHOD(ViewFixture, "D2: a Browse says the same in however many turns")
+{
+    add_children(400);
+    BrowseDescription instances = description(NodeId{0, id::BaseDataVariableType});
+    instances.reference_type_id = {};
+    instances.browse_direction = BrowseDirection::Both;
+    BrowseDescription few = description(node("folder"));
+    few.node_class_mask = static_cast<std::uint32_t>(NodeClass::Method);
+    BrowseRequest request;
+    request.nodes_to_browse = {description(node("folder")), instances, description(NodeId{9, 1U}),
+                               few, description(NodeId{0, id::ObjectsFolder})};
+    const auto most = GENERATE(0U, 1U, 150U);
+    request.requested_max_references_per_node = most;
+    const auto browse_in = [&](std::size_t units) {
+        ViewContext view = context();
+        view.turn = Turn{units};
+        BrowseResponse response;
+        REQUIRE(browse(view, request, response) == status::Good);
+        return response;
+    };
+    const BrowseResponse whole = browse_in(Turn{}.left());
+    REQUIRE(whole.results[0].references.size() == (most == 0 ? 400 : most));
+    for (const std::size_t units : {std::size_t{1}, std::size_t{60}, std::size_t{4'000}}) {
+        const BrowseResponse parts = browse_in(units);
+        for (std::size_t i = 0; i < whole.results.size(); ++i) {
+            CAPTURE(units, i);
+            CHECK(parts.results[i].status_code == whole.results[i].status_code);
+            CHECK(parts.results[i].references == whole.results[i].references);
+            CHECK(parts.results[i].continuation_point.empty() ==
+                  whole.results[i].continuation_point.empty());
+        }
+    }
+}
+
+TEST_CASE_METHOD(ViewFixture, "D2: a node that changes between two turns is browsed as it is then")
+{
+    add_children(100);
+    BrowseRequest request;
+    request.nodes_to_browse = {description(node("folder"))};
+    BrowseResponse response;
+    BrowseWork work;
+    ViewContext view = context();
+    REQUIRE(work.begin(view, request, response) == status::Good);
+    view.turn = Turn{Turn::units_of_reference * 10};
+    REQUIRE_FALSE(work.go_on(view, request, response));
+    CHECK(response.results[0].references.size() < 100);
+    add_int32("late", folder);
+    view.turn = Turn{};
+    REQUIRE(work.go_on(view, request, response));
+    CHECK(names(response.results[0]).size() == 101);
+    CHECK(view.references_left == 200'000 - 101);
+}
+
+} // namespace busbar::server::detail
