@@ -36,7 +36,7 @@ struct DataTypeEntry {
 };
 
 /// The DataTypes of OPC UA itself that this build has, with their definitions; half a megabyte.
-[[nodiscard]] std::vector<DataTypeEntry> namespace0_data_types();
+[[nodiscard]] BUSBAR_API std::vector<DataTypeEntry> namespace0_data_types();
 
 /// What is accepted of definitions, which may come from a hostile server. Every limit is finite.
 struct DynamicTypeLimits {
