@@ -15,7 +15,7 @@ std::string visit_fields(const Type& type)
                        type.name + ">\nvoid visit_fields(Object& " + (is_empty ? "" : "value") +
                        ", Visitor&& " + (is_empty ? "" : "visit") + ")\n{\n";
     for (const StructureField& field : type.fields) {
-        text += "    visit(" + quoted(field.schema_name) + ", value." + field.name + ");\n";
+        text += "    visit(" + in_quotes(field.schema_name) + ", value." + field.name + ");\n";
     }
     return text + "}\n\n";
 }

@@ -16,7 +16,7 @@ std::string preamble(const Schema& schema)
 std::string static_id(const NodeId& id)
 {
     if (id.id_type() == IdType::String) {
-        return "{0, " + quoted(id.string().view()) + "}";
+        return "{0, " + in_quotes(id.string().view()) + "}";
     }
     return "{" + std::to_string(id.is_numeric() ? id.numeric() : 0U) + ", {}}";
 }

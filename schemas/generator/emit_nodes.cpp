@@ -119,10 +119,12 @@ std::string preamble(const Options& options)
 std::string header(const Options& options)
 {
     const Name name = function_name(options);
-    return preamble(options) + "#pragma once\n\n#include <busbar/model/static_nodes.hpp>\n\n" +
+    return preamble(options) +
+           "#pragma once\n\n#include <busbar/core/api.hpp>\n"
+           "#include <busbar/model/static_nodes.hpp>\n\n" +
            "namespace " + name.in_namespace +
            " {\n\n/// The nodes of the namespace. Constant data.\n"
-           "[[nodiscard]] const busbar::model::StaticNodes& " +
+           "[[nodiscard]] BUSBAR_API const busbar::model::StaticNodes& " +
            name.function + "();\n\n} // namespace " + name.in_namespace + "\n";
 }
 

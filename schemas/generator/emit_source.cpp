@@ -24,7 +24,7 @@ std::string structure_type(const Schema& schema, const Type& type)
 {
     return "constinit const " + schema.prefix + "StructureType " + type.name +
            "::type = busbar::detail::make_structure_type<" + type.name + ">(\n    " +
-           quoted(type.node->browse_name) + ", " + quoted(schema.namespace_uri) + ",\n    " +
+           in_quotes(type.node->browse_name) + ", " + in_quotes(schema.namespace_uri) + ",\n    " +
            static_id(type.node->id) + ", " + static_id(type.encoding_id) + ");\n\n";
 }
 

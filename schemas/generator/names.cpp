@@ -119,7 +119,7 @@ std::string type_name(std::string_view name)
     return not_reserved(identifier(name));
 }
 
-std::string quoted(std::string_view text)
+std::string in_quotes(std::string_view text)
 {
     constexpr std::string_view digits = "0123456789abcdef";
     std::string result{'"'};

@@ -13,7 +13,7 @@ namespace busbar::generator {
 [[nodiscard]] std::string type_name(std::string_view name);
 
 /// `text` as a C++ string literal.
-[[nodiscard]] std::string quoted(std::string_view text);
+[[nodiscard]] std::string in_quotes(std::string_view text);
 
 /// The definition of a constant array of char, a string literal in pieces, with what is not
 /// printable as three octal digits.

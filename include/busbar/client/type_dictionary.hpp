@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/refusal.hpp>
 
 /// Type dictionaries, with which servers before OPC UA 1.04 describe their structures (Part 5,
@@ -69,7 +70,7 @@ using DictionaryParser = Checked<TypeDictionary> (*)(std::span<const std::byte> 
                                                      const DictionaryLimits& limits);
 
 /// The DictionaryParser of the target busbar::dictionary, which brings pugixml with it.
-[[nodiscard]] Checked<TypeDictionary> parse_type_dictionary(std::span<const std::byte> xml,
-                                                            const DictionaryLimits& limits = {});
+[[nodiscard]] BUSBAR_API Checked<TypeDictionary>
+parse_type_dictionary(std::span<const std::byte> xml, const DictionaryLimits& limits = {});
 
 } // namespace busbar::client

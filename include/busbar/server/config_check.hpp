@@ -1,5 +1,6 @@
 #pragma once
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/refusal.hpp>
 #include <busbar/server/server.hpp>
 
@@ -7,7 +8,7 @@ namespace busbar::server {
 
 /// Whether a server can be what `config` says. Bad_ConfigurationError with the contradiction in
 /// words; Server::create says the same to the log.
-[[nodiscard]] Checked<void> check_config(const ServerConfig& config,
-                                         const ServerEnvironment& environment);
+[[nodiscard]] BUSBAR_API Checked<void> check_config(const ServerConfig& config,
+                                                    const ServerEnvironment& environment);
 
 } // namespace busbar::server
