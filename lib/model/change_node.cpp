@@ -106,6 +106,7 @@ void AddressSpace::bind(NodeIndex node, std::uint32_t source, std::uint64_t hand
         record.source = source;
         record.handle = handle;
     }
+    tables_->watches.tell(node, NodeAspect::Binding);
 }
 
 void AddressSpace::set_access_level(NodeIndex node, std::uint8_t access_level,
@@ -123,6 +124,7 @@ void AddressSpace::set_access_level(NodeIndex node, std::uint8_t access_level,
         record.access_level = access_level;
         record.user_access_level = of_user;
     }
+    tables_->watches.tell(node, NodeAspect::Binding);
 }
 
 void AddressSpace::set_executable(NodeIndex node, bool executable)

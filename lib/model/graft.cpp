@@ -207,6 +207,7 @@ void Graft::forget_created(NodeIndex node)
             ++tables_.change_count;
         }
     }
+    tables_.watches.tell(node, NodeAspect::References);
 }
 
 void Graft::take_back()

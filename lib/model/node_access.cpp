@@ -61,12 +61,13 @@ std::uint16_t AddressSpace::access_restrictions(NodeIndex node) const
 
 void AddressSpace::set_node_access(NodeIndex node, NodeAccess access)
 {
-    ++tables_->change_count; // what clients monitor is looked at again
+    ++tables_->change_count;
     if (access == NodeAccess{} && access.role_permissions.is_null()) {
         tables_->access.erase(node);
     } else {
         tables_->access.set(node, std::move(access));
     }
+    tables_->watches.tell(node, NodeAspect::Binding);
 }
 
 void AddressSpace::set_namespace_restrictions(std::uint16_t namespace_index,
@@ -78,6 +79,8 @@ void AddressSpace::set_namespace_restrictions(std::uint16_t namespace_index,
         by_namespace.resize(namespace_index + std::size_t{1});
     }
     by_namespace[namespace_index] = restrictions;
+    tables_->watches.tell_bindings(
+        [&](NodeIndex node) { return tables_->id_of(node).namespace_index() == namespace_index; });
 }
 
 Result<Variant> AddressSpace::access_attribute(NodeIndex node, AttributeId id) const

@@ -170,6 +170,7 @@ void Tables::unlink(NodeIndex child)
     references.entries[node.parent_slot] = {};
     ++references.holes;
     ++change_count;
+    watches.tell(node.parent, NodeAspect::References);
     note(node.parent, reference_deleted);
     if (journal.property_of(node.parent) == child) {
         journal.end(node.parent);
@@ -184,6 +185,7 @@ void Tables::destroy(NodeIndex node)
     access.erase(node);
     record(node) = Record{};
     free_records.push_back(number_of_record);
+    watches.tell_removed(node);
 }
 
 std::uint32_t Tables::push(NodeIndex node, const Entry& entry)
@@ -195,6 +197,7 @@ std::uint32_t Tables::push(NodeIndex node, const Entry& entry)
     }
     references.entries.push_back(entry);
     ++change_count;
+    watches.tell(node, NodeAspect::References);
     note(node, reference_added);
     return static_cast<std::uint32_t>(references.entries.size() - 1);
 }
@@ -218,6 +221,7 @@ void Tables::compact(NodeIndex node, ReferenceList& references)
     references.entries.resize(kept);
     references.holes = 0;
     ++epoch;
+    watches.tell(node, NodeAspect::ReferencePositions);
 }
 
 void Tables::add_entry(NodeIndex node, const Entry& entry)
@@ -246,6 +250,7 @@ bool Tables::remove_entry(NodeIndex node, const Entry& entry)
         ++references.holes;
         --references.others;
         ++change_count;
+        watches.tell(node, NodeAspect::References);
         note(node, reference_deleted);
         return true;
     }

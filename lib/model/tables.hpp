@@ -13,6 +13,7 @@
 #include "journal.hpp"
 #include "node_access_table.hpp"
 #include "record.hpp"
+#include "watch_table.hpp"
 
 namespace busbar::model::detail {
 
@@ -57,6 +58,7 @@ struct Tables {
     /// By namespace; may be shorter.
     std::vector<std::uint16_t> namespace_restrictions;
     Journal journal;
+    WatchTable watches;
     std::uint64_t epoch{0};
     std::uint64_t change_count{0};
     std::uint64_t type_count{0};

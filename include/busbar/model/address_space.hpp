@@ -13,6 +13,7 @@
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/core/function_ref.hpp>
 #include <busbar/model/node.hpp>
+#include <busbar/model/node_watch.hpp>
 #include <busbar/model/static_nodes.hpp>
 
 namespace busbar::model {
@@ -141,6 +142,8 @@ public:
     /// each, until there are none left. `from` becomes where to go on, no_node at the end.
     [[nodiscard]] NodeIndex next_instance(NodeIndex type, NodeIndex& from,
                                           std::size_t& visits) const;
+    /// Has `watch` told of the next change of that aspect of the node, or of its removal.
+    void watch(NodeIndex node, NodeAspect aspect, NodeWatch& watch) const;
     /// Changes whenever positions of references may have moved.
     [[nodiscard]] std::uint64_t reference_epoch() const;
     /// Changes whenever a reference was added or removed, be it with a node, and when a Variable
