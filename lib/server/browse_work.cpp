@@ -52,38 +52,42 @@ bool has_its_view(const model::AddressSpace& space, const BrowseFilter& filter)
     return filter.view.index == model::no_node || space.resolve(filter.view) != model::no_node;
 }
 
-/// Goes on with a node that was begun; true once its result is complete. Nothing of it is kept
-/// where the node has other references now.
-bool go_on_with(ViewContext& context, std::optional<BrowseState>& state, BrowseResult& result)
+/// Goes on with a node that was begun; true once its result is complete.
+bool go_on_with(ViewContext& context, BrowsePlace& place, BrowseResult& result)
 {
     constexpr std::size_t least = 1'000; // so that it comes forward
     const std::size_t before = context.visits_left;
     context.pause_at = before - std::min(before, std::max(context.turn.left(), least));
-    const bool is_complete = continue_browse(context, *state, result);
+    const bool is_complete = continue_browse(context, *place.state, result);
     context.turn.spend(before - context.visits_left);
+    place.watch.is_lost = false;
     if (is_complete) {
-        state.reset();
+        place.state.reset();
+        place.watch.stop();
+    } else {
+        context.space.watch(place.state->node.index, model::NodeAspect::ReferencePositions,
+                            place.watch);
     }
     return is_complete;
 }
 
 /// Why the references of a node cannot be browsed any further; good if they can.
-StatusCode check_state(const ViewContext& context, const BrowseState& state)
+StatusCode check_place(const ViewContext& context, const BrowsePlace& place)
 {
-    if (context.space.resolve(state.node) == model::no_node) {
+    if (context.space.resolve(place.state->node) == model::no_node) {
         return status::Bad_NodeIdUnknown;
     }
-    const bool is_valid =
-        state.epoch == context.space.reference_epoch() && has_its_view(context.space, state.filter);
+    const bool is_valid = !place.watch.is_lost && has_its_view(context.space, place.state->filter);
     return is_valid ? status::Good : status::Bad_ContinuationPointInvalid;
 }
 
-/// Forgets what was found of a node whose references have changed since.
-void begin_again(ViewContext& context, std::optional<BrowseState>& state, BrowseResult& result)
+/// Forgets what was found of a node that cannot be browsed any further.
+void give_up(ViewContext& context, BrowsePlace& place, BrowseResult& result, StatusCode status)
 {
     context.references_left += result.references.size();
     result = BrowseResult{};
-    state.reset();
+    result.status_code = status;
+    place.state.reset();
 }
 
 } // namespace
@@ -119,10 +123,10 @@ bool BrowseWork::go_on(ViewContext& context, const BrowseRequest& request, Brows
             return false;
         }
         BrowseResult& result = response.results[next_];
-        if (state_ && check_state(context, *state_).is_bad()) {
-            begin_again(context, state_, result);
+        if (place_.state && check_place(context, place_).is_bad()) {
+            give_up(context, place_, result, status::Good); // and begin it again
         }
-        if (!state_) {
+        if (!place_.state) {
             auto begun =
                 begin_browse(context, request.nodes_to_browse[next_], view_, max_references_);
             if (!begun) {
@@ -130,9 +134,9 @@ bool BrowseWork::go_on(ViewContext& context, const BrowseRequest& request, Brows
                 ++next_;
                 continue;
             }
-            state_ = *std::move(begun);
+            place_.state = *std::move(begun);
         }
-        if (go_on_with(context, state_, result)) {
+        if (go_on_with(context, place_, result)) {
             ++next_;
         }
     }
@@ -169,7 +173,7 @@ bool BrowseNextWork::go_on(ViewContext& context, const BrowseNextRequest& reques
             return false;
         }
         BrowseResult& result = response.results[next_];
-        if (!state_) {
+        if (!place_.state) {
             auto taken = ViewPart::of(context.session)
                              .take(context.session, request.continuation_points[next_]);
             if (!taken) {
@@ -177,15 +181,12 @@ bool BrowseNextWork::go_on(ViewContext& context, const BrowseNextRequest& reques
                 ++next_;
                 continue;
             }
-            state_ = *std::move(taken);
+            place_.state = *std::move(taken);
         }
-        if (const StatusCode bad = check_state(context, *state_); bad.is_bad()) {
-            context.references_left += result.references.size();
-            result = BrowseResult{};
-            result.status_code = bad;
-            state_.reset();
+        if (const StatusCode bad = check_place(context, place_); bad.is_bad()) {
+            give_up(context, place_, result, bad);
             ++next_;
-        } else if (go_on_with(context, state_, result)) {
+        } else if (go_on_with(context, place_, result)) {
             ++next_;
         }
     }

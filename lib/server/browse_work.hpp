@@ -8,6 +8,19 @@
 
 namespace busbar::server::detail {
 
+/// Where a turn ended within a node.
+struct BrowsePlace {
+    /// Told when the references of the node lie elsewhere, so that the position leads nowhere.
+    struct Watch final : model::NodeWatch {
+        void node_changed(model::NodeIndex, bool) override { is_lost = true; }
+
+        bool is_lost{false};
+    };
+
+    std::optional<BrowseState> state;
+    Watch watch;
+};
+
 /// A Browse (Part 4, 5.9.2) that goes on where its turn ended, within a node as well.
 class BrowseWork {
 public:
@@ -20,8 +33,7 @@ public:
 
 private:
     std::size_t next_{0};
-    /// Of the node that was begun.
-    std::optional<BrowseState> state_;
+    BrowsePlace place_;
     model::NodeIndex view_{model::no_node};
     std::uint32_t max_references_{0};
 };
@@ -36,7 +48,7 @@ public:
 
 private:
     std::size_t next_{0};
-    std::optional<BrowseState> state_;
+    BrowsePlace place_;
 };
 
 } // namespace busbar::server::detail

@@ -153,7 +153,7 @@ NodeIndex first_instance(const model::AddressSpace& space, NodeIndex node,
 void leave_point(ViewContext& context, const BrowseState& state, BrowseResult& result)
 {
     ViewPart& part = ViewPart::of(context.session);
-    auto point = part.add(context.session, context.random, state,
+    auto point = part.add(context.session, context.random, context.space, state,
                           context.limits.max_browse_continuation_points);
     if (!point) {
         context.references_left += result.references.size();
@@ -232,11 +232,7 @@ Result<BrowseState> begin_browse(ViewContext& context, const BrowseDescription& 
     if (view != model::no_node) {
         filter->view = context.space.handle(view);
     }
-    return BrowseState{context.space.handle(*node),
-                       *filter,
-                       max_references,
-                       0,
-                       context.space.reference_epoch(),
+    return BrowseState{context.space.handle(*node), *filter, max_references, 0,
                        first_instance(context.space, *node, *filter)};
 }
 

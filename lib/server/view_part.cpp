@@ -12,22 +12,25 @@ ViewPart& ViewPart::of(Session& session)
     return static_cast<ViewPart&>(*session.view);
 }
 
-Result<ByteString> ViewPart::add(Session& session, crypto::Random& random, const BrowseState& state,
+Result<ByteString> ViewPart::add(Session& session, crypto::Random& random,
+                                 const model::AddressSpace& space, const BrowseState& state,
                                  std::size_t most)
 {
     if (points_.size() >= most) {
         if (points_.empty() || points_.front().request == request_) {
             return fail(status::Bad_NoContinuationPoints);
         }
-        points_.erase(points_.begin());
-        session.release(sizeof(Point));
+        points_.pop_front();
+        session.release(point_memory);
     }
-    Point point{{}, request_, state};
-    if (!random.fill(point.id) || !session.charge(sizeof(Point))) {
+    std::array<std::byte, id_size> id{};
+    if (!random.fill(id) || !session.charge(point_memory)) {
         return fail(status::Bad_NoContinuationPoints);
     }
-    points_.push_back(point);
-    return ByteString{std::span<const std::byte>{point.id}};
+    Point& point = points_.emplace_back(request_, state);
+    point.id = id;
+    space.watch(state.node.index, model::NodeAspect::ReferencePositions, point);
+    return ByteString{std::span<const std::byte>{id}};
 }
 
 Result<BrowseState> ViewPart::take(Session& session, const ByteString& id)
@@ -39,9 +42,10 @@ Result<BrowseState> ViewPart::take(Session& session, const ByteString& id)
     if (found == points_.end()) {
         return fail(status::Bad_ContinuationPointInvalid);
     }
-    const BrowseState state = found->state;
+    const auto state = found->is_lost ? fail(status::Bad_ContinuationPointInvalid)
+                                      : Result<BrowseState>{found->state};
     points_.erase(found);
-    session.release(sizeof(Point));
+    session.release(point_memory);
     return state;
 }
 

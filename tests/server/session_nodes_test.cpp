@@ -98,3 +98,26 @@ TEST_CASE_METHOD(DiagnosticsFixture, "a session's diagnostics can be monitored u
     REQUIRE(data.size() == 1);
     CHECK(data[0].value.status == status::Bad_NodeIdUnknown);
 }
+
+TEST_CASE_METHOD(DiagnosticsFixture, "a continuation point lives on when others connect and leave")
+{
+    TestClient client = log_in();
+    BrowseRequest request;
+    request.requested_max_references_per_node = 1;
+    request.nodes_to_browse.resize(1);
+    request.nodes_to_browse[0].node_id = NodeId{0, id::Server};
+    const auto begun = client.call<BrowseResponse>(request);
+    REQUIRE(begun);
+    for (int round = 0; round < 10; ++round) {
+        TestClient one = log_in();
+        TestClient other = log_in();
+        CHECK(one.close_session() == status::Good);
+        CHECK(other.close_session() == status::Good);
+    }
+    BrowseNextRequest next;
+    next.continuation_points = {begun->results[0].continuation_point};
+    const auto gone_on = client.call<BrowseNextResponse>(next);
+    REQUIRE(gone_on);
+    CHECK(gone_on->results[0].status_code == status::Good);
+    CHECK(gone_on->results[0].references.size() == 1);
+}
