@@ -73,6 +73,11 @@ DataItem::~DataItem()
     subscription().memory().release(charged_);
 }
 
+void DataItem::node_changed(model::NodeIndex /*node*/, bool /*is_removed*/)
+{
+    node_changed_in_group(*this);
+}
+
 std::unique_ptr<DataItem> DataItem::make(const ItemContext& context,
                                          const MonitoredItemCreateRequest& request,
                                          TimestampsToReturn timestamps, ItemRevision& revision)
@@ -92,7 +97,8 @@ std::unique_ptr<DataItem> DataItem::make(const ItemContext& context,
     item->filter_ = *filter;
     item->filter_text_ = parameters.filter;
     const std::size_t cost = sizeof(DataItem) + 2 * sizeof(void*) * 8 +
-                             MonitoredHandles::bytes_per_item + item->value_id_.index_range.size();
+                             MonitoredHandles::bytes_per_item + model::node_watch_memory +
+                             item->value_id_.index_range.size();
     if (!context.subscription.memory().charge(cost)) {
         revision.status = status::Bad_TooManyMonitoredItems;
         return nullptr;

@@ -20,7 +20,7 @@ class SamplingGroup;
 
 /// An item of an attribute, mostly a Variable's Value: samples come from its SamplingGroup, pass
 /// the filter and wait in a queue.
-class DataItem final : public MonitoredItem, private EuRangeUser {
+class DataItem final : public MonitoredItem, private EuRangeUser, private model::NodeWatch {
 public:
     /// Null, with the reason in `revision.status`, if there can be no such item. It is sampled from
     /// add_to_sampler() on.
@@ -73,6 +73,8 @@ private:
     [[nodiscard]] Result<ChangeFilter> make_filter(Core& core, const ExtensionObject& filter);
     [[nodiscard]] std::optional<Range> look_up_eu_range(Core& core, model::NodeIndex variable);
     void eu_range_came(const std::optional<Range>& range) override;
+    /// Where the group gets the item's values from may be wrong by now.
+    void node_changed(model::NodeIndex node, bool is_removed) override;
     void count_interval();
     /// Queue, interval and timestamps.
     void revise(const ItemContext& context, const MonitoringParameters& parameters,

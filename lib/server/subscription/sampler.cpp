@@ -198,4 +198,9 @@ void rebind_in_group(DataItem& item)
     SamplingGroup::of(item)->rebind(item);
 }
 
+void node_changed_in_group(DataItem& item)
+{
+    SamplingGroup::of(item)->node_changed(item);
+}
+
 } // namespace busbar::server::detail

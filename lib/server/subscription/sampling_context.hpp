@@ -15,5 +15,7 @@ namespace busbar::server::detail {
 void remove_from_group(DataItem& item);
 /// What the item was bound to is looked up again.
 void rebind_in_group(DataItem& item);
+/// The same in the middle of a change of the node.
+void node_changed_in_group(DataItem& item);
 
 } // namespace busbar::server::detail

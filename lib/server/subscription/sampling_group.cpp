@@ -29,7 +29,7 @@ struct SamplingGroup::Flight final : CallOwner {
 };
 
 SamplingGroup::SamplingGroup(Sampler& sampler, Duration interval)
-    : sampler_{sampler}, interval_{interval}, bound_at_{sampler.core().address_space.change_count()}
+    : sampler_{sampler}, interval_{interval}
 {
 }
 
@@ -69,6 +69,7 @@ void SamplingGroup::take_out(DataItem& item)
 void SamplingGroup::remove(DataItem& item)
 {
     take_out(item);
+    item.stop();
     item.group_ = nullptr;
     --item_count_;
     sampler_.monitored().change(item.use_, {});
@@ -78,6 +79,15 @@ void SamplingGroup::rebind(DataItem& item)
 {
     take_out(item);
     put_in(item);
+}
+
+void SamplingGroup::node_changed(DataItem& item)
+{
+    if (item.place_.image != DataItem::Place::no_image) {
+        rebind(item);
+    } else {
+        members_[item.place_.index].binding = Binding::Unknown;
+    }
 }
 
 void SamplingGroup::compact()
@@ -100,10 +110,15 @@ bool SamplingGroup::is_full_of_holes() const
     return holes_ > 1'000 && holes_ > members_.size() / 2;
 }
 
-void SamplingGroup::unbind_all()
+void SamplingGroup::renew_images()
 {
-    for (Member& member : members_) {
-        member.binding = Binding::Unknown;
+    std::size_t places = 0;
+    for (const Image& image : images_) {
+        places += image.watch.size();
+    }
+    const std::size_t watched = item_count_ - (members_.size() - holes_);
+    if (places <= 1'000 || places <= 2 * watched) {
+        return;
     }
     for (const Image& image : images_) {
         for (std::size_t i = 0; i < image.watch.size(); ++i) {
@@ -113,22 +128,6 @@ void SamplingGroup::unbind_all()
         }
     }
     images_.clear();
-}
-
-/// Nodes come and go, and so does what answers for them.
-void SamplingGroup::notice_changes()
-{
-    const std::uint64_t now = sampler_.core().address_space.change_count();
-    std::size_t places = 0;
-    for (const Image& image : images_) {
-        places += image.watch.size();
-    }
-    // A watch does not close up where items were removed; it is made anew.
-    const std::size_t watched = item_count_ - (members_.size() - holes_);
-    const bool has_too_many_places = places > 1'000 && places > 2 * watched;
-    if (std::exchange(bound_at_, now) != now || has_too_many_places) {
-        unbind_all();
-    }
 }
 
 void SamplingGroup::watch(ProcessImage& image, Member& member, std::uint64_t handle)
@@ -149,7 +148,7 @@ void SamplingGroup::bind(std::size_t first)
 {
     for (std::size_t i = first; i < members_.size(); ++i) {
         if (members_[i].item != nullptr && members_[i].binding == Binding::Unknown) {
-            bind(members_[i]);
+            bind_one(i);
         }
     }
 }
@@ -163,48 +162,62 @@ void SamplingGroup::note_source(DataItem& item, const ReadPlan& plan)
     sampler_.monitored().change(item.use_, use);
 }
 
-void SamplingGroup::bind(Member& member)
+/// Members are looked up behind the plan, for which an AccessControl is asked: whatever that does
+/// to the address space may move them.
+void SamplingGroup::bind_one(std::size_t index)
 {
-    const ReadPlan plan =
-        plan_sample(sampler_.core(), member.item->subscription(), member.item->value_id());
-    note_source(*member.item, plan);
-    member.binding = plan.source == nullptr ? Binding::AddressSpace : Binding::Source;
-    if (plan.source == nullptr) {
-        return;
+    DataItem& item = *members_[index].item;
+    const model::AddressSpace& space = sampler_.core().address_space;
+    const ReadPlan plan = plan_sample(sampler_.core(), item.subscription(), item.value_id());
+    note_source(item, plan);
+    Member& member = members_[index];
+    if (plan.source == nullptr) { // is looked up at each sample
+        member.binding = Binding::AddressSpace;
+        return item.stop();
     }
+    member.binding = Binding::Source;
+    space.watch(space.find(item.value_id().node_id), model::NodeAspect::Binding, item);
     ProcessImage* const image = plan.source->source().process_image();
     if (image != nullptr && plan.handle < image->layout().size()) {
         return watch(*image, member, plan.handle);
     }
     member.source = plan.source_index;
     member.handle = plan.handle;
-    member.is_cut_by_source =
-        member.item->range() != nullptr && plan.source->options().reads_ranges;
+    member.is_cut_by_source = item.range() != nullptr && plan.source->options().reads_ranges;
 }
 
-void SamplingGroup::ask(Flight& flight, std::size_t index, Member& member)
+void SamplingGroup::ask_unbound(Flight& flight, std::size_t index)
 {
-    if (member.item == nullptr) {
-        flight.call.answer(index).status = status::Good;
+    DataItem& item = *members_[index].item;
+    ReadPlan plan = plan_sample(sampler_.core(), item.subscription(), item.value_id());
+    note_source(item, plan);
+    if (plan.source == nullptr) {
+        flight.call.answer(index - flight.first) = std::move(plan.answer);
         return;
     }
-    if (member.binding == Binding::AddressSpace) {
-        ReadPlan plan =
-            plan_sample(sampler_.core(), member.item->subscription(), member.item->value_id());
-        note_source(*member.item, plan);
-        if (plan.source == nullptr) {
-            flight.call.answer(index) = std::move(plan.answer);
-        } else { // the user may read it now
-            flight.call.ask(index, plan.source_index, {plan.handle, nullptr});
-        }
+    Member& member = members_[index];
+    // There is a source by now; the next sample binds the item to it.
+    member.binding = Binding::Unknown;
+    member.is_cut_by_source = false;
+    flight.call.ask(index - flight.first, plan.source_index, {plan.handle, nullptr});
+}
+
+void SamplingGroup::ask(Flight& flight, std::size_t index)
+{
+    const Member& member = members_[index];
+    if (member.item == nullptr) {
+        flight.call.answer(index - flight.first).status = status::Good;
         return;
+    }
+    if (member.binding != Binding::Source) {
+        return ask_unbound(flight, index);
     }
     const NumericRange* range = nullptr;
     if (member.is_cut_by_source) {
         flight.ranges.push_back(member.item->range());
         range = flight.ranges.back().get();
     }
-    flight.call.ask(index, member.source, {member.handle, range});
+    flight.call.ask(index - flight.first, member.source, {member.handle, range});
 }
 
 void SamplingGroup::sample_members(std::size_t first, TimePoint now, bool is_late)
@@ -214,8 +227,8 @@ void SamplingGroup::sample_members(std::size_t first, TimePoint now, bool is_lat
     }
     flights_.push_back(std::make_unique<Flight>(*this, first, members_.size() - first, is_late));
     Flight& flight = *flights_.back();
-    for (std::size_t i = first; i < members_.size(); ++i) {
-        ask(flight, i - first, members_[i]);
+    for (std::size_t i = 0; i < flight.call.size(); ++i) {
+        ask(flight, first + i);
     }
     if (!flight.ranges.empty()) { // sources may look at them when the flight is long over
         flight.call.kept_for_sources() =
@@ -271,7 +284,7 @@ void SamplingGroup::sample_images(bool is_only_new)
 
 void SamplingGroup::sample_scan(const ImagePin& pin, TimePoint now, bool has_lost)
 {
-    notice_changes();
+    renew_images();
     compact();
     bind(0);
     for (Image& image : images_) {
@@ -289,7 +302,7 @@ void SamplingGroup::sample_scan(const ImagePin& pin, TimePoint now, bool has_los
 void SamplingGroup::bind_new()
 {
     if (!is_full_of_holes()) {
-        notice_changes();
+        renew_images();
         compact();
         bind(first_new_);
     }
@@ -320,7 +333,7 @@ void SamplingGroup::sample_new_members(TimePoint now)
 
 void SamplingGroup::sample(TimePoint now)
 {
-    notice_changes();
+    renew_images();
     compact();
     bind(0);
     actual_interval_ = last_sample_ == no_deadline ? Duration::zero() : now - last_sample_;

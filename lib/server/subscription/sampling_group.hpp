@@ -34,6 +34,8 @@ public:
     void remove(DataItem& item);
     /// What the item was bound to is looked up again.
     void rebind(DataItem& item);
+    /// The same, to be called from the item's NodeWatch.
+    void node_changed(DataItem& item);
     /// Finds out where the values of what was added since the last sample come from.
     void bind_new();
     /// Samples it; behind bind_new().
@@ -73,15 +75,16 @@ private:
     void sample_image(Image& image, const ImagePin& pin, bool is_only_new);
     /// One batch for each source, of the members from `first` on.
     void sample_members(std::size_t first, TimePoint now, bool is_late);
-    void ask(Flight& flight, std::size_t index, Member& member);
+    void ask(Flight& flight, std::size_t member);
+    void ask_unbound(Flight& flight, std::size_t member);
     void deliver(Flight& flight);
     void land(Flight& flight);
     void handle_flights(TimePoint now);
-    void notice_changes();
-    void unbind_all();
+    /// Makes the watches of images anew when they are full of holes.
+    void renew_images();
     /// Finds out where values come from; the items of a process image go to its watch.
     void bind(std::size_t first);
-    void bind(Member& member);
+    void bind_one(std::size_t member);
     void watch(ProcessImage& image, Member& member, std::uint64_t handle);
     /// Keeps account of what the item monitors, for the source.
     void note_source(DataItem& item, const ReadPlan& plan);
@@ -102,7 +105,6 @@ private:
     std::size_t holes_{0};
     /// Those from here on have no sample yet.
     std::size_t first_new_{0};
-    std::uint64_t bound_at_{0};
     bool is_late_{false};
     std::vector<std::unique_ptr<Flight>> flights_;
     std::vector<Image> images_;
