@@ -123,6 +123,24 @@ TEST_CASE_METHOD(FilterFixture, "a field is found as soon as a type has it")
     CHECK(select_status(own_field("Later")) == status::Bad_NodeIdUnknown);
 }
 
+TEST_CASE_METHOD(FilterFixture, "event types are gone through again when one of them changes")
+{
+    CHECK(select_status(own_field("A")) == status::Good);
+    const std::uint64_t rounds = fields.rounds();
+    add_folder("elsewhere", objects);
+    add_field("Depth", part, id::Int32, -1);
+    REQUIRE(space.remove(find("elsewhere")));
+    CHECK(select_status(field({own("Part"), own("Depth")})) == status::Good);
+    CHECK(fields.rounds() == rounds);
+    add_type("NewType", sub_type);
+    add_field("New", find("NewType"), id::Int32, -1);
+    CHECK(select_status(own_field("New")) == status::Good);
+    CHECK(fields.rounds() == rounds + 1);
+    add_field("Newer", find("NewType"), id::Int32, -1);
+    CHECK(select_status(own_field("Newer")) == status::Good);
+    CHECK(fields.rounds() == rounds + 2);
+}
+
 TEST_CASE_METHOD(FilterFixture, "filters have limits")
 {
     CHECK(compile(EventFilter{}) == status::Bad_EventFilterInvalid);

@@ -304,6 +304,40 @@ TEST_CASE_METHOD(NotifierFixture, "an event reaches what is above its source")
     CHECK(names_above("valve") == Names{"Server", "valve", "press"});
 }
 
+TEST_CASE_METHOD(NotifierFixture, "only what is above a node that changed is looked for again")
+{
+    for (const char* name : {"press", "valve", "other"}) {
+        add_folder(name, objects);
+    }
+    link("press", id::HasEventSource, "valve");
+    CHECK(names_above("valve") == Names{"Server", "valve", "press"});
+    CHECK(notifiers.remembered() == 2);
+    add_folder("elsewhere", find("other"));
+    REQUIRE(space.remove(find("elsewhere")));
+    CHECK(notifiers.remembered() == 2);
+    add_folder("part", find("press"));
+    CHECK(notifiers.remembered() == 1);
+    CHECK(names_above("valve") == Names{"Server", "valve", "press"});
+    CHECK(notifiers.remembered() == 2);
+    REQUIRE(space.remove(find("valve")));
+    REQUIRE(space.remove(find("press")));
+    CHECK(notifiers.remembered() == 0);
+}
+
+TEST_CASE_METHOD(NotifierFixture, "nodes that come and go are not remembered for ever")
+{
+    Notifiers few{space, 3};
+    for (int i = 0; i < 50; ++i) {
+        const std::string name = std::to_string(i % 7);
+        add_folder(name, objects);
+        REQUIRE(
+            space.add_reference(space.find(id::Server), NodeId{0, id::HasEventSource}, find(name)));
+        CHECK(few.above(find(name)).size() == 2);
+        REQUIRE(space.remove(find(name)));
+        CHECK(few.remembered() == 0);
+    }
+}
+
 TEST_CASE_METHOD(NotifierFixture, "references that go round do no harm")
 {
     for (const char* name : {"a", "b", "c"}) {

@@ -55,10 +55,11 @@ std::optional<FieldDeclaration> EventFields::find(NodeIndex type, FieldPath path
 
 void EventFields::refresh()
 {
-    if (noted_at_ == space_->change_count()) {
+    if (is_noted_) {
         return;
     }
-    noted_at_ = space_->change_count();
+    ++rounds_;
+    watches_.clear();
     by_name_.clear();
     std::vector<NodeIndex> types;
     if (const NodeIndex base = space_->find(id::BaseEventType); base != no_node) {
@@ -74,10 +75,12 @@ void EventFields::refresh()
             }
         }
     }
+    is_noted_ = !types.empty();
 }
 
 void EventFields::note(NodeIndex type)
 {
+    space_->watch(type, model::NodeAspect::References, watches_.emplace_back(is_noted_));
     const NodeIndex hierarchical = space_->find(id::HierarchicalReferences);
     model::ReferenceCursor references = space_->references(type);
     while (const auto reference = references.next()) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <unordered_map>
 #include <vector>
@@ -21,21 +22,32 @@ struct FieldDeclaration {
 };
 
 /// Finds fields by the InstanceDeclarations of the event types (Part 4, 7.22.3), which it notes
-/// once and again after the address space has changed, so that a filter of many unknown fields
-/// costs no more than one of few known ones.
+/// once and again after references of one of these types have changed, so that a filter of many
+/// unknown fields costs no more than one of few known ones.
 class EventFields {
 public:
     explicit EventFields(const model::AddressSpace& space) : space_{&space} {}
+    EventFields(const EventFields&) = delete;
+    EventFields& operator=(const EventFields&) = delete;
 
     [[nodiscard]] const model::AddressSpace& space() const { return *space_; }
     /// The field that an event of `type` or of a subtype may have; of any type for BaseEventType.
     /// Nothing if none ever has it. `path` is not empty.
     [[nodiscard]] std::optional<FieldDeclaration> find(model::NodeIndex type, FieldPath path);
+    /// How often the declarations of all types were noted.
+    [[nodiscard]] std::uint64_t rounds() const { return rounds_; }
 
 private:
     struct Declaration {
         model::NodeIndex owner;
         model::NodeIndex node;
+    };
+    struct TypeWatch final : model::NodeWatch {
+        explicit TypeWatch(bool& is_noted) : is_noted_{is_noted} {}
+        void node_changed(model::NodeIndex, bool) override { is_noted_ = false; }
+
+    private:
+        bool& is_noted_;
     };
     void refresh();
     void note(model::NodeIndex type);
@@ -48,7 +60,10 @@ private:
     void add(model::NodeIndex node, FieldDeclaration& field) const;
 
     const model::AddressSpace* space_;
-    std::optional<std::uint64_t> noted_at_;
+    bool is_noted_{false};
+    std::uint64_t rounds_{0};
+    /// One for each event type.
+    std::deque<TypeWatch> watches_;
     std::unordered_multimap<std::size_t, Declaration> by_name_;
 };
 

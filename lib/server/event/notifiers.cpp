@@ -9,9 +9,7 @@ using model::NodeIndex;
 
 const std::vector<NodeIndex>& Notifiers::above(NodeIndex source)
 {
-    if (remembered_at_ != space_->change_count()) {
-        remembered_at_ = space_->change_count();
-        directly_above_.clear();
+    if (seen_.size() > 2 * max_notifiers_) { // most are of earlier rounds, or gone
         seen_.clear();
     }
     ++round_;
@@ -37,19 +35,21 @@ void Notifiers::add(NodeIndex node)
 
 const std::vector<NodeIndex>& Notifiers::directly_above(NodeIndex node)
 {
-    const auto [entry, is_new] = directly_above_.try_emplace(node);
+    const auto [entry, is_new] = directly_above_.try_emplace(node, *this);
+    std::vector<NodeIndex>& above = entry->second.nodes;
     if (is_new) {
+        space_->watch(node, model::NodeAspect::References, entry->second);
         // HasNotifier is a subtype of it.
         const NodeIndex has_event_source = space_->find(id::HasEventSource);
         model::ReferenceCursor references = space_->references(node);
         while (const auto reference = references.next()) {
             if (!reference->is_forward &&
                 space_->is_subtype_of(reference->type, has_event_source)) {
-                entry->second.push_back(reference->target);
+                above.push_back(reference->target);
             }
         }
     }
-    return entry->second;
+    return above;
 }
 
 } // namespace busbar::server::detail

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -11,27 +10,41 @@
 namespace busbar::server::detail {
 
 /// Finds the notifiers that an event reaches: those above its source along HasEventSource and
-/// HasNotifier (Part 3, 7.17 and 7.18). What lies directly above a node is remembered until the
-/// address space changes, so that a notifier with many sources is looked through once.
+/// HasNotifier (Part 3, 7.17 and 7.18). What lies directly above a node is remembered until that
+/// node's references change, so that a notifier with many sources is looked through once.
 class Notifiers {
 public:
     Notifiers(const model::AddressSpace& space, std::size_t max_notifiers)
         : space_{&space}, max_notifiers_{max_notifiers}
     {
     }
+    Notifiers(const Notifiers&) = delete;
+    Notifiers& operator=(const Notifiers&) = delete;
 
     /// The Server object, then `source` itself, which may be no_node, and what is above it; each
     /// once, also where references go round. No more than so many. Valid until the next call.
     [[nodiscard]] const std::vector<model::NodeIndex>& above(model::NodeIndex source);
+    /// Of how many nodes it is known what lies directly above them.
+    [[nodiscard]] std::size_t remembered() const { return directly_above_.size(); }
 
 private:
+    struct Above final : model::NodeWatch {
+        explicit Above(Notifiers& o) : owner{o} {}
+        void node_changed(model::NodeIndex node, bool) override
+        {
+            owner.directly_above_.erase(node); // and this with it
+        }
+
+        Notifiers& owner;
+        std::vector<model::NodeIndex> nodes;
+    };
+
     [[nodiscard]] const std::vector<model::NodeIndex>& directly_above(model::NodeIndex node);
     void add(model::NodeIndex node);
 
     const model::AddressSpace* space_;
     std::size_t max_notifiers_;
-    std::optional<std::uint64_t> remembered_at_;
-    std::unordered_map<model::NodeIndex, std::vector<model::NodeIndex>> directly_above_;
+    std::unordered_map<model::NodeIndex, Above> directly_above_;
     std::vector<model::NodeIndex> found_;
     /// The round in which a node was last found.
     std::unordered_map<model::NodeIndex, std::uint64_t> seen_;
