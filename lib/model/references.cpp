@@ -102,6 +102,11 @@ std::uint64_t AddressSpace::change_count() const
     return tables_->change_count;
 }
 
+std::uint32_t AddressSpace::addition_count() const
+{
+    return tables_->next_generation;
+}
+
 std::uint64_t AddressSpace::type_count() const
 {
     return tables_->type_count;

@@ -73,6 +73,26 @@ TEST_CASE_METHOD(SmallManagement, "Clients add so many nodes and references and 
     CHECK(add(reference(folder, id::Organizes, objects)) == status::Good);
 }
 
+TEST_CASE_METHOD(ManagementFixture, "References make place again when a node at one end is removed")
+{
+    for (const char* name : {"a", "b", "c"}) {
+        REQUIRE(status_of_adding(item(name)) == status::Good);
+    }
+    const auto connect = [&](const char* from, const char* to) {
+        return add(reference(NodeId{1, from}, id::Organizes, NodeId{1, to}));
+    };
+    REQUIRE(connect("a", "b") == status::Good);
+    REQUIRE(connect("b", "a") == status::Good);
+    REQUIRE(connect("b", "c") == status::Good);
+    CHECK(connect("c", "b") == status::Bad_OutOfMemory);
+    auto& space = server.address_space();
+    REQUIRE(space.remove(space.find(NodeId{1, "a"})));
+    REQUIRE(status_of_adding(item("a")) == status::Good);
+    REQUIRE(connect("c", "b") == status::Good);
+    REQUIRE(connect("a", "b") == status::Good);
+    CHECK(connect("b", "a") == status::Bad_OutOfMemory);
+}
+
 TEST_CASE_METHOD(ManagementFixture, "AddReferences adds references in both directions")
 {
     REQUIRE(status_of_adding(item()) == status::Good);

@@ -102,6 +102,8 @@ public:
     /// True for the index of an existing node; any number may be asked for.
     [[nodiscard]] bool exists(NodeIndex node) const;
     [[nodiscard]] std::size_t node_count() const;
+    /// Counts the dynamic nodes that were ever added, by calls that failed too; goes round.
+    [[nodiscard]] std::uint32_t addition_count() const;
     /// Calls `visit` for each node.
     void for_each(FunctionRef<void(NodeIndex)> visit) const;
 

@@ -20,7 +20,7 @@ using model::NodeIndex;
 std::size_t cost_of(const AddNodesItem& item)
 {
     constexpr std::size_t record_references_and_slots = 256;
-    return record_references_and_slots + 8 * binary::encoded_size(item);
+    return record_references_and_slots + model::node_watch_memory + 8 * binary::encoded_size(item);
 }
 
 bool has_type_definition(NodeClass node_class)
@@ -115,21 +115,20 @@ model::NewVariableType new_variable_type(const NodeManagementContext& context,
 Result<NodeIndex> add_instance(NodeManagementContext& context, const model::NewNode& node,
                                NodeIndex type, const NodeAttributeValues& from)
 {
-    constexpr std::size_t visits_per_change = 100;
+    constexpr std::size_t visits_per_node = 200;
     model::InstanceOptions options;
     options.ids = model::InstanceIds::Numeric;
     options.limits.max_nodes = std::min(context.client_nodes.node_room(context.limits),
-                                        context.visits_left / visits_per_change);
+                                        context.visits_left / visits_per_node);
     options.limits.max_memory = context.client_nodes.memory_room(context.limits);
     options.event_notifier = from.event_notifier.value_or(0);
     if (context.space.node_class(type) == NodeClass::VariableType) {
         options.variable = new_variable(context, from, type);
     }
-    const std::uint64_t before = context.space.change_count();
+    const std::uint32_t before = context.space.addition_count();
     auto added = model::instantiate(context.space, node, type, options);
-    const std::uint64_t changes = context.space.change_count() - before;
-    context.visits_left -= static_cast<std::size_t>(
-        std::min<std::uint64_t>(context.visits_left, changes * visits_per_change));
+    const std::size_t made = context.space.addition_count() - before; // and taken back, perhaps
+    context.visits_left -= std::min(context.visits_left, made * visits_per_node);
     return added;
 }
 
@@ -169,10 +168,11 @@ void charge(NodeManagementContext& context, NodeIndex node, std::size_t bytes)
 {
     const model::AddressSpace& space = context.space;
     if (!has_type_definition(space.node_class(node))) {
-        return context.client_nodes.add(space.handle(node), bytes);
+        return context.client_nodes.add(space, node, bytes);
     }
     space.for_each_below(node, [&](NodeIndex each) {
-        context.client_nodes.add(space.handle(each), model::memory_of(space, each));
+        context.client_nodes.add(space, each,
+                                 model::memory_of(space, each) + model::node_watch_memory);
         return true;
     });
 }

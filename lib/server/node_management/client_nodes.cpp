@@ -2,38 +2,36 @@
 
 namespace busbar::server::detail {
 
-namespace {
+using model::NodeAspect;
+using model::NodeIndex;
 
-bool is_gone(const model::AddressSpace& space, model::NodeIndex index, std::uint32_t generation)
+void ClientNodes::Node::node_changed(NodeIndex node, bool /*is_removed*/)
 {
-    return space.resolve({index, generation}) == model::no_node;
+    owner.bytes_ -= bytes;
+    owner.nodes_.erase(node); // and this with it
 }
 
-} // namespace
-
-void ClientNodes::refresh(const model::AddressSpace& space)
+void ClientNodes::End::node_changed(NodeIndex /*node*/, bool /*is_removed*/)
 {
-    if (refreshed_at_ == space.change_count()) {
-        return;
-    }
-    refreshed_at_ = space.change_count();
-    for (auto at = nodes_.begin(); at != nodes_.end();) {
-        const bool goes = is_gone(space, at->first, at->second.generation);
-        bytes_ -= goes ? at->second.bytes : 0;
-        at = goes ? nodes_.erase(at) : std::next(at);
-    }
-    for (auto at = references_.begin(); at != references_.end();) {
-        const auto& [source, of_source, target, of_target, type] = *at;
-        const bool goes = is_gone(space, source, of_source) || is_gone(space, target, of_target);
-        at = goes ? references_.erase(at) : std::next(at);
-    }
+    const ReferenceKey of = key; // as this goes
+    owner.references_.erase(of);
 }
 
-void ClientNodes::add(model::NodeHandle node, std::size_t bytes)
+void ClientNodes::add(const model::AddressSpace& space, NodeIndex node, std::size_t bytes)
 {
-    Node& entry = nodes_[node.index];
-    bytes_ += bytes - entry.bytes; // in place of one that is gone
-    entry = {node.generation, bytes};
+    const auto [entry, is_new] = nodes_.try_emplace(node, *this);
+    bytes_ += bytes - entry->second.bytes;
+    entry->second.bytes = bytes;
+    space.watch(node, NodeAspect::Existence, entry->second);
+}
+
+void ClientNodes::add_reference(const model::AddressSpace& space, NodeIndex source, NodeIndex type,
+                                NodeIndex target)
+{
+    const ReferenceKey key{source, type, target};
+    Ends& ends = references_.try_emplace(key, *this, key).first->second;
+    space.watch(source, NodeAspect::Existence, ends.source);
+    space.watch(target, NodeAspect::Existence, ends.target);
 }
 
 } // namespace busbar::server::detail

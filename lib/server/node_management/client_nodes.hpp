@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <set>
+#include <map>
 #include <tuple>
 #include <unordered_map>
 
@@ -12,11 +12,13 @@
 
 namespace busbar::server::detail {
 
-/// What clients have added to the address space, so that it stays within its limits.
+/// What clients have added to the address space, so that it stays within its limits. Nodes that are
+/// removed, by whomever, are forgotten with their references.
 class ClientNodes {
 public:
-    /// Forgets what is gone meanwhile, whoever removed it. To be called once a request.
-    void refresh(const model::AddressSpace& space);
+    ClientNodes() = default;
+    ClientNodes(const ClientNodes&) = delete;
+    ClientNodes& operator=(const ClientNodes&) = delete;
 
     [[nodiscard]] bool has_room(const ServerLimits& limits, std::size_t bytes) const
     {
@@ -30,44 +32,46 @@ public:
     {
         return limits.max_client_node_memory - std::min(bytes_, limits.max_client_node_memory);
     }
-    void add(model::NodeHandle node, std::size_t bytes);
+    void add(const model::AddressSpace& space, model::NodeIndex node, std::size_t bytes);
 
     [[nodiscard]] bool has_room_for_reference(const ServerLimits& limits) const
     {
         return references_.size() < limits.max_client_references;
     }
     void add_reference(const model::AddressSpace& space, model::NodeIndex source,
-                       model::NodeIndex type, model::NodeIndex target)
+                       model::NodeIndex type, model::NodeIndex target);
+    void remove_reference(model::NodeIndex source, model::NodeIndex type, model::NodeIndex target)
     {
-        references_.insert(key(space, source, type, target));
-    }
-    void remove_reference(const model::AddressSpace& space, model::NodeIndex source,
-                          model::NodeIndex type, model::NodeIndex target)
-    {
-        references_.erase(key(space, source, type, target));
+        references_.erase({source, type, target});
     }
 
 private:
-    struct Node {
-        std::uint32_t generation{0};
+    struct Node final : model::NodeWatch {
+        explicit Node(ClientNodes& o) : owner{o} {}
+        void node_changed(model::NodeIndex node, bool is_removed) override;
+
+        ClientNodes& owner;
         std::size_t bytes{0};
     };
-    /// Source and target with their generations, and the type, which cannot be removed.
-    using ReferenceKey = std::tuple<model::NodeIndex, std::uint32_t, model::NodeIndex,
-                                    std::uint32_t, model::NodeIndex>;
+    /// Source, type and target.
+    using ReferenceKey = std::tuple<model::NodeIndex, model::NodeIndex, model::NodeIndex>;
+    struct End final : model::NodeWatch {
+        End(ClientNodes& o, const ReferenceKey& of) : owner{o}, key{of} {}
+        void node_changed(model::NodeIndex node, bool is_removed) override;
 
-    [[nodiscard]] static ReferenceKey key(const model::AddressSpace& space, model::NodeIndex source,
-                                          model::NodeIndex type, model::NodeIndex target)
-    {
-        const model::NodeHandle from = space.handle(source);
-        const model::NodeHandle to = space.handle(target);
-        return {from.index, from.generation, to.index, to.generation, type};
-    }
+        ClientNodes& owner;
+        ReferenceKey key;
+    };
+    struct Ends {
+        Ends(ClientNodes& owner, const ReferenceKey& of) : source{owner, of}, target{owner, of} {}
+
+        End source;
+        End target;
+    };
 
     std::unordered_map<model::NodeIndex, Node> nodes_;
-    std::set<ReferenceKey> references_;
+    std::map<ReferenceKey, Ends> references_;
     std::size_t bytes_{0};
-    std::uint64_t refreshed_at_{0};
 };
 
 } // namespace busbar::server::detail

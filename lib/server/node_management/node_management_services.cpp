@@ -60,7 +60,6 @@ StatusCode for_each_item(ServiceContext& context, const Items& items, Results& r
     if (items.size() > core.limits().operations.max_nodes_per_node_management) {
         return status::Bad_TooManyOperations;
     }
-    core.client_nodes.refresh(core.address_space);
     NodeManagementContext management = management_context(context);
     results.reserve(items.size());
     for (const auto& item : items) {

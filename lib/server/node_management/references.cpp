@@ -144,7 +144,7 @@ StatusCode delete_reference(NodeManagementContext& context, const DeleteReferenc
     if (!context.space.remove_reference(source, item.reference_type_id, target)) {
         return is_there(context.space, *found) ? status::Bad_NoDeleteRights : status::Bad_NotFound;
     }
-    context.client_nodes.remove_reference(context.space, source, type, target);
+    context.client_nodes.remove_reference(source, type, target);
     return status::Good;
 }
 
