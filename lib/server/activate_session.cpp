@@ -223,7 +223,11 @@ void ActivateSession::attempt(TimePoint now)
     if (!may_log_in(now)) {
         return;
     }
+    core_->guards.request().forget();
     LoginStep step = begin_user();
+    if (core_->guards.request().is_noted()) {
+        return fault(status::Bad_InternalError);
+    }
     if (auto* login = std::get_if<Login>(&step)) {
         return end_user(std::move(*login), now);
     }
@@ -233,14 +237,18 @@ void ActivateSession::attempt(TimePoint now)
 void ActivateSession::start_check(std::shared_ptr<PasswordCheck> check, TimePoint now)
 {
     UserStore& users = *core_->environment.users;
-    if (!core_->password_checks.has_worker_for(users)) {
-        check->run(users);
+    Worker* const worker = core_->password_checks.worker_for(users);
+    if (worker == nullptr) {
+        check->run(core_->guards.unguarded_users());
         return end_user(end_log_in(*check), now);
     }
     check_ = std::move(check);
     check_->owner = this;
     checked_nonce_ = session()->server_nonce;
-    if (!core_->password_checks.start(check_, users)) {
+    const bool is_started = core_->guards.report().guard("Worker::run", false, [&] {
+        return core_->password_checks.start(check_, *worker, core_->guards.unguarded_users());
+    });
+    if (!is_started) {
         return fault(status::Bad_ServerTooBusy);
     }
     counted_delay_ = core_->logins.failed(login_attempt(), now);

@@ -25,11 +25,12 @@ std::uint32_t random_channel_id(crypto::Random& random)
 } // namespace
 
 Core::Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space)
-    : config{std::move(c)}, environment{e}, address_space{std::move(space)},
-      types{binary::namespace0_types()}, sources{e.waker}, events{environment, address_space,
-                                                                  config.limits.events},
+    : config{std::move(c)}, guards{e, rationed_log}, environment{guards.environment()},
+      address_space{std::move(space)}, types{binary::namespace0_types()},
+      sources{e.waker, guards.report().log}, events{environment, address_space,
+                                                    config.limits.events},
       assembly{config.limits.max_assembly}, subscriptions{*this}, logins{config.limits},
-      certificate_watch{*e.log}, next_channel_id{random_channel_id(*e.random)},
+      certificate_watch{*environment.log}, next_channel_id{random_channel_id(*e.random)},
       start_time{e.wall_clock->now()}
 {
 }

@@ -14,6 +14,7 @@
 #include "diagnostics/diagnostics.hpp"
 #include "diagnostics/session_nodes.hpp"
 #include "event/events.hpp"
+#include "guards.hpp"
 #include "login_guard.hpp"
 #include "model_change/model_changes.hpp"
 #include "node_management/client_nodes.hpp"
@@ -25,9 +26,22 @@ namespace busbar::server::detail {
 
 /// What all connections and services of one server share.
 struct Core {
+    /// A log that is as bounded as log().
+    struct Rationed final : LogSink {
+        explicit Rationed(Core& c) : core{c} {}
+        void write(LogLevel level, std::string_view source, std::string_view text) override
+        {
+            core.log(level, source, text);
+        }
+        Core& core;
+    };
+
     Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space);
 
     ServerConfig config;
+    Rationed rationed_log{*this};
+    Guards guards;
+    /// The guarded one: nothing in it throws.
     ServerEnvironment environment;
     model::AddressSpace address_space;
     model::DataTypes data_types;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "data_part.hpp"
@@ -28,6 +29,7 @@ struct ReadTraits {
     using Item = ReadItem;
     using Answer = ReadSlot;
     using Part = ReadPart;
+    static constexpr std::string_view callback = "DataSource::read";
     static std::vector<ReadSlot> answers(std::size_t count) { return std::vector<ReadSlot>(count); }
     static void send(DataSource& source, Part& part) { source.read(ReadBatch{part}); }
     /// Makes an answer last longer than what it points at.
@@ -44,6 +46,7 @@ struct WriteTraits {
     using Item = WriteItem;
     using Answer = StatusCode;
     using Part = WritePart;
+    static constexpr std::string_view callback = "DataSource::write";
     static std::vector<StatusCode> answers(std::size_t count)
     {
         return std::vector<StatusCode>(count, status::Bad_NoCommunication);
@@ -231,7 +234,12 @@ private:
         part.results = block_->answers.data() + group.first;
         prepare(part);
         part.start(block_);
-        Traits::send(source->source(), part);
+        const StatusCode thrown = source->guard(
+            Traits::callback, [&](DataSource& called) { Traits::send(called, part); });
+        if (thrown.is_bad()) { // whatever became of the batch
+            part.abandon();
+            return fail(group, thrown);
+        }
         if (part.settle(*this)) {
             return take_verdict(group, part);
         }

@@ -60,9 +60,17 @@ void CompletionQueue::wake()
 {
     ++wakers_running_;
     if (Waker* const waker = waker_; waker != nullptr) {
-        waker->wake();
+        std::string lost; // a source cannot help it, and close() waits for this thread
+        static_cast<void>(busbar::detail::caught(lost, [&] { waker->wake(); }));
     }
     --wakers_running_;
+}
+
+ProcessImage* SourceEntry::process_image() const
+{
+    ProcessImage* image = nullptr;
+    guard("DataSource::process_image", [&](DataSource& source) { image = source.process_image(); });
+    return image;
 }
 
 bool SourceEntry::charge(std::size_t item_count)
@@ -85,7 +93,7 @@ void SourceEntry::release(std::size_t item_count)
 DataSources::~DataSources()
 {
     for (const auto& entry : entries_) {
-        entry->source().attach(nullptr);
+        entry->guard("DataSource::attach", [](DataSource& source) { source.attach(nullptr); });
     }
     queue_->close();
 }
@@ -93,15 +101,16 @@ DataSources::~DataSources()
 void DataSources::handle_completions()
 {
     for (const auto& entry : entries_) {
-        entry->source().handle_completions();
+        entry->guard("DataSource::handle_completions",
+                     [](DataSource& source) { source.handle_completions(); });
     }
     queue_->drain();
 }
 
 std::uint32_t DataSources::add(DataSource& source)
 {
-    entries_.push_back(std::make_shared<SourceEntry>(source, queue_));
-    source.attach(waker_);
+    entries_.push_back(std::make_shared<SourceEntry>(source, queue_, *log_));
+    entries_.back()->guard("DataSource::attach", [this](DataSource& one) { one.attach(waker_); });
     return static_cast<std::uint32_t>(entries_.size() - 1);
 }
 

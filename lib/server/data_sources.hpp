@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/server/data_source.hpp>
 #include <busbar/server/waker.hpp>
 
@@ -42,12 +43,21 @@ private:
 /// A source with what it was given and has not completed; shared with its batches.
 class SourceEntry {
 public:
-    SourceEntry(DataSource& source, std::shared_ptr<CompletionQueue> queue)
-        : source_{&source}, options_{source.options()}, queue_{std::move(queue)}
+    /// `log` is used on the server's thread, while the server lives.
+    SourceEntry(DataSource& source, std::shared_ptr<CompletionQueue> queue, LogSink& log)
+        : source_{&source}, options_{source.options()}, queue_{std::move(queue)}, log_{&log}
     {
     }
 
-    [[nodiscard]] DataSource& source() { return *source_; }
+    /// Calls `function(source)`; what it throws ends there, see busbar::detail::guarded.
+    template <typename Function>
+    StatusCode guard(std::string_view callback, Function&& function) const
+    {
+        return busbar::detail::guarded(*log_, callback, [&] { function(*source_); });
+    }
+    /// Null if the source has none, or threw.
+    [[nodiscard]] ProcessImage* process_image() const;
+    [[nodiscard]] LogSink& log() const { return *log_; }
     [[nodiscard]] const DataSourceOptions& options() const { return options_; }
     [[nodiscard]] CompletionQueue& queue() { return *queue_; }
 
@@ -60,6 +70,7 @@ private:
     DataSource* source_;
     DataSourceOptions options_;
     std::shared_ptr<CompletionQueue> queue_;
+    LogSink* log_;
     std::atomic<std::size_t> batches_{0};
     std::atomic<std::size_t> items_{0};
 };
@@ -67,8 +78,10 @@ private:
 /// The sources of a server; a node names its own by index. Lives on the server's thread.
 class DataSources {
 public:
-    explicit DataSources(Waker* waker)
-        : waker_{waker}, queue_{std::make_shared<CompletionQueue>(waker)}
+    /// `log` gets what sources throw; null for none.
+    explicit DataSources(Waker* waker, LogSink* log = nullptr)
+        : waker_{waker}, log_{log != nullptr ? log : &no_log_},
+          queue_{std::make_shared<CompletionQueue>(waker)}
     {
     }
     DataSources(const DataSources&) = delete;
@@ -89,7 +102,9 @@ public:
     void handle_completions();
 
 private:
+    NullLog no_log_;
     Waker* waker_;
+    LogSink* log_;
     std::shared_ptr<CompletionQueue> queue_;
     std::vector<std::shared_ptr<DataSource>> kept_;
     std::vector<std::shared_ptr<SourceEntry>> entries_;

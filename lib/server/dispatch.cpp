@@ -245,6 +245,7 @@ void run(const Service* service, Core& core, Link& link, Incoming& incoming, Tim
     if (core.is_shutting_down() && !service->is_for_shutdown) {
         return link.fault(incoming.reply, status::Bad_Shutdown);
     }
+    const RequestFault::Serving serving{core.guards.request(), link, incoming.reply.request_id};
     const auto session = find_session(core, link, incoming.header, service->need, now);
     if (!session) {
         core.diagnostics.count_fault(nullptr, service->encoding_id, session.error().status);

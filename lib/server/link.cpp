@@ -243,7 +243,7 @@ void Link::give_turns(TimePoint now)
         Operation& operation = *operations_[i];
         if (operation.wants_turn()) {
             ServiceContext context{core_, *this, operation.session_, now};
-            operation.take_turn(context);
+            serve([&] { operation.take_turn(context); });
         }
     }
 }
@@ -256,7 +256,7 @@ void Link::handle(channel::Event event, TimePoint now)
         break;
     case channel::Event::Kind::Message:
         turn_.spend(Turn::units_of_request + event.body.size());
-        dispatch(core_, *this, std::move(event.body), event.request_id, now);
+        serve([&] { dispatch(core_, *this, std::move(event.body), event.request_id, now); });
         break;
     case channel::Event::Kind::Closed:
         handle_closed(event.status, std::move(event.reason));
@@ -264,6 +264,16 @@ void Link::handle(channel::Event event, TimePoint now)
     case channel::Event::Kind::Renewed:
     case channel::Event::Kind::Aborted:
         break;
+    }
+}
+
+/// A request that takes more memory than there is ends its connection, and nothing else: how far
+/// it came nobody knows.
+void Link::serve(FunctionRef<void()> service)
+{
+    const StatusCode thrown = busbar::detail::guarded(log_, "a service", [&] { service(); });
+    if (thrown.is_bad()) {
+        close(thrown, "the server cannot go on with a request");
     }
 }
 
@@ -324,6 +334,10 @@ ResponseHeader Link::response_header(const Reply& reply, StatusCode status) cons
 void Link::respond(const Reply& reply, std::uint32_t encoding_id,
                    FunctionRef<void(binary::Writer&)> encode_response)
 {
+    const StatusCode thrown = core_.guards.request().answer(*this, reply.request_id, status::Good);
+    if (thrown.is_bad()) {
+        return fault(reply, thrown);
+    }
     const auto sent = channel_.send(reply.request_id, [&](binary::Writer& writer) {
         encode(writer, NodeId{0, encoding_id});
         encode_response(writer);
@@ -342,10 +356,11 @@ void Link::respond(const Reply& reply, std::uint32_t encoding_id,
 
 void Link::fault(const Reply& reply, StatusCode status)
 {
+    const StatusCode answer = core_.guards.request().answer(*this, reply.request_id, status);
     // It fails only if the channel is gone, or so small that there is nothing to say.
     static_cast<void>(channel_.send(reply.request_id, [&](binary::Writer& writer) {
         encode(writer, NodeId{0, ServiceFault::binary_encoding_id});
-        encode(writer, response_header(reply, status));
+        encode(writer, response_header(reply, answer));
     }));
     check_send_queue();
     mark();

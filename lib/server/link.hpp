@@ -128,6 +128,7 @@ private:
     void work(TimePoint now);
     void give_turns(TimePoint now);
     void handle(channel::Event event, TimePoint now);
+    void serve(FunctionRef<void()> service);
     void handle_closed(StatusCode status, std::string reason);
     void check_silence(TimePoint now);
     void check_send_queue();

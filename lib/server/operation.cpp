@@ -86,6 +86,9 @@ void Link::start(std::unique_ptr<Operation> operation, std::vector<std::byte> me
     operations_.push_back(std::move(operation));
     Operation& started = *operations_.back();
     started.start(context);
+    if (const RequestFault& thrown = core_.guards.request(); thrown.is_noted()) {
+        started.fault(status::Bad_InternalError);
+    }
     if (!started.is_finished() && !started.charge(started.message_.capacity())) {
         started.fault(status::Bad_TooManyOperations);
     }

@@ -15,14 +15,15 @@ PasswordChecks::~PasswordChecks()
     done_->waker = nullptr;
 }
 
-bool PasswordChecks::has_worker_for(UserStore& users) const
+Worker* PasswordChecks::worker_for(UserStore& users) const
 {
-    return users.worker() != nullptr && done_->waker != nullptr;
+    return done_->waker != nullptr ? users.worker() : nullptr;
 }
 
-bool PasswordChecks::start(const std::shared_ptr<PasswordCheck>& check, UserStore& users)
+bool PasswordChecks::start(const std::shared_ptr<PasswordCheck>& check, Worker& worker,
+                           UserStore& users)
 {
-    return users.worker()->run([check, &users, done = done_] {
+    return worker.run([check, &users, done = done_] {
         check->run(users);
         done->push(check);
     });

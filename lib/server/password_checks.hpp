@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <busbar/core/clock.hpp>
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/crypto/secret.hpp>
 #include <busbar/server/access_control.hpp>
 #include <busbar/server/waker.hpp>
@@ -36,8 +37,19 @@ struct PasswordCheck {
     /// Only touched on the server's thread; null if nobody waits any more.
     PasswordCheckOwner* owner{nullptr};
 
+    /// What log_in threw, if it did.
+    std::string thrown{};
+
     /// Asks the store; takes its time.
-    void run(UserStore& users) { result = users.log_in(name, password.text()); }
+    void run(UserStore& users)
+    {
+        const StatusCode status =
+            busbar::detail::caught(thrown, [&] { result = users.log_in(name, password.text()); });
+        if (status.is_bad()) {
+            result = fail(status);
+            thrown = thrown.empty() ? "an exception" : thrown;
+        }
+    }
 };
 
 /// Password checks that workers do. Lives on the server's thread.
@@ -49,11 +61,11 @@ public:
     PasswordChecks& operator=(const PasswordChecks&) = delete;
     ~PasswordChecks();
 
-    /// True if the store has a worker, and there is a way back from it.
-    [[nodiscard]] bool has_worker_for(UserStore& users) const;
-    /// Has the worker of the store run the check; its owner is told later. False if the worker is
-    /// full.
-    [[nodiscard]] bool start(const std::shared_ptr<PasswordCheck>& check, UserStore& users);
+    /// The worker of the store; null if it has none, or there is no way back from it.
+    [[nodiscard]] Worker* worker_for(UserStore& users) const;
+    /// Has `worker` ask the store; the check's owner is told later. False if the worker is full.
+    [[nodiscard]] bool start(const std::shared_ptr<PasswordCheck>& check, Worker& worker,
+                             UserStore& users);
     /// Tells the owners of checks that are done.
     void drain(TimePoint now);
 

@@ -132,7 +132,11 @@ std::optional<LoginFailure> check_certificate_user(const LoginContext& context,
     validation.policy = &policy;
     validation.now = context.now;
     validation.purpose = crypto::CertificatePurpose::User;
-    auto trusted = context.users->certificate_validator()->validate(chain, validation);
+    crypto::CertificateValidator* const validator = context.users->certificate_validator();
+    if (validator == nullptr) {
+        return misuse(status::Bad_IdentityTokenRejected, "there is no validator any more", {});
+    }
+    auto trusted = validator->validate(chain, validation);
     if (!trusted) {
         return LoginFailure{status::Bad_IdentityTokenRejected, std::move(trusted.error()), true};
     }
@@ -205,8 +209,13 @@ Login log_in_issued(const LoginContext& context, const IssuedIdentityToken& toke
         return tl::unexpected{guess(status::Bad_IdentityTokenRejected, "issued token",
                                     "it is not encrypted for this session", "Part 4, 7.40.6")};
     }
-    auto claims = crypto::verify_jwt(secret->text(), *context.users->token_rules(),
-                                     context.config.application_uri, context.now);
+    const crypto::JwtRules* const rules = context.users->token_rules();
+    if (rules == nullptr) {
+        return tl::unexpected{
+            misuse(status::Bad_IdentityTokenRejected, "there are no rules any more", {})};
+    }
+    auto claims =
+        crypto::verify_jwt(secret->text(), *rules, context.config.application_uri, context.now);
     if (!claims) {
         const StatusCode status = claims.error().status;
         return tl::unexpected{LoginFailure{status, std::move(claims.error()), true}};
@@ -220,7 +229,7 @@ Login log_in_issued(const LoginContext& context, const IssuedIdentityToken& toke
     UserIdentity user =
         identity_of(UserTokenType::IssuedToken, std::move(claims->subject), *std::move(rights));
     user.issuer = std::move(claims->issuer);
-    const auto skew = context.users->token_rules()->clock_skew.count();
+    const auto skew = rules->clock_skew.count();
     user.valid_until = {claims->expires.ticks + skew * DateTime::ticks_per_second};
     return user;
 }
@@ -251,6 +260,10 @@ LoginStep begin_log_in(const LoginContext& context, const ExtensionObject& token
 
 Login end_log_in(PasswordCheck& check)
 {
+    if (!check.thrown.empty()) { // which says nothing of the user
+        return tl::unexpected{misuse(status::Bad_InternalError,
+                                     "UserStore::log_in threw: " + printable(check.thrown), {})};
+    }
     if (!check.is_readable || !check.result) {
         return tl::unexpected{guess(
             status::Bad_UserAccessDenied, "user name and password",

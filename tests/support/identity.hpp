@@ -1,5 +1,6 @@
 #pragma once
 
+#include <stdexcept>
 #include <string>
 
 #include <busbar/channel/channel_types.hpp>
@@ -22,10 +23,15 @@ class LogBook final : public LogSink {
 public:
     void write(LogLevel, std::string_view source, std::string_view message) override
     {
+        if (is_broken) {
+            throw std::runtime_error{"disk error"};
+        }
         text += std::string{source} + ": " + std::string{message} + "\n";
     }
 
     std::string text;
+    /// Throws away, in both senses.
+    bool is_broken{false};
 };
 
 /// A key and a self-signed certificate, valid for a year around `today`. Made anew by each test

@@ -3,6 +3,7 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -24,13 +25,18 @@ public:
                                                       std::string_view password) override
     {
         ++asked;
+        fail_if_broken();
         if (password != std::string{name} + "-secret") {
             return fail(status::Bad_UserAccessDenied);
         }
         return server::UserIdentity{UserTokenType::UserName, std::string{name}};
     }
     [[nodiscard]] server::Worker* worker() override { return used_worker; }
-    [[nodiscard]] server::UserIdentity anonymous() const override { return everybody; }
+    [[nodiscard]] server::UserIdentity anonymous() const override
+    {
+        fail_if_broken();
+        return everybody;
+    }
     [[nodiscard]] crypto::CertificateValidator* certificate_validator() override
     {
         return validator;
@@ -48,7 +54,15 @@ public:
         return rights;
     }
 
+    void fail_if_broken() const
+    {
+        if (is_broken) {
+            throw std::runtime_error{"bus error"};
+        }
+    }
+
     int asked{0};
+    bool is_broken{false};
     server::UserIdentity everybody{server::anonymous_reader()};
     server::Worker* used_worker{nullptr};
     crypto::CertificateValidator* validator{nullptr};

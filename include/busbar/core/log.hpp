@@ -19,7 +19,7 @@ public:
     virtual ~LogSink() = default;
 
     /// `source` is the layer or part ("channel", "session"). Called from any thread; must not block
-    /// for long and must not call back into the library.
+    /// for long and must not call back into the library. A line that makes it throw is lost.
     virtual void write(LogLevel level, std::string_view source, std::string_view text) = 0;
 };
 

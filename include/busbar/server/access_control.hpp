@@ -66,7 +66,8 @@ struct UserRights {
 
 /// Knows the users. The server checks what clients send; the store says whom it trusts and what
 /// users may do. Called on the server's thread, but for log_in
-/// (see worker()); must not keep a password or a token.
+/// (see worker()); must not keep a password or a token. An exception is Bad_InternalError for the
+/// login, which does not count as a wrong one.
 class BUSBAR_API UserStore {
 public:
     UserStore() = default;
@@ -108,7 +109,8 @@ public:
 };
 
 /// Decides for each node; without one, AccessLevel and the user's mask decide. Called on the
-/// server's thread, for every node of a request.
+/// server's thread, for every node of a request. An exception is a no, and the request that asked
+/// answers Bad_InternalError.
 ///
 /// What a node itself says is enforced besides: its AccessRestrictions against the channel
 /// (Bad_SecurityModeInsufficient; those of its namespace where it has none), and its

@@ -7,6 +7,7 @@
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/array.hpp>
+#include <busbar/core/log.hpp>
 #include <busbar/core/node_id.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/core/variant.hpp>
@@ -84,6 +85,11 @@ public:
     void fail(StatusCode status);
 
 private:
+    friend class MethodTable;
+
+    /// The server's; only while DataSource::call runs.
+    [[nodiscard]] LogSink& log() const;
+
     detail::CallPart* part_;
     std::span<const CallItem> items_;
     CallResult* results_;

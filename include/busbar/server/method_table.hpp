@@ -65,7 +65,8 @@ private:
 /// Used on the server's thread only; that of calls is their own business.
 class BUSBAR_API MethodTable final : public DataSource {
 public:
-    /// Must not block: what takes time keeps the call and answers later. Nothing may be thrown.
+    /// Must not block: what takes time keeps the call and answers later. One that throws answers
+    /// Bad_InternalError, unless it has answered, and is told to the log.
     using Function = std::function<void(MethodCall)>;
 
     explicit MethodTable(const DataSourceOptions& options = {}) : options_{options} {}

@@ -21,6 +21,11 @@ CallBatch& CallBatch::operator=(CallBatch&& other) noexcept
     return *this;
 }
 
+LogSink& CallBatch::log() const
+{
+    return part_->source().log();
+}
+
 void CallBatch::complete()
 {
     items_ = {};

@@ -18,6 +18,7 @@ struct CallTraits {
     using Item = CallItem;
     using Answer = CallResult;
     using Part = CallPart;
+    static constexpr std::string_view callback = "DataSource::call";
     static std::vector<CallResult> answers(std::size_t count)
     {
         return std::vector<CallResult>(count);

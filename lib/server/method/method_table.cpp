@@ -1,5 +1,7 @@
 #include <busbar/server/method_table.hpp>
 
+#include <busbar/core/detail/guarded.hpp>
+
 namespace busbar::server {
 
 void MethodCall::succeed(Array<Variant> outputs)
@@ -41,7 +43,10 @@ void MethodTable::call(CallBatch batch)
         const std::uint64_t handle = shared->items()[i].handle;
         MethodCall call{shared, i};
         if (handle < functions_.size() && functions_[static_cast<std::size_t>(handle)]) {
-            functions_[static_cast<std::size_t>(handle)](std::move(call));
+            // One that throws leaves its call unanswered, and the others of the batch as they are.
+            busbar::detail::guarded(shared->log(), "MethodTable::Function", [&] {
+                functions_[static_cast<std::size_t>(handle)](std::move(call));
+            });
         } else {
             call.fail(status::Bad_NotImplemented);
         }

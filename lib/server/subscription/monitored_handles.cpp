@@ -72,7 +72,9 @@ void MonitoredHandles::tell(DataSources& sources)
         }
         const bool is_last = i + 1 == changed.size() || changed[i + 1].source != changed[i].source;
         if (is_last && !batch.empty()) {
-            (*sources.find(changed[i].source))->source().monitoring_changed(batch);
+            (*sources.find(changed[i].source))
+                ->guard("DataSource::monitoring_changed",
+                        [&](DataSource& source) { source.monitoring_changed(batch); });
             batch.clear();
         }
     }

@@ -25,7 +25,7 @@ bool can_follow_scans(const Core& core, const ReadPlan& plan)
 {
     // Without a Waker nobody would tell of a scan.
     return core.environment.waker != nullptr && plan.source != nullptr &&
-           plan.source->source().process_image() != nullptr;
+           plan.source->process_image() != nullptr;
 }
 
 Sampler::Sampler(Core& core, TimerQueue& timers)
@@ -53,7 +53,7 @@ SamplingGroup& Sampler::group_of(const DataItem& item)
     if (item.interval() == Duration::zero()) {
         const ReadPlan plan = plan_sample(core_, item.subscription(), item.value_id());
         if (can_follow_scans(core_, plan)) {
-            return follow(*plan.source->source().process_image());
+            return follow(*plan.source->process_image());
         }
     }
     // What used to lie in an image, and does not any more, is sampled as fast as can be.

@@ -177,7 +177,7 @@ void SamplingGroup::bind_one(std::size_t index)
     }
     member.binding = Binding::Source;
     space.watch(space.find(item.value_id().node_id), model::NodeAspect::Binding, item);
-    ProcessImage* const image = plan.source->source().process_image();
+    ProcessImage* const image = plan.source->process_image();
     if (image != nullptr && plan.handle < image->layout().size()) {
         return watch(*image, member, plan.handle);
     }
@@ -225,8 +225,10 @@ void SamplingGroup::sample_members(std::size_t first, TimePoint now, bool is_lat
     if (first >= members_.size()) {
         return;
     }
-    flights_.push_back(std::make_unique<Flight>(*this, first, members_.size() - first, is_late));
-    Flight& flight = *flights_.back();
+    // It is under way when nothing can go wrong any more: while one is, no other begins.
+    flights_.reserve(flights_.size() + 1);
+    auto made = std::make_unique<Flight>(*this, first, members_.size() - first, is_late);
+    Flight& flight = *made;
     for (std::size_t i = 0; i < flight.call.size(); ++i) {
         ask(flight, first + i);
     }
@@ -235,14 +237,19 @@ void SamplingGroup::sample_members(std::size_t first, TimePoint now, bool is_lat
             std::make_shared<std::vector<std::shared_ptr<const NumericRange>>>(flight.ranges);
     }
     if (flight.call.start(flight, now, [](ReadPart&) {})) {
-        land(flight);
+        deliver(flight);
+        return arm();
     }
+    flights_.push_back(std::move(made));
 }
 
 void SamplingGroup::land(Flight& flight)
 {
-    deliver(flight);
-    std::erase_if(flights_, [&](const auto& one) { return one.get() == &flight; });
+    const auto found = std::find_if(flights_.begin(), flights_.end(),
+                                    [&](const auto& one) { return one.get() == &flight; });
+    const std::unique_ptr<Flight> landed = std::move(*found);
+    flights_.erase(found);
+    deliver(*landed);
     arm();
 }
 
@@ -355,6 +362,8 @@ void SamplingGroup::handle_flights(TimePoint now)
 
 void SamplingGroup::expire(TimePoint now)
 {
+    // Whatever happens here, it goes on.
+    sampler_.timers().set(*this, now + std::max<Duration>(interval_, std::chrono::milliseconds{1}));
     handle_flights(now);
     if (next_sample_ <= now) {
         if (flights_.empty()) { // a source that has not answered is not asked again

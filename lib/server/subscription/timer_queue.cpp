@@ -73,24 +73,53 @@ void TimerQueue::cancel(Timer& timer)
     }
 }
 
+/// Goes through what expires, and keeps the rest if it does not come to the end.
+class TimerQueue::Expiring {
+public:
+    explicit Expiring(TimerQueue& queue) : queue_{queue} {}
+    Expiring(const Expiring&) = delete;
+    Expiring& operator=(const Expiring&) = delete;
+    ~Expiring()
+    {
+        auto& all = queue_.expiring_;
+        all.erase(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(next_));
+        queue_.has_rest_ = !all.empty();
+    }
+
+    /// False at the end.
+    bool next(Timer*& timer)
+    {
+        if (next_ == queue_.expiring_.size()) {
+            return false;
+        }
+        timer = std::exchange(queue_.expiring_[next_++], nullptr);
+        return true;
+    }
+
+private:
+    TimerQueue& queue_;
+    std::size_t next_{0};
+};
+
 void TimerQueue::expire(TimePoint now)
 {
-    while (next_deadline() <= now) {
+    while (!heap_.empty() && heap_.front()->due_ <= now) {
         Timer* const timer = heap_.front();
         cancel(*timer);
         timer->is_expiring_ = true;
         expiring_.push_back(timer);
     }
+    std::erase(expiring_, nullptr); // of those that were left behind
     std::stable_sort(expiring_.begin(), expiring_.end(),
                      [](const Timer* a, const Timer* b) { return a->rank() > b->rank(); });
     // One that ends another's life cancels it, which clears its place here.
-    for (std::size_t i = 0; i < expiring_.size(); ++i) {
-        if (Timer* const timer = std::exchange(expiring_[i], nullptr); timer != nullptr) {
+    Expiring expiring{*this};
+    for (Timer* timer = nullptr; expiring.next(timer);) {
+        if (timer != nullptr) {
             timer->is_expiring_ = false;
             timer->expire(now);
         }
     }
-    expiring_.clear();
 }
 
 } // namespace busbar::server::detail

@@ -42,14 +42,20 @@ public:
     void cancel(Timer& timer);
     [[nodiscard]] TimePoint next_deadline() const
     {
+        if (has_rest_) {
+            return TimePoint::min();
+        }
         return heap_.empty() ? no_deadline : heap_.front()->due_;
     }
-    /// Expires all timers that are due at `now` when it is called; those that set themselves to a
-    /// time that has come again wait for the next call.
+    /// What a Timer throws comes through; those that were due after it wait for the next call,
+    /// which is due at once. Expires all timers that are due at `now` when it is called; those that
+    /// set themselves to a time that has come again wait for the next call.
     void expire(TimePoint now);
     [[nodiscard]] std::size_t size() const { return heap_.size(); }
 
 private:
+    class Expiring;
+
     void put(Timer& timer, std::size_t place);
     void sift_up(Timer& timer, std::size_t place);
     void sift_down(Timer& timer, std::size_t place);
@@ -57,6 +63,8 @@ private:
     std::vector<Timer*> heap_;
     /// Due in this call of expire(); null where one was cancelled meanwhile.
     std::vector<Timer*> expiring_;
+    /// One that threw left others behind there.
+    bool has_rest_{false};
 };
 
 } // namespace busbar::server::detail

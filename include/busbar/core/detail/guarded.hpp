@@ -1,0 +1,80 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#if defined(__cpp_exceptions)
+#include <exception>
+#include <new>
+#endif
+
+#include <busbar/core/api.hpp>
+#include <busbar/core/log.hpp>
+#include <busbar/core/status_codes.hpp>
+
+/// What stands between the library and what its users wrote, so that a fault of theirs ends what
+/// they were called for and nothing else.
+namespace busbar::detail {
+
+/// Calls `function`: Good, or what became of it if it threw, with the exception's own words in
+/// `what`. Bad_OutOfMemory for a failed allocation, else Bad_InternalError. Compiled without
+/// exceptions it is a plain call.
+template <typename Function>
+[[nodiscard]] StatusCode caught(std::string& what, Function&& function)
+{
+#if defined(__cpp_exceptions)
+    try {
+        std::forward<Function>(function)();
+    } catch (const std::bad_alloc&) {
+        what = "no memory"; // short enough to need none itself
+        return status::Bad_OutOfMemory;
+    } catch (const std::exception& e) {
+        what = e.what();
+        return status::Bad_InternalError;
+    } catch (...) {
+        what = "no exception";
+        return status::Bad_InternalError;
+    }
+#else
+    static_cast<void>(what);
+    std::forward<Function>(function)();
+#endif
+    return status::Good;
+}
+
+/// Writes to a log of a user; a line that makes it throw is lost.
+BUSBAR_API void write_safely(LogSink& log, LogLevel level, std::string_view source,
+                             std::string_view text);
+
+/// Tells the log what `callback` threw.
+BUSBAR_API void report_thrown(LogSink& log, std::string_view callback, std::string_view what);
+
+/// As caught(), and tells the log. `callback` is what the user knows the function by:
+/// "DataSource::read".
+template <typename Function>
+StatusCode guarded(LogSink& log, std::string_view callback, Function&& function)
+{
+    std::string what;
+    const StatusCode status = caught(what, std::forward<Function>(function));
+    if (status.is_bad()) {
+        report_thrown(log, callback, what);
+    }
+    return status;
+}
+
+/// A user's log that loses the lines that make it throw.
+class BUSBAR_API SafeLog final : public LogSink {
+public:
+    /// `log` must outlive this object.
+    explicit SafeLog(LogSink& log) : log_{&log} {}
+
+    void write(LogLevel level, std::string_view source, std::string_view text) override
+    {
+        write_safely(*log_, level, source, text);
+    }
+
+private:
+    LogSink* log_;
+};
+
+} // namespace busbar::detail
