@@ -257,6 +257,7 @@ Result<void> ServerChannel::reverse_hello(std::string_view server_uri,
         return fail(status::Bad_InvalidArgument);
     }
     impl_->is_reverse = true;
+    impl_->handshake_deadline = no_deadline; // it is the client who decides when it begins
     write_reverse_hello(impl_->conversation.output(), server_uri, endpoint_url);
     return {};
 }
@@ -267,6 +268,9 @@ Result<void> ServerChannel::feed(std::span<const std::byte> in, TimePoint now)
         return fail(status::Bad_SecureChannelClosed);
     }
     impl_->now = now;
+    if (impl_->handshake_deadline == no_deadline && !in.empty()) {
+        impl_->handshake_deadline = now + impl_->config.limits.handshake_timeout;
+    }
     impl_->conversation.feed(in);
     return {};
 }

@@ -4,6 +4,13 @@
 #include <chrono>
 #include <utility>
 
+#include <asio/socket_base.hpp>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
+#include <busbar/core/detail/guarded.hpp>
+
 namespace busbar::net::detail {
 
 namespace {
@@ -11,12 +18,30 @@ namespace {
 /// A client that kept a connection for so long did not refuse it; it only had no use for it.
 constexpr Duration long_enough = std::chrono::seconds{2};
 
+/// Nothing may be said on the connection for days; TCP is to notice all the same that it is dead:
+/// after a minute of silence, and six questions that nobody answers. Where that fails, the system's
+/// own times hold.
+void keep_alive(asio::ip::tcp::socket& socket)
+{
+    std::error_code ignored;
+    socket.set_option(asio::socket_base::keep_alive{true}, ignored);
+#if defined(TCP_KEEPIDLE) && defined(TCP_KEEPINTVL) && defined(TCP_KEEPCNT)
+    const auto set = [&](int option, int value) {
+        static_cast<void>(
+            ::setsockopt(socket.native_handle(), IPPROTO_TCP, option, &value, sizeof value));
+    };
+    set(TCP_KEEPIDLE, 60);
+    set(TCP_KEEPINTVL, 10);
+    set(TCP_KEEPCNT, 6);
+#endif
+}
+
 } // namespace
 
 ReverseDialer::ReverseDialer(const asio::any_io_executor& executor, LogSink& log,
                              channel::EndpointUrl url, const ReverseConnectConfig& config,
                              Adopt adopt)
-    : url_{std::move(url)}, config_{&config}, adopt_{std::move(adopt)},
+    : log_{&log}, url_{std::move(url)}, config_{&config}, adopt_{std::move(adopt)},
       connector_{executor, log}, timer_{executor}, delay_{config.first_delay}
 {
 }
@@ -71,7 +96,12 @@ void ReverseDialer::connected(Result<asio::ip::tcp::socket> socket)
 {
     is_dialing_ = false;
     spare_since_ = now();
-    const auto id = socket ? adopt_(*std::move(socket)) : std::nullopt;
+    std::optional<std::uint64_t> id;
+    if (socket) {
+        keep_alive(*socket);
+        busbar::detail::guarded(*log_, "a connection to a client",
+                                [&] { id = adopt_(*std::move(socket)); });
+    }
     if (id) {
         spare_ = id;
     } else {

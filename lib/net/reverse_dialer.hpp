@@ -36,6 +36,7 @@ private:
     void connected(Result<asio::ip::tcp::socket> socket);
     void dial_later();
 
+    LogSink* log_;
     const channel::EndpointUrl url_;
     const ReverseConnectConfig* config_;
     Adopt adopt_;

@@ -116,12 +116,16 @@ Link::~Link()
 
 Result<void> Link::reverse_hello(std::string_view endpoint_url)
 {
+    session_check_ = no_deadline; // until the client has a use for the connection
     return channel_.reverse_hello(core_.config.application_uri, endpoint_url);
 }
 
 Result<void> Link::feed(std::span<const std::byte> in, TimePoint now)
 {
     const Running running{*this, now};
+    if (session_check_ == no_deadline) {
+        session_check_ = now + core_.limits().sessionless_timeout;
+    }
     auto fed = channel_.feed(in, now);
     work(now);
     return fed;

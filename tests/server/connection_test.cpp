@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <array>
 
 #include "support/slow_server.hpp"
 
@@ -121,6 +122,27 @@ TEST_CASE("a server connects to a client that listens")
     REQUIRE(connection.reverse_hello("opc.tcp://localhost:4840"));
     CHECK(connection.output().size() > 8);
     CHECK(connection.output()[0] == std::byte{'R'});
+}
+
+TEST_CASE("A6: a connection to a client waits for it as long as it has no use for it")
+{
+    ServerFixture fixture;
+    auto connection = fixture.server.connect("192.0.2.1", fixture.now).value();
+    REQUIRE(connection.reverse_hello("opc.tcp://localhost:4840"));
+    connection.consume(connection.output().size());
+    CHECK(connection.next_deadline() == no_deadline);
+    for (int minute = 0; minute < 60; ++minute) {
+        fixture.advance(1min);
+        connection.handle_deadline(fixture.now);
+    }
+    CHECK_FALSE(connection.is_closed());
+    // From its first byte on it is a client as any other.
+    const std::array<std::byte, 1> first{std::byte{'H'}};
+    REQUIRE(connection.feed(first, fixture.now));
+    CHECK(connection.next_deadline() == fixture.now + 10s);
+    fixture.advance(10s);
+    connection.handle_deadline(fixture.now);
+    CHECK(connection.is_closed());
 }
 
 TEST_CASE("it does not matter how the bytes come")

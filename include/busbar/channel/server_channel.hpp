@@ -40,6 +40,8 @@ public:
 
     /// Sends ReverseHello instead of waiting for the client's connection (Part 6, 7.1.2.6). Only
     /// before anything was fed, and with texts of at most 4096 bytes: else Bad_InvalidArgument.
+    /// The client may then say nothing for as long as it has no use for the connection; the time
+    /// for its handshake begins with its first byte.
     [[nodiscard]] Result<void> reverse_hello(std::string_view server_uri,
                                              std::string_view endpoint_url);
 

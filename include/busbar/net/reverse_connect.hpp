@@ -10,6 +10,12 @@
 namespace busbar::net {
 
 /// Clients that cannot reach the server, so that it connects to them (Part 6, 7.1.2.6).
+///
+/// Each has one connection that it does not use yet, and may leave it so for ever: no handshake
+/// timeout of the server counts before the client's first byte. What ends such a connection is the
+/// client, who closes or refuses it; keep-alive of TCP, which finds out within two minutes that the
+/// client's machine or the network has gone; and a server without place for others. It is then made
+/// anew as after any failure.
 struct ReverseConnectConfig {
     /// opc.tcp://host:port of each client's listener.
     std::vector<std::string> client_urls;
