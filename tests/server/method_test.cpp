@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "method_fixture.hpp"
+#include "server/method/method_lookup.hpp"
 
 using namespace busbar;
 using namespace busbar::test;
@@ -332,4 +333,39 @@ TEST_CASE_METHOD(Fixture, "Executable and UserExecutable tell who may call")
     CHECK(status_of(client, to_call(sum, inputs)) == status::Good);
     fixture.space().set_executable(fixture.space().find(sum), false);
     CHECK(executable(client, sum) == pair(false, false));
+}
+
+TEST_CASE_METHOD(Fixture, "A7: a Method is found from the Object, not among all who have it")
+{
+    const auto has_component = NodeId{0, id::HasComponent};
+    const auto type = space().add_object_type(named("Type", space().find(id::BaseObjectType)));
+    REQUIRE(type);
+    const NodeId method = add(named("Common", *type));
+    model::NewObject of_type;
+    of_type.type_definition = own("Type");
+    const auto folder = space().find(id::ObjectsFolder);
+    for (int i = 0; i < 1'000; ++i) {
+        const auto name = "Object" + std::to_string(i);
+        const auto object = space().add_object(named(name, folder), of_type);
+        REQUIRE(object);
+        REQUIRE(space().add_reference(*object, has_component, space().find(method)));
+    }
+    const server::UserIdentity user;
+    const server::detail::NodeRights rights{space(), user};
+    std::size_t visits = 100;
+    for (int i = 0; i < 10; ++i) {
+        CHECK(server::detail::find_method(space(), rights, own("Object500"), method, visits));
+    }
+    REQUIRE(space().add_object(named("Bare", folder), of_type));
+    CHECK(server::detail::find_method(space(), rights, own("Bare"), method, visits));
+    // Who has much costs much, and only so much.
+    REQUIRE(space().add_object(named("Rich", folder), of_type));
+    for (int i = 0; i < 200; ++i) {
+        REQUIRE(space().add_reference(space().find(own("Rich")), has_component,
+                                      space().find(own("Object" + std::to_string(i)))));
+    }
+    CHECK(server::detail::find_method(space(), rights, own("Rich"), method, visits).error() ==
+          status::Bad_TooManyOperations);
+    visits = 1'000;
+    CHECK(server::detail::find_method(space(), rights, own("Rich"), method, visits));
 }

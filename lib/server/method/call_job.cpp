@@ -95,7 +95,7 @@ std::optional<CallResult> CallJob::plan(ServiceContext& context, std::size_t ind
 {
     const model::AddressSpace& space = context.core.address_space;
     const NodeRights rights = rights_of(context);
-    const auto method = find_method(space, rights, call.object_id, call.method_id);
+    const auto method = find_method(space, rights, call.object_id, call.method_id, visits_left_);
     if (!method) {
         return CallResult{method.error()};
     }

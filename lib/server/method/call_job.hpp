@@ -63,6 +63,8 @@ private:
     std::vector<const MethodSignature*> asked_;
     /// Monitored items that the server's own Methods looked at.
     std::size_t item_count_{0};
+    /// References that may still be looked at.
+    std::size_t visits_left_{10'000'000};
 };
 
 } // namespace busbar::server::detail
