@@ -3,6 +3,8 @@
 #include <busbar/controller/plc_events.hpp>
 #include <busbar/controller/plc_nodes.hpp>
 
+#include "support/allocation_count.hpp"
+
 using namespace busbar;
 using namespace busbar::controller;
 using namespace std::chrono_literals;
@@ -94,5 +96,39 @@ TEST_CASE("what happens is raised at its variable, below a notifier")
     CHECK(raised.severity == 700);
     CHECK(raised.time == DateTime::from_unix_seconds(101));
     CHECK_FALSE(queue->next(raised));
+    queue->close();
+}
+
+TEST_CASE("A8: the thread that scans neither allocates nor frees for its events")
+{
+    PlcConfig config = waves();
+    config.events[0].message = std::string(200, '!'); // longer than what fits a string itself
+    const auto plc = std::move(Plc::create(config).value());
+    model::AddressSpace space;
+    const auto folder = publish_variables(space, *plc, {});
+    REQUIRE(folder);
+    const FixedClock clock;
+    const auto queue = std::make_shared<server::EventQueue>(clock, nullptr, 8);
+    const auto events = PlcEvents::create(space, *folder, *plc, queue);
+    REQUIRE(events);
+
+    std::size_t raised = 0;
+    std::size_t calls = 0;
+    for (int i = 0; i < 200; ++i) { // more than the queue has places for, and some are taken out
+        const std::size_t before = test::allocation_count() + test::free_count();
+        plc->scan(DateTime::from_unix_seconds(i), 10ms);
+        events->raise(DateTime::from_unix_seconds(i));
+        calls += test::allocation_count() + test::free_count() - before;
+        raised += plc->occurrences().size();
+        server::Event event;
+        if (i % 50 == 0) {
+            while (queue->next(event)) {
+                CHECK_FALSE(event.message.text.empty());
+            }
+        }
+    }
+    CHECK(raised > 50);
+    CHECK(queue->dropped() > 0);
+    CHECK(calls == 0);
     queue->close();
 }

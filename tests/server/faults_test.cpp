@@ -306,3 +306,17 @@ TEST_CASE("A1: a timer that throws leaves the others to the next call")
     CHECK(timers[3].expired == 0);
     CHECK(queue.next_deadline() == no_deadline);
 }
+
+TEST_CASE("A1: who raises an event is not told what the Waker throws, and the event is there")
+{
+    struct BrokenWaker final : server::Waker {
+        void wake() override { throw_if(true); }
+    };
+    FixedWallClock clock;
+    BrokenWaker waker;
+    server::EventQueue queue{clock, &waker, 4};
+    CHECK(queue.raise(server::Event{}));
+    server::Event event;
+    CHECK(queue.next(event));
+    queue.close(); // which waits for those who raise
+}

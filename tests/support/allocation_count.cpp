@@ -8,6 +8,7 @@ namespace {
 
 std::atomic<std::size_t> count{0};
 std::atomic<std::size_t> bytes{0};
+std::atomic<std::size_t> frees{0};
 
 void* allocate(std::size_t size)
 {
@@ -25,11 +26,22 @@ void* allocate_or_end(std::size_t size)
     return memory;
 }
 
+void release(void* memory)
+{
+    frees += memory != nullptr ? 1 : 0;
+    std::free(memory);
+}
+
 } // namespace
 
 std::size_t busbar::test::allocation_count()
 {
     return count;
+}
+
+std::size_t busbar::test::free_count()
+{
+    return frees;
 }
 
 std::size_t busbar::test::allocated_bytes()
@@ -60,25 +72,25 @@ void* operator new[](std::size_t size, const std::nothrow_t&) noexcept
 }
 void operator delete(void* memory) noexcept
 {
-    std::free(memory);
+    release(memory);
 }
 void operator delete(void* memory, std::size_t) noexcept
 {
-    std::free(memory);
+    release(memory);
 }
 void operator delete(void* memory, std::align_val_t) noexcept
 {
-    std::free(memory);
+    release(memory);
 }
 void operator delete(void* memory, std::size_t, std::align_val_t) noexcept
 {
-    std::free(memory);
+    release(memory);
 }
 void operator delete[](void* memory) noexcept
 {
-    std::free(memory);
+    release(memory);
 }
 void operator delete[](void* memory, std::size_t) noexcept
 {
-    std::free(memory);
+    release(memory);
 }

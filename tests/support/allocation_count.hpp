@@ -6,6 +6,8 @@ namespace busbar::test {
 
 /// How often operator new was called in this program. Needs allocation_count.cpp in the test.
 [[nodiscard]] std::size_t allocation_count();
+/// How often operator delete got something.
+[[nodiscard]] std::size_t free_count();
 /// How many bytes it was asked for, all calls together.
 [[nodiscard]] std::size_t allocated_bytes();
 

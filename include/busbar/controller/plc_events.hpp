@@ -22,7 +22,7 @@ public:
                                                   std::shared_ptr<server::EventQueue> queue);
 
     /// Raises what happened in the last scan, which was at `time`. For the thread that scans,
-    /// after the scan: it allocates.
+    /// after the scan: neither allocates nor frees.
     void raise(DateTime time) const;
 
 private:
@@ -34,7 +34,7 @@ private:
     const Plc* plc_;
     std::shared_ptr<server::EventQueue> queue_;
     /// What is raised, without its time, by the places in Plc::events().
-    std::vector<server::Event> events_;
+    std::vector<std::shared_ptr<const server::Event>> events_;
 };
 
 } // namespace busbar::controller

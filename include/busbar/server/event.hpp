@@ -82,6 +82,10 @@ public:
     /// room, which dropped() counts and clients learn of by an EventQueueOverflowEventType, or
     /// if the server is gone.
     bool raise(Event event);
+    /// The same of an event that is made beforehand and raised as often as it occurs, at `time`.
+    /// Nothing is allocated or freed here, as long as the caller keeps `event`: for a thread that
+    /// controls a machine.
+    bool raise(const std::shared_ptr<const Event>& event, DateTime time);
     /// How many events there was no room for.
     [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
@@ -97,7 +101,10 @@ public:
 private:
     struct Slot;
 
-    [[nodiscard]] bool push(Event& event);
+    template <typename Put>
+    bool raise_by(Put put);
+    template <typename Put>
+    [[nodiscard]] bool push(Put& put);
 
     const WallClock* wall_clock_;
     Waker* waker_;

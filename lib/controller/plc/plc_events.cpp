@@ -38,7 +38,7 @@ Result<PlcEvents> PlcEvents::create(model::AddressSpace& address_space, model::N
         if (auto made = connect(address_space, folder, id::HasEventSource, variable); !made) {
             return fail(made.error());
         }
-        result.events_.push_back(std::move(event));
+        result.events_.push_back(std::make_shared<const server::Event>(std::move(event)));
     }
     return result;
 }
@@ -46,10 +46,8 @@ Result<PlcEvents> PlcEvents::create(model::AddressSpace& address_space, model::N
 void PlcEvents::raise(DateTime time) const
 {
     for (const std::uint32_t index : plc_->occurrences()) {
-        server::Event event = events_[index];
-        event.time = time;
         // What there is no room for is counted and told by the queue itself.
-        static_cast<void>(queue_->raise(std::move(event)));
+        static_cast<void>(queue_->raise(events_[index], time));
     }
 }
 

@@ -1,6 +1,9 @@
 #include <busbar/server/event.hpp>
 
 #include <bit>
+#include <utility>
+
+#include <busbar/core/detail/guarded.hpp>
 
 namespace busbar::server {
 
@@ -9,7 +12,26 @@ namespace busbar::server {
 struct EventQueue::Slot {
     std::atomic<std::size_t> turn{0};
     Event event;
+    /// Instead of it: one that was made beforehand, and when it occurred.
+    std::shared_ptr<const Event> made;
+    DateTime time;
 };
+
+namespace {
+
+/// Counts who is inside of raise(), whatever it ends by.
+class Raiser {
+public:
+    explicit Raiser(std::atomic<std::uint32_t>& count) : count_{count} { ++count_; }
+    Raiser(const Raiser&) = delete;
+    Raiser& operator=(const Raiser&) = delete;
+    ~Raiser() { --count_; }
+
+private:
+    std::atomic<std::uint32_t>& count_;
+};
+
+} // namespace
 
 EventQueue::EventQueue(const WallClock& wall_clock, Waker* waker, std::size_t capacity)
     : wall_clock_{&wall_clock}, waker_{waker}, mask_{std::bit_ceil(capacity < 2 ? 2 : capacity) -
@@ -25,26 +47,43 @@ EventQueue::~EventQueue() = default;
 
 bool EventQueue::raise(Event event)
 {
-    ++raisers_;
+    const Raiser raiser{raisers_}; // for the clock
+    if (event.time.is_null() && !is_closed_) {
+        event.time = wall_clock_->now();
+    }
+    return raise_by([&](Slot& slot) { slot.event = std::move(event); });
+}
+
+bool EventQueue::raise(const std::shared_ptr<const Event>& event, DateTime time)
+{
+    return raise_by([&](Slot& slot) {
+        slot.made = event;
+        slot.time = time;
+    });
+}
+
+/// `put` fills the place in the queue, if there is one.
+template <typename Put>
+bool EventQueue::raise_by(Put put)
+{
+    const Raiser raiser{raisers_};
     bool is_queued = false;
     if (!is_closed_) {
-        if (event.time.is_null()) {
-            event.time = wall_clock_->now();
-        }
-        is_queued = push(event);
+        is_queued = push(put);
         if (!is_queued) {
             ++dropped_;
         }
         // Clients are told of a lost event too.
         if (!is_awake_.exchange(true) && waker_ != nullptr) {
-            waker_->wake();
+            std::string lost; // who raises cannot help it
+            static_cast<void>(busbar::detail::caught(lost, [this] { waker_->wake(); }));
         }
     }
-    --raisers_;
     return is_queued;
 }
 
-bool EventQueue::push(Event& event)
+template <typename Put>
+bool EventQueue::push(Put& put)
 {
     std::size_t place = in_.load();
     while (true) {
@@ -52,7 +91,7 @@ bool EventQueue::push(Event& event)
         const auto ahead = static_cast<std::ptrdiff_t>(slot.turn.load() - place);
         if (ahead == 0) {
             if (in_.compare_exchange_weak(place, place + 1)) {
-                slot.event = std::move(event);
+                put(slot);
                 slot.turn.store(place + 1);
                 return true;
             }
@@ -70,8 +109,12 @@ bool EventQueue::next(Event& event)
     if (slot.turn.load() != out_ + 1) {
         return false;
     }
-    event = std::move(slot.event);
-    slot.event = Event{};
+    if (const auto made = std::exchange(slot.made, nullptr)) {
+        event = *made;
+        event.time = slot.time;
+    } else {
+        event = std::exchange(slot.event, {});
+    }
     slot.turn.store(out_ + mask_ + 1);
     ++out_;
     return true;
