@@ -387,3 +387,46 @@ TEST_CASE_METHOD(EventFixture, "fields that no response can take give way to a r
     CHECK(events[0].event_fields[0] == Variant{event.source_name});
     CHECK(events[0].event_fields[1] == Variant{event.message});
 }
+
+TEST_CASE_METHOD(EventFixture, "A9: events do not wait for data that never ends")
+{
+    auto request = subscription_request();
+    request.max_notifications_per_publish = GENERATE(1U, 3U);
+    const auto narrow = subscribe(client, request);
+    std::vector<NodeId> variables;
+    for (const char* name : {"a", "b", "c", "d", "e"}) {
+        variables.push_back(add_variable(name, 0));
+        monitor(client, narrow, item_request(variables.back()));
+    }
+    monitor(client, narrow, event_request());
+    for (int i = 0; i < 20; ++i) {
+        raise("door open");
+        for (std::size_t v = 0; v < variables.size(); ++v) {
+            set(v, i + 1);
+        }
+        next_events(client);
+    }
+    raise("fire");
+    Messages messages;
+    std::size_t changes = 0;
+    for (int i = 0; i < 60; ++i) {
+        for (std::size_t v = 0; v < variables.size(); ++v) {
+            set(v, i + 100);
+        }
+        const std::uint32_t sent = publish(client);
+        advance(cycle);
+        const auto response = take(client, sent);
+        REQUIRE(response);
+        changes += data(response->notification_message).size();
+        for (const ExtensionObject& part : response->notification_message.notification_data) {
+            if (const auto* list = part.get_if<EventNotificationList>()) {
+                for (const EventFieldList& event : list->events) {
+                    messages.push_back(
+                        event.event_fields[0].value_or<LocalizedText>(LocalizedText{}).text.str());
+                }
+            }
+        }
+    }
+    CHECK(std::find(messages.begin(), messages.end(), "fire") != messages.end());
+    CHECK(changes > 0); // nor the other way round
+}

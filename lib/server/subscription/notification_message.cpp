@@ -107,11 +107,22 @@ std::vector<std::byte> to_bytes(const NotificationMessage& message)
 
 Result<std::vector<std::byte>> write_notifications(std::uint32_t sequence_number,
                                                    DateTime publish_time, ReadyList& data,
-                                                   ReadyList& events, const MessageLimits& limits)
+                                                   ReadyList& events, const MessageLimits& limits,
+                                                   bool& events_first)
 {
     MessageWriter message{sequence_number, publish_time};
+    const auto write_events = [&] {
+        message.write_part(EventNotificationList::binary_encoding_id, events, false, limits);
+    };
+    const bool begins_with_events = events_first;
+    if (begins_with_events) {
+        write_events();
+    }
     message.write_part(DataChangeNotification::binary_encoding_id, data, true, limits);
-    message.write_part(EventNotificationList::binary_encoding_id, events, false, limits);
+    if (!begins_with_events) {
+        write_events();
+    }
+    events_first = !begins_with_events && !events.empty();
     return message.finish();
 }
 

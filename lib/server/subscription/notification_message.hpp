@@ -22,11 +22,11 @@ struct MessageLimits {
     std::size_t most_bytes;
 };
 
-/// Takes Notifications of the items that are ready, data first.
-[[nodiscard]] Result<std::vector<std::byte>> write_notifications(std::uint32_t sequence_number,
-                                                                 DateTime publish_time,
-                                                                 ReadyList& data, ReadyList& events,
-                                                                 const MessageLimits& limits);
+/// Takes Notifications of the items that are ready: data first, unless `events_first`. It becomes
+/// true if no place was left for all events, so that data which never ends does not keep them.
+[[nodiscard]] Result<std::vector<std::byte>>
+write_notifications(std::uint32_t sequence_number, DateTime publish_time, ReadyList& data,
+                    ReadyList& events, const MessageLimits& limits, bool& events_first);
 /// A keep-alive: no Notification; `sequence_number` is that of the next message.
 [[nodiscard]] std::vector<std::byte> write_keep_alive(std::uint32_t sequence_number,
                                                       DateTime publish_time);

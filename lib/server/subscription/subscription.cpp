@@ -223,7 +223,8 @@ void Subscription::return_notifications()
         auto message = write_notifications(next_sequence_number(), now, ready_data_, ready_events_,
                                            {parameters_.max_notifications_per_publish,
                                             std::min(most_bytes, room),
-                                            std::min(room, limits.max_send_queue / 2)});
+                                            std::min(room, limits.max_send_queue / 2)},
+                                           events_first_);
         more_notifications_ = notifications_available();
         if (!message) {
             request->refuse(message.error());

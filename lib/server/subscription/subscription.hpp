@@ -173,6 +173,8 @@ private:
     State state_{State::Closed};
     bool publishing_enabled_{false};
     bool more_notifications_{false};
+    /// Events had to wait for data in the last message.
+    bool events_first_{false};
     bool message_sent_{false};
     std::uint32_t keep_alive_counter_{0};
     std::uint32_t lifetime_counter_{0};
