@@ -4,6 +4,7 @@
 #include <array>
 
 #include "client_impl.hpp"
+#include "guarded_handler.hpp"
 
 namespace busbar::client {
 
@@ -12,13 +13,20 @@ namespace {
 /// Changes of state that wait for poll(); only connect() and close() make any outside of it.
 constexpr std::size_t max_changes = 16;
 
+channel::ChannelEnvironment with_log(channel::ChannelEnvironment environment, LogSink& log)
+{
+    environment.log = &log;
+    return environment;
+}
+
 } // namespace
 
 Client::Impl::Impl(Client& owner, ClientConfig c, const channel::ChannelEnvironment& e,
                    TimePoint start)
-    : client{owner}, config{std::move(c)}, environment{e}, now{start}, back_off{config.reconnect},
-      reader{config.max_server_names}, requests{config.max_requests, config.request_timeout},
-      subscriptions{owner, config.subscriptions}
+    : client{owner}, config{std::move(c)}, safe_log{*e.log}, environment{with_log(e, safe_log)},
+      now{start}, back_off{config.reconnect}, reader{config.max_server_names},
+      requests{config.max_requests, config.request_timeout}, subscriptions{owner,
+                                                                           config.subscriptions}
 {
 }
 
@@ -61,7 +69,7 @@ bool Client::Impl::announce()
 
 bool Client::Impl::deliver()
 {
-    return requests.deliver();
+    return requests.deliver(*environment.log);
 }
 
 bool Client::Impl::expire()
@@ -152,7 +160,8 @@ const EndpointDescription* Client::endpoint() const
 
 void Client::on_state(std::function<void(ClientState, StatusCode)> handler)
 {
-    impl_->state_handler = std::move(handler);
+    impl_->state_handler =
+        detail::guarded_handler(log(), "Client::on_state handler", std::move(handler));
 }
 
 Subscriptions& Client::subscriptions()
@@ -176,6 +185,11 @@ const ServerInfo& Client::server() const
 TimePoint Client::now() const
 {
     return impl_->now;
+}
+
+LogSink* Client::log() const
+{
+    return impl_->environment.log;
 }
 
 const binary::DecodeLimits& Client::decode_limits() const

@@ -6,6 +6,7 @@
 
 #include <busbar/client/client.hpp>
 #include <busbar/client/connection.hpp>
+#include <busbar/core/detail/guarded.hpp>
 
 #include "keep_alive.hpp"
 #include "reconnect.hpp"
@@ -80,6 +81,8 @@ struct Client::Impl {
 
     Client& client;
     ClientConfig config;
+    busbar::detail::SafeLog safe_log;
+    /// With the log above: nothing that is written throws.
     channel::ChannelEnvironment environment;
     TimePoint now;
 

@@ -1,5 +1,7 @@
 #include "request_queue.hpp"
 
+#include <busbar/core/detail/guarded.hpp>
+
 #include "pending_requests.hpp"
 
 namespace busbar::client::detail {
@@ -106,14 +108,15 @@ void RequestQueue::end(StatusCode status, bool is_closed)
     }
 }
 
-bool RequestQueue::deliver()
+bool RequestQueue::deliver(LogSink& log)
 {
     if (finished_.empty()) {
         return false;
     }
     auto request = requests_.extract(finished_.front());
     finished_.pop_front();
-    request.mapped().handler(*std::move(request.mapped().result));
+    busbar::detail::guarded(log, "response handler",
+                            [&] { request.mapped().handler(*std::move(request.mapped().result)); });
     return true;
 }
 

@@ -12,6 +12,7 @@
 
 #include <busbar/client/connection.hpp>
 #include <busbar/client/requester.hpp>
+#include <busbar/core/log.hpp>
 
 namespace busbar::client::detail {
 
@@ -52,8 +53,8 @@ public:
     /// want to wait, or all of it.
     void end(StatusCode status, bool is_closed);
 
-    /// Calls one handler. False if there is nothing to deliver.
-    bool deliver();
+    /// Calls one handler; what it throws `log` is told. False if there is nothing to deliver.
+    bool deliver(LogSink& log);
     [[nodiscard]] bool has_results() const { return !finished_.empty(); }
     [[nodiscard]] std::size_t size() const { return requests_.size(); }
 

@@ -145,6 +145,7 @@ public:
     [[nodiscard]] TimePoint now() const override;
     [[nodiscard]] const binary::DecodeLimits& decode_limits() const override;
     [[nodiscard]] const binary::TypeRegistry& types() const override;
+    [[nodiscard]] LogSink* log() const override;
 
     // For who drives it.
 

@@ -9,6 +9,7 @@
 #include <busbar/client/response.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
+#include <busbar/core/log.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/types/common.hpp>
 #include <busbar/types/enumerations.hpp>
@@ -72,9 +73,9 @@ struct ResponseBody {
 class BUSBAR_API Requester {
 public:
     /// Called once for each request, never from within call(), but not after cancel(). It may make
-    /// requests and cancel others. What it gets is the response, the ServiceResult if that is bad,
-    /// or why there is none: Bad_Timeout, Bad_ConnectionClosed, Bad_ServerNotConnected,
-    /// Bad_EncodingLimitsExceeded, Bad_TooManyOperations.
+    /// requests and cancel others; what it throws is logged. What it gets is the response, the
+    /// ServiceResult if that is bad, or why there is none: Bad_Timeout, Bad_ConnectionClosed,
+    /// Bad_ServerNotConnected, Bad_EncodingLimitsExceeded, Bad_TooManyOperations.
     template <typename Response>
     using Handler = std::function<void(Result<Response>)>;
 
@@ -109,6 +110,8 @@ public:
     [[nodiscard]] virtual const binary::DecodeLimits& decode_limits() const = 0;
     /// The structures that responses are decoded with: those of namespace 0 at least.
     [[nodiscard]] virtual const binary::TypeRegistry& types() const { return standard_types(); }
+    /// Told what handlers throw; null for nobody.
+    [[nodiscard]] virtual LogSink* log() const { return nullptr; }
 
 protected:
     /// Writes the request with the header that is given; may be called later.

@@ -99,8 +99,8 @@ enum class DeliveryMode : std::uint8_t {
 };
 
 /// What the user is told. All in poll() of the Client, on its thread; spans are valid during the
-/// call. Empty functions are skipped. They may use Subscriptions as they like, and remove what they
-/// are called for, but not destroy it.
+/// call. Empty functions are skipped; what one throws is logged. They may use Subscriptions as they
+/// like, and remove what they are called for, but not destroy it.
 struct SubscriptionHandlers {
     std::function<void(std::span<const DataChange>)> on_data;
     std::function<void(std::span<const EventArrived>)> on_events;

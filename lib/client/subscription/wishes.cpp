@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "client/guarded_handler.hpp"
 #include "engine.hpp"
 
 namespace busbar::client::detail {
@@ -21,6 +22,19 @@ StatusCode check(const ItemSettings& settings)
     return status::Good;
 }
 
+SubscriptionHandlers guarded(SubscriptionHandlers handlers, LogSink* log)
+{
+    const auto guard = [log](auto& handler, std::string_view name) {
+        handler = guarded_handler(log, name, std::move(handler));
+    };
+    guard(handlers.on_data, "SubscriptionHandlers::on_data");
+    guard(handlers.on_events, "SubscriptionHandlers::on_events");
+    guard(handlers.on_item, "SubscriptionHandlers::on_item");
+    guard(handlers.on_gap, "SubscriptionHandlers::on_gap");
+    guard(handlers.on_status, "SubscriptionHandlers::on_status");
+    return handlers;
+}
+
 void drop_removed(WatchedSubscription& subscription, ItemTable& items)
 {
     if (subscription.removed_items < few_items ||
@@ -40,7 +54,8 @@ Result<SubscriptionHandle> SubscriptionEngine::create(const SubscriptionSettings
         return fail(status::Bad_TooManySubscriptions);
     }
     const SubscriptionHandle handle = ++last_handle_;
-    subscriptions_.try_emplace(handle, handle, settings, std::move(handlers), limits_.max_missing);
+    subscriptions_.try_emplace(handle, handle, settings,
+                               guarded(std::move(handlers), requester_.log()), limits_.max_missing);
     has_work_ = true;
     return handle;
 }
