@@ -268,10 +268,10 @@ int serve(ControllerConfig config, const std::string& file)
                                        server.add_source(methods)),
            "the methods");
 
-    net::WorkerThread worker;
+    net::WorkerThread worker{64, &log};
     admission.check_passwords_on(worker);
     controller::PlcTask task{**plc, wall_clock, config.scan, config.realtime_priority};
-    task.after_scan([&events](DateTime time) { events.raise(time); });
+    task.after_scan([&events](DateTime time) { events.raise(time); }, &log);
     task.start();
     loop.stop_on_signals();
     reload_on_hangup(loop, file, admission, server, log);

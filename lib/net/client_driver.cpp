@@ -1,12 +1,12 @@
 #include "client_driver.hpp"
 
 #include <chrono>
-#include <exception>
 #include <utility>
 
 #include <asio/post.hpp>
 
 #include <busbar/channel/endpoint_url.hpp>
+#include <busbar/core/detail/guarded.hpp>
 
 namespace busbar::net::detail {
 
@@ -127,14 +127,10 @@ void ClientDriver::step()
 /// True if there is more to do.
 bool ClientDriver::poll()
 {
-    try {
-        return client_.poll(now(), max_steps);
-    } catch (const std::exception& e) {
-        log(std::string{"exception of a handler: "} + e.what());
-    } catch (...) {
-        log("unknown exception of a handler");
-    }
-    return true;
+    bool has_more = true;
+    busbar::detail::guarded(*log_, "Client::poll",
+                            [&] { has_more = client_.poll(now(), max_steps); });
+    return has_more;
 }
 
 void ClientDriver::carry_out(const client::TransportOrder& order)
@@ -269,7 +265,7 @@ void ClientDriver::stop()
 
 void ClientDriver::log(const std::string& text)
 {
-    log_->write(LogLevel::Error, "net", text);
+    busbar::detail::write_safely(*log_, LogLevel::Error, "net", text);
 }
 
 } // namespace busbar::net::detail

@@ -33,7 +33,7 @@ public:
         if (deadline == awaited_) {
             return;
         }
-        awaited_ = deadline;
+        awaited_ = no_deadline; // as long as nothing waits
         timer_.cancel();
         if (deadline == no_deadline) {
             return;
@@ -46,6 +46,7 @@ public:
                     on_deadline();
                 }
             });
+        awaited_ = deadline;
     }
     void cancel()
     {

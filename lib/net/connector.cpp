@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
+
 #include "clock.hpp"
 
 namespace busbar::net::detail {
@@ -125,7 +127,8 @@ void Connector::Attempt::tried(const std::shared_ptr<tcp::socket>& socket, std::
 void Connector::Attempt::fail_with(StatusCode status, const std::string& why)
 {
     if (const Handler done = std::exchange(handler, nullptr)) {
-        log->write(LogLevel::Info, "net", "cannot connect to " + url.text() + ": " + why);
+        busbar::detail::write_safely(*log, LogLevel::Info, "net",
+                                     "cannot connect to " + url.text() + ": " + why);
         end();
         done(fail(status));
     }

@@ -77,8 +77,8 @@ void DiscoveryRegistration::step()
         return;
     }
     timer_.await(registration_.next_deadline(), [this] {
+        driver_->wake(); // first: what comes next must not depend on what follows
         registration_.handle_deadline(now());
-        driver_->wake();
     });
 }
 

@@ -101,6 +101,19 @@ public:
     [[nodiscard]] E& engine() { return *engine_; }
 
 private:
+    /// What comes through `work`, such as that there is no memory, ends this connection and goes on
+    /// to whoever runs the loop.
+    template <typename Work>
+    void guard(Work work)
+    {
+        try {
+            work();
+        } catch (...) {
+            end();
+            throw;
+        }
+    }
+
     /// Writes until all is sent or the socket takes no more. False when the connection is broken.
     bool send()
     {
@@ -137,7 +150,7 @@ private:
         socket_.async_wait(asio::ip::tcp::socket::wait_write,
                            [self = this->shared_from_this()](std::error_code error) {
                                self->is_writing_ = false;
-                               error ? self->end() : self->pump();
+                               self->guard([&] { error ? self->end() : self->pump(); });
                            });
     }
 
@@ -155,7 +168,7 @@ private:
         socket_.async_wait(asio::ip::tcp::socket::wait_read,
                            [self = this->shared_from_this()](std::error_code error) {
                                self->is_reading_ = false;
-                               error ? self->end() : self->receive();
+                               self->guard([&] { error ? self->end() : self->receive(); });
                            });
     }
 
@@ -180,8 +193,10 @@ private:
     {
         timer_.await(engine_->next_deadline(), [self = this->shared_from_this()] {
             if (!self->has_ended_) {
-                self->engine_->handle_deadline(now());
-                self->changed();
+                self->guard([&] {
+                    self->engine_->handle_deadline(now());
+                    self->changed();
+                });
             }
         });
     }

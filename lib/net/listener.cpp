@@ -7,6 +7,8 @@
 #include <asio/error.hpp>
 #include <asio/ip/v6_only.hpp>
 
+#include <busbar/core/detail/guarded.hpp>
+
 namespace busbar::net::detail {
 
 using asio::ip::tcp;
@@ -26,9 +28,9 @@ Result<std::uint16_t> Listener::open(std::string_view address, std::uint16_t por
         acceptor_.listen(asio::socket_base::max_listen_connections, error);
     }
     if (error) {
-        log_->write(LogLevel::Error, "net",
-                    "cannot listen on " + std::string{address} + ":" + std::to_string(port) + ": " +
-                        error.message());
+        busbar::detail::write_safely(*log_, LogLevel::Error, "net",
+                                     "cannot listen on " + std::string{address} + ":" +
+                                         std::to_string(port) + ": " + error.message());
         return fail(status::Bad_CommunicationError);
     }
     return acceptor_.local_endpoint(error).port();
@@ -75,12 +77,19 @@ void Listener::close()
 
 void Listener::accept()
 {
-    if (!handler_) {
+    if (!handler_ || is_waiting_) {
         return;
     }
     acceptor_.async_accept([self = shared_from_this()](std::error_code error, tcp::socket socket) {
+        self->is_waiting_ = false;
         self->accepted(error, std::move(socket));
     });
+    is_waiting_ = true;
+}
+
+void Listener::resume()
+{
+    accept();
 }
 
 void Listener::accepted(std::error_code error, tcp::socket socket)
@@ -93,9 +102,11 @@ void Listener::accepted(std::error_code error, tcp::socket socket)
         return;
     }
     recover();
-    const Handler handler = handler_; // which may close this
-    handler(std::move(socket));
+    // First, as the handler may throw; or close this, which ends the wait.
     accept();
+    const Handler handler = handler_;
+    busbar::detail::guarded(*log_, "handler of a new connection",
+                            [&] { handler(std::move(socket)); });
 }
 
 void Listener::back_off(std::error_code error)
@@ -109,10 +120,12 @@ void Listener::back_off(std::error_code error)
     pause_.expires_after(next_pause_);
     next_pause_ = std::min(2 * next_pause_, longest_pause);
     pause_.async_wait([self = shared_from_this()](std::error_code cancelled) {
+        self->is_waiting_ = false;
         if (!cancelled) {
             self->accept();
         }
     });
+    is_waiting_ = true;
 }
 
 void Listener::tell(std::error_code error)
@@ -124,18 +137,20 @@ void Listener::tell(std::error_code error)
     told_at_ = now;
     is_told_ = true;
     const bool is_descriptors = error == asio::error::no_descriptors;
-    log_->write(LogLevel::Warning, "net",
-                "accept: " + error.message() + "; no new connections until that is over. " +
-                    (is_descriptors ? "Raise the limit of open files (ulimit -n, LimitNOFILE) or "
-                                      "lower the limit of connections"
-                                    : "Look at the memory and the network of this machine"));
+    busbar::detail::write_safely(
+        *log_, LogLevel::Warning, "net",
+        "accept: " + error.message() + "; no new connections until that is over. " +
+            (is_descriptors ? "Raise the limit of open files (ulimit -n, LimitNOFILE) or "
+                              "lower the limit of connections"
+                            : "Look at the memory and the network of this machine"));
 }
 
 void Listener::recover()
 {
     trouble_.clear();
     if (std::exchange(is_told_, false)) {
-        log_->write(LogLevel::Info, "net", "accept: there are new connections again");
+        busbar::detail::write_safely(*log_, LogLevel::Info, "net",
+                                     "accept: there are new connections again");
     }
 }
 

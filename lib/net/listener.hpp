@@ -33,6 +33,8 @@ public:
     /// Calls `handler` for each peer until close().
     void start(Handler handler);
     void close();
+    /// Accepts again if an exception has kept it from that.
+    void resume();
 
 private:
     [[nodiscard]] std::error_code bind(std::string_view address, std::uint16_t port);
@@ -51,6 +53,8 @@ private:
     /// When the log was told of trouble, and whether it is still to be told of its end.
     std::optional<std::chrono::steady_clock::time_point> told_at_;
     bool is_told_{false};
+    /// For a peer or for the end of a pause.
+    bool is_waiting_{false};
     LogSink* log_;
     Handler handler_; // null once closed
 };

@@ -9,6 +9,7 @@
 #include <asio/steady_timer.hpp>
 
 #include <busbar/channel/endpoint_url.hpp>
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/text.hpp>
 
 #include "channel/frame.hpp"
@@ -229,9 +230,9 @@ void ReverseQueue::refuse(const std::shared_ptr<Caller>& caller, StatusCode stat
     }
     std::error_code error;
     const auto peer = caller->socket.remote_endpoint(error);
-    log_->write(LogLevel::Warning, "net",
-                "reverse connection: " + (error ? "a peer" : peer.address().to_string()) + " " +
-                    why);
+    busbar::detail::write_safely(
+        *log_, LogLevel::Warning, "net",
+        "reverse connection: " + (error ? "a peer" : peer.address().to_string()) + " " + why);
     channel::detail::OutputBuffer output;
     channel::detail::write_error(output, status, {});
     // The socket's buffer is empty and takes it, or the peer does not learn why.

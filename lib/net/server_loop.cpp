@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <csignal>
-#include <exception>
 #include <functional>
 #include <optional>
 #include <unordered_map>
@@ -17,6 +16,7 @@
 #include <unistd.h>
 
 #include <busbar/channel/endpoint_url.hpp>
+#include <busbar/core/detail/guarded.hpp>
 
 #include "discovery_registration.hpp"
 #include "link.hpp"
@@ -57,24 +57,30 @@ public:
             static_cast<void>(!::write(writer_, &byte, 1));
         }
     }
-    /// Calls `on_wake` on the loop's thread each time.
+    /// Calls `on_wake` on the loop's thread each time. Nothing happens if that is so already.
     template <typename OnWake>
     void wait(OnWake on_wake)
     {
+        if (is_waiting_) {
+            return;
+        }
         reader_.async_read_some(asio::buffer(buffer_),
                                 [this, on_wake](std::error_code error, std::size_t) {
+                                    is_waiting_ = false;
                                     if (!error) {
                                         is_awake_ = false;
                                         wait(on_wake);
                                         on_wake();
                                     }
                                 });
+        is_waiting_ = true;
     }
 
 private:
     asio::posix::stream_descriptor reader_;
     int writer_{-1};
     std::atomic<bool> is_awake_{false};
+    bool is_waiting_{false};
     char buffer_[64]{};
 };
 
@@ -88,21 +94,30 @@ struct ServerLoop::Impl {
     };
 
     explicit Impl(LogSink& l)
-        : log{&l}, waker{context}, timer{context.get_executor()}, signals{context}, hangup{context}
+        : log{l}, waker{context}, timer{context.get_executor()}, signals{context}, hangup{context}
     {
     }
 
     enum class Direction : std::uint8_t { FromClient, ToClient };
     std::optional<std::uint64_t> adopt(tcp::socket socket, Direction direction);
+    /// Calls `work`, which may throw, and looks after what it gave others to do.
+    template <typename Work>
+    void guard(std::string_view name, Work work)
+    {
+        busbar::detail::guarded(log, name, work);
+        after_activity();
+    }
     void drain(server::Connection& connection);
     void drop(std::uint64_t id);
     void after_activity();
     void await_deadline();
     void begin_stop();
+    void resume();
+    void await_wake();
     void await_hangup();
     [[nodiscard]] bool has_stopped() const;
 
-    LogSink* log;
+    busbar::detail::SafeLog log;
     asio::io_context context;
     PipeWaker waker;
     detail::DeadlineTimer timer;
@@ -191,6 +206,25 @@ void ServerLoop::Impl::after_activity()
     await_deadline();
 }
 
+/// After an exception that may have kept anything from waiting for what comes next.
+void ServerLoop::Impl::resume()
+{
+    busbar::detail::guarded(log, "resuming", [this] {
+        asio::post(context, [this] { after_activity(); });
+        for (const auto& listener : listeners) {
+            listener->resume();
+        }
+        await_wake();
+    });
+}
+
+void ServerLoop::Impl::await_wake()
+{
+    waker.wait([this] {
+        guard("Server::handle_completions", [this] { server->handle_completions(detail::now()); });
+    });
+}
+
 bool ServerLoop::Impl::has_stopped() const
 {
     return is_stopping && server->is_stopped() && clients.empty() &&
@@ -200,8 +234,7 @@ bool ServerLoop::Impl::has_stopped() const
 void ServerLoop::Impl::await_deadline()
 {
     timer.await(server->next_deadline(), [this] {
-        server->handle_deadline(detail::now());
-        after_activity();
+        guard("Server::handle_deadline", [this] { server->handle_deadline(detail::now()); });
     });
 }
 
@@ -234,7 +267,7 @@ server::Waker& ServerLoop::waker()
 Result<std::uint16_t> ServerLoop::listen(std::string_view address, std::uint16_t port)
 {
     const auto listener =
-        std::make_shared<detail::Listener>(impl_->context.get_executor(), *impl_->log);
+        std::make_shared<detail::Listener>(impl_->context.get_executor(), impl_->log);
     const auto bound = listener->open(address, port);
     if (bound) {
         impl_->listeners.push_back(listener);
@@ -255,7 +288,7 @@ Result<void> ServerLoop::connect_to_clients(ReverseConnectConfig config)
     impl_->reverse_connect = std::move(config);
     for (channel::EndpointUrl& url : urls) {
         impl_->dialers.push_back(std::make_unique<detail::ReverseDialer>(
-            impl_->context.get_executor(), *impl_->log, std::move(url), impl_->reverse_connect,
+            impl_->context.get_executor(), impl_->log, std::move(url), impl_->reverse_connect,
             [impl = impl_.get()](tcp::socket socket) {
                 return impl->adopt(std::move(socket), Impl::Direction::ToClient);
             }));
@@ -300,8 +333,7 @@ void ServerLoop::Impl::await_hangup()
     hangup.async_wait([this](std::error_code error, int) {
         if (!error) {
             await_hangup();
-            on_hangup();
-            after_activity();
+            guard("on_hangup handler", [this] { on_hangup(); });
         }
     });
 }
@@ -321,18 +353,13 @@ void ServerLoop::run(server::Server& server)
     for (const auto& registration : impl_->registrations) {
         registration->start();
     }
-    impl_->waker.wait([this] {
-        impl_->server->handle_completions(detail::now());
-        impl_->after_activity();
-    });
+    impl_->await_wake();
     impl_->await_deadline();
     while (!impl_->context.stopped()) {
-        try {
-            impl_->context.run();
-        } catch (const std::exception& e) {
-            impl_->log->write(LogLevel::Error, "net", std::string{"exception: "} + e.what());
-        } catch (...) {
-            impl_->log->write(LogLevel::Error, "net", "unknown exception");
+        const StatusCode thrown = busbar::detail::guarded(impl_->log, "what the network called",
+                                                          [this] { impl_->context.run(); });
+        if (thrown.is_bad()) {
+            impl_->resume();
         }
     }
     impl_->clients.clear();

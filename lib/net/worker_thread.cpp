@@ -5,10 +5,15 @@
 #include <mutex>
 #include <thread>
 
+#include <busbar/core/detail/guarded.hpp>
+
 namespace busbar::net {
 
 struct WorkerThread::Impl {
-    explicit Impl(std::size_t most) : max_jobs{most}, thread{[this] { work(); }} {}
+    Impl(std::size_t most, LogSink* l)
+        : log{l != nullptr ? l : &no_log}, max_jobs{most}, thread{[this] { work(); }}
+    {
+    }
 
     void work()
     {
@@ -21,12 +26,15 @@ struct WorkerThread::Impl {
             auto job = std::move(jobs.front());
             jobs.pop_front();
             lock.unlock();
-            job();
+            // The next one runs whatever this one does.
+            busbar::detail::guarded(*log, "job of a WorkerThread", job);
             job = nullptr; // what it holds goes here, and not under the lock
             lock.lock();
         }
     }
 
+    NullLog no_log;
+    LogSink* log;
     std::size_t max_jobs;
     std::mutex mutex;
     std::condition_variable changed;
@@ -35,7 +43,10 @@ struct WorkerThread::Impl {
     std::thread thread; // the last: it uses the others
 };
 
-WorkerThread::WorkerThread(std::size_t max_jobs) : impl_{std::make_unique<Impl>(max_jobs)} {}
+WorkerThread::WorkerThread(std::size_t max_jobs, LogSink* log)
+    : impl_{std::make_unique<Impl>(max_jobs, log)}
+{
+}
 
 WorkerThread::~WorkerThread()
 {

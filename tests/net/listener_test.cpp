@@ -3,6 +3,8 @@
 #include <array>
 #include <atomic>
 #include <csignal>
+#include <new>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -154,6 +156,46 @@ TEST_CASE("a peer that there is no place for gets an Error message (C7)", "[net]
     REQUIRE(error);
     CHECK(error->error == status::Bad_TcpServerTooBusy);
     CHECK_FALSE(error->reason.empty());
+}
+
+TEST_CASE("D3: a listener accepts again whatever its handler threw", "[net]")
+{
+    asio::io_context context;
+    Lines log;
+    const auto listener = std::make_shared<net::detail::Listener>(context.get_executor(), log);
+    const std::uint16_t port = *listener->open("127.0.0.1", 0);
+    int accepted = 0;
+    listener->start([&](const tcp::socket&) {
+        ++accepted;
+        throw std::bad_alloc{};
+    });
+    asio::io_context outside;
+    const tcp::socket first = connect(outside, port);
+    const tcp::socket second = connect(outside, port);
+    while (accepted < 2) {
+        context.run_one();
+    }
+    REQUIRE(log.lines.size() == 2);
+    CHECK(log.lines[1] == "handler of a new connection threw: no memory");
+    listener->close();
+}
+
+TEST_CASE("A1: a handler of SIGHUP that throws does not keep the next from it", "[net]")
+{
+    Narrow narrow;
+    std::atomic<int> calls{0};
+    narrow.loop.on_hangup([&] {
+        ++calls;
+        throw std::runtime_error{"no file"};
+    });
+    narrow.run();
+    for (int i = 1; i <= 2; ++i) {
+        REQUIRE(std::raise(SIGHUP) == 0);
+        while (calls < i) {
+            std::this_thread::yield();
+        }
+    }
+    CHECK(calls == 2);
 }
 
 TEST_CASE("SIGHUP calls the handler each time (D6)", "[net]")

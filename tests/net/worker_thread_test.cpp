@@ -2,9 +2,11 @@
 
 #include <future>
 #include <memory>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
+#include <busbar/harness/log_book.hpp>
 #include <busbar/net/worker_thread.hpp>
 
 using namespace busbar;
@@ -20,6 +22,18 @@ TEST_CASE("a worker does one job after the other, on its own thread")
     REQUIRE(worker.run([&last] { last.set_value(std::this_thread::get_id()); }));
     CHECK(last.get_future().get() != std::this_thread::get_id());
     CHECK(done == std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9});
+}
+
+TEST_CASE("A1: a worker goes on after a job that throws, and tells the log")
+{
+    harness::LogBook log;
+    net::WorkerThread worker{64, &log};
+    std::promise<void> last;
+    REQUIRE(worker.run([] { throw std::runtime_error{"bus error"}; }));
+    REQUIRE(worker.run([] { throw 1; }));
+    REQUIRE(worker.run([&last] { last.set_value(); }));
+    last.get_future().get();
+    CHECK(log.contains("job of a WorkerThread threw: bus error"));
 }
 
 TEST_CASE("a worker that has too much to do says so, and stops when it goes")

@@ -9,6 +9,7 @@
 
 #include <busbar/controller/plc.hpp>
 #include <busbar/core/api.hpp>
+#include <busbar/core/log.hpp>
 
 namespace busbar::controller {
 
@@ -29,8 +30,13 @@ public:
     ~PlcTask() { stop(); }
 
     /// What is to be done in the task's thread after each scan, which was at `time`; it may take
-    /// some time, but what is left of the cycle is all it has. Before start().
-    void after_scan(std::function<void(DateTime time)> action) { after_scan_ = std::move(action); }
+    /// some time, but what is left of the cycle is all it has. What it throws is told to `log`,
+    /// which may be null and must outlive the task; the scans go on. Before start().
+    void after_scan(std::function<void(DateTime time)> action, LogSink* log = nullptr)
+    {
+        after_scan_ = std::move(action);
+        log_ = log;
+    }
     /// The first scan begins at once.
     void start();
     /// Waits for a scan that runs, then halts the PLC.
@@ -58,6 +64,7 @@ private:
     Duration cycle_;
     int realtime_priority_;
     std::function<void(DateTime)> after_scan_;
+    LogSink* log_{nullptr};
     std::thread thread_;
     /// Guards `stopping_`. The task holds it only while it waits for its next cycle.
     std::mutex mutex_;

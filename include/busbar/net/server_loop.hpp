@@ -17,8 +17,9 @@ namespace busbar::net {
 
 /// Serves one Server over TCP on the thread that calls run().
 ///
-/// Made before the Server, which is given waker(); then listen(), then run(). Survives what a
-/// user's callback throws: it is logged, and the connection it came from is dropped.
+/// Made before the Server, which is given waker(); then listen(), then run(). What a user's
+/// callback throws ends the request it was called for; of a request that finds no memory the
+/// connection ends. The log is told, and everything else goes on.
 class BUSBAR_API ServerLoop {
 public:
     explicit ServerLoop(LogSink& log);

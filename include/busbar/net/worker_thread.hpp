@@ -5,6 +5,7 @@
 #include <memory>
 
 #include <busbar/core/api.hpp>
+#include <busbar/core/log.hpp>
 #include <busbar/server/worker.hpp>
 
 namespace busbar::net {
@@ -13,12 +14,13 @@ namespace busbar::net {
 /// login never holds up the server.
 class BUSBAR_API WorkerThread final : public server::Worker {
 public:
-    /// At most `max_jobs` wait; more are refused.
-    explicit WorkerThread(std::size_t max_jobs = 64);
+    /// At most `max_jobs` wait; more are refused. `log`, which may be null and must outlive this
+    /// object, is told what jobs throw.
+    explicit WorkerThread(std::size_t max_jobs = 64, LogSink* log = nullptr);
     /// Finishes the job that runs, and drops those that wait.
     ~WorkerThread() override;
 
-    /// From any thread. A job must not throw.
+    /// From any thread. What a job throws ends that job.
     [[nodiscard]] bool run(std::function<void()> job) override;
 
 private:

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include <busbar/core/detail/guarded.hpp>
+
 namespace busbar::controller {
 
 namespace {
@@ -97,7 +99,9 @@ void PlcTask::scan(TimePoint planned, TimePoint begin, Duration elapsed)
     raise(worst_scan_, Duration{steady_now() - begin}.count());
     scans_.fetch_add(1, std::memory_order_relaxed);
     if (after_scan_) {
-        after_scan_(now);
+        NullLog nowhere;
+        busbar::detail::guarded(log_ != nullptr ? *log_ : nowhere, "after_scan action",
+                                [&] { after_scan_(now); });
     }
 }
 
