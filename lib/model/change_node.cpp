@@ -96,7 +96,6 @@ Result<void> AddressSpace::set_value(NodeIndex node, Variant value)
 
 void AddressSpace::bind(NodeIndex node, std::uint32_t source, std::uint64_t handle)
 {
-    ++tables_->change_count;
     if (tables_->is_constant(node)) {
         Overlay& overlay = tables_->make_overlay(node);
         overlay.source = source;
@@ -112,7 +111,6 @@ void AddressSpace::bind(NodeIndex node, std::uint32_t source, std::uint64_t hand
 void AddressSpace::set_access_level(NodeIndex node, std::uint8_t access_level,
                                     std::uint8_t user_access_level)
 {
-    ++tables_->change_count;
     const std::uint8_t of_user = access_level & user_access_level;
     if (tables_->is_constant(node)) {
         Overlay& overlay = tables_->make_overlay(node);

@@ -204,7 +204,6 @@ void Graft::forget_created(NodeIndex node)
             entry = {};
             ++list.holes;
             --list.others;
-            ++tables_.change_count;
         }
     }
     tables_.watches.tell(node, NodeAspect::References);

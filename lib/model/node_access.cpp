@@ -61,7 +61,6 @@ std::uint16_t AddressSpace::access_restrictions(NodeIndex node) const
 
 void AddressSpace::set_node_access(NodeIndex node, NodeAccess access)
 {
-    ++tables_->change_count;
     if (access == NodeAccess{} && access.role_permissions.is_null()) {
         tables_->access.erase(node);
     } else {
@@ -73,7 +72,6 @@ void AddressSpace::set_node_access(NodeIndex node, NodeAccess access)
 void AddressSpace::set_namespace_restrictions(std::uint16_t namespace_index,
                                               std::uint16_t restrictions)
 {
-    ++tables_->change_count;
     auto& by_namespace = tables_->namespace_restrictions;
     if (by_namespace.size() <= namespace_index) {
         by_namespace.resize(namespace_index + std::size_t{1});

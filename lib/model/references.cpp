@@ -92,16 +92,6 @@ ReferenceCursor AddressSpace::references(NodeIndex node, std::size_t position) c
     return cursor;
 }
 
-std::uint64_t AddressSpace::reference_epoch() const
-{
-    return tables_->epoch;
-}
-
-std::uint64_t AddressSpace::change_count() const
-{
-    return tables_->change_count;
-}
-
 std::uint32_t AddressSpace::addition_count() const
 {
     return tables_->next_generation;

@@ -169,7 +169,6 @@ void Tables::unlink(NodeIndex child)
     ReferenceList& references = make_list(node.parent);
     references.entries[node.parent_slot] = {};
     ++references.holes;
-    ++change_count;
     watches.tell(node.parent, NodeAspect::References);
     note(node.parent, reference_deleted);
     if (journal.property_of(node.parent) == child) {
@@ -196,7 +195,6 @@ std::uint32_t Tables::push(NodeIndex node, const Entry& entry)
         compact(node, references);
     }
     references.entries.push_back(entry);
-    ++change_count;
     watches.tell(node, NodeAspect::References);
     note(node, reference_added);
     return static_cast<std::uint32_t>(references.entries.size() - 1);
@@ -220,7 +218,6 @@ void Tables::compact(NodeIndex node, ReferenceList& references)
     }
     references.entries.resize(kept);
     references.holes = 0;
-    ++epoch;
     watches.tell(node, NodeAspect::ReferencePositions);
 }
 
@@ -249,7 +246,6 @@ bool Tables::remove_entry(NodeIndex node, const Entry& entry)
         references.entries[i] = {};
         ++references.holes;
         --references.others;
-        ++change_count;
         watches.tell(node, NodeAspect::References);
         note(node, reference_deleted);
         return true;

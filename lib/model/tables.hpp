@@ -59,8 +59,6 @@ struct Tables {
     std::vector<std::uint16_t> namespace_restrictions;
     Journal journal;
     WatchTable watches;
-    std::uint64_t epoch{0};
-    std::uint64_t change_count{0};
     std::uint64_t type_count{0};
     std::uint32_t next_generation{0};
     std::vector<std::uint32_t> next_numeric_ids;

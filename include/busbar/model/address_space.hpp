@@ -146,11 +146,6 @@ public:
                                           std::size_t& visits) const;
     /// Has `watch` told of the next change of that aspect of the node, or of its removal.
     void watch(NodeIndex node, NodeAspect aspect, NodeWatch& watch) const;
-    /// Changes whenever positions of references may have moved.
-    [[nodiscard]] std::uint64_t reference_epoch() const;
-    /// Changes whenever a reference was added or removed, be it with a node, and when a Variable
-    /// got another source or access level.
-    [[nodiscard]] std::uint64_t change_count() const;
     /// Changes whenever a type was added; types are never removed.
     [[nodiscard]] std::uint64_t type_count() const;
     /// The target of HasTypeDefinition of an Object or Variable, else no_node.
