@@ -172,8 +172,8 @@ struct DataSourceOptions {
 /// The server calls it from the server's thread only and never while a call is running. It must
 /// not block: work that takes time keeps the batch and completes it later. An exception ends the
 /// call that it comes from and nothing else: the items of that batch answer Bad_InternalError, and
-/// the log names the function. It must outlive the server it is added to, which a server that was given a std::shared_ptr sees
-/// to; batches may outlive both.
+/// the log names the function. It must outlive the server it is added to, which a server that was
+/// given a std::shared_ptr sees to; batches may outlive both.
 class BUSBAR_API DataSource {
 public:
     DataSource() = default;
