@@ -4,6 +4,7 @@
 
 #include <busbar/server/process_image.hpp>
 
+#include "server/role_permissions.hpp"
 #include "subscription_fixture.hpp"
 #include "support/slow_server.hpp"
 
@@ -162,6 +163,45 @@ TEST_CASE_METHOD(BindingFixture, "an item finds the node that comes in place of 
     CHECK(looks_at_next_sample() == 0);
     space().bind(node(3), sources[0], variable_count);
     CHECK(looks_at_next_sample() == 1);
+}
+
+TEST_CASE_METHOD(BindingFixture, "who loses a role with its node loses what it let him monitor")
+{
+    kind = GENERATE(0, 1);
+    users.everybody.roles = {"Fitter"};
+    client = log_in();
+    subscription =
+        client.call<CreateSubscriptionResponse>(SubscriptionFixture::subscription_request())
+            .value()
+            .subscription_id;
+    model::NewNode role;
+    role.id = NodeId{1, "role"};
+    role.browse_name = QualifiedName{1, "Fitter"};
+    role.parent = space().find(id::ObjectsFolder);
+    REQUIRE(space().add_object(role));
+    add(3);
+    model::NodeAccess access;
+    RolePermissionType permission;
+    permission.role_id = role.id;
+    permission.permissions = PermissionType{server::detail::all_permissions};
+    access.role_permissions.push_back(permission);
+    space().set_node_access(node(3), access);
+    scan();
+    const auto item = SubscriptionFixture::item_request(NodeId{1, 3U});
+    REQUIRE(SubscriptionFixture::monitor(client, subscription, item).status_code == status::Good);
+    const auto published = [&] {
+        const std::uint32_t request = SubscriptionFixture::publish(client);
+        static_cast<void>(looks_at_next_sample());
+        advance(sample);
+        const auto response = SubscriptionFixture::take(client, request);
+        const auto data = SubscriptionFixture::data(response ? response->notification_message
+                                                             : NotificationMessage{});
+        return data.empty() ? StatusCode{status::Bad_NoData} : data.back().value.status;
+    };
+    CHECK_FALSE(published().is_bad());
+    CHECK(looks_at_next_sample() == 0);
+    REQUIRE(space().remove(space().find(role.id)));
+    CHECK(published() == status::Bad_NodeIdUnknown);
 }
 
 TEST_CASE_METHOD(BindingFixture, "items that are gone watch nothing")

@@ -1,7 +1,6 @@
 #include "sampler.hpp"
 
 #include <algorithm>
-#include <unordered_map>
 #include <utility>
 
 #include "sampling_context.hpp"
@@ -167,6 +166,28 @@ void Sampler::remove(SamplingGroup& group)
 {
     std::erase(fresh_, &group);
     groups_.erase(group.interval());
+}
+
+void Sampler::watch_roles(model::NodeIndex node)
+{
+    const model::AddressSpace& space = core_.address_space;
+    const model::NodeAccess* const access = space.node_access(node);
+    if (access == nullptr) {
+        return;
+    }
+    for (const RolePermissionType& permission : access->role_permissions) {
+        const model::NodeIndex role = space.find(permission.role_id);
+        if (role != model::no_node && roles_.find(role) == roles_.end()) {
+            space.watch(role, model::NodeAspect::Existence,
+                        roles_.try_emplace(role, *this).first->second);
+        }
+    }
+}
+
+void Sampler::Role::node_changed(model::NodeIndex node, bool /*is_removed*/)
+{
+    ++sampler.removed_roles_;
+    sampler.roles_.erase(node); // and this with it
 }
 
 Duration Sampler::smallest_revised_interval() const

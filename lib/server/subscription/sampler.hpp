@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <unordered_map>
 #include <vector>
 
 #include "monitored_handles.hpp"
@@ -41,6 +42,10 @@ public:
     [[nodiscard]] MonitoredHandles& monitored() { return monitored_; }
     [[nodiscard]] bool is_overload(Duration revised, Duration actual) const;
     void remove(SamplingGroup& group);
+    /// Has removed_roles() count the removal of any role that the node's RolePermissions name.
+    void watch_roles(model::NodeIndex node);
+    /// When it changes, any item may have lost what let it be sampled.
+    [[nodiscard]] std::uint64_t removed_roles() const { return removed_roles_; }
 
 private:
     struct Followed {
@@ -49,6 +54,14 @@ private:
         /// The number of the last one that was sampled.
         std::uint64_t last_scan;
         bool was_running;
+    };
+
+    /// Watches the node whose BrowseName is a role's.
+    struct Role final : model::NodeWatch {
+        explicit Role(Sampler& s) : sampler{s} {}
+        void node_changed(model::NodeIndex node, bool is_removed) override;
+
+        Sampler& sampler;
     };
 
     [[nodiscard]] SamplingGroup& group_of(const DataItem& item);
@@ -65,6 +78,8 @@ private:
     std::vector<Followed> followed_;
     /// With items that have no sample yet.
     std::vector<SamplingGroup*> fresh_;
+    std::unordered_map<model::NodeIndex, Role> roles_;
+    std::uint64_t removed_roles_{0};
 };
 
 } // namespace busbar::server::detail

@@ -29,7 +29,7 @@ struct SamplingGroup::Flight final : CallOwner {
 };
 
 SamplingGroup::SamplingGroup(Sampler& sampler, Duration interval)
-    : sampler_{sampler}, interval_{interval}
+    : sampler_{sampler}, interval_{interval}, removed_roles_{sampler.removed_roles()}
 {
 }
 
@@ -110,16 +110,27 @@ bool SamplingGroup::is_full_of_holes() const
     return holes_ > 1'000 && holes_ > members_.size() / 2;
 }
 
-void SamplingGroup::renew_images()
+/// What happens to an item's own node comes to node_changed.
+void SamplingGroup::notice_changes()
 {
+    const std::uint64_t removed = sampler_.removed_roles();
+    const bool has_lost_role = std::exchange(removed_roles_, removed) != removed;
+    for (std::size_t i = 0; has_lost_role && i < members_.size(); ++i) {
+        members_[i].binding = Binding::Unknown;
+    }
     std::size_t places = 0;
     for (const Image& image : images_) {
         places += image.watch.size();
     }
+    // A watch does not close up where items were removed; it is made anew.
     const std::size_t watched = item_count_ - (members_.size() - holes_);
-    if (places <= 1'000 || places <= 2 * watched) {
-        return;
+    if (has_lost_role || (places > 1'000 && places > 2 * watched)) {
+        unbind_images();
     }
+}
+
+void SamplingGroup::unbind_images()
+{
     for (const Image& image : images_) {
         for (std::size_t i = 0; i < image.watch.size(); ++i) {
             if (DataItem* const item = image.watch.item(i)) {
@@ -176,7 +187,9 @@ void SamplingGroup::bind_one(std::size_t index)
         return item.stop();
     }
     member.binding = Binding::Source;
-    space.watch(space.find(item.value_id().node_id), model::NodeAspect::Binding, item);
+    const model::NodeIndex node = space.find(item.value_id().node_id);
+    space.watch(node, model::NodeAspect::Binding, item);
+    sampler_.watch_roles(node);
     ProcessImage* const image = plan.source->process_image();
     if (image != nullptr && plan.handle < image->layout().size()) {
         return watch(*image, member, plan.handle);
@@ -291,7 +304,7 @@ void SamplingGroup::sample_images(bool is_only_new)
 
 void SamplingGroup::sample_scan(const ImagePin& pin, TimePoint now, bool has_lost)
 {
-    renew_images();
+    notice_changes();
     compact();
     bind(0);
     for (Image& image : images_) {
@@ -309,7 +322,7 @@ void SamplingGroup::sample_scan(const ImagePin& pin, TimePoint now, bool has_los
 void SamplingGroup::bind_new()
 {
     if (!is_full_of_holes()) {
-        renew_images();
+        notice_changes();
         compact();
         bind(first_new_);
     }
@@ -340,7 +353,7 @@ void SamplingGroup::sample_new_members(TimePoint now)
 
 void SamplingGroup::sample(TimePoint now)
 {
-    renew_images();
+    notice_changes();
     compact();
     bind(0);
     actual_interval_ = last_sample_ == no_deadline ? Duration::zero() : now - last_sample_;

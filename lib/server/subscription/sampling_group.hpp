@@ -80,8 +80,8 @@ private:
     void deliver(Flight& flight);
     void land(Flight& flight);
     void handle_flights(TimePoint now);
-    /// Makes the watches of images anew when they are full of holes.
-    void renew_images();
+    void notice_changes();
+    void unbind_images();
     /// Finds out where values come from; the items of a process image go to its watch.
     void bind(std::size_t first);
     void bind_one(std::size_t member);
@@ -108,6 +108,7 @@ private:
     bool is_late_{false};
     std::vector<std::unique_ptr<Flight>> flights_;
     std::vector<Image> images_;
+    std::uint64_t removed_roles_;
 };
 
 } // namespace busbar::server::detail
