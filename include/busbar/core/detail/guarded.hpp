@@ -32,7 +32,7 @@ template <typename Function>
         what = e.what();
         return status::Bad_InternalError;
     } catch (...) {
-        what = "no exception";
+        what = "unknown exception";
         return status::Bad_InternalError;
     }
 #else
