@@ -55,7 +55,7 @@ TEST_CASE("Names of the specification become C++ names")
     CHECK(field_name("a b-c") == "a_b_c");
     CHECK(type_name("3DFrame") == "ThreeDFrame");
     CHECK(type_name("") == "Unnamed");
-    CHECK(quoted("a\"b\n1") == "\"a\\\"b\\x0a\" \"1\"");
+    CHECK(in_quotes("a\"b\n1") == "\"a\\\"b\\x0a\" \"1\"");
 }
 
 TEST_CASE("What cannot be generated is said with file, line and reason")
