@@ -34,6 +34,7 @@ ended() { ! kill -0 "$pid" 2> /dev/null; }
 
 # serve ARGUMENTS...: a controller whose output goes to log, and its URL.
 serve() {
+    rm -f log # or the one before is found in it, who was ready too
     "$controller" "$@" > log 2>&1 < /dev/null &
     pid=$!
     await logged '^ready' || exit 1

@@ -24,8 +24,9 @@ struct Shell {
     /// What it prints is told from what was typed by the value of a variable.
     [[nodiscard]] bool says(const std::string& words, const std::string& text)
     {
+        const bool is_ready = terminal.wait_until([&] { return terminal.takes_lines(); });
         terminal.type(words + "\r");
-        return terminal.wait_for(text);
+        return is_ready && terminal.wait_for(text);
     }
 
     Machine machine;

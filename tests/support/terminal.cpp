@@ -137,6 +137,13 @@ void Terminal::signal(int number)
     ::kill(program_, number);
 }
 
+bool Terminal::takes_lines() const
+{
+    termios modes{};
+    return ::tcgetattr(terminal_, &modes) == 0 && (modes.c_lflag & ICANON) != 0 &&
+           (modes.c_iflag & ICRNL) != 0;
+}
+
 void Terminal::take_over(std::string_view text)
 {
     while (::waitpid(program_, nullptr, WUNTRACED) != program_) {

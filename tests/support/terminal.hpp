@@ -49,6 +49,9 @@ public:
     /// The program is told by SIGWINCH.
     void resize(TerminalSize size);
     void signal(int number);
+    /// Whether the terminal is in the modes that a shell reads lines in, so that what is typed now
+    /// is not taken as keys.
+    [[nodiscard]] bool takes_lines() const;
     /// Does what a shell does that finds the program stopped: writes to the screen, and lets the
     /// terminal show what is typed and wait for the end of a line.
     void take_over(std::string_view text);
