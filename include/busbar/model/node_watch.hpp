@@ -38,12 +38,10 @@ public:
     NodeWatch() = default;
     NodeWatch(const NodeWatch&) = delete;
     NodeWatch& operator=(const NodeWatch&) = delete;
+    virtual ~NodeWatch() { stop(); }
 
     [[nodiscard]] bool is_watching() const { return table_ != nullptr; }
     void stop();
-
-protected:
-    virtual ~NodeWatch() { stop(); }
 
 private:
     friend class detail::WatchTable;
