@@ -306,9 +306,7 @@ int end_early(const CLI::App& app, const CLI::ParseError& error)
     return usage_exit;
 }
 
-} // namespace
-
-int main(int argc, char** argv)
+int run(int argc, char** argv)
 {
     std::string file;
     std::optional<std::uint16_t> port;
@@ -341,21 +339,28 @@ int main(int argc, char** argv)
     ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
     // Who reads the log may go; the machine goes on.
     std::signal(SIGPIPE, SIG_IGN);
+    ControllerConfig config = file.empty()
+                                  ? example::parse_config(example::default_config, "built-in")
+                                  : example::read_config(file);
+    config.port = port.value_or(config.port);
+    if (wants_certificate) {
+        return regenerate_certificate(std::move(config));
+    }
+    if (file.empty()) {
+        add_first_account(config);
+    } else if (example::is_nobody(config.users)) {
+        throw ConfigError{file + ": nobody can log in, expected an account, anonymous, "
+                                 "certificates or tokens in [users]: see --print-config"};
+    }
+    return serve(std::move(config), file);
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
     try {
-        ControllerConfig config = file.empty()
-                                      ? example::parse_config(example::default_config, "built-in")
-                                      : example::read_config(file);
-        config.port = port.value_or(config.port);
-        if (wants_certificate) {
-            return regenerate_certificate(std::move(config));
-        }
-        if (file.empty()) {
-            add_first_account(config);
-        } else if (example::is_nobody(config.users)) {
-            throw ConfigError{file + ": nobody can log in, expected an account, anonymous, "
-                                     "certificates or tokens in [users]: see --print-config"};
-        }
-        return serve(std::move(config), file);
+        return run(argc, argv);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "busbar-controller: %s\n", error.what());
         return 1;

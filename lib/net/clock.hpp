@@ -1,5 +1,6 @@
 #pragma once
 
+#include <exception>
 #include <utility>
 
 #include <asio/steady_timer.hpp>
@@ -20,6 +21,16 @@ inline TimePoint after(Duration timeout)
     return timeout >= no_deadline - start ? no_deadline : start + timeout;
 }
 
+/// Has `timer` wait no more.
+inline void stop(asio::steady_timer& timer) noexcept
+{
+    try {
+        timer.cancel();
+    } catch (const std::exception&) {
+        return; // declared by Asio, which has no error here that it could report
+    }
+}
+
 /// Waits for the next deadline of an engine, which may be another after every call.
 class DeadlineTimer {
 public:
@@ -34,7 +45,7 @@ public:
             return;
         }
         awaited_ = no_deadline; // as long as nothing waits
-        timer_.cancel();
+        stop(timer_);
         if (deadline == no_deadline) {
             return;
         }
@@ -51,7 +62,7 @@ public:
     void cancel()
     {
         awaited_ = no_deadline;
-        timer_.cancel();
+        stop(timer_);
     }
 
 private:

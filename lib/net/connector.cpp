@@ -137,8 +137,8 @@ void Connector::Attempt::fail_with(StatusCode status, const std::string& why)
 void Connector::Attempt::end()
 {
     handler = nullptr;
-    timeout.cancel();
-    stagger.cancel();
+    stop(timeout);
+    stop(stagger);
     for (const auto& socket : std::exchange(sockets, {})) {
         std::error_code ignored;
         socket->close(ignored);
