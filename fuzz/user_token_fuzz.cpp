@@ -9,8 +9,8 @@
 #include <busbar/types/session.hpp>
 
 #include "fuzz_script.hpp"
-#include "server/user_policies.hpp"
-#include "server/user_token.hpp"
+#include "server/users/user_policies.hpp"
+#include "server/users/user_token.hpp"
 #include "support/identity.hpp"
 
 using namespace busbar;

@@ -11,8 +11,8 @@
 
 #include "identities.hpp"
 #include "rsa_text.hpp"
-#include "server/user_policies.hpp"
-#include "server/user_token.hpp"
+#include "server/users/user_policies.hpp"
+#include "server/users/user_token.hpp"
 
 namespace busbar::timing {
 

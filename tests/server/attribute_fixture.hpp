@@ -11,8 +11,8 @@
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/ids.hpp>
 
-#include "server/read_job.hpp"
-#include "server/write_job.hpp"
+#include "server/attribute/read_job.hpp"
+#include "server/attribute/write_job.hpp"
 
 namespace busbar::test {
 

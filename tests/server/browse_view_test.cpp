@@ -2,7 +2,7 @@
 
 #include <busbar/model/relative_path.hpp>
 
-#include "server/hierarchy.hpp"
+#include "server/rights/hierarchy.hpp"
 #include "view_fixture.hpp"
 
 namespace busbar::server::detail {

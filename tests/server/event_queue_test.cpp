@@ -4,7 +4,7 @@
 #include <thread>
 
 #include "model/model_fixture.hpp"
-#include "server/event/event_item_queue.hpp"
+#include "server/engine/event_item_queue.hpp"
 #include "server/event/notifiers.hpp"
 #include "support/channel_pair.hpp"
 

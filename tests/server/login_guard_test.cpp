@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "server/login_guard.hpp"
+#include "server/users/login_guard.hpp"
 
 using namespace busbar;
 using namespace std::chrono_literals;

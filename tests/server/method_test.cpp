@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "method_fixture.hpp"
-#include "server/method/method_lookup.hpp"
+#include "server/rights/method_lookup.hpp"
 
 using namespace busbar;
 using namespace busbar::test;

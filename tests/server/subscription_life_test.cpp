@@ -3,7 +3,7 @@
 #include <map>
 #include <memory>
 
-#include "server/core.hpp"
+#include "server/engine/core.hpp"
 #include "server/subscription/sampler.hpp"
 #include "server/subscription/subscription.hpp"
 #include "server/subscription/subscription_services.hpp"

@@ -8,9 +8,9 @@
 #include <busbar/types/ids.hpp>
 
 #include "model/model_fixture.hpp"
-#include "server/browse_work.hpp"
-#include "server/view_context.hpp"
-#include "server/view_part.hpp"
+#include "server/view/browse_work.hpp"
+#include "server/view/view_context.hpp"
+#include "server/view/view_part.hpp"
 #include "support/seeded_random.hpp"
 
 namespace busbar::server::detail {

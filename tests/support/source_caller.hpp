@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/data_call.hpp"
+#include "server/data/data_call.hpp"
 
 namespace busbar::test {
 

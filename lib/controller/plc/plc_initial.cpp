@@ -6,7 +6,7 @@
 
 #include <busbar/core/guid.hpp>
 
-#include "server/image_types.hpp"
+#include "server/image/image_types.hpp"
 
 namespace busbar::controller::detail {
 

@@ -1,7 +1,7 @@
 #include "describe.hpp"
 
-#include "server/core.hpp"
-#include "server/session.hpp"
+#include "server/engine/core.hpp"
+#include "server/session/session.hpp"
 #include "server/subscription/publish_queue.hpp"
 #include "server/subscription/subscription.hpp"
 

@@ -6,8 +6,8 @@
 
 #include "describe.hpp"
 #include "diagnostics.hpp"
-#include "server/core.hpp"
-#include "server/session.hpp"
+#include "server/engine/core.hpp"
+#include "server/session/session.hpp"
 #include "server/subscription/sampler.hpp"
 #include "server/subscription/subscription.hpp"
 

@@ -12,7 +12,7 @@
 #include <busbar/types/subscription.hpp>
 #include <busbar/types/view.hpp>
 
-#include "server/session.hpp"
+#include "server/session/session.hpp"
 
 namespace busbar::server::detail {
 

@@ -10,8 +10,8 @@
 #include <busbar/types/ids.hpp>
 
 #include "describe.hpp"
-#include "server/core.hpp"
-#include "server/session.hpp"
+#include "server/engine/core.hpp"
+#include "server/session/session.hpp"
 #include "session_fields.hpp"
 
 namespace busbar::server::detail {

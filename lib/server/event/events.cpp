@@ -5,7 +5,7 @@
 
 #include <busbar/core/text.hpp>
 
-#include "event_item.hpp"
+#include "server/engine/event_item.hpp"
 
 namespace busbar::server::detail {
 

@@ -4,7 +4,7 @@
 
 #include <busbar/types/ids.hpp>
 
-#include "server/core.hpp"
+#include "server/engine/core.hpp"
 #include "server/subscription/subscription.hpp"
 #include "server/subscription/subscription_services.hpp"
 

@@ -6,7 +6,7 @@
 
 #include <busbar/server/method.hpp>
 
-#include "server/service.hpp"
+#include "server/session/service.hpp"
 
 namespace busbar::server::detail {
 

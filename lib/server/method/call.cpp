@@ -1,6 +1,6 @@
 #include "call.hpp"
 
-#include "server/core.hpp"
+#include "server/engine/core.hpp"
 
 namespace busbar::server::detail {
 

@@ -5,7 +5,7 @@
 #include <busbar/types/method.hpp>
 
 #include "call_job.hpp"
-#include "server/service.hpp"
+#include "server/session/service.hpp"
 
 namespace busbar::server::detail {
 

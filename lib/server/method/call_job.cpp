@@ -6,10 +6,10 @@
 #include <busbar/core/text.hpp>
 
 #include "built_in_methods.hpp"
-#include "method_lookup.hpp"
-#include "server/core.hpp"
-#include "server/session.hpp"
-#include "server/session_rights.hpp"
+#include "server/engine/core.hpp"
+#include "server/rights/method_lookup.hpp"
+#include "server/session/session.hpp"
+#include "server/session/session_rights.hpp"
 
 namespace busbar::server::detail {
 

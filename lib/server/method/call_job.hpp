@@ -11,7 +11,7 @@
 
 #include "call_part.hpp"
 #include "method_signature.hpp"
-#include "server/service.hpp"
+#include "server/session/service.hpp"
 
 namespace busbar::server::detail {
 

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "server/data_call.hpp"
+#include "server/data/data_call.hpp"
 
 namespace busbar::server::detail {
 

@@ -2,8 +2,8 @@
 
 #include "add_nodes.hpp"
 #include "references.hpp"
-#include "server/core.hpp"
-#include "server/session_rights.hpp"
+#include "server/engine/core.hpp"
+#include "server/session/session_rights.hpp"
 
 namespace busbar::server::detail {
 

@@ -2,7 +2,7 @@
 
 #include <busbar/types/node_management.hpp>
 
-#include "server/service.hpp"
+#include "server/session/service.hpp"
 
 /// The NodeManagement service set (Part 4, 5.8). All need an activated session, and answer
 /// Bad_ServiceUnsupported unless ServerConfig::has_node_management is set.

@@ -5,7 +5,7 @@
 #include <busbar/types/ids.hpp>
 
 #include "reference_rules.hpp"
-#include "server/hierarchy.hpp"
+#include "server/rights/hierarchy.hpp"
 
 namespace busbar::server::detail {
 

@@ -11,7 +11,7 @@
 #include "monitored_handles.hpp"
 #include "monitored_item.hpp"
 #include "sampling_intervals.hpp"
-#include "server/read_plan.hpp"
+#include "server/rights/read_plan.hpp"
 #include "value_queue.hpp"
 
 namespace busbar::server::detail {

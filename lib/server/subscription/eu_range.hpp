@@ -9,7 +9,7 @@
 #include <busbar/model/address_space.hpp>
 #include <busbar/types/data_types.hpp>
 
-#include "server/data_call.hpp"
+#include "server/data/data_call.hpp"
 
 namespace busbar::server::detail {
 

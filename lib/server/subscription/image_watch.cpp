@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "server/read_results.hpp"
+#include "server/data/read_results.hpp"
 
 namespace busbar::server::detail {
 

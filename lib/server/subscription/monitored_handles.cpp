@@ -5,7 +5,7 @@
 
 #include <busbar/server/data_source.hpp>
 
-#include "server/data_sources.hpp"
+#include "server/data/data_sources.hpp"
 
 namespace busbar::server::detail {
 

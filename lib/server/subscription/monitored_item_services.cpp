@@ -4,8 +4,8 @@
 
 #include "data_item.hpp"
 #include "sampler.hpp"
-#include "server/core.hpp"
-#include "server/session.hpp"
+#include "server/engine/core.hpp"
+#include "server/session/session.hpp"
 #include "subscription.hpp"
 #include "subscription_services.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <busbar/types/monitored_item.hpp>
 
-#include "server/service.hpp"
+#include "server/session/service.hpp"
 
 /// The MonitoredItem service set (Part 4, 5.13). All need an activated session.
 namespace busbar::server::detail {

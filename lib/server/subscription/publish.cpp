@@ -3,7 +3,7 @@
 #include <busbar/binary/codec.hpp>
 
 #include "publish_queue.hpp"
-#include "server/core.hpp"
+#include "server/engine/core.hpp"
 #include "subscription.hpp"
 
 namespace busbar::server::detail {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/core.hpp"
+#include "server/engine/core.hpp"
 #include "subscription.hpp"
 
 namespace busbar::server::detail {

@@ -7,8 +7,8 @@
 
 #include <busbar/types/subscription.hpp>
 
-#include "server/service.hpp"
-#include "server/session.hpp"
+#include "server/session/service.hpp"
+#include "server/session/session.hpp"
 
 namespace busbar::server::detail {
 

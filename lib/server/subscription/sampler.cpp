@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "sampling_context.hpp"
-#include "server/core.hpp"
-#include "server/server_object.hpp"
+#include "server/diagnostics/server_object.hpp"
+#include "server/engine/core.hpp"
 #include "subscription.hpp"
 
 namespace busbar::server::detail {

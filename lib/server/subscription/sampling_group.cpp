@@ -6,8 +6,8 @@
 
 #include "sampler.hpp"
 #include "sampling_context.hpp"
-#include "server/core.hpp"
-#include "server/read_results.hpp"
+#include "server/data/read_results.hpp"
+#include "server/engine/core.hpp"
 #include "subscription.hpp"
 
 namespace busbar::server::detail {

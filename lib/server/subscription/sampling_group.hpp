@@ -5,7 +5,7 @@
 
 #include "data_item.hpp"
 #include "image_watch.hpp"
-#include "server/data_call.hpp"
+#include "server/data/data_call.hpp"
 #include "timer_queue.hpp"
 
 namespace busbar::server::detail {

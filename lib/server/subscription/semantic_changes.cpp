@@ -8,8 +8,8 @@
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/types/ids.hpp>
 
-#include "server/core.hpp"
-#include "server/data_rights.hpp"
+#include "server/engine/core.hpp"
+#include "server/rights/data_rights.hpp"
 
 namespace busbar::server::detail {
 

@@ -5,8 +5,8 @@
 
 #include "notification_message.hpp"
 #include "publish_queue.hpp"
-#include "server/core.hpp"
-#include "server/session.hpp"
+#include "server/engine/core.hpp"
+#include "server/session/session.hpp"
 #include "subscription_table.hpp"
 
 namespace busbar::server::detail {

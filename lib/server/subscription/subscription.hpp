@@ -11,8 +11,8 @@
 #include <busbar/server/access_control.hpp>
 #include <busbar/server/subscription_limits.hpp>
 
-#include "server/data_rights.hpp"
 #include "server/diagnostics/diagnostics.hpp"
+#include "server/rights/data_rights.hpp"
 
 #include "ready_list.hpp"
 #include "retransmission_queue.hpp"

@@ -3,7 +3,7 @@
 #include <busbar/core/attribute_id.hpp>
 
 #include "data_item.hpp"
-#include "server/core.hpp"
+#include "server/engine/core.hpp"
 #include "subscription.hpp"
 
 namespace busbar::server::detail {

@@ -1,7 +1,7 @@
 #include "subscription_services.hpp"
 
-#include "server/core.hpp"
-#include "server/session.hpp"
+#include "server/engine/core.hpp"
+#include "server/session/session.hpp"
 #include "subscription.hpp"
 
 namespace busbar::server::detail {

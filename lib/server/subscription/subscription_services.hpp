@@ -2,7 +2,7 @@
 
 #include <busbar/types/subscription.hpp>
 
-#include "server/service.hpp"
+#include "server/session/service.hpp"
 
 /// The Subscription service set (Part 4, 5.14) but for Publish. All need an activated session.
 namespace busbar::server::detail {

@@ -5,8 +5,8 @@
 
 #include "publish_queue.hpp"
 #include "sampler.hpp"
-#include "server/core.hpp"
-#include "server/session.hpp"
+#include "server/engine/core.hpp"
+#include "server/session/session.hpp"
 #include "subscription.hpp"
 
 namespace busbar::server::detail {

@@ -1,6 +1,6 @@
 #include "publish_queue.hpp"
-#include "server/core.hpp"
-#include "server/session.hpp"
+#include "server/engine/core.hpp"
+#include "server/session/session.hpp"
 #include "subscription.hpp"
 #include "subscription_services.hpp"
 

@@ -1,0 +1,51 @@
+#include "read.hpp"
+
+#include "server/diagnostics/server_object.hpp"
+#include "server/engine/core.hpp"
+#include "server/session/session.hpp"
+#include "server/session/session_rights.hpp"
+
+namespace busbar::server::detail {
+
+void ReadOperation::start(ServiceContext& context)
+{
+    Core& core = context.core;
+    const StatusCode refusal = check_read(request(), core.limits().operations.max_nodes_per_read);
+    if (refusal.is_bad()) {
+        return fault(refusal);
+    }
+    const ValueReader reader{context.session->user, is_encrypted(*context.session)};
+    const auto live_value = [&](const NodeId& node) { return server_value(core, node, reader); };
+    job_.emplace(ReadContext{core.address_space, core.sources, rights_of(context), live_value,
+                             core.environment.wall_clock->now()},
+                 request());
+    if (job_->start(*this, context.now)) {
+        return call_completed();
+    }
+    // Only what waits is held at the session's expense.
+    const std::size_t cost = request().nodes_to_read.size() * ReadJob::bytes_per_item;
+    if (!charge(cost)) {
+        job_.reset();
+        return fault(status::Bad_TooManyOperations);
+    }
+}
+
+TimePoint ReadOperation::next_deadline() const
+{
+    return job_ ? job_->next_deadline() : no_deadline;
+}
+
+void ReadOperation::handle_deadline(TimePoint now)
+{
+    if (job_ && !is_finished() && job_->handle_deadline(now)) {
+        call_completed();
+    }
+}
+
+void ReadOperation::call_completed()
+{
+    job_->finish();
+    respond<ReadResponse>([&](binary::Writer& writer) { job_->encode_results(writer); });
+}
+
+} // namespace busbar::server::detail

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+
+#include <busbar/types/attribute.hpp>
+
+#include "server/session/service.hpp"
+#include "write_job.hpp"
+
+namespace busbar::server::detail {
+
+/// Write (Part 4, 5.11.4).
+class WriteOperation final : public OperationOf<WriteRequest>, private CallOwner {
+public:
+    ~WriteOperation() override;
+
+    void start(ServiceContext& context) override;
+    [[nodiscard]] TimePoint next_deadline() const override;
+    void handle_deadline(TimePoint now) override;
+
+private:
+    void call_completed() override;
+
+    Core* core_{nullptr};
+    std::optional<WriteJob> job_;
+};
+
+} // namespace busbar::server::detail

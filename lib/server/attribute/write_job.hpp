@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <busbar/binary/reader.hpp>
+#include <busbar/binary/writer.hpp>
+#include <busbar/model/address_space.hpp>
+#include <busbar/model/data_types.hpp>
+#include <busbar/types/attribute.hpp>
+
+#include "server/data/data_call.hpp"
+#include "server/rights/data_rights.hpp"
+
+namespace busbar::server::detail {
+
+/// What a Write looks at besides its request.
+struct WriteContext {
+    model::AddressSpace& space;
+    DataSources& sources;
+    NodeRights rights;
+    /// Null: bodies of structures without generated type, and numbers that an enumeration does not
+    /// have, are taken as they come.
+    model::DataTypes* data_types{nullptr};
+    binary::DecodeLimits limits{};
+};
+
+/// Good, or why the whole request is refused (Part 4, 5.11.4.3).
+[[nodiscard]] StatusCode check_write(const WriteRequest& request, std::size_t max_nodes);
+
+/// The work of one Write (Part 4, 5.11.4) that passed check_write: the values for one source are
+/// handed over in one batch, those that the address space keeps are replaced at once.
+class WriteJob {
+public:
+    /// About what an item takes until it is answered, its place in the request included.
+    static constexpr std::size_t bytes_per_item = sizeof(WriteValue) + sizeof(WriteItem) + 64;
+
+    /// `request` must stay as it is until keep() or the end of the job.
+    WriteJob(const WriteContext& context, const WriteRequest& request);
+
+    /// True if the results are there, else `owner` is told.
+    [[nodiscard]] bool start(CallOwner& owner, TimePoint now);
+    [[nodiscard]] TimePoint next_deadline() const { return call_.next_deadline(); }
+    /// Answers Bad_Timeout for sources that are late; true if nothing is waited for any more.
+    [[nodiscard]] bool handle_deadline(TimePoint now) { return call_.handle_deadline(now); }
+    /// What became of an item, once the results are there.
+    [[nodiscard]] StatusCode result(std::size_t index) const { return call_.result(index); }
+    /// Writes `results` and `diagnostic_infos` of the WriteResponse.
+    void encode_results(binary::Writer& writer) const;
+
+    /// Takes over the request and the message that it borrows from: sources may still have batches
+    /// with the values when client and server have given up. The last of them frees both.
+    void keep(WriteRequest request, std::vector<std::byte> message);
+
+private:
+    /// What sources were given the addresses of.
+    struct Memory {
+        std::vector<NumericRange> ranges;
+        std::vector<std::unique_ptr<const DataValue>> converted;
+        std::vector<std::byte> message;
+        WriteRequest request;
+    };
+    struct Target {
+        model::NodeIndex node;
+        model::VariableAttributes variable;
+    };
+
+    [[nodiscard]] std::optional<StatusCode> plan(const WriteContext& context, std::size_t index,
+                                                 const WriteValue& value);
+    [[nodiscard]] std::optional<StatusCode> plan_value(const WriteContext& context,
+                                                       std::size_t index, const WriteValue& value,
+                                                       const Target& target);
+    /// Null if there is no range.
+    [[nodiscard]] Result<const NumericRange*> keep_range(std::size_t index, const String& text);
+    [[nodiscard]] const DataValue* to_byte_array(const DataValue& data);
+
+    WriteCall call_;
+    std::shared_ptr<Memory> memory_;
+};
+
+} // namespace busbar::server::detail

@@ -1,0 +1,254 @@
+#include "server_object.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <busbar/types/data_types.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "server/engine/core.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+DateTime wall_time(const Core& core)
+{
+    return core.environment.wall_clock->now();
+}
+
+Array<String> strings(const std::vector<std::string>& texts)
+{
+    Array<String> result;
+    result.reserve(texts.size());
+    for (const std::string& text : texts) {
+        result.emplace_back(text);
+    }
+    return result;
+}
+
+Array<String> namespaces(const Core& core)
+{
+    Array<String> uris;
+    for (std::size_t i = 0; i < core.address_space.namespace_count(); ++i) {
+        uris.emplace_back(core.address_space.namespace_uri(static_cast<std::uint16_t>(i)));
+    }
+    return uris;
+}
+
+BuildInfo build_info(const Core& core)
+{
+    const BuildDescription& build = core.config.build;
+    BuildInfo info;
+    info.product_uri = core.config.product_uri;
+    info.manufacturer_name = build.manufacturer_name;
+    info.product_name = core.config.application_name;
+    info.software_version = build.software_version;
+    info.build_number = build.build_number;
+    info.build_date = build.build_date;
+    return info;
+}
+
+std::uint32_t seconds_till_shutdown(const Core& core)
+{
+    const std::int64_t left = core.shutdown_time.ticks - wall_time(core).ticks;
+    return core.is_shutting_down() && left > 0
+               ? static_cast<std::uint32_t>(left / DateTime::ticks_per_second)
+               : 0;
+}
+
+/// Null until there is a reason (Part 5, 12.10).
+LocalizedText shutdown_reason(const Core& core)
+{
+    return core.is_shutting_down() ? LocalizedText{String{core.shutdown_reason}} : LocalizedText{};
+}
+
+ServerStatusDataType server_status(const Core& core)
+{
+    ServerStatusDataType status;
+    status.start_time = core.start_time;
+    status.current_time = wall_time(core);
+    status.state = core.state;
+    status.build_info = build_info(core);
+    status.seconds_till_shutdown = seconds_till_shutdown(core);
+    status.shutdown_reason = shutdown_reason(core);
+    return status;
+}
+
+/// What the server holds itself to: profiles of Part 7 that are implemented in full.
+Array<String> profiles(const Core&)
+{
+    return {"http://opcfoundation.org/UA-Profile/Transport/uatcp-uasc-uabinary"};
+}
+
+struct LiveValue {
+    std::uint32_t id;
+    Variant (*make)(const Core& core);
+};
+
+std::uint32_t count(std::size_t value)
+{
+    return static_cast<std::uint32_t>(std::min<std::size_t>(value, UINT32_MAX));
+}
+
+/// The Server object (Part 5, 6.3.1) and its ServerStatus (Part 5, 12.10).
+constexpr std::array status_values{
+    LiveValue{id::Server_ServerArray,
+              [](const Core& c) -> Variant { return Array<String>{c.config.application_uri}; }},
+    LiveValue{id::Server_NamespaceArray, [](const Core& c) -> Variant { return namespaces(c); }},
+    LiveValue{id::Server_ServerStatus,
+              [](const Core& c) -> Variant { return ExtensionObject::from(server_status(c)); }},
+    LiveValue{id::Server_ServerStatus_StartTime,
+              [](const Core& c) -> Variant { return c.start_time; }},
+    LiveValue{id::Server_ServerStatus_CurrentTime,
+              [](const Core& c) -> Variant { return wall_time(c); }},
+    LiveValue{id::Server_ServerStatus_State, [](const Core& c) -> Variant { return c.state; }},
+    LiveValue{id::Server_ServerStatus_BuildInfo,
+              [](const Core& c) -> Variant { return ExtensionObject::from(build_info(c)); }},
+    LiveValue{id::Server_ServerStatus_BuildInfo_ProductName,
+              [](const Core& c) -> Variant { return String{c.config.application_name}; }},
+    LiveValue{id::Server_ServerStatus_BuildInfo_ProductUri,
+              [](const Core& c) -> Variant { return String{c.config.product_uri}; }},
+    LiveValue{id::Server_ServerStatus_BuildInfo_ManufacturerName,
+              [](const Core& c) -> Variant { return String{c.config.build.manufacturer_name}; }},
+    LiveValue{id::Server_ServerStatus_BuildInfo_SoftwareVersion,
+              [](const Core& c) -> Variant { return String{c.config.build.software_version}; }},
+    LiveValue{id::Server_ServerStatus_BuildInfo_BuildNumber,
+              [](const Core& c) -> Variant { return String{c.config.build.build_number}; }},
+    LiveValue{id::Server_ServerStatus_BuildInfo_BuildDate,
+              [](const Core& c) -> Variant { return c.config.build.build_date; }},
+    LiveValue{id::Server_ServerStatus_SecondsTillShutdown,
+              [](const Core& c) -> Variant { return seconds_till_shutdown(c); }},
+    LiveValue{id::Server_ServerStatus_ShutdownReason,
+              [](const Core& c) -> Variant { return shutdown_reason(c); }},
+    LiveValue{id::Server_ServiceLevel,
+              [](const Core& c) -> Variant {
+                  return static_cast<std::uint8_t>(c.is_shutting_down() ? 0 : 255);
+              }},
+    LiveValue{id::Server_Auditing, [](const Core&) -> Variant { return false; }},
+    LiveValue{id::Server_ServerRedundancy_RedundancySupport,
+              [](const Core&) -> Variant { return RedundancySupport::None; }},
+};
+
+/// ServerCapabilities (Part 5, 6.3.2) with the OperationLimits (Part 5, 6.3.11).
+constexpr std::array capability_values{
+    LiveValue{id::Server_ServerCapabilities_ServerProfileArray,
+              [](const Core& c) -> Variant { return profiles(c); }},
+    LiveValue{id::Server_ServerCapabilities_LocaleIdArray,
+              [](const Core& c) -> Variant { return strings(c.config.locale_ids); }},
+    LiveValue{id::Server_ServerCapabilities_MinSupportedSampleRate,
+              [](const Core& c) -> Variant {
+                  const auto& policy = c.limits().subscriptions.sampling;
+                  return static_cast<double>(policy.min_interval.count());
+              }},
+    LiveValue{id::Server_ServerCapabilities_SoftwareCertificates,
+              [](const Core&) -> Variant { return Array<ExtensionObject>(0); }},
+    LiveValue{id::Server_ServerCapabilities_MaxBrowseContinuationPoints,
+              [](const Core& c) -> Variant { return c.limits().max_browse_continuation_points; }},
+    LiveValue{id::Server_ServerCapabilities_MaxQueryContinuationPoints,
+              [](const Core&) -> Variant { return std::uint16_t{0}; }},
+    LiveValue{id::Server_ServerCapabilities_MaxHistoryContinuationPoints,
+              [](const Core&) -> Variant { return std::uint16_t{0}; }},
+    LiveValue{id::Server_ServerCapabilities_MaxArrayLength,
+              [](const Core& c) -> Variant { return c.limits().decode.max_array_length; }},
+    LiveValue{id::Server_ServerCapabilities_MaxStringLength,
+              [](const Core& c) -> Variant { return c.limits().decode.max_string_length; }},
+    LiveValue{id::Server_ServerCapabilities_MaxByteStringLength,
+              [](const Core& c) -> Variant { return c.limits().decode.max_byte_string_length; }},
+    LiveValue{id::Server_ServerCapabilities_MaxSessions,
+              [](const Core& c) -> Variant { return count(c.limits().max_sessions); }},
+    LiveValue{
+        id::Server_ServerCapabilities_MaxSubscriptions,
+        [](const Core& c) -> Variant { return count(c.limits().subscriptions.max_subscriptions); }},
+    LiveValue{id::Server_ServerCapabilities_MaxMonitoredItems,
+              [](const Core& c) -> Variant { return count(c.limits().subscriptions.max_items); }},
+    LiveValue{id::Server_ServerCapabilities_MaxSubscriptionsPerSession,
+              [](const Core& c) -> Variant {
+                  return count(c.limits().subscriptions.max_subscriptions_per_session);
+              }},
+    LiveValue{id::Server_ServerCapabilities_MaxMonitoredItemsPerSubscription,
+              [](const Core& c) -> Variant {
+                  return count(c.limits().subscriptions.max_items_per_subscription);
+              }},
+    LiveValue{id::Server_ServerCapabilities_MaxMonitoredItemsQueueSize,
+              [](const Core& c) -> Variant { return c.limits().subscriptions.max_queue_size; }},
+    LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxMonitoredItemsPerCall,
+              [](const Core& c) -> Variant {
+                  return c.limits().operations.max_monitored_items_per_call;
+              }},
+    LiveValue{id::Server_ServerCapabilities_MaxSelectClauseParameters,
+              [](const Core& c) -> Variant {
+                  return count(c.limits().events.filter.max_select_clauses);
+              }},
+    LiveValue{
+        id::Server_ServerCapabilities_MaxWhereClauseParameters,
+        [](const Core& c) -> Variant { return count(c.limits().events.filter.max_elements); }},
+    LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerRead,
+              [](const Core& c) -> Variant { return c.limits().operations.max_nodes_per_read; }},
+    LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerWrite,
+              [](const Core& c) -> Variant { return c.limits().operations.max_nodes_per_write; }},
+    LiveValue{
+        id::Server_ServerCapabilities_OperationLimits_MaxNodesPerMethodCall,
+        [](const Core& c) -> Variant { return c.limits().operations.max_nodes_per_method_call; }},
+    LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerNodeManagement,
+              [](const Core& c) -> Variant {
+                  return c.limits().operations.max_nodes_per_node_management;
+              }},
+    LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerBrowse,
+              [](const Core& c) -> Variant { return c.limits().operations.max_nodes_per_browse; }},
+    LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerRegisterNodes,
+              [](const Core& c) -> Variant {
+                  return c.limits().operations.max_nodes_per_register_nodes;
+              }},
+    LiveValue{
+        id::Server_ServerCapabilities_OperationLimits_MaxNodesPerTranslateBrowsePathsToNodeIds,
+        [](const Core& c) -> Variant {
+            return c.limits().operations.max_nodes_per_translate_browse_paths;
+        }},
+};
+
+constexpr auto live_values = [] {
+    std::array<LiveValue, status_values.size() + capability_values.size()> all{};
+    std::copy(status_values.begin(), status_values.end(), all.begin());
+    std::copy(capability_values.begin(), capability_values.end(),
+              all.begin() + status_values.size());
+    std::sort(all.begin(), all.end(),
+              [](const LiveValue& a, const LiveValue& b) { return a.id < b.id; });
+    return all;
+}();
+
+/// Of a Variable of SessionNodes; the refusal is the value's status.
+Result<DataValue> session_value(const Core& core, const NodeId& node, const ValueReader& reader)
+{
+    const model::NodeIndex index = core.address_space.find(node);
+    auto value = core.session_nodes.value(core, core.address_space.variable(index).handle, reader);
+    return value ? DataValue{std::move(*value), status::Good, wall_time(core)}
+                 : DataValue{value.error()};
+}
+
+} // namespace
+
+Result<DataValue> server_value(const Core& core, const NodeId& node, const ValueReader& reader)
+{
+    if (node.namespace_index() != 0) {
+        return session_value(core, node, reader);
+    }
+    if (!node.is_numeric()) {
+        return fail(status::Bad_NodeIdUnknown);
+    }
+    const auto* const found = std::lower_bound(
+        live_values.begin(), live_values.end(), node.numeric(),
+        [](const LiveValue& value, std::uint32_t number) { return value.id < number; });
+    if (found != live_values.end() && found->id == node.numeric()) {
+        return DataValue{found->make(core), status::Good, wall_time(core)};
+    }
+    auto diagnostic = diagnostic_value(core, node.numeric(), reader);
+    if (!diagnostic && diagnostic.error() != status::Bad_NodeIdUnknown) {
+        return DataValue{diagnostic.error()};
+    }
+    return std::move(diagnostic).map([&](Variant value) {
+        return DataValue{std::move(value), status::Good, wall_time(core)};
+    });
+}
+
+} // namespace busbar::server::detail

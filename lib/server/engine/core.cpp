@@ -1,0 +1,106 @@
+#include "core.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include <busbar/channel/endpoint_url.hpp>
+#include <busbar/core/text.hpp>
+#include <busbar/types/registry.hpp>
+
+#include "link.hpp"
+#include "server/subscription/sampler.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+std::uint32_t random_channel_id(crypto::Random& random)
+{
+    std::array<std::byte, 4> bytes{};
+    static_cast<void>(random.fill(bytes)); // without randomness it begins at 1
+    return std::max(std::bit_cast<std::uint32_t>(bytes), 1U);
+}
+
+} // namespace
+
+Core::Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space)
+    : config{std::move(c)}, guards{e, rationed_log}, environment{guards.environment()},
+      address_space{std::move(space)}, types{binary::namespace0_types()},
+      sources{e.waker, guards.report().log}, events{environment, address_space,
+                                                    config.limits.events},
+      assembly{config.limits.max_assembly}, subscriptions{*this}, logins{config.limits},
+      certificate_watch{*environment.log}, next_channel_id{random_channel_id(*e.random)},
+      start_time{e.wall_clock->now()}
+{
+}
+
+void Core::log(LogLevel level, std::string_view source, std::string_view text)
+{
+    const std::int64_t minute = environment.wall_clock->now().unix_seconds() / 60;
+    if (minute != log_minute_) {
+        if (log_lines_ > limits().max_log_lines_per_minute) {
+            environment.log->write(LogLevel::Warning, "server",
+                                   std::to_string(log_lines_ - limits().max_log_lines_per_minute) +
+                                       " lines were left out");
+        }
+        log_minute_ = minute;
+        log_lines_ = 0;
+    }
+    if (++log_lines_ <= limits().max_log_lines_per_minute) {
+        environment.log->write(level, source, text);
+    }
+}
+
+void Core::watch_certificate(TimePoint now)
+{
+    if (!config.identity) {
+        return;
+    }
+    std::vector<std::string> hosts = config.host_names;
+    if (const auto url = channel::EndpointUrl::parse(config.endpoint_url)) {
+        hosts.push_back(url->host);
+    }
+    const DateTime today = environment.wall_clock->now();
+    const DateTime next =
+        certificate_watch.check(config.identity->certificates.front(), today, hosts);
+    using Ticks = std::chrono::duration<std::int64_t, std::ratio<1, DateTime::ticks_per_second>>;
+    certificate_check = now + Ticks{next.ticks - today.ticks};
+}
+
+Link* Core::find_link(std::uint64_t link_id) const
+{
+    const auto found =
+        std::lower_bound(links.begin(), links.end(), link_id,
+                         [](const Link* link, std::uint64_t id) { return link->id() < id; });
+    return found != links.end() && (*found)->id() == link_id ? *found : nullptr;
+}
+
+void Core::sweep()
+{
+    while (!to_sweep.empty()) {
+        Link* link = to_sweep.back();
+        to_sweep.pop_back();
+        link->sweep();
+    }
+    subscriptions.sampler().tell_sources();
+}
+
+void Core::close_session(Session& session, StatusCode status, bool deletes_subscriptions)
+{
+    if (session.link != nullptr) {
+        session.link->end_operations(&session, status);
+    }
+    // What began before it moved to the channel that it has now is with another.
+    for (auto link = links.begin(); link != links.end() && session.pending_operations != 0;
+         ++link) {
+        (*link)->end_operations(&session, status);
+    }
+    subscriptions.session_ends(session, deletes_subscriptions);
+    log(LogLevel::Info, "session",
+        "\"" + printable(session.name) + "\" ended: " + std::string{name(status)});
+    session_nodes.remove(*this, session);
+    sessions.remove(session);
+}
+
+} // namespace busbar::server::detail

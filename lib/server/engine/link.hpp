@@ -1,0 +1,164 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/channel/server_channel.hpp>
+#include <busbar/core/refusal.hpp>
+#include <busbar/server/connection.hpp>
+
+#include "core.hpp"
+#include "server/session/service.hpp"
+#include "server/session/turn.hpp"
+
+namespace busbar::server::detail {
+
+/// What an answer has to refer to.
+struct Reply {
+    std::uint32_t request_id{0};
+    std::uint32_t request_handle{0};
+    /// Bytes; 0 if only the channel's limit holds.
+    std::uint32_t max_size{0};
+};
+
+/// What is known of a request before its parameters are.
+struct Question {
+    /// Of the request's type.
+    std::uint32_t encoding_id{0};
+    /// Milliseconds, 0 for none (Part 4, 7.32).
+    std::uint32_t timeout_hint{0};
+    Reply reply;
+};
+
+/// The server's log with the peer's address before each line; as bounded as Core::log.
+class PeerLog final : public LogSink {
+public:
+    PeerLog(Core& core, std::string_view address) : core_{core}, address_{address} {}
+
+    void write(LogLevel level, std::string_view source, std::string_view text) override;
+
+private:
+    Core& core_;
+    std::string_view address_;
+};
+
+/// The inside of a Connection: its channel and the operations that wait on it.
+class Link {
+public:
+    /// Adds itself to `core`.
+    Link(Core& core, std::string_view peer_address, TimePoint now);
+    Link(const Link&) = delete;
+    Link& operator=(const Link&) = delete;
+    ~Link();
+
+    // The engine, see Connection.
+
+    [[nodiscard]] std::uint64_t id() const { return id_; }
+    [[nodiscard]] Core& core() { return core_; }
+    [[nodiscard]] Result<void> reverse_hello(std::string_view endpoint_url);
+    Result<void> feed(std::span<const std::byte> in, TimePoint now);
+    [[nodiscard]] std::optional<ConnectionEvent> next_event();
+    [[nodiscard]] std::span<const std::byte> output() const;
+    void consume(std::size_t size);
+    [[nodiscard]] TimePoint next_deadline() const;
+    void handle_deadline(TimePoint now);
+    [[nodiscard]] bool is_closed() const { return channel_.is_closed(); }
+
+    // For services.
+
+    [[nodiscard]] const channel::ServerChannel& channel() const { return channel_; }
+    [[nodiscard]] std::string_view peer_address() const { return peer_address_; }
+    /// The sessions that use this channel.
+    [[nodiscard]] const std::vector<Session*>& sessions() const { return sessions_; }
+    [[nodiscard]] bool has_activated_session() const;
+    /// The session uses this channel from now on and no other. To be called again when it is
+    /// activated: what the peer may send depends on it.
+    void bind(Session& session);
+    /// It uses this channel no more.
+    void unbind(Session& session);
+    /// What may still be done for this peer before others have their turn.
+    [[nodiscard]] Turn& turn() { return turn_; }
+    /// For what is to be said of this peer.
+    [[nodiscard]] LogSink& log() { return log_; }
+
+    // For dispatch.
+
+    [[nodiscard]] ResponseHeader response_header(const Reply& reply, StatusCode status) const;
+    /// Sends a response of that type, of which `encode_response` writes everything; a ServiceFault
+    /// if it does not fit the client's limits.
+    void respond(const Reply& reply, std::uint32_t encoding_id,
+                 FunctionRef<void(binary::Writer&)> encode_response);
+    void fault(const Reply& reply, StatusCode status);
+    [[nodiscard]] bool has_place_for_operation() const;
+    /// Gives back the memory of a message that is done with.
+    void recycle(std::vector<std::byte> message) { channel_.recycle(std::move(message)); }
+    /// Takes the operation with its message, decodes the parameters that begin at `offset` and
+    /// starts it.
+    void start(std::unique_ptr<Operation> operation, std::vector<std::byte> message,
+               std::size_t offset, const Question& question, ServiceContext& context);
+
+    // For the server.
+
+    /// Answers what the session has pending here with `status`; all sessions' if it is null.
+    void end_operations(const Session* session, StatusCode status);
+    /// Ends the session's operations with this handle; how many there were (Part 4, 5.7.5).
+    std::uint32_t cancel(const Session& session, std::uint32_t request_handle);
+    void close(StatusCode status, std::string_view reason);
+    /// The same because of something the peer did or left undone, which the log explains.
+    void close(const Refusal& refusal);
+    /// One of the operations has answered: sweep() is to be called when none of them is running.
+    void wants_sweep();
+    /// Destroys the operations that have answered.
+    void sweep();
+    [[nodiscard]] TimePoint created() const { return created_; }
+    /// Clears the mark that next_changed() reports; false if it was not set.
+    bool take_mark() { return std::exchange(is_marked_, false); }
+
+private:
+    friend class Operation;
+    /// While one of the engine's own members runs, whose caller looks at the output anyhow.
+    class Running;
+
+    void trust_peer();
+    [[nodiscard]] bool has_room() const;
+    void work(TimePoint now);
+    void give_turns(TimePoint now);
+    void handle(channel::Event event, TimePoint now);
+    void serve(FunctionRef<void()> service);
+    void handle_closed(StatusCode status, std::string reason);
+    void check_silence(TimePoint now);
+    void check_send_queue();
+    void mark();
+
+    Core& core_;
+    std::uint64_t id_;
+    std::string peer_address_;
+    PeerLog log_;
+    channel::ServerChannel channel_;
+    std::vector<std::unique_ptr<Operation>> operations_;
+    std::vector<Session*> sessions_;
+    std::vector<ConnectionEvent> events_;
+    Turn turn_;
+    /// The turn was over before all that has come was worked on.
+    bool has_more_{false};
+    TimePoint created_;
+    /// The last time that was given.
+    TimePoint now_;
+    /// When it is checked that there is an activated session.
+    TimePoint session_check_;
+    /// When the peer must have taken something.
+    TimePoint send_check_{no_deadline};
+    bool has_progressed_{false};
+    bool is_running_{false};
+    bool is_marked_{false};
+    bool waits_for_sweep_{false};
+    bool has_ended_{false};
+    /// The peer took nothing for too long; what is left is not offered any more.
+    bool has_given_up_{false};
+};
+
+} // namespace busbar::server::detail

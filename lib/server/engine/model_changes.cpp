@@ -1,0 +1,133 @@
+#include "model_changes.hpp"
+
+#include <charconv>
+
+#include <busbar/core/text.hpp>
+#include <busbar/types/data_types.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "core.hpp"
+#include "namespace_nodes.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+/// A version that `present` was not; counts where that is a number.
+String next_version(const Variant& present)
+{
+    const auto* const text = present.get_if<String>();
+    const std::string_view digits = text == nullptr ? std::string_view{} : text->view();
+    std::uint32_t version = 0;
+    static_cast<void>(std::from_chars(digits.data(), digits.data() + digits.size(), version));
+    return String{std::to_string(version + 1)};
+}
+
+/// One with a data source is the application's own business.
+void count_up(model::AddressSpace& space, model::NodeIndex property)
+{
+    if (property != model::no_node && space.variable(property).source == model::no_source) {
+        static_cast<void>(space.set_value(property, next_version(space.value(property))));
+    }
+}
+
+void count_versions_up(model::AddressSpace& space, const model::ModelChanges& taken)
+{
+    if (!taken.is_complete) {
+        space.for_each_node_version([&](model::NodeIndex property) { count_up(space, property); });
+        return;
+    }
+    for (const model::ModelChange& change : taken.changes) {
+        const model::NodeIndex node = space.find(change.affected);
+        if (node != model::no_node) {
+            count_up(space, space.node_version(node));
+        }
+    }
+}
+
+/// In the context of the whole address space (Part 5, 6.4.31 and 6.4.33).
+Event server_event(const char* message)
+{
+    Event event;
+    event.source_name = "Server";
+    event.message = LocalizedText{"en", message};
+    return event;
+}
+
+/// One that says what has changed or, after too many changes, only that something has
+/// (Part 3, 9.32.7).
+Event change_event(const model::ModelChanges& taken)
+{
+    Event event = server_event("The address space has changed");
+    if (!taken.is_complete) {
+        event.event_type = NodeId{0, id::BaseModelChangeEventType};
+        return event;
+    }
+    event.event_type = NodeId{0, id::GeneralModelChangeEventType};
+    Array<ExtensionObject> changes;
+    changes.reserve(taken.changes.size());
+    for (const model::ModelChange& change : taken.changes) {
+        changes.push_back(ExtensionObject::from(
+            ModelChangeStructureDataType{change.affected, change.affected_type, change.verb}));
+    }
+    event.set({0, "Changes"}, std::move(changes));
+    return event;
+}
+
+} // namespace
+
+void ModelChanges::begin(Core& core)
+{
+    describe_namespaces(core);
+    static_cast<void>(core.address_space.take_changes());
+}
+
+bool ModelChanges::is_pending(const Core& core) const
+{
+    return core.address_space.has_changes() || namespaces_ != core.address_space.namespace_count();
+}
+
+void ModelChanges::announce(Core& core)
+{
+    describe_namespaces(core);
+    if (!core.address_space.has_changes()) {
+        return;
+    }
+    const model::ModelChanges taken = core.address_space.take_changes();
+    count_versions_up(core.address_space, taken);
+    // A small namespace 0 may not have the event type; then nobody asks for it.
+    static_cast<void>(core.events.raise(change_event(taken)));
+}
+
+void ModelChanges::announce_semantics(Core& core, const NodeId& node)
+{
+    const model::AddressSpace& space = core.address_space;
+    const model::NodeIndex found = space.find(node);
+    if (found == model::no_node) {
+        return;
+    }
+    const model::NodeIndex type = space.type_definition(found);
+    Array<ExtensionObject> changes;
+    changes.push_back(ExtensionObject::from(SemanticChangeStructureDataType{
+        node, type == model::no_node ? NodeId{} : space.node_id(type)}));
+    Event event = server_event("Properties of a node mean something else");
+    event.event_type = NodeId{0, id::SemanticChangeEventType};
+    event.set({0, "Changes"}, std::move(changes));
+    static_cast<void>(core.events.raise(std::move(event)));
+}
+
+void ModelChanges::describe_namespaces(Core& core)
+{
+    for (; namespaces_ < core.address_space.namespace_count(); ++namespaces_) {
+        const auto index = static_cast<std::uint16_t>(namespaces_);
+        const auto object = find_or_add_namespace(core.address_space, core.own_namespace, index);
+        if (!object && object.error() != status::Bad_NotSupported) {
+            core.log(LogLevel::Warning, "server",
+                     "Server.Namespaces has nothing on " +
+                         printable(core.address_space.namespace_uri(index)) + ": " +
+                         std::string{name(object.error())});
+        }
+    }
+}
+
+} // namespace busbar::server::detail

@@ -1,0 +1,318 @@
+#include <busbar/server/server.hpp>
+
+#include <algorithm>
+
+#include <busbar/core/text.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "config_check.hpp"
+#include "core.hpp"
+#include "link.hpp"
+#include "namespace_nodes.hpp"
+#include "server/session/user_expiry.hpp"
+#include "server/subscription/sampler.hpp"
+
+namespace busbar::server {
+
+struct Server::Impl : detail::Core {
+    using Core::Core;
+
+    /// Why a peer cannot be taken; nothing if it can.
+    [[nodiscard]] std::string find_obstacle(std::string_view peer_address);
+    /// Makes place by closing the oldest connection that has no session (Part 4, 5.6.2.1).
+    [[nodiscard]] bool make_place();
+    void expire_sessions(TimePoint now);
+    /// On until a client switches them off, where the address space has them.
+    void enable_diagnostics();
+    void finish_shutdown();
+};
+
+std::vector<EndpointConfig> secure_endpoints()
+{
+    const auto* policy = crypto::find_policy_by_name("Basic256Sha256");
+    std::vector<EndpointConfig> endpoints(2);
+    endpoints[0].security = {policy, MessageSecurityMode::SignAndEncrypt};
+    endpoints[1].security = {policy, MessageSecurityMode::Sign};
+    return endpoints;
+}
+
+Result<Server> Server::create(ServerConfig config, const ServerEnvironment& environment,
+                              model::AddressSpace address_space)
+{
+    if (const auto checked = check_config(config, environment); !checked) {
+        environment.log->write(LogLevel::Error, "server", checked.error().found);
+        return fail(checked.error().status);
+    }
+    detail::warn_of_deprecated_policies(config, *environment.log);
+    // Part 5, 6.3.2: index 1 is the server's own namespace.
+    const auto own = address_space.add_namespace(config.application_uri);
+    if (!own) {
+        return fail(own.error());
+    }
+    auto impl = std::make_unique<Impl>(std::move(config), environment, std::move(address_space));
+    impl->own_namespace = *own;
+    impl->enable_diagnostics();
+    impl->model_changes.begin(*impl);
+    return Server{std::move(impl)};
+}
+
+Server::Server(std::unique_ptr<Impl> impl) : impl_{std::move(impl)} {}
+Server::Server(Server&&) noexcept = default;
+Server& Server::operator=(Server&&) noexcept = default;
+Server::~Server() = default;
+
+const ServerConfig& Server::config() const
+{
+    return impl_->config;
+}
+
+model::AddressSpace& Server::address_space()
+{
+    return impl_->address_space;
+}
+
+binary::TypeRegistry& Server::types()
+{
+    return impl_->types;
+}
+
+Result<void> Server::describe_namespace(std::uint16_t index, const NamespaceMetadata& metadata)
+{
+    const auto object =
+        detail::find_or_add_namespace(impl_->address_space, impl_->own_namespace, index);
+    if (!object) {
+        return fail(object.error());
+    }
+    detail::set_metadata(impl_->address_space, *object, metadata);
+    return {};
+}
+
+std::uint32_t Server::add_source(DataSource& source)
+{
+    return impl_->sources.add(source);
+}
+
+std::uint32_t Server::add_source(std::shared_ptr<DataSource> source)
+{
+    return impl_->sources.add(std::move(source));
+}
+
+bool Server::raise_event(Event event)
+{
+    return impl_->events.queue()->raise(std::move(event));
+}
+
+std::shared_ptr<EventQueue> Server::event_queue() const
+{
+    return impl_->events.queue();
+}
+
+Result<Connection> Server::connect(std::string_view peer_address, TimePoint now)
+{
+    if (auto found = impl_->find_obstacle(peer_address); !found.empty()) {
+        const Refusal refusal{status::Bad_TcpServerTooBusy, "place for a connection",
+                              std::move(found), "Part 6, 7.1.2.5",
+                              "Close connections that are not needed, or raise the limit"};
+        impl_->log(LogLevel::Warning, "connection", printable(peer_address) + ": " + text(refusal));
+        return fail(status::Bad_TcpServerTooBusy);
+    }
+    return Connection{std::make_unique<detail::Link>(*impl_, peer_address, now)};
+}
+
+std::string Server::Impl::find_obstacle(std::string_view peer_address)
+{
+    if (is_shutting_down()) {
+        return "the server is stopping";
+    }
+    const auto from_there =
+        std::count_if(links.begin(), links.end(), [&](const detail::Link* link) {
+            return link->peer_address() == peer_address;
+        });
+    if (static_cast<std::size_t>(from_there) >= limits().max_connections_per_address) {
+        return std::to_string(from_there) +
+               " connections from this address, the limit max_connections_per_address";
+    }
+    if (!make_place()) {
+        return std::to_string(links.size()) +
+               " connections, all with sessions, the limit max_connections";
+    }
+    return {};
+}
+
+bool Server::Impl::make_place()
+{
+    const auto open = static_cast<std::size_t>(std::count_if(
+        links.begin(), links.end(), [](const detail::Link* link) { return !link->is_closed(); }));
+    if (open < limits().max_connections) {
+        return links.size() < 2 * limits().max_connections;
+    }
+    const Refusal displaced{status::Bad_TcpServerTooBusy, "activity",
+                            "all connections are taken and this one is the oldest without an "
+                            "activated session",
+                            "Part 4, 5.6.2.1", "Raise max_connections if all of them are needed"};
+    for (detail::Link* link : links) { // the oldest first
+        if (!link->is_closed() && !link->has_activated_session()) {
+            link->close(displaced);
+            sweep();
+            return links.size() < 2 * limits().max_connections;
+        }
+    }
+    return false;
+}
+
+TimePoint Server::next_deadline() const
+{
+    if (impl_->model_changes.is_pending(*impl_)) {
+        return TimePoint{}; // long past
+    }
+    const detail::Session* first = impl_->sessions.next_due();
+    return std::min({first != nullptr ? first->next_deadline() : no_deadline,
+                     impl_->shutdown_deadline, impl_->certificate_check,
+                     impl_->subscriptions.next_deadline()});
+}
+
+void Server::start(TimePoint now)
+{
+    impl_->watch_certificate(now);
+}
+
+void Server::handle_deadline(TimePoint now)
+{
+    if (impl_->certificate_check <= now) {
+        impl_->watch_certificate(now);
+    }
+    impl_->model_changes.announce(*impl_);
+    impl_->expire_sessions(now);
+    impl_->subscriptions.handle_deadline(now);
+    if (impl_->shutdown_deadline <= now) {
+        impl_->finish_shutdown();
+    }
+    impl_->sweep();
+}
+
+void Server::Impl::expire_sessions(TimePoint now)
+{
+    detail::Session* session = sessions.next_due();
+    while (session != nullptr && session->next_deadline() <= now) {
+        if (session->deadline <= now) {
+            ++diagnostics.summary.session_timeout_count;
+            close_session(*session, status::Bad_SessionClosed);
+        } else {
+            detail::expire_user(*this, *session, now);
+        }
+        session = sessions.next_due();
+    }
+}
+
+void Server::handle_completions(TimePoint now)
+{
+    impl_->sources.handle_completions();
+    impl_->password_checks.drain(now);
+    impl_->model_changes.announce(*impl_);
+    impl_->events.handle_raised();
+    impl_->subscriptions.sampler().handle_scans(now);
+    impl_->sweep();
+}
+
+std::optional<std::uint64_t> Server::next_changed()
+{
+    while (!impl_->changed.empty()) {
+        const std::uint64_t id = impl_->changed.front();
+        impl_->changed.pop_front();
+        detail::Link* link = impl_->find_link(id);
+        if (link != nullptr && link->take_mark()) {
+            return id;
+        }
+    }
+    return std::nullopt;
+}
+
+void Server::begin_shutdown(TimePoint now, std::string_view reason)
+{
+    if (impl_->is_shutting_down()) {
+        return;
+    }
+    const auto delay = impl_->config.shutdown_delay;
+    impl_->log(LogLevel::Info, "server", "shutdown: " + std::string{reason});
+    impl_->state = ServerState::Shutdown;
+    impl_->shutdown_reason = reason;
+    impl_->shutdown_time = {impl_->environment.wall_clock->now().ticks +
+                            delay.count() * (DateTime::ticks_per_second / 1000)};
+    impl_->shutdown_deadline = now + delay;
+    for (detail::Link* link : impl_->links) {
+        link->end_operations(nullptr, status::Bad_Shutdown);
+    }
+    impl_->sweep();
+}
+
+void Server::Impl::enable_diagnostics()
+{
+    const model::NodeIndex flag = address_space.find(id::Server_ServerDiagnostics_EnabledFlag);
+    if (flag != model::no_node) {
+        static_cast<void>(address_space.set_value(flag, true));
+    }
+    diagnostics.take_flag(address_space);
+}
+
+void Server::Impl::finish_shutdown()
+{
+    shutdown_deadline = no_deadline;
+    while (detail::Session* session = sessions.any()) {
+        close_session(*session, status::Bad_Shutdown);
+    }
+    for (detail::Link* link : links) {
+        link->close(status::Bad_Shutdown, "the server stops");
+    }
+}
+
+bool Server::is_stopped() const
+{
+    return impl_->is_shutting_down() &&
+           std::all_of(impl_->links.begin(), impl_->links.end(), [](const detail::Link* link) {
+               return link->is_closed() && link->output().empty();
+           });
+}
+
+void Server::announce_semantics_change(const NodeId& variable)
+{
+    impl_->subscriptions.announce_change({variable}, detail::ValueQueue::semantics_changed_bit);
+    detail::ModelChanges::announce_semantics(*impl_, variable);
+}
+
+void Server::announce_structure_change(const NodeId& variable)
+{
+    impl_->subscriptions.announce_change({variable}, detail::ValueQueue::structure_changed_bit);
+}
+
+void Server::announce_access_change(TimePoint now)
+{
+    impl_->subscriptions.access_changed(now);
+}
+
+Server::SamplingState Server::sampling_state() const
+{
+    const detail::Sampler& sampler = impl_->subscriptions.sampler();
+    return {sampler.smallest_revised_interval(), sampler.smallest_actual_interval()};
+}
+
+std::size_t Server::subscription_count() const
+{
+    return impl_->subscriptions.size();
+}
+
+std::size_t Server::monitored_item_count() const
+{
+    return impl_->subscriptions.item_count();
+}
+
+std::size_t Server::session_count() const
+{
+    return impl_->sessions.size();
+}
+
+std::size_t Server::connection_count() const
+{
+    return impl_->links.size();
+}
+
+} // namespace busbar::server

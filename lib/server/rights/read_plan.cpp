@@ -1,0 +1,175 @@
+#include "read_plan.hpp"
+
+#include <busbar/core/attribute_id.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "method_lookup.hpp"
+#include "server/diagnostics/session_nodes.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+constexpr auto value_attribute = static_cast<std::uint32_t>(AttributeId::Value);
+
+/// Part 4, 7.29: a null DataEncoding is the default one. Bad_DataEncodingInvalid where none can be
+/// asked for: not for the Value of a Variable, or it is no Structure. Bad_DataEncodingUnsupported
+/// for one that a structure has not: the only one of this protocol is "Default Binary".
+StatusCode check_data_encoding(const ReadContext& context, const ReadValueId& id,
+                               const model::VariableAttributes* variable)
+{
+    if (id.data_encoding.name.empty()) {
+        return status::Good;
+    }
+    if (variable == nullptr || !context.space.is_subtype_of(variable->data_type, id::Structure)) {
+        return status::Bad_DataEncodingInvalid;
+    }
+    const bool is_binary =
+        id.data_encoding.namespace_index == 0 && id.data_encoding.name.view() == "Default Binary";
+    return is_binary ? status::Good : status::Bad_DataEncodingUnsupported;
+}
+
+StatusCode check_access(const ReadContext& context, model::NodeIndex node,
+                        const model::VariableAttributes& variable)
+{
+    if (const StatusCode weak = context.rights.check_channel(node); weak.is_bad()) {
+        return weak;
+    }
+    if (!has_access(variable.access_level, AccessLevelType::CurrentRead)) {
+        return status::Bad_NotReadable;
+    }
+    const std::uint8_t level = context.rights.access_level(node, variable);
+    return has_access(level, AccessLevelType::CurrentRead) ? status::Good
+                                                           : status::Bad_UserAccessDenied;
+}
+
+/// RolePermissions are for administrators and whom they let read them (Part 3, 5.2.9 and 8.55).
+StatusCode check_role_permissions(const ReadContext& context, model::NodeIndex node)
+{
+    if (const StatusCode weak = context.rights.check_channel(node); weak.is_bad()) {
+        return weak;
+    }
+    const UserIdentity& user = context.rights.user;
+    const bool is_admin = is_configure_admin(user) ||
+                          has_role(context.space, user, NodeId{0, id::WellKnownRole_SecurityAdmin});
+    const model::NodeAccess* const access = context.space.node_access(node);
+    const bool has_some = access != nullptr && !access->role_permissions.is_null();
+    return is_admin || !has_some ||
+                   context.rights.is_permitted(PermissionType::ReadRolePermissions, node)
+               ? status::Good
+               : status::Bad_UserAccessDenied;
+}
+
+/// Those of the session's roles (Part 3, 5.2.10).
+Result<Variant> own_role_permissions(const ReadContext& context, model::NodeIndex node)
+{
+    const model::NodeAccess* const access = context.space.node_access(node);
+    if (access == nullptr || access->role_permissions.is_null()) {
+        return fail(status::Bad_AttributeIdInvalid);
+    }
+    Array<ExtensionObject> permissions;
+    permissions.clear(); // not null
+    for (const RolePermissionType& each :
+         user_role_permissions(context.space, context.rights.user, access->role_permissions)) {
+        permissions.push_back(ExtensionObject::from(each));
+    }
+    return Variant{std::move(permissions)};
+}
+
+/// Any attribute but a Variable's Value.
+Result<Variant> attribute(const ReadContext& context, const ReadValueId& id, model::NodeIndex node)
+{
+    const model::AddressSpace& space = context.space;
+    const bool is_browsing = id.attribute_id != value_attribute;
+    const StatusCode weak = is_browsing ? context.rights.check_browse_channel(node)
+                                        : context.rights.check_channel(node);
+    if (weak.is_bad()) {
+        return fail(weak);
+    }
+    const auto attribute_id = static_cast<AttributeId>(id.attribute_id);
+    if (attribute_id == AttributeId::Value) {
+        Variant value = space.value(node);
+        if (space.node_class(node) != NodeClass::VariableType || value.is_null()) {
+            return fail(status::Bad_AttributeIdInvalid);
+        }
+        return value;
+    }
+    if (attribute_id == AttributeId::UserAccessLevel &&
+        space.node_class(node) == NodeClass::Variable) {
+        return Variant{context.rights.access_level(node, space.variable(node))};
+    }
+    if (space.node_class(node) == NodeClass::Method && attribute_id == AttributeId::Executable) {
+        return Variant{is_executable(space, node)};
+    }
+    if (space.node_class(node) == NodeClass::Method &&
+        attribute_id == AttributeId::UserExecutable) {
+        return Variant{is_user_executable(space, context.rights, node)};
+    }
+    if (attribute_id == AttributeId::UserRolePermissions) {
+        return own_role_permissions(context, node);
+    }
+    if (attribute_id == AttributeId::RolePermissions) {
+        if (const StatusCode denied = check_role_permissions(context, node); denied.is_bad()) {
+            return fail(denied);
+        }
+    }
+    return space.attribute(node, attribute_id);
+}
+
+/// The value of a Variable without data source.
+DataValue kept_value(const ReadContext& context, const ReadValueId& id, model::NodeIndex node,
+                     std::uint32_t source)
+{
+    if (id.node_id.namespace_index() == 0 || source == session_nodes_source) {
+        if (auto live = context.live_value(id.node_id)) {
+            return std::move(*live);
+        }
+    }
+    return DataValue{context.space.value(node)};
+}
+
+ReadPlan answered(DataValue value)
+{
+    ReadPlan plan;
+    plan.answer = std::move(value);
+    return plan;
+}
+
+ReadPlan plan_value(const ReadContext& context, const ReadValueId& id, model::NodeIndex node)
+{
+    const model::VariableAttributes variable = context.space.variable(node);
+    StatusCode refusal = check_access(context, node, variable);
+    if (refusal.is_good()) {
+        refusal = check_data_encoding(context, id, &variable);
+    }
+    if (refusal.is_bad()) {
+        return answered(refusal);
+    }
+    if (variable.source == model::no_source || variable.source == session_nodes_source) {
+        return answered(kept_value(context, id, node, variable.source));
+    }
+    const auto* source = context.sources.find(variable.source);
+    if (source == nullptr) {
+        return answered(StatusCode{status::Bad_NoCommunication});
+    }
+    return {source->get(), variable.source, variable.handle, {}};
+}
+
+} // namespace
+
+ReadPlan plan_read(const ReadContext& context, const ReadValueId& id)
+{
+    const model::NodeIndex node = context.space.find(id.node_id);
+    if (node == model::no_node || !context.rights.may_see(node)) {
+        return answered(why_not_found(id.node_id));
+    }
+    if (id.attribute_id == value_attribute &&
+        context.space.node_class(node) == NodeClass::Variable) {
+        return plan_value(context, id, node);
+    }
+    Result<Variant> value = attribute(context, id, node);
+    const StatusCode refusal = value ? check_data_encoding(context, id, nullptr) : value.error();
+    return answered(refusal.is_bad() ? DataValue{refusal} : DataValue{std::move(*value)});
+}
+
+} // namespace busbar::server::detail

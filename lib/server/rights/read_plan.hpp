@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+
+#include <busbar/core/data_value.hpp>
+#include <busbar/core/function_ref.hpp>
+#include <busbar/model/address_space.hpp>
+#include <busbar/types/attribute.hpp>
+
+#include "data_rights.hpp"
+#include "server/data/data_sources.hpp"
+
+namespace busbar::server::detail {
+
+/// What a Read looks at besides its request.
+struct ReadContext {
+    const model::AddressSpace& space;
+    DataSources& sources;
+    NodeRights rights;
+    /// The value of a Variable of namespace 0, or of a session's diagnostics, that is found when it
+    /// is read; fails for any other.
+    FunctionRef<Result<DataValue>(const NodeId&)> live_value;
+    DateTime server_time;
+};
+
+/// Where the value of one attribute comes from.
+struct ReadPlan {
+    /// Null: there is the answer, or why there is none, in `answer`.
+    SourceEntry* source{nullptr};
+    std::uint32_t source_index{model::no_source};
+    std::uint64_t handle{0};
+    DataValue answer;
+};
+
+/// Looks up node, attribute, rights and data encoding; not the index range, which the caller cuts.
+[[nodiscard]] ReadPlan plan_read(const ReadContext& context, const ReadValueId& id);
+
+} // namespace busbar::server::detail

@@ -1,0 +1,352 @@
+#include <algorithm>
+#include <optional>
+
+#include <busbar/core/text.hpp>
+
+#include "server/engine/link.hpp"
+#include "server/users/user_token.hpp"
+#include "session_proof.hpp"
+#include "session_services.hpp"
+#include "user_expiry.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+constexpr std::size_t server_nonce_size = 32;
+constexpr std::size_t max_locale_size = 32;
+
+Refusal refusal_of(StatusCode status, std::string_view check, std::string found,
+                   std::string remedy = {})
+{
+    return {status, check, std::move(found), "Part 4, 5.7.3.1", std::move(remedy)};
+}
+
+/// ActivateSession (Part 4, 5.7.3).
+///
+/// Guessing has to be slow: an attempt may have to wait before it is looked at, and a refusal
+/// before it is answered. What has waited is checked from the beginning, as if it had come just
+/// then. Passwords may be checked by a worker meanwhile.
+class ActivateSession final : public OperationOf<ActivateSessionRequest>,
+                              private PasswordCheckOwner {
+public:
+    ~ActivateSession() override
+    {
+        if (check_) {
+            check_->owner = nullptr;
+        }
+    }
+    void start(ServiceContext& context) override
+    {
+        core_ = &context.core;
+        link_ = &context.link;
+        attempt(context.now);
+    }
+    [[nodiscard]] TimePoint next_deadline() const override { return wait_until_; }
+    void handle_deadline(TimePoint now) override
+    {
+        wait_until_ = no_deadline;
+        if (answer_ != StatusCode{}) {
+            return fault(answer_);
+        }
+        attempt(now);
+    }
+
+private:
+    void attempt(TimePoint now);
+    [[nodiscard]] std::optional<Refusal> check_channel() const;
+    [[nodiscard]] std::optional<Refusal> check_signature() const;
+    [[nodiscard]] std::optional<Refusal> check_user(const UserIdentity& user) const;
+    [[nodiscard]] bool may_log_in(TimePoint now);
+    [[nodiscard]] LoginStep begin_user() const;
+    void start_check(std::shared_ptr<PasswordCheck> check, TimePoint now);
+    void password_checked(TimePoint now) override;
+    void end_user(Login user, TimePoint now);
+    [[nodiscard]] bool is_anonymous() const;
+    [[nodiscard]] LoginAttempt login_attempt() const;
+    void refuse(StatusCode answer, Refusal refusal, Duration delay, TimePoint now);
+    void refuse(Refusal refusal, TimePoint now);
+    void accept(UserIdentity user, TimePoint now);
+
+    Core* core_{nullptr};
+    Link* link_{nullptr};
+    std::string thumbprint_;
+    TimePoint wait_until_{no_deadline};
+    bool has_waited_{false};
+    /// What a worker is at, and the nonce that it was begun with.
+    std::shared_ptr<PasswordCheck> check_;
+    ByteString checked_nonce_;
+    /// The answer's, if the password is wrong; counted when the check began.
+    std::optional<Duration> counted_delay_;
+    /// What is to be answered at the end of the wait; good if that is not decided.
+    StatusCode answer_;
+};
+
+const EndpointConfig* find_endpoint(const Core& core, const Session& session)
+{
+    const auto& endpoints = core.config.endpoints;
+    const auto found = std::find_if(endpoints.begin(), endpoints.end(), [&](const auto& endpoint) {
+        return endpoint.security == session.security;
+    });
+    return found == endpoints.end() ? nullptr : &*found;
+}
+
+/// Whether the session may be used over this channel, the client being who it says. The first time
+/// it has to be the channel it was created over, later one with the same security and certificate.
+std::optional<Refusal> ActivateSession::check_channel() const
+{
+    constexpr std::string_view check = "channel of the session";
+    const Session& session = *this->session();
+    if (session.link == link_) {
+        return std::nullopt;
+    }
+    if (!session.is_activated) {
+        return refusal_of(status::Bad_SecureChannelIdInvalid, check,
+                          "the first activation came over another channel than CreateSession");
+    }
+    const channel::ServerChannel& channel = link_->channel();
+    const crypto::CertificateChain& peer = channel.peer_certificates();
+    const bool is_same_client = peer.empty()
+                                    ? session.client_certificate.empty()
+                                    : !session.client_certificate.empty() &&
+                                          peer.front() == session.client_certificate.front();
+    if (!is_same_client) {
+        return refusal_of(status::Bad_SecurityChecksFailed, check,
+                          "the new channel has another client certificate");
+    }
+    if (channel.security() != session.security) {
+        return refusal_of(status::Bad_SecurityChecksFailed, check,
+                          "the new channel has another security policy or mode");
+    }
+    if (link_->sessions().size() >= core_->limits().max_sessions_per_channel) {
+        return refusal_of(status::Bad_TooManySessions, check,
+                          "the new channel is full of sessions");
+    }
+    return std::nullopt;
+}
+
+std::optional<Refusal> ActivateSession::check_signature() const
+{
+    const Session& session = *this->session();
+    if (is_signed_by_client(*core_, session.security, session.client_certificate,
+                            session.server_nonce.span(), request().client_signature)) {
+        return std::nullopt;
+    }
+    return refusal_of(status::Bad_ApplicationSignatureInvalid, "client signature",
+                      "it was not made with the key of the client's certificate over the server's "
+                      "certificate and last nonce");
+}
+
+/// Over another channel a session keeps its user; one without a user has nothing but its token to
+/// prove it, which mode Sign lets others read.
+std::optional<Refusal> ActivateSession::check_user(const UserIdentity& user) const
+{
+    constexpr std::string_view check = "user of the session";
+    const Session& session = *this->session();
+    if (session.link == link_) {
+        return std::nullopt;
+    }
+    if (!is_same_user(user, session.user)) {
+        return refusal_of(status::Bad_IdentityChangeNotSupported, check,
+                          "over the new channel another user logs in");
+    }
+    if (user.token_type == UserTokenType::Anonymous &&
+        session.security.mode == MessageSecurityMode::Sign) {
+        return refusal_of(status::Bad_SecurityModeInsufficient, check,
+                          "an anonymous session cannot change to a new channel in mode Sign");
+    }
+    return std::nullopt;
+}
+
+bool ActivateSession::is_anonymous() const
+{
+    const ExtensionObject& token = request().user_identity_token;
+    return token.is_null() || token.get_if<AnonymousIdentityToken>() != nullptr;
+}
+
+LoginAttempt ActivateSession::login_attempt() const
+{
+    const auto* user = request().user_identity_token.get_if<UserNameIdentityToken>();
+    return {user != nullptr ? user->user_name.view() : std::string_view{}, thumbprint_,
+            link_->peer_address()};
+}
+
+/// False if the attempt has to wait, or was refused, before it is looked at.
+bool ActivateSession::may_log_in(TimePoint now)
+{
+    if (is_anonymous()) {
+        return true;
+    }
+    if (const auto& peer = link_->channel().peer_certificates(); !peer.empty()) {
+        thumbprint_ = peer.front().thumbprint_text();
+    }
+    const LoginAttempt attempt = login_attempt();
+    const LoginGuard::Admission admission = core_->logins.admit(attempt, now);
+    if (admission.is_locked) {
+        refuse(status::Bad_UserAccessDenied,
+               refusal_of(status::Bad_UserAccessDenied, "login lock-out",
+                          "user \"" + printable(attempt.user) + "\" after too many failures",
+                          "Wait, or restart the server"),
+               admission.delay, now);
+        return false;
+    }
+    if (admission.delay != Duration::zero() && !std::exchange(has_waited_, true)) {
+        wait_until_ = now + admission.delay;
+        return false;
+    }
+    return true;
+}
+
+LoginStep ActivateSession::begin_user() const
+{
+    const Session& session = *this->session();
+    const EndpointConfig* endpoint = find_endpoint(*core_, session);
+    if (endpoint == nullptr) {
+        return Login{tl::unexpected{
+            LoginFailure{status::Bad_SecurityPolicyRejected,
+                         refusal_of(status::Bad_SecurityPolicyRejected, "endpoint of the session",
+                                    "there is no endpoint with the security of the channel")}}};
+    }
+    return begin_log_in({core_->config, *endpoint, core_->environment.users,
+                         session.server_nonce.span(), core_->environment.wall_clock->now()},
+                        request().user_identity_token, request().user_token_signature);
+}
+
+void ActivateSession::attempt(TimePoint now)
+{
+    if (auto refusal = check_channel()) {
+        return refuse(*std::move(refusal), now);
+    }
+    if (auto refusal = check_signature()) {
+        return refuse(*std::move(refusal), now);
+    }
+    if (!may_log_in(now)) {
+        return;
+    }
+    core_->guards.request().forget();
+    LoginStep step = begin_user();
+    if (core_->guards.request().is_noted()) {
+        return fault(status::Bad_InternalError);
+    }
+    if (auto* login = std::get_if<Login>(&step)) {
+        return end_user(std::move(*login), now);
+    }
+    start_check(std::get<std::shared_ptr<PasswordCheck>>(std::move(step)), now);
+}
+
+void ActivateSession::start_check(std::shared_ptr<PasswordCheck> check, TimePoint now)
+{
+    UserStore& users = *core_->environment.users;
+    Worker* const worker = core_->password_checks.worker_for(users);
+    if (worker == nullptr) {
+        check->run(core_->guards.unguarded_users());
+        return end_user(end_log_in(*check), now);
+    }
+    check_ = std::move(check);
+    check_->owner = this;
+    checked_nonce_ = session()->server_nonce;
+    const bool is_started = core_->guards.report().guard("Worker::run", false, [&] {
+        return core_->password_checks.start(check_, *worker, core_->guards.unguarded_users());
+    });
+    if (!is_started) {
+        return fault(status::Bad_ServerTooBusy);
+    }
+    counted_delay_ = core_->logins.failed(login_attempt(), now);
+}
+
+/// Much may have happened meanwhile.
+void ActivateSession::password_checked(TimePoint now)
+{
+    const std::shared_ptr<PasswordCheck> check = std::exchange(check_, nullptr);
+    if (is_finished()) {
+        return;
+    }
+    if (auto refusal = check_channel()) {
+        return refuse(*std::move(refusal), now);
+    }
+    if (session()->server_nonce != checked_nonce_) {
+        return refuse(refusal_of(status::Bad_ApplicationSignatureInvalid, "client signature",
+                                 "its nonce was used while the password was checked"),
+                      now);
+    }
+    end_user(end_log_in(*check), now);
+}
+
+void ActivateSession::end_user(Login user, TimePoint now)
+{
+    if (!user) {
+        const bool is_counted = !user.error().is_guess || counted_delay_.has_value();
+        const Duration delay = is_counted ? counted_delay_.value_or(Duration::zero())
+                                          : core_->logins.failed(login_attempt(), now);
+        return refuse(user.error().answer, std::move(user.error().refusal), delay, now);
+    }
+    if (auto refusal = check_user(*user)) {
+        return refuse(*std::move(refusal), now);
+    }
+    accept(*std::move(user), now);
+}
+
+void ActivateSession::refuse(Refusal refusal, TimePoint now)
+{
+    const StatusCode answer = refusal.status;
+    refuse(answer, std::move(refusal), Duration::zero(), now);
+}
+
+void ActivateSession::refuse(StatusCode answer, Refusal refusal, Duration delay, TimePoint now)
+{
+    refusal.found += ", in session \"" + printable(session()->name) + "\" from " +
+                     std::string{link_->peer_address()};
+    core_->log(LogLevel::Warning, "session", text(refusal));
+    if (delay == Duration::zero()) {
+        return fault(answer);
+    }
+    answer_ = answer;
+    wait_until_ = now + delay;
+    deadline_changed();
+}
+
+void ActivateSession::accept(UserIdentity user, TimePoint now)
+{
+    Session& session = *this->session();
+    auto nonce = random_bytes(*core_, server_nonce_size);
+    if (!nonce) {
+        return fault(nonce.error());
+    }
+    if (!is_anonymous()) {
+        core_->logins.succeeded(login_attempt(), counted_delay_.has_value());
+    }
+    if (!request().locale_ids.empty()) { // else the old ones stay
+        session.locale_ids.clear();
+        for (const String& locale : request().locale_ids) {
+            if (session.locale_ids.size() < core_->limits().max_locale_ids &&
+                locale.size() <= max_locale_size) {
+                session.locale_ids.push_back(locale.str());
+            }
+        }
+    }
+    // Also the same user, with other rights than before.
+    const bool is_other_user = !(session.user == user);
+    session.server_nonce = *std::move(nonce);
+    session.is_activated = true;
+    link_->bind(session);
+    Subscriptions::session_moved(session);
+    set_user(*core_, *find_endpoint(*core_, session), session, std::move(user), now);
+    core_->session_nodes.add(*core_, session);
+    if (is_other_user) {
+        core_->subscriptions.user_changed(session, now);
+    }
+    respond<ActivateSessionResponse>([&](binary::Writer& writer) {
+        encode(writer, session.server_nonce);
+        encode(writer, Array<StatusCode>{}); // of software certificates
+        encode(writer, Array<DiagnosticInfo>{});
+    });
+}
+
+} // namespace
+
+std::unique_ptr<Operation> make_activate_session()
+{
+    return std::make_unique<ActivateSession>();
+}
+
+} // namespace busbar::server::detail

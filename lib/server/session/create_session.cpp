@@ -1,0 +1,228 @@
+#include <algorithm>
+#include <cmath>
+
+#include <busbar/core/text.hpp>
+
+#include "discovery.hpp"
+#include "server/engine/link.hpp"
+#include "session_proof.hpp"
+#include "session_services.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+/// Sizes of nonces and tokens in bytes (Part 4, 5.7.2.2 and 7.35).
+constexpr std::size_t nonce_size = 32;
+constexpr std::size_t max_nonce_size = 128;
+constexpr std::size_t max_text_size = 256;
+
+/// The security of the channel has to be that of an endpoint: discovery may have less.
+Checked<void> check_endpoint(const Core& core, const channel::SecuritySetting& security)
+{
+    const auto& endpoints = core.config.endpoints;
+    const bool is_there = std::any_of(endpoints.begin(), endpoints.end(),
+                                      [&](const auto& e) { return e.security == security; });
+    if (!is_there) {
+        return refuse({status::Bad_SecurityPolicyRejected, "security of the session",
+                       "the channel has " + std::string{security.policy->name} +
+                           ", which is for discovery only",
+                       "Part 4, 5.5.1 and 5.7.2", "Let the client choose one of the endpoints"});
+    }
+    return {};
+}
+
+Checked<void> check_nonce(const ByteString& nonce, bool is_secure)
+{
+    const bool is_right =
+        nonce.empty() ? !is_secure : nonce.size() >= nonce_size && nonce.size() <= max_nonce_size;
+    if (!is_right) {
+        return refuse({status::Bad_NonceInvalid,
+                       "client nonce",
+                       std::to_string(nonce.size()) + " bytes where 32 to 128 are due",
+                       "Part 4, 5.7.2.2",
+                       {}});
+    }
+    return {};
+}
+
+/// The client's certificate must be the one that its channel was opened with, and name the
+/// application that it says it is (Part 4, 5.7.2.2).
+Checked<void> check_certificate(const channel::ServerChannel& channel,
+                                const CreateSessionRequest& request)
+{
+    const auto sent = crypto::parse_chain(request.client_certificate.span());
+    if (!sent || channel.peer_certificates().empty() ||
+        sent->front() != channel.peer_certificates().front()) {
+        return refuse({status::Bad_SecurityChecksFailed, "client certificate",
+                       "not the one that the channel was opened with", "Part 4, 5.7.2.2",
+                       "The client mixes up its certificates"});
+    }
+    const crypto::Certificate& leaf = sent->front();
+    if (leaf.application_uri() != request.client_description.application_uri.view()) {
+        return refuse({status::Bad_CertificateUriInvalid, "ApplicationUri",
+                       "the client says " +
+                           printable(request.client_description.application_uri.view()) +
+                           ", its certificate " + printable(leaf.application_uri()),
+                       "Part 4, 5.7.2.2 and 6.1.3",
+                       "Set the client's ApplicationUri to that of its certificate, or make it "
+                       "another certificate",
+                       printable(leaf.subject()), leaf.thumbprint_text()});
+    }
+    return {};
+}
+
+Checked<void> check(const ServiceContext& context, const CreateSessionRequest& request)
+{
+    const channel::ServerChannel& channel = context.link.channel();
+    const bool is_secure = !channel.security().policy->is_none();
+    return check_endpoint(context.core, channel.security())
+        .and_then([&] { return check_nonce(request.client_nonce, is_secure); })
+        .and_then(
+            [&] { return is_secure ? check_certificate(channel, request) : Checked<void>{}; });
+}
+
+tl::unexpected<Refusal> refuse_place(std::size_t count, std::string_view which)
+{
+    return refuse({status::Bad_TooManySessions, "place for a session",
+                   std::to_string(count) + " " + std::string{which} + ", which is the limit",
+                   "Part 4, 5.7.2", "Close sessions that are not needed, or raise the limit"});
+}
+
+/// Part 4, 5.7.2.1: sessions that nobody activates do not keep others out.
+Checked<void> make_place(ServiceContext& context)
+{
+    Core& core = context.core;
+    const std::size_t over_channel = context.link.sessions().size();
+    if (over_channel >= core.limits().max_sessions_per_channel) {
+        return refuse_place(over_channel, "sessions over this channel");
+    }
+    if (core.sessions.size() < core.limits().max_sessions) {
+        return {};
+    }
+    Session* oldest = core.sessions.oldest_unactivated();
+    if (oldest == nullptr) {
+        return refuse_place(core.sessions.size(), "sessions, all activated");
+    }
+    core.close_session(*oldest, status::Bad_SessionClosed);
+    return {};
+}
+
+/// Any number, not a number included, comes into the limits.
+std::chrono::milliseconds revise_timeout(const ServerLimits& limits, double requested_ms)
+{
+    const auto least = limits.min_session_timeout;
+    const auto most = limits.max_session_timeout;
+    if (!(requested_ms > static_cast<double>(least.count()))) {
+        return least;
+    }
+    if (requested_ms >= static_cast<double>(most.count())) {
+        return most;
+    }
+    return std::chrono::milliseconds{static_cast<std::int64_t>(requested_ms)};
+}
+
+Result<Guid> random_guid(const Core& core)
+{
+    const auto bytes = random_bytes(core, 16);
+    if (!bytes) {
+        return fail(bytes.error());
+    }
+    return binary::from_bytes<Guid>(bytes->span());
+}
+
+/// What is kept of a text that nobody has logged in for yet.
+String shortened(const String& text)
+{
+    return String{std::string{text.view().substr(0, max_text_size)}};
+}
+
+/// For the diagnostics (Part 5, 12.11).
+void describe_client(Session& session, const CreateSessionRequest& request)
+{
+    const ApplicationDescription& client = request.client_description;
+    session.client_description.application_uri = shortened(client.application_uri);
+    session.client_description.product_uri = shortened(client.product_uri);
+    session.client_description.application_name = {shortened(client.application_name.locale),
+                                                   shortened(client.application_name.text)};
+    session.client_description.application_type = client.application_type;
+    session.client_description.gateway_server_uri = shortened(client.gateway_server_uri);
+    session.server_uri = shortened(request.server_uri);
+    session.endpoint_url = shortened(request.endpoint_url);
+}
+
+Result<std::unique_ptr<Session>> make_session(ServiceContext& context,
+                                              const CreateSessionRequest& request)
+{
+    Core& core = context.core;
+    const auto id = random_guid(core);
+    const auto token = random_bytes(core, nonce_size);
+    auto nonce = random_bytes(core, nonce_size);
+    if (!id || !token || !nonce) {
+        return fail(status::Bad_ResourceUnavailable);
+    }
+    auto session = std::make_unique<Session>(core.limits().max_session_memory);
+    session->id = NodeId{core.own_namespace, *id};
+    session->authentication_token = NodeId{0, *token};
+    session->server_nonce = *std::move(nonce);
+    session->name = request.session_name.view().substr(0, max_text_size);
+    if (session->name.empty()) {
+        session->name = to_string(*id);
+    }
+    session->client_application_uri =
+        request.client_description.application_uri.view().substr(0, max_text_size);
+    describe_client(*session, request);
+    session->security = context.link.channel().security();
+    if (const auto& certificates = context.link.channel().peer_certificates();
+        !certificates.empty()) {
+        session->client_certificate = {certificates.front()};
+    }
+    session->max_response_message_size = request.max_response_message_size;
+    session->timeout = revise_timeout(core.limits(), request.requested_session_timeout);
+    session->created = context.now;
+    session->connection_time = core.environment.wall_clock->now();
+    session->deadline = context.now + std::min(session->timeout, core.limits().activation_timeout);
+    return session;
+}
+
+} // namespace
+
+StatusCode create_session(ServiceContext& context, const CreateSessionRequest& request,
+                          CreateSessionResponse& response)
+{
+    Core& core = context.core;
+    const auto admitted = check(context, request).and_then([&] { return make_place(context); });
+    if (!admitted) {
+        explain(context.link.log(), "session", admitted.error());
+        return admitted.error().status;
+    }
+    const auto& peer = context.link.channel().peer_certificates();
+    auto signature =
+        sign_for_client(core, context.link.channel().security(),
+                        peer.empty() ? std::span<const std::byte>{} : peer.front().der(),
+                        request.client_nonce.span());
+    if (!signature) {
+        return signature.error();
+    }
+    auto made = make_session(context, request);
+    if (!made) {
+        return made.error();
+    }
+    Session& session = core.sessions.add(*std::move(made));
+    context.link.bind(session);
+    ++core.diagnostics.summary.cumulated_session_count;
+    response.session_id = session.id;
+    response.authentication_token = session.authentication_token;
+    response.revised_session_timeout = static_cast<double>(session.timeout.count());
+    response.server_nonce = session.server_nonce;
+    response.server_certificate = server_certificates(core);
+    response.server_endpoints = describe_endpoints(core, request.endpoint_url.view());
+    response.server_signature = *std::move(signature);
+    response.max_request_message_size = core.limits().transport.max_message_size;
+    core.log(LogLevel::Info, "session",
+             "\"" + printable(session.name) + "\" created from " +
+                 std::string{context.link.peer_address()});
+    return status::Good;
+}
+
+} // namespace busbar::server::detail

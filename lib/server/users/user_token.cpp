@@ -1,0 +1,291 @@
+#include "user_token.hpp"
+
+#include <optional>
+
+#include <busbar/core/text.hpp>
+#include <busbar/crypto/asymmetric.hpp>
+#include <busbar/types/session.hpp>
+
+#include "server/session/session_proof.hpp"
+#include "user_policies.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+/// Bytes of passwords that are looked at. The legacy format has room for 64 (Part 4, 7.40.2.1).
+constexpr std::size_t max_password_size = 256;
+/// What is checked instead of a password that could not be read.
+constexpr std::string_view stand_in = "not the password of anyone";
+
+constexpr std::string_view name_of(UserTokenType type)
+{
+    switch (type) {
+    case UserTokenType::Anonymous:
+        return "anonymous users";
+    case UserTokenType::UserName:
+        return "user names";
+    case UserTokenType::Certificate:
+        return "user certificates";
+    case UserTokenType::IssuedToken:
+        return "issued tokens";
+    }
+    return {};
+}
+
+/// The client does not ask for what this endpoint offers: nobody is guessing.
+LoginFailure misuse(StatusCode status, std::string found, std::string remedy)
+{
+    return {status,
+            {status, "user token policy", std::move(found), "Part 4, 7.40.1", std::move(remedy)}};
+}
+
+LoginFailure guess(StatusCode status, std::string_view check, std::string found,
+                   std::string_view rule, std::string remedy = {})
+{
+    return {status, {status, check, std::move(found), rule, std::move(remedy)}, true};
+}
+
+/// Whether the endpoint accepts the kind of token, and the token names the policy for it.
+std::optional<LoginFailure> check_policy(const LoginContext& context, UserTokenType type,
+                                         const String& policy)
+{
+    if (!accepts(context.endpoint, context.users, type)) {
+        return misuse(status::Bad_IdentityTokenRejected,
+                      std::string{name_of(type)} + " are not accepted at this endpoint",
+                      "If they are to be, allow them in the configuration of the endpoint");
+    }
+    const std::string expected = policy_id(context.endpoint, type);
+    if (policy.view() != expected) {
+        return misuse(status::Bad_IdentityTokenInvalid,
+                      "the token is of policy \"" + printable(policy.view()) + "\" and not \"" +
+                          expected + "\"",
+                      "The client has to read the endpoints again");
+    }
+    return std::nullopt;
+}
+
+Login log_in_anonymous(const LoginContext& context, const String& policy)
+{
+    // Who leaves out the token leaves out the policy (Part 4, 5.7.3.2).
+    const String named = policy.empty() ? String{"anonymous"} : policy;
+    if (auto failure = check_policy(context, UserTokenType::Anonymous, named)) {
+        return tl::unexpected{*std::move(failure)};
+    }
+    UserIdentity user = context.users != nullptr ? context.users->anonymous() : anonymous_reader();
+    user.token_type = UserTokenType::Anonymous;
+    return user;
+}
+
+/// True if the secret of a token is encrypted, or not, as the endpoint wants it; which anyone can
+/// see.
+bool has_right_encryption(const LoginContext& context, const String& algorithm)
+{
+    const crypto::SecurityPolicy& policy = password_policy(context.endpoint);
+    return policy.is_none() ? algorithm.empty()
+                            : algorithm.view() == policy.encryption_uri && context.config.identity;
+}
+
+/// The secret of a token as it was before encryption; nothing if it cannot be read, is not for this
+/// session or too long.
+std::optional<crypto::Secret> open_secret(const LoginContext& context, const ByteString& data,
+                                          std::size_t max_size)
+{
+    const crypto::SecurityPolicy& policy = password_policy(context.endpoint);
+    if (policy.is_none()) {
+        return data.size() <= max_size ? std::optional{crypto::Secret{data.span()}} : std::nullopt;
+    }
+    auto secret = crypto::decrypt_secret(policy, context.config.identity->key, data.span(),
+                                         context.server_nonce, max_size);
+    return secret ? std::optional{*std::move(secret)} : std::nullopt;
+}
+
+LoginStep begin_user(const LoginContext& context, const UserNameIdentityToken& token)
+{
+    if (auto failure = check_policy(context, UserTokenType::UserName, token.policy_id)) {
+        return Login{tl::unexpected{*std::move(failure)}};
+    }
+    if (token.user_name.empty() || !has_right_encryption(context, token.encryption_algorithm)) {
+        return Login{tl::unexpected{misuse(status::Bad_IdentityTokenInvalid,
+                                           "there is no name, or the password is not encrypted as "
+                                           "the endpoint says",
+                                           {})}};
+    }
+    const bool is_legacy = !password_policy(context.endpoint).is_none();
+    auto secret = open_secret(context, token.password,
+                              is_legacy ? crypto::max_secret_size : max_password_size);
+    auto check = std::make_shared<PasswordCheck>();
+    check->name = token.user_name.view();
+    // Neither answer nor time tells what was wrong: the password check is made in any case.
+    check->is_readable = secret && !secret->empty();
+    check->password = check->is_readable ? *std::move(secret) : crypto::Secret{stand_in};
+    return check;
+}
+
+/// The certificate's own trust list, then the proof that the user has its key.
+std::optional<LoginFailure> check_certificate_user(const LoginContext& context,
+                                                   const crypto::CertificateChain& chain,
+                                                   const SignatureData& signature)
+{
+    const crypto::SecurityPolicy& policy = certificate_policy(context.endpoint);
+    crypto::ValidationContext validation;
+    validation.policy = &policy;
+    validation.now = context.now;
+    validation.purpose = crypto::CertificatePurpose::User;
+    crypto::CertificateValidator* const validator = context.users->certificate_validator();
+    if (validator == nullptr) {
+        return misuse(status::Bad_IdentityTokenRejected, "there is no validator any more", {});
+    }
+    auto trusted = validator->validate(chain, validation);
+    if (!trusted) {
+        return LoginFailure{status::Bad_IdentityTokenRejected, std::move(trusted.error()), true};
+    }
+    const auto& identity = context.config.identity;
+    if (!identity ||
+        !is_signed(*identity, policy, chain.front(), context.server_nonce, signature)) {
+        LoginFailure failure =
+            guess(status::Bad_UserSignatureInvalid, "user token signature",
+                  "it was not made with the key of the user certificate over the server's "
+                  "certificate and last nonce",
+                  "Part 4, 5.7.3.2");
+        failure.refusal.subject = printable(chain.front().subject());
+        failure.refusal.thumbprint = chain.front().thumbprint_text();
+        return failure;
+    }
+    return std::nullopt;
+}
+
+UserIdentity identity_of(UserTokenType type, std::string name, UserRights rights)
+{
+    UserIdentity user;
+    user.token_type = type;
+    user.name = std::move(name);
+    user.access_level_mask = rights.access_level_mask;
+    user.roles = std::move(rights.roles);
+    return user;
+}
+
+Login log_in_certificate(const LoginContext& context, const X509IdentityToken& token,
+                         const SignatureData& signature)
+{
+    if (auto failure = check_policy(context, UserTokenType::Certificate, token.policy_id)) {
+        return tl::unexpected{*std::move(failure)};
+    }
+    const auto chain = crypto::parse_chain(token.certificate_data.span());
+    if (!chain) {
+        return tl::unexpected{
+            misuse(status::Bad_IdentityTokenInvalid, "the user certificate cannot be read", {})};
+    }
+    if (auto failure = check_certificate_user(context, *chain, signature)) {
+        return tl::unexpected{*std::move(failure)};
+    }
+    const crypto::Certificate& certificate = chain->front();
+    auto rights = context.users->certificate_user(certificate);
+    if (!rights) {
+        LoginFailure failure =
+            guess(status::Bad_IdentityTokenRejected, "user certificate", "it belongs to no user",
+                  "Part 4, 7.40.5", "Add it to the users");
+        failure.refusal.subject = printable(certificate.subject());
+        failure.refusal.thumbprint = certificate.thumbprint_text();
+        return tl::unexpected{std::move(failure)};
+    }
+    UserIdentity user =
+        identity_of(UserTokenType::Certificate, certificate.subject(), *std::move(rights));
+    user.valid_until = certificate.valid_to();
+    return user;
+}
+
+Login log_in_issued(const LoginContext& context, const IssuedIdentityToken& token)
+{
+    if (auto failure = check_policy(context, UserTokenType::IssuedToken, token.policy_id)) {
+        return tl::unexpected{*std::move(failure)};
+    }
+    if (!has_right_encryption(context, token.encryption_algorithm)) {
+        return tl::unexpected{misuse(status::Bad_IdentityTokenInvalid,
+                                     "the token is not encrypted as the endpoint says", {})};
+    }
+    const auto secret = open_secret(context, token.token_data, crypto::max_jwt_size);
+    if (!secret) {
+        return tl::unexpected{guess(status::Bad_IdentityTokenRejected, "issued token",
+                                    "it is not encrypted for this session", "Part 4, 7.40.6")};
+    }
+    const crypto::JwtRules* const rules = context.users->token_rules();
+    if (rules == nullptr) {
+        return tl::unexpected{
+            misuse(status::Bad_IdentityTokenRejected, "there are no rules any more", {})};
+    }
+    auto claims =
+        crypto::verify_jwt(secret->text(), *rules, context.config.application_uri, context.now);
+    if (!claims) {
+        const StatusCode status = claims.error().status;
+        return tl::unexpected{LoginFailure{status, std::move(claims.error()), true}};
+    }
+    auto rights = context.users->token_user(*claims);
+    if (!rights) {
+        return tl::unexpected{guess(status::Bad_IdentityTokenRejected, "issued token",
+                                    "\"" + printable(claims->subject) + "\" is no user here",
+                                    "Part 4, 7.40.6", "Add it to the users")};
+    }
+    UserIdentity user =
+        identity_of(UserTokenType::IssuedToken, std::move(claims->subject), *std::move(rights));
+    user.issuer = std::move(claims->issuer);
+    const auto skew = rules->clock_skew.count();
+    user.valid_until = {claims->expires.ticks + skew * DateTime::ticks_per_second};
+    return user;
+}
+
+} // namespace
+
+LoginStep begin_log_in(const LoginContext& context, const ExtensionObject& token,
+                       const SignatureData& signature)
+{
+    if (token.is_null()) {
+        return log_in_anonymous(context, {}); // Part 4, 5.7.3.2
+    }
+    if (const auto* anonymous = token.get_if<AnonymousIdentityToken>()) {
+        return log_in_anonymous(context, anonymous->policy_id);
+    }
+    if (const auto* user = token.get_if<UserNameIdentityToken>()) {
+        return begin_user(context, *user);
+    }
+    if (const auto* certificate = token.get_if<X509IdentityToken>()) {
+        return log_in_certificate(context, *certificate, signature);
+    }
+    if (const auto* issued = token.get_if<IssuedIdentityToken>()) {
+        return log_in_issued(context, *issued);
+    }
+    return Login{
+        tl::unexpected{misuse(status::Bad_IdentityTokenInvalid, "it is no UserIdentityToken", {})}};
+}
+
+Login end_log_in(PasswordCheck& check)
+{
+    if (!check.thrown.empty()) { // which says nothing of the user
+        return tl::unexpected{misuse(status::Bad_InternalError,
+                                     "UserStore::log_in threw: " + printable(check.thrown), {})};
+    }
+    if (!check.is_readable || !check.result) {
+        return tl::unexpected{guess(
+            status::Bad_UserAccessDenied, "user name and password",
+            "user \"" + printable(check.name) + "\": " +
+                (check.is_readable ? "no such user, or another password"
+                                   : "the password is empty, or not encrypted for this session"),
+            "Part 4, 7.40.4")};
+    }
+    check.result->token_type = UserTokenType::UserName;
+    return *std::move(check.result);
+}
+
+Login log_in(const LoginContext& context, const ExtensionObject& token,
+             const SignatureData& signature)
+{
+    LoginStep step = begin_log_in(context, token, signature);
+    if (auto* login = std::get_if<Login>(&step)) {
+        return std::move(*login);
+    }
+    PasswordCheck& check = *std::get<std::shared_ptr<PasswordCheck>>(step);
+    check.run(*context.users);
+    return end_log_in(check);
+}
+
+} // namespace busbar::server::detail

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <busbar/crypto/random.hpp>
+#include <busbar/model/address_space.hpp>
+#include <busbar/server/limits.hpp>
+#include <busbar/types/view.hpp>
+
+#include "server/rights/data_rights.hpp"
+#include "server/session/session.hpp"
+#include "server/session/turn.hpp"
+
+namespace busbar::server::detail {
+
+/// What the View services need of the server and the session.
+struct ViewContext {
+    const model::AddressSpace& space;
+    NodeRights rights;
+    const ServerLimits& limits;
+    crypto::Random& random;
+    Session& session;
+    /// Work and memory of one request.
+    std::size_t visits_left{10'000'000};
+    std::size_t references_left{200'000};
+    /// What may be done of it before others have their turn.
+    Turn turn{};
+    /// With so many visits left, or none, what looks at references has to stop for now.
+    std::size_t pause_at{0};
+
+    [[nodiscard]] bool may_see(model::NodeIndex node) const
+    {
+        return rights.may_see(node) && rights.check_browse_channel(node).is_good();
+    }
+    /// The node, if there is one that the user may see; else why there is none for him.
+    [[nodiscard]] Result<model::NodeIndex> find(const NodeId& id) const
+    {
+        const model::NodeIndex node = space.find(id);
+        if (node == model::no_node || !rights.may_see(node)) {
+            return fail(why_not_found(id));
+        }
+        if (const StatusCode weak = rights.check_browse_channel(node); weak.is_bad()) {
+            return fail(weak);
+        }
+        return node;
+    }
+    /// False if it has to stop after this one, for now or because the request has looked at too
+    /// much.
+    [[nodiscard]] bool visit(std::size_t count)
+    {
+        visits_left -= count < visits_left ? count : visits_left;
+        return may_go_on();
+    }
+    [[nodiscard]] bool may_go_on() const { return visits_left > pause_at; }
+};
+
+[[nodiscard]] StatusCode translate_browse_paths(ViewContext& context,
+                                                const TranslateBrowsePathsToNodeIdsRequest& request,
+                                                TranslateBrowsePathsToNodeIdsResponse& response);
+[[nodiscard]] StatusCode register_nodes(ViewContext& context, const RegisterNodesRequest& request,
+                                        RegisterNodesResponse& response);
+[[nodiscard]] StatusCode unregister_nodes(ViewContext& context,
+                                          const UnregisterNodesRequest& request);
+
+} // namespace busbar::server::detail

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <busbar/types/view.hpp>
+
+#include "server/session/service.hpp"
+
+/// The View service set (Part 4, 5.9). All need an activated session.
+namespace busbar::server::detail {
+
+/// Operations, as they may take several turns.
+[[nodiscard]] std::unique_ptr<Operation> make_browse();
+[[nodiscard]] std::unique_ptr<Operation> make_browse_next();
+[[nodiscard]] StatusCode translate_browse_paths(ServiceContext& context,
+                                                const TranslateBrowsePathsToNodeIdsRequest& request,
+                                                TranslateBrowsePathsToNodeIdsResponse& response);
+[[nodiscard]] StatusCode register_nodes(ServiceContext& context,
+                                        const RegisterNodesRequest& request,
+                                        RegisterNodesResponse& response);
+[[nodiscard]] StatusCode unregister_nodes(ServiceContext& context,
+                                          const UnregisterNodesRequest& request,
+                                          UnregisterNodesResponse& response);
+
+} // namespace busbar::server::detail
