@@ -15,29 +15,13 @@
 #include <busbar/server/access_control.hpp>
 #include <busbar/server/connection.hpp>
 #include <busbar/server/data_source.hpp>
+#include <busbar/server/environment.hpp>
 #include <busbar/server/event.hpp>
 #include <busbar/server/namespace_metadata.hpp>
 #include <busbar/server/server_config.hpp>
 #include <busbar/server/waker.hpp>
 
 namespace busbar::server {
-
-/// What a server needs from outside; all must outlive it. Random, clock and log are never null.
-struct ServerEnvironment {
-    crypto::Random* random{nullptr};
-    const WallClock* wall_clock{nullptr};
-    LogSink* log{nullptr};
-    /// May be null where every endpoint has policy None.
-    crypto::CertificateValidator* validator{nullptr};
-    /// Null: nobody but anonymous users.
-    UserStore* users{nullptr};
-    /// May be null.
-    const AccessControl* access{nullptr};
-    /// Null if every data source completes inline.
-    Waker* waker{nullptr};
-    /// Null in every product; builds without BUSBAR_KEY_LOG do not look at it.
-    channel::KeyLog* key_log{nullptr};
-};
 
 /// One OPC UA server: address space, data sources and sessions, to which Connections bring the
 /// clients. Does no I/O; any number of them live in one process.
