@@ -3,10 +3,6 @@
 #include <map>
 #include <memory>
 
-#include "server/engine/core.hpp"
-#include "server/subscription/sampler.hpp"
-#include "server/subscription/subscription.hpp"
-#include "server/subscription/subscription_services.hpp"
 #include "subscription_fixture.hpp"
 #include "support/slow_server.hpp"
 
@@ -296,51 +292,4 @@ TEST_CASE("a source that takes its time, is late or dies, and items that go mean
         fixture.answer();
         fixture.advance(10s);
     }
-}
-
-TEST_CASE("GetMonitoredItems and ResendData are there as functions")
-{
-    FixedWallClock clock;
-    SeededRandom random;
-    LogBook log;
-    server::detail::Core core{server::ServerConfig{}, {&random, &clock, &log}, {}};
-    server::detail::Session session{1'000'000};
-    server::detail::Session other{1'000'000};
-    const server::detail::SubscriptionParameters parameters{100ms, 30, 3, 0, 0};
-    const auto made = core.subscriptions.create(session, parameters, true, TimePoint{});
-    REQUIRE(made);
-    server::detail::Subscription& subscription = **made;
-    const server::detail::ItemContext context{core, subscription, TimePoint{}};
-    for (const std::uint32_t handle : {7U, 8U}) {
-        server::detail::ItemRevision revision;
-        auto item = server::detail::DataItem::make(
-            context,
-            SubscriptionFixture::item_request(NodeId{0, id::Server_ServerStatus_State}, handle),
-            TimestampsToReturn::Neither, revision);
-        REQUIRE(item);
-        auto& added = subscription.add_item(std::move(item));
-        core.subscriptions.sampler().add(static_cast<server::detail::DataItem&>(added), {});
-    }
-    core.subscriptions.sampler().sample_new(TimePoint{});
-
-    const auto handles = get_monitored_items(core, session, subscription.id());
-    REQUIRE(handles);
-    CHECK(handles->server_handles == Array<std::uint32_t>{1, 2});
-    CHECK(handles->client_handles == Array<std::uint32_t>{7, 8});
-    CHECK(get_monitored_items(core, session, 0).error() == status::Bad_SubscriptionIdInvalid);
-    CHECK(get_monitored_items(core, other, subscription.id()).error() ==
-          status::Bad_UserAccessDenied);
-
-    auto& ready = subscription.ready(server::detail::MonitoredItem::Kind::Data);
-    binary::VectorSink sink;
-    binary::Writer writer{sink};
-    ready.take_notification(writer, 1'000);
-    CHECK_FALSE(ready.empty()); // the other item's first value
-    CHECK(resend_data(core, session, subscription.id(), {}) == status::Good);
-    ready.take_notification(writer, 1'000);
-    ready.take_notification(writer, 1'000);
-    CHECK(ready.empty());
-    CHECK(resend_data(core, other, subscription.id(), {}) == status::Bad_UserAccessDenied);
-    CHECK(resend_data(core, session, 0, {}) == status::Bad_SubscriptionIdInvalid);
-    core.subscriptions.session_ends(session, true);
 }

@@ -1,23 +1,22 @@
 #include "read.hpp"
 
-#include "server/diagnostics/server_object.hpp"
-#include "server/engine/core.hpp"
-#include "server/session/session.hpp"
 #include "server/session/session_rights.hpp"
 
 namespace busbar::server::detail {
 
 void ReadOperation::start(ServiceContext& context)
 {
-    Core& core = context.core;
-    const StatusCode refusal = check_read(request(), core.limits().operations.max_nodes_per_read);
+    const StatusCode refusal = check_read(request(), needs_.limits.operations.max_nodes_per_read);
     if (refusal.is_bad()) {
         return fault(refusal);
     }
     const ValueReader reader{context.session->user, is_encrypted(*context.session)};
-    const auto live_value = [&](const NodeId& node) { return server_value(core, node, reader); };
-    job_.emplace(ReadContext{core.address_space, core.sources, rights_of(context), live_value,
-                             core.environment.wall_clock->now()},
+    const auto live_value = [&](const NodeId& node) {
+        return needs_.live_values.find(node, reader);
+    };
+    job_.emplace(ReadContext{needs_.space, needs_.sources,
+                             rights_of(*context.session, needs_.space, needs_.access), live_value,
+                             needs_.wall_clock.now()},
                  request());
     if (job_->start(*this, context.now)) {
         return call_completed();

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <string_view>
-#include <unordered_set>
 
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/types/ids.hpp>
 
-#include "server/engine/core.hpp"
-#include "server/rights/data_rights.hpp"
+#include "server/rights/node_rights.hpp"
 
 namespace busbar::server::detail {
 
@@ -50,13 +48,10 @@ void add_owners(const model::AddressSpace& space, model::NodeIndex property,
 
 } // namespace
 
-void announce_semantic_changes(Core& core, const WriteRequest& request,
-                               FunctionRef<StatusCode(std::size_t)> result)
+std::unordered_set<NodeId> find_semantic_changes(const model::AddressSpace& space,
+                                                 const WriteRequest& request,
+                                                 FunctionRef<StatusCode(std::size_t)> result)
 {
-    if (core.subscriptions.item_count() == 0) {
-        return;
-    }
-    const model::AddressSpace& space = core.address_space;
     std::unordered_set<NodeId> owners;
     for (std::size_t i = 0; i < request.nodes_to_write.size(); ++i) {
         const WriteValue& written = request.nodes_to_write[i];
@@ -67,12 +62,7 @@ void announce_semantic_changes(Core& core, const WriteRequest& request,
             add_owners(space, node, owners);
         }
     }
-    if (!owners.empty()) {
-        core.subscriptions.announce_change(owners, ValueQueue::semantics_changed_bit);
-        for (const NodeId& owner : owners) {
-            ModelChanges::announce_semantics(core, owner);
-        }
-    }
+    return owners;
 }
 
 } // namespace busbar::server::detail

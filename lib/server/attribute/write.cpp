@@ -1,9 +1,6 @@
 #include "write.hpp"
 
-#include "server/engine/core.hpp"
-#include "server/session/session.hpp"
 #include "server/session/session_rights.hpp"
-#include "server/subscription/semantic_changes.hpp"
 
 namespace busbar::server::detail {
 
@@ -16,9 +13,7 @@ WriteOperation::~WriteOperation()
 
 void WriteOperation::start(ServiceContext& context)
 {
-    Core& core = context.core;
-    core_ = &core;
-    const StatusCode refusal = check_write(request(), core.limits().operations.max_nodes_per_write);
+    const StatusCode refusal = check_write(request(), needs_.limits.operations.max_nodes_per_write);
     if (refusal.is_bad()) {
         return fault(refusal);
     }
@@ -27,12 +22,12 @@ void WriteOperation::start(ServiceContext& context)
     if (!charge(cost)) {
         return fault(status::Bad_TooManyOperations);
     }
-    job_.emplace(WriteContext{core.address_space, core.sources, rights_of(context),
-                              &core.data_types, core.limits().decode},
+    job_.emplace(WriteContext{needs_.space, needs_.sources,
+                              rights_of(*context.session, needs_.space, needs_.access),
+                              &needs_.data_types, needs_.limits.decode},
                  request());
     const bool is_complete = job_->start(*this, context.now);
-    core.diagnostics.take_flag(core.address_space);
-    core.session_nodes.take_flag(core);
+    needs_.observer.kept_values_written();
     if (is_complete) {
         call_completed();
     }
@@ -52,8 +47,7 @@ void WriteOperation::handle_deadline(TimePoint now)
 
 void WriteOperation::call_completed()
 {
-    announce_semantic_changes(*core_, request(),
-                              [this](std::size_t index) { return job_->result(index); });
+    needs_.observer.written(request(), [this](std::size_t index) { return job_->result(index); });
     respond<WriteResponse>([&](binary::Writer& writer) { job_->encode_results(writer); });
 }
 

@@ -4,6 +4,7 @@
 
 #include <busbar/types/attribute.hpp>
 
+#include "attribute_needs.hpp"
 #include "server/session/service.hpp"
 #include "write_job.hpp"
 
@@ -12,6 +13,7 @@ namespace busbar::server::detail {
 /// Write (Part 4, 5.11.4).
 class WriteOperation final : public OperationOf<WriteRequest>, private CallOwner {
 public:
+    explicit WriteOperation(const AttributeNeeds& needs) : needs_{needs} {}
     ~WriteOperation() override;
 
     void start(ServiceContext& context) override;
@@ -21,7 +23,7 @@ public:
 private:
     void call_completed() override;
 
-    Core* core_{nullptr};
+    const AttributeNeeds& needs_;
     std::optional<WriteJob> job_;
 };
 

@@ -12,7 +12,7 @@
 #include <busbar/types/attribute.hpp>
 
 #include "server/data/data_call.hpp"
-#include "server/rights/data_rights.hpp"
+#include "server/rights/node_rights.hpp"
 
 namespace busbar::server::detail {
 

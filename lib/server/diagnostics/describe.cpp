@@ -1,6 +1,6 @@
 #include "describe.hpp"
 
-#include "server/engine/core.hpp"
+#include "server/session/counters.hpp"
 #include "server/session/session.hpp"
 #include "server/subscription/publish_queue.hpp"
 #include "server/subscription/subscription.hpp"
@@ -26,9 +26,9 @@ String mechanism_of(UserTokenType type)
 } // namespace
 
 /// Part 5, 12.11.
-SessionDiagnosticsDataType describe_session(const Core& core, const Session& session)
+SessionDiagnosticsDataType describe_session(const Counters& counters, const Session& session)
 {
-    SessionDiagnosticsDataType result = core.diagnostics.values(session);
+    SessionDiagnosticsDataType result = counters.values(session);
     result.session_id = session.id;
     result.session_name = session.name;
     result.client_description = session.client_description;
@@ -70,11 +70,11 @@ SessionSecurityDiagnosticsDataType describe_security(const Session& session)
 }
 
 /// Part 5, 12.15.
-SubscriptionDiagnosticsDataType describe_subscription(const Core& core,
+SubscriptionDiagnosticsDataType describe_subscription(const Counters& counters,
                                                       const Subscription& subscription)
 {
     const SubscriptionParameters& parameters = subscription.parameters();
-    SubscriptionDiagnosticsDataType result = core.diagnostics.values(subscription.counters());
+    SubscriptionDiagnosticsDataType result = counters.values(subscription.counters());
     result.session_id = subscription.session() != nullptr ? subscription.session()->id : NodeId{};
     result.subscription_id = subscription.id();
     result.priority = parameters.priority;
@@ -95,12 +95,12 @@ SubscriptionDiagnosticsDataType describe_subscription(const Core& core,
     return result;
 }
 
-Variant describe_subscriptions(const Core& core, const Session& session)
+Variant describe_subscriptions(const Counters& counters, const Session& session)
 {
     Array<ExtensionObject> all(0);
     if (const PublishPart* const part = PublishPart::find(session)) {
         for (const Subscription* subscription : part->subscriptions()) {
-            all.push_back(ExtensionObject::from(describe_subscription(core, *subscription)));
+            all.push_back(ExtensionObject::from(describe_subscription(counters, *subscription)));
         }
     }
     return all;

@@ -10,7 +10,7 @@
 /// Sessions and Subscriptions as the diagnostics' structures.
 namespace busbar::server::detail {
 
-struct Core;
+class Counters;
 class Session;
 class Subscription;
 
@@ -19,11 +19,12 @@ class Subscription;
     return static_cast<std::uint32_t>(std::min<std::size_t>(value, UINT32_MAX));
 }
 
-[[nodiscard]] SessionDiagnosticsDataType describe_session(const Core& core, const Session& session);
+[[nodiscard]] SessionDiagnosticsDataType describe_session(const Counters& counters,
+                                                          const Session& session);
 [[nodiscard]] SessionSecurityDiagnosticsDataType describe_security(const Session& session);
 [[nodiscard]] SubscriptionDiagnosticsDataType
-describe_subscription(const Core& core, const Subscription& subscription);
+describe_subscription(const Counters& counters, const Subscription& subscription);
 /// An array of those that the session has.
-[[nodiscard]] Variant describe_subscriptions(const Core& core, const Session& session);
+[[nodiscard]] Variant describe_subscriptions(const Counters& counters, const Session& session);
 
 } // namespace busbar::server::detail

@@ -5,8 +5,7 @@
 #include <busbar/types/ids.hpp>
 
 #include "describe.hpp"
-#include "diagnostics.hpp"
-#include "server/engine/core.hpp"
+#include "diagnostic_values.hpp"
 #include "server/session/session.hpp"
 #include "server/subscription/sampler.hpp"
 #include "server/subscription/subscription.hpp"
@@ -28,13 +27,13 @@ Variant structures(const Range& range, Describe describe)
     return all;
 }
 
-Summary summarise(const Core& core)
+Summary summarise(const DiagnosticsNeeds& needs)
 {
-    Summary summary = core.diagnostics.summary;
-    summary.current_session_count = count(core.sessions.size());
-    summary.current_subscription_count = count(core.subscriptions.size());
+    Summary summary = needs.counters.summary;
+    summary.current_session_count = count(needs.sessions.size());
+    summary.current_subscription_count = count(needs.subscriptions.size());
     std::set<Duration> intervals;
-    for (const auto& [id, subscription] : core.subscriptions.all()) {
+    for (const auto& [id, subscription] : needs.subscriptions.all()) {
         intervals.insert(subscription->parameters().publishing_interval);
     }
     summary.publishing_interval_count = count(intervals.size());
@@ -42,10 +41,10 @@ Summary summarise(const Core& core)
 }
 
 /// Part 5, 12.8: only of a server with a fixed set of intervals (Part 5, 6.3.3).
-Variant sampling_intervals(const Core& core)
+Variant sampling_intervals(const DiagnosticsNeeds& needs)
 {
     Array<ExtensionObject> all(0);
-    for (const auto& [interval, items] : core.subscriptions.sampler().intervals().all()) {
+    for (const auto& [interval, items] : needs.subscriptions.sampler().intervals().all()) {
         if (items.enabled + items.disabled != 0) {
             SamplingIntervalDiagnosticsDataType entry;
             entry.sampling_interval = to_milliseconds(interval);
@@ -94,25 +93,27 @@ constexpr std::array summary_counters{
 };
 
 /// The structures; fails for a node that is none of them.
-Result<Variant> structure_value(const Core& core, std::uint32_t id, const ValueReader& reader)
+Result<Variant> structure_value(const DiagnosticsNeeds& needs, std::uint32_t id,
+                                const ValueReader& reader)
 {
     switch (id) {
     case id::Server_ServerDiagnostics_ServerDiagnosticsSummary:
-        return ExtensionObject::from(summarise(core));
+        return ExtensionObject::from(summarise(needs));
     case id::Server_ServerDiagnostics_SubscriptionDiagnosticsArray:
-        return structures(core.subscriptions.all(), [&](const Subscription& subscription) {
-            return describe_subscription(core, subscription);
+        return structures(needs.subscriptions.all(), [&](const Subscription& subscription) {
+            return describe_subscription(needs.counters, subscription);
         });
     case id::Server_ServerDiagnostics_SamplingIntervalDiagnosticsArray:
-        return sampling_intervals(core);
+        return sampling_intervals(needs);
     case id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionDiagnosticsArray:
-        return structures(core.sessions.all(),
-                          [&](const Session& session) { return describe_session(core, session); });
+        return structures(needs.sessions.all(), [&](const Session& session) {
+            return describe_session(needs.counters, session);
+        });
     case id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionSecurityDiagnosticsArray:
         if (!reader.may_see_security()) {
             return fail(status::Bad_UserAccessDenied);
         }
-        return structures(core.sessions.all(), describe_security);
+        return structures(needs.sessions.all(), describe_security);
     default:
         return fail(status::Bad_NodeIdUnknown);
     }
@@ -120,16 +121,17 @@ Result<Variant> structure_value(const Core& core, std::uint32_t id, const ValueR
 
 } // namespace
 
-Result<Variant> diagnostic_value(const Core& core, std::uint32_t id, const ValueReader& reader)
+Result<Variant> diagnostic_value(const DiagnosticsNeeds& needs, std::uint32_t id,
+                                 const ValueReader& reader)
 {
     const auto* const counter =
         std::find_if(summary_counters.begin(), summary_counters.end(),
                      [id](const SummaryCounter& entry) { return entry.id == id; });
     const bool is_counter = counter != summary_counters.end();
-    auto value = is_counter ? Result<Variant>{summarise(core).*counter->counter}
-                            : structure_value(core, id, reader);
+    auto value = is_counter ? Result<Variant>{summarise(needs).*counter->counter}
+                            : structure_value(needs, id, reader);
     const bool is_ours = value || value.error() != status::Bad_NodeIdUnknown;
-    if (is_ours && !core.diagnostics.is_enabled()) {
+    if (is_ours && !needs.counters.is_enabled()) {
         return fail(status::Bad_NotReadable); // Part 5, 6.3.3
     }
     return value;

@@ -6,15 +6,15 @@
 #include <busbar/types/data_types.hpp>
 #include <busbar/types/ids.hpp>
 
-#include "server/engine/core.hpp"
+#include "diagnostic_values.hpp"
 
 namespace busbar::server::detail {
 
 namespace {
 
-DateTime wall_time(const Core& core)
+DateTime wall_time(const DiagnosticsNeeds& needs)
 {
-    return core.environment.wall_clock->now();
+    return needs.wall_clock.now();
 }
 
 Array<String> strings(const std::vector<std::string>& texts)
@@ -27,63 +27,64 @@ Array<String> strings(const std::vector<std::string>& texts)
     return result;
 }
 
-Array<String> namespaces(const Core& core)
+Array<String> namespaces(const DiagnosticsNeeds& needs)
 {
     Array<String> uris;
-    for (std::size_t i = 0; i < core.address_space.namespace_count(); ++i) {
-        uris.emplace_back(core.address_space.namespace_uri(static_cast<std::uint16_t>(i)));
+    for (std::size_t i = 0; i < needs.space.namespace_count(); ++i) {
+        uris.emplace_back(needs.space.namespace_uri(static_cast<std::uint16_t>(i)));
     }
     return uris;
 }
 
-BuildInfo build_info(const Core& core)
+BuildInfo build_info(const DiagnosticsNeeds& needs)
 {
-    const BuildDescription& build = core.config.build;
+    const BuildDescription& build = needs.config.build;
     BuildInfo info;
-    info.product_uri = core.config.product_uri;
+    info.product_uri = needs.config.product_uri;
     info.manufacturer_name = build.manufacturer_name;
-    info.product_name = core.config.application_name;
+    info.product_name = needs.config.application_name;
     info.software_version = build.software_version;
     info.build_number = build.build_number;
     info.build_date = build.build_date;
     return info;
 }
 
-std::uint32_t seconds_till_shutdown(const Core& core)
+std::uint32_t seconds_till_shutdown(const DiagnosticsNeeds& needs)
 {
-    const std::int64_t left = core.shutdown_time.ticks - wall_time(core).ticks;
-    return core.is_shutting_down() && left > 0
+    const std::int64_t left = needs.life.shutdown_time.ticks - wall_time(needs).ticks;
+    return needs.life.is_shutting_down() && left > 0
                ? static_cast<std::uint32_t>(left / DateTime::ticks_per_second)
                : 0;
 }
 
 /// Null until there is a reason (Part 5, 12.10).
-LocalizedText shutdown_reason(const Core& core)
+LocalizedText shutdown_reason(const DiagnosticsNeeds& needs)
 {
-    return core.is_shutting_down() ? LocalizedText{String{core.shutdown_reason}} : LocalizedText{};
+    return needs.life.is_shutting_down() ? LocalizedText{String{needs.life.shutdown_reason}}
+                                         : LocalizedText{};
 }
 
-ServerStatusDataType server_status(const Core& core)
+ServerStatusDataType server_status(const DiagnosticsNeeds& needs)
 {
     ServerStatusDataType status;
-    status.start_time = core.start_time;
-    status.current_time = wall_time(core);
-    status.state = core.state;
-    status.build_info = build_info(core);
-    status.seconds_till_shutdown = seconds_till_shutdown(core);
-    status.shutdown_reason = shutdown_reason(core);
+    status.start_time = needs.life.start_time;
+    status.current_time = wall_time(needs);
+    status.state = needs.life.state;
+    status.build_info = build_info(needs);
+    status.seconds_till_shutdown = seconds_till_shutdown(needs);
+    status.shutdown_reason = shutdown_reason(needs);
     return status;
 }
 
 /// What the server holds itself to: profiles of Part 7 that are implemented in full.
-Array<String> profiles(const Core&)
+Array<String> profiles(const DiagnosticsNeeds&)
 {
     return {"http://opcfoundation.org/UA-Profile/Transport/uatcp-uasc-uabinary"};
 }
 
 struct LiveValue {
     std::uint32_t id;
-    Variant (*make)(const Core& core);
+    Variant (*make)(const DiagnosticsNeeds& needs);
 };
 
 std::uint32_t count(std::size_t value)
@@ -94,115 +95,147 @@ std::uint32_t count(std::size_t value)
 /// The Server object (Part 5, 6.3.1) and its ServerStatus (Part 5, 12.10).
 constexpr std::array status_values{
     LiveValue{id::Server_ServerArray,
-              [](const Core& c) -> Variant { return Array<String>{c.config.application_uri}; }},
-    LiveValue{id::Server_NamespaceArray, [](const Core& c) -> Variant { return namespaces(c); }},
-    LiveValue{id::Server_ServerStatus,
-              [](const Core& c) -> Variant { return ExtensionObject::from(server_status(c)); }},
-    LiveValue{id::Server_ServerStatus_StartTime,
-              [](const Core& c) -> Variant { return c.start_time; }},
-    LiveValue{id::Server_ServerStatus_CurrentTime,
-              [](const Core& c) -> Variant { return wall_time(c); }},
-    LiveValue{id::Server_ServerStatus_State, [](const Core& c) -> Variant { return c.state; }},
-    LiveValue{id::Server_ServerStatus_BuildInfo,
-              [](const Core& c) -> Variant { return ExtensionObject::from(build_info(c)); }},
-    LiveValue{id::Server_ServerStatus_BuildInfo_ProductName,
-              [](const Core& c) -> Variant { return String{c.config.application_name}; }},
-    LiveValue{id::Server_ServerStatus_BuildInfo_ProductUri,
-              [](const Core& c) -> Variant { return String{c.config.product_uri}; }},
-    LiveValue{id::Server_ServerStatus_BuildInfo_ManufacturerName,
-              [](const Core& c) -> Variant { return String{c.config.build.manufacturer_name}; }},
-    LiveValue{id::Server_ServerStatus_BuildInfo_SoftwareVersion,
-              [](const Core& c) -> Variant { return String{c.config.build.software_version}; }},
-    LiveValue{id::Server_ServerStatus_BuildInfo_BuildNumber,
-              [](const Core& c) -> Variant { return String{c.config.build.build_number}; }},
-    LiveValue{id::Server_ServerStatus_BuildInfo_BuildDate,
-              [](const Core& c) -> Variant { return c.config.build.build_date; }},
-    LiveValue{id::Server_ServerStatus_SecondsTillShutdown,
-              [](const Core& c) -> Variant { return seconds_till_shutdown(c); }},
-    LiveValue{id::Server_ServerStatus_ShutdownReason,
-              [](const Core& c) -> Variant { return shutdown_reason(c); }},
-    LiveValue{id::Server_ServiceLevel,
-              [](const Core& c) -> Variant {
-                  return static_cast<std::uint8_t>(c.is_shutting_down() ? 0 : 255);
+              [](const DiagnosticsNeeds& c) -> Variant {
+                  return Array<String>{c.config.application_uri};
               }},
-    LiveValue{id::Server_Auditing, [](const Core&) -> Variant { return false; }},
+    LiveValue{id::Server_NamespaceArray,
+              [](const DiagnosticsNeeds& c) -> Variant { return namespaces(c); }},
+    LiveValue{id::Server_ServerStatus,
+              [](const DiagnosticsNeeds& c) -> Variant {
+                  return ExtensionObject::from(server_status(c));
+              }},
+    LiveValue{id::Server_ServerStatus_StartTime,
+              [](const DiagnosticsNeeds& c) -> Variant { return c.life.start_time; }},
+    LiveValue{id::Server_ServerStatus_CurrentTime,
+              [](const DiagnosticsNeeds& c) -> Variant { return wall_time(c); }},
+    LiveValue{id::Server_ServerStatus_State,
+              [](const DiagnosticsNeeds& c) -> Variant { return c.life.state; }},
+    LiveValue{
+        id::Server_ServerStatus_BuildInfo,
+        [](const DiagnosticsNeeds& c) -> Variant { return ExtensionObject::from(build_info(c)); }},
+    LiveValue{
+        id::Server_ServerStatus_BuildInfo_ProductName,
+        [](const DiagnosticsNeeds& c) -> Variant { return String{c.config.application_name}; }},
+    LiveValue{id::Server_ServerStatus_BuildInfo_ProductUri,
+              [](const DiagnosticsNeeds& c) -> Variant { return String{c.config.product_uri}; }},
+    LiveValue{id::Server_ServerStatus_BuildInfo_ManufacturerName,
+              [](const DiagnosticsNeeds& c) -> Variant {
+                  return String{c.config.build.manufacturer_name};
+              }},
+    LiveValue{id::Server_ServerStatus_BuildInfo_SoftwareVersion,
+              [](const DiagnosticsNeeds& c) -> Variant {
+                  return String{c.config.build.software_version};
+              }},
+    LiveValue{
+        id::Server_ServerStatus_BuildInfo_BuildNumber,
+        [](const DiagnosticsNeeds& c) -> Variant { return String{c.config.build.build_number}; }},
+    LiveValue{id::Server_ServerStatus_BuildInfo_BuildDate,
+              [](const DiagnosticsNeeds& c) -> Variant { return c.config.build.build_date; }},
+    LiveValue{id::Server_ServerStatus_SecondsTillShutdown,
+              [](const DiagnosticsNeeds& c) -> Variant { return seconds_till_shutdown(c); }},
+    LiveValue{id::Server_ServerStatus_ShutdownReason,
+              [](const DiagnosticsNeeds& c) -> Variant { return shutdown_reason(c); }},
+    LiveValue{id::Server_ServiceLevel,
+              [](const DiagnosticsNeeds& c) -> Variant {
+                  return static_cast<std::uint8_t>(c.life.is_shutting_down() ? 0 : 255);
+              }},
+    LiveValue{id::Server_Auditing, [](const DiagnosticsNeeds&) -> Variant { return false; }},
     LiveValue{id::Server_ServerRedundancy_RedundancySupport,
-              [](const Core&) -> Variant { return RedundancySupport::None; }},
+              [](const DiagnosticsNeeds&) -> Variant { return RedundancySupport::None; }},
 };
 
 /// ServerCapabilities (Part 5, 6.3.2) with the OperationLimits (Part 5, 6.3.11).
 constexpr std::array capability_values{
     LiveValue{id::Server_ServerCapabilities_ServerProfileArray,
-              [](const Core& c) -> Variant { return profiles(c); }},
+              [](const DiagnosticsNeeds& c) -> Variant { return profiles(c); }},
     LiveValue{id::Server_ServerCapabilities_LocaleIdArray,
-              [](const Core& c) -> Variant { return strings(c.config.locale_ids); }},
+              [](const DiagnosticsNeeds& c) -> Variant { return strings(c.config.locale_ids); }},
     LiveValue{id::Server_ServerCapabilities_MinSupportedSampleRate,
-              [](const Core& c) -> Variant {
+              [](const DiagnosticsNeeds& c) -> Variant {
                   const auto& policy = c.limits().subscriptions.sampling;
                   return static_cast<double>(policy.min_interval.count());
               }},
     LiveValue{id::Server_ServerCapabilities_SoftwareCertificates,
-              [](const Core&) -> Variant { return Array<ExtensionObject>(0); }},
+              [](const DiagnosticsNeeds&) -> Variant { return Array<ExtensionObject>(0); }},
     LiveValue{id::Server_ServerCapabilities_MaxBrowseContinuationPoints,
-              [](const Core& c) -> Variant { return c.limits().max_browse_continuation_points; }},
+              [](const DiagnosticsNeeds& c) -> Variant {
+                  return c.limits().max_browse_continuation_points;
+              }},
     LiveValue{id::Server_ServerCapabilities_MaxQueryContinuationPoints,
-              [](const Core&) -> Variant { return std::uint16_t{0}; }},
+              [](const DiagnosticsNeeds&) -> Variant { return std::uint16_t{0}; }},
     LiveValue{id::Server_ServerCapabilities_MaxHistoryContinuationPoints,
-              [](const Core&) -> Variant { return std::uint16_t{0}; }},
-    LiveValue{id::Server_ServerCapabilities_MaxArrayLength,
-              [](const Core& c) -> Variant { return c.limits().decode.max_array_length; }},
-    LiveValue{id::Server_ServerCapabilities_MaxStringLength,
-              [](const Core& c) -> Variant { return c.limits().decode.max_string_length; }},
-    LiveValue{id::Server_ServerCapabilities_MaxByteStringLength,
-              [](const Core& c) -> Variant { return c.limits().decode.max_byte_string_length; }},
-    LiveValue{id::Server_ServerCapabilities_MaxSessions,
-              [](const Core& c) -> Variant { return count(c.limits().max_sessions); }},
+              [](const DiagnosticsNeeds&) -> Variant { return std::uint16_t{0}; }},
     LiveValue{
-        id::Server_ServerCapabilities_MaxSubscriptions,
-        [](const Core& c) -> Variant { return count(c.limits().subscriptions.max_subscriptions); }},
+        id::Server_ServerCapabilities_MaxArrayLength,
+        [](const DiagnosticsNeeds& c) -> Variant { return c.limits().decode.max_array_length; }},
+    LiveValue{
+        id::Server_ServerCapabilities_MaxStringLength,
+        [](const DiagnosticsNeeds& c) -> Variant { return c.limits().decode.max_string_length; }},
+    LiveValue{id::Server_ServerCapabilities_MaxByteStringLength,
+              [](const DiagnosticsNeeds& c) -> Variant {
+                  return c.limits().decode.max_byte_string_length;
+              }},
+    LiveValue{id::Server_ServerCapabilities_MaxSessions,
+              [](const DiagnosticsNeeds& c) -> Variant { return count(c.limits().max_sessions); }},
+    LiveValue{id::Server_ServerCapabilities_MaxSubscriptions,
+              [](const DiagnosticsNeeds& c) -> Variant {
+                  return count(c.limits().subscriptions.max_subscriptions);
+              }},
     LiveValue{id::Server_ServerCapabilities_MaxMonitoredItems,
-              [](const Core& c) -> Variant { return count(c.limits().subscriptions.max_items); }},
+              [](const DiagnosticsNeeds& c) -> Variant {
+                  return count(c.limits().subscriptions.max_items);
+              }},
     LiveValue{id::Server_ServerCapabilities_MaxSubscriptionsPerSession,
-              [](const Core& c) -> Variant {
+              [](const DiagnosticsNeeds& c) -> Variant {
                   return count(c.limits().subscriptions.max_subscriptions_per_session);
               }},
     LiveValue{id::Server_ServerCapabilities_MaxMonitoredItemsPerSubscription,
-              [](const Core& c) -> Variant {
+              [](const DiagnosticsNeeds& c) -> Variant {
                   return count(c.limits().subscriptions.max_items_per_subscription);
               }},
     LiveValue{id::Server_ServerCapabilities_MaxMonitoredItemsQueueSize,
-              [](const Core& c) -> Variant { return c.limits().subscriptions.max_queue_size; }},
+              [](const DiagnosticsNeeds& c) -> Variant {
+                  return c.limits().subscriptions.max_queue_size;
+              }},
     LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxMonitoredItemsPerCall,
-              [](const Core& c) -> Variant {
+              [](const DiagnosticsNeeds& c) -> Variant {
                   return c.limits().operations.max_monitored_items_per_call;
               }},
     LiveValue{id::Server_ServerCapabilities_MaxSelectClauseParameters,
-              [](const Core& c) -> Variant {
+              [](const DiagnosticsNeeds& c) -> Variant {
                   return count(c.limits().events.filter.max_select_clauses);
               }},
-    LiveValue{
-        id::Server_ServerCapabilities_MaxWhereClauseParameters,
-        [](const Core& c) -> Variant { return count(c.limits().events.filter.max_elements); }},
+    LiveValue{id::Server_ServerCapabilities_MaxWhereClauseParameters,
+              [](const DiagnosticsNeeds& c) -> Variant {
+                  return count(c.limits().events.filter.max_elements);
+              }},
     LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerRead,
-              [](const Core& c) -> Variant { return c.limits().operations.max_nodes_per_read; }},
+              [](const DiagnosticsNeeds& c) -> Variant {
+                  return c.limits().operations.max_nodes_per_read;
+              }},
     LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerWrite,
-              [](const Core& c) -> Variant { return c.limits().operations.max_nodes_per_write; }},
-    LiveValue{
-        id::Server_ServerCapabilities_OperationLimits_MaxNodesPerMethodCall,
-        [](const Core& c) -> Variant { return c.limits().operations.max_nodes_per_method_call; }},
+              [](const DiagnosticsNeeds& c) -> Variant {
+                  return c.limits().operations.max_nodes_per_write;
+              }},
+    LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerMethodCall,
+              [](const DiagnosticsNeeds& c) -> Variant {
+                  return c.limits().operations.max_nodes_per_method_call;
+              }},
     LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerNodeManagement,
-              [](const Core& c) -> Variant {
+              [](const DiagnosticsNeeds& c) -> Variant {
                   return c.limits().operations.max_nodes_per_node_management;
               }},
     LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerBrowse,
-              [](const Core& c) -> Variant { return c.limits().operations.max_nodes_per_browse; }},
+              [](const DiagnosticsNeeds& c) -> Variant {
+                  return c.limits().operations.max_nodes_per_browse;
+              }},
     LiveValue{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerRegisterNodes,
-              [](const Core& c) -> Variant {
+              [](const DiagnosticsNeeds& c) -> Variant {
                   return c.limits().operations.max_nodes_per_register_nodes;
               }},
     LiveValue{
         id::Server_ServerCapabilities_OperationLimits_MaxNodesPerTranslateBrowsePathsToNodeIds,
-        [](const Core& c) -> Variant {
+        [](const DiagnosticsNeeds& c) -> Variant {
             return c.limits().operations.max_nodes_per_translate_browse_paths;
         }},
 };
@@ -217,21 +250,20 @@ constexpr auto live_values = [] {
     return all;
 }();
 
-/// Of a Variable of SessionNodes; the refusal is the value's status.
-Result<DataValue> session_value(const Core& core, const NodeId& node, const ValueReader& reader)
+} // namespace
+
+DataValue ServerObject::session_value(const NodeId& node, const ValueReader& reader) const
 {
-    const model::NodeIndex index = core.address_space.find(node);
-    auto value = core.session_nodes.value(core, core.address_space.variable(index).handle, reader);
-    return value ? DataValue{std::move(*value), status::Good, wall_time(core)}
+    const model::NodeIndex index = needs_.space.find(node);
+    auto value = session_nodes_.value(needs_.space.variable(index).handle, reader);
+    return value ? DataValue{std::move(*value), status::Good, wall_time(needs_)}
                  : DataValue{value.error()};
 }
 
-} // namespace
-
-Result<DataValue> server_value(const Core& core, const NodeId& node, const ValueReader& reader)
+Result<DataValue> ServerObject::find(const NodeId& node, const ValueReader& reader) const
 {
     if (node.namespace_index() != 0) {
-        return session_value(core, node, reader);
+        return session_value(node, reader);
     }
     if (!node.is_numeric()) {
         return fail(status::Bad_NodeIdUnknown);
@@ -240,14 +272,14 @@ Result<DataValue> server_value(const Core& core, const NodeId& node, const Value
         live_values.begin(), live_values.end(), node.numeric(),
         [](const LiveValue& value, std::uint32_t number) { return value.id < number; });
     if (found != live_values.end() && found->id == node.numeric()) {
-        return DataValue{found->make(core), status::Good, wall_time(core)};
+        return DataValue{found->make(needs_), status::Good, wall_time(needs_)};
     }
-    auto diagnostic = diagnostic_value(core, node.numeric(), reader);
+    auto diagnostic = diagnostic_value(needs_, node.numeric(), reader);
     if (!diagnostic && diagnostic.error() != status::Bad_NodeIdUnknown) {
         return DataValue{diagnostic.error()};
     }
     return std::move(diagnostic).map([&](Variant value) {
-        return DataValue{std::move(value), status::Good, wall_time(core)};
+        return DataValue{std::move(value), status::Good, wall_time(needs_)};
     });
 }
 

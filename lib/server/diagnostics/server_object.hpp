@@ -1,19 +1,30 @@
 #pragma once
 
-#include <busbar/core/data_value.hpp>
-#include <busbar/core/node_id.hpp>
-#include <busbar/core/result.hpp>
+#include "diagnostics_needs.hpp"
+#include "server/rights/live_values.hpp"
+#include "session_nodes.hpp"
 
 namespace busbar::server::detail {
 
-struct Core;
-struct ValueReader;
+/// The present values of Variables below the Server object (Part 5, 6.3 and 8.3.2), i=2253, and of
+/// sessions. Takes constant time, but for the arrays of ServerDiagnostics, of which some are not
+/// for every reader.
+class ServerObject final : public LiveValues {
+public:
+    ServerObject(const DiagnosticsNeeds& needs, const SessionNodes& session_nodes)
+        : needs_{needs}, session_nodes_{session_nodes}
+    {
+    }
 
-/// The present value of a Variable below the Server object (Part 5, 6.3 and 8.3.2), i=2253, with
-/// its source timestamp; Bad_NodeIdUnknown for any other node, whose value the address space or a
-/// data source has. Takes constant time, but for the arrays of ServerDiagnostics, of which some
-/// are not for every reader.
-[[nodiscard]] Result<DataValue> server_value(const Core& core, const NodeId& node,
-                                             const ValueReader& reader);
+    [[nodiscard]] Result<DataValue> find(const NodeId& node,
+                                         const ValueReader& reader) const override;
+
+private:
+    /// Of a Variable of SessionNodes; the refusal is the value's status.
+    [[nodiscard]] DataValue session_value(const NodeId& node, const ValueReader& reader) const;
+
+    const DiagnosticsNeeds& needs_;
+    const SessionNodes& session_nodes_;
+};
 
 } // namespace busbar::server::detail

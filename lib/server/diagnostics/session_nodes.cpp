@@ -10,7 +10,6 @@
 #include <busbar/types/ids.hpp>
 
 #include "describe.hpp"
-#include "server/engine/core.hpp"
 #include "server/session/session.hpp"
 #include "session_fields.hpp"
 
@@ -61,7 +60,7 @@ model::NodeIndex add_like(model::AddressSpace& space, model::NodeIndex declarati
     model::NewVariable variable;
     variable.data_type = space.data_type_id(declaration);
     variable.value_rank = space.variable(declaration).value_rank;
-    variable.source = session_nodes_source;
+    variable.source = live_values_source;
     variable.handle = handle;
     variable.type_definition = NodeId{0, type};
     node.id = NodeId{node.id.namespace_index(), "SessionDiagnostics." + std::to_string(handle)};
@@ -90,36 +89,36 @@ void add_part(model::AddressSpace& space, model::NodeIndex object, std::uint16_t
 }
 
 /// Sessions may have the same name, Objects beside each other may not.
-Result<model::NodeIndex> add_object(Core& core, const Session& session)
+Result<model::NodeIndex> add_object(const DiagnosticsNeeds& needs, const Session& session)
 {
     model::NewNode node;
     node.id = session.id;
-    node.browse_name = QualifiedName{core.own_namespace, session.name};
-    node.parent = core.address_space.find(id::Server_ServerDiagnostics_SessionsDiagnosticsSummary);
+    node.browse_name = QualifiedName{needs.own_namespace, session.name};
+    node.parent = needs.space.find(id::Server_ServerDiagnostics_SessionsDiagnosticsSummary);
     const model::NewObject object{NodeId{0, id::SessionDiagnosticsObjectType}};
-    auto made = core.address_space.add_object(node, object);
+    auto made = needs.space.add_object(node, object);
     if (!made && made.error() == status::Bad_BrowseNameDuplicated) {
         node.display_name = LocalizedText{String{session.name}};
         node.browse_name.name = session.name + " " + to_string(session.id);
-        made = core.address_space.add_object(node, object);
+        made = needs.space.add_object(node, object);
     }
     return made;
 }
 
 } // namespace
 
-void SessionNodes::add(Core& core, const Session& session)
+void SessionNodes::add(const Session& session)
 {
     const bool is_there = std::any_of(entries_.begin(), entries_.end(), [&](const auto& entry) {
         return entry.second.session == &session;
     });
-    model::AddressSpace& space = core.address_space;
-    if (is_there || !core.diagnostics.is_enabled() ||
+    model::AddressSpace& space = needs_.space;
+    if (is_there || !needs_.counters.is_enabled() ||
         space.find(id::Server_ServerDiagnostics_SessionsDiagnosticsSummary) == model::no_node ||
         space.find(id::SessionDiagnosticsObjectType) == model::no_node) {
         return;
     }
-    const auto object = add_object(core, session);
+    const auto object = add_object(needs_, session);
     if (!object) {
         return;
     }
@@ -139,40 +138,39 @@ void SessionNodes::add(Core& core, const Session& session)
                     {}},
     };
     for (const SectionType& part : parts) {
-        add_part(space, *object, core.own_namespace, number, part);
+        add_part(space, *object, needs_.own_namespace, number, part);
     }
 }
 
-void SessionNodes::remove(Core& core, const Session& session)
+void SessionNodes::remove(const Session& session)
 {
     std::erase_if(entries_, [&](const auto& entry) {
         if (entry.second.session != &session) {
             return false;
         }
-        const model::NodeIndex object = core.address_space.resolve(entry.second.object);
+        const model::NodeIndex object = needs_.space.resolve(entry.second.object);
         if (object != model::no_node) {
-            static_cast<void>(core.address_space.remove(object));
+            static_cast<void>(needs_.space.remove(object));
         }
         return true;
     });
 }
 
-void SessionNodes::take_flag(Core& core)
+void SessionNodes::take_flag()
 {
-    if (std::exchange(is_shown_, core.diagnostics.is_enabled()) == core.diagnostics.is_enabled()) {
+    if (std::exchange(is_shown_, needs_.counters.is_enabled()) == needs_.counters.is_enabled()) {
         return;
     }
-    for (const auto& [token, session] : core.sessions.all()) {
+    for (const auto& [token, session] : needs_.sessions.all()) {
         if (!is_shown_) {
-            remove(core, *session);
+            remove(*session);
         } else if (session->is_activated) {
-            add(core, *session);
+            add(*session);
         }
     }
 }
 
-Result<Variant> SessionNodes::value(const Core& core, std::uint64_t handle,
-                                    const ValueReader& reader) const
+Result<Variant> SessionNodes::value(std::uint64_t handle, const ValueReader& reader) const
 {
     const auto found = entries_.find(static_cast<std::uint32_t>(handle >> 16U));
     if (found == entries_.end()) {
@@ -182,14 +180,14 @@ Result<Variant> SessionNodes::value(const Core& core, std::uint64_t handle,
     const std::size_t field = handle & 0xFF;
     switch (static_cast<Section>(handle >> 8U & 0xFF)) {
     case Section::Diagnostics:
-        return session_field(describe_session(core, session), field);
+        return session_field(describe_session(needs_.counters, session), field);
     case Section::Security:
         if (!reader.may_see_security()) {
             return fail(status::Bad_UserAccessDenied);
         }
         return security_field(describe_security(session), field);
     default:
-        return describe_subscriptions(core, session);
+        return describe_subscriptions(needs_.counters, session);
     }
 }
 

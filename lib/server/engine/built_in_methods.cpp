@@ -1,12 +1,10 @@
 #include "built_in_methods.hpp"
 
-#include <array>
-
 #include <busbar/types/ids.hpp>
 
-#include "server/engine/core.hpp"
 #include "server/subscription/subscription.hpp"
 #include "server/subscription/subscription_services.hpp"
+#include "server/subscription/subscription_table.hpp"
 
 namespace busbar::server::detail {
 
@@ -18,11 +16,10 @@ std::uint32_t subscription_id(std::span<const Variant> inputs)
     return inputs.empty() ? 0 : inputs[0].value_or<std::uint32_t>(0);
 }
 
-/// Part 5, 9.1
-CallResult call_get_monitored_items(ServiceContext& context, std::span<const Variant> inputs,
-                                    std::size_t& item_count)
+CallResult call_get_monitored_items(const Subscriptions& all, const Session& session,
+                                    std::uint32_t id, std::size_t& item_count)
 {
-    auto handles = get_monitored_items(context.core, *context.session, subscription_id(inputs));
+    auto handles = get_monitored_items(all, session, id);
     if (!handles) {
         return CallResult{handles.error()};
     }
@@ -34,33 +31,20 @@ CallResult call_get_monitored_items(ServiceContext& context, std::span<const Var
     return result;
 }
 
-/// Part 5, 9.2
-CallResult call_resend_data(ServiceContext& context, std::span<const Variant> inputs,
-                            std::size_t& item_count)
-{
-    const std::uint32_t id = subscription_id(inputs);
-    const StatusCode status = resend_data(context.core, *context.session, id, context.now);
-    if (status.is_good()) {
-        item_count += context.core.subscriptions.find(id)->item_count();
-    }
-    return CallResult{status};
-}
-
-constexpr std::array methods{
-    BuiltInMethod{id::Server_GetMonitoredItems, call_get_monitored_items},
-    BuiltInMethod{id::Server_ResendData, call_resend_data},
-};
-
 } // namespace
 
-const BuiltInMethod* find_built_in_method(const NodeId& method_id)
+CallResult SubscriptionMethods::call(const NodeId& method, const ServiceContext& context,
+                                     std::span<const Variant> inputs, std::size_t& item_count)
 {
-    for (const BuiltInMethod& method : methods) {
-        if (method_id.is(method.method_id)) {
-            return &method;
-        }
+    const std::uint32_t subscription = subscription_id(inputs);
+    if (method.is(id::Server_GetMonitoredItems)) {
+        return call_get_monitored_items(all_, *context.session, subscription, item_count);
     }
-    return nullptr;
+    const StatusCode status = resend_data(all_, *context.session, subscription, context.now);
+    if (status.is_good()) {
+        item_count += all_.find(subscription)->item_count();
+    }
+    return CallResult{status};
 }
 
 } // namespace busbar::server::detail

@@ -9,6 +9,7 @@
 #include <busbar/types/registry.hpp>
 
 #include "link.hpp"
+#include "server/attribute/semantic_changes.hpp"
 #include "server/subscription/sampler.hpp"
 
 namespace busbar::server::detail {
@@ -24,14 +25,27 @@ std::uint32_t random_channel_id(crypto::Random& random)
 
 } // namespace
 
-Core::Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space)
+Core::Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space, std::uint16_t own)
     : config{std::move(c)}, guards{e, rationed_log}, environment{guards.environment()},
-      address_space{std::move(space)}, types{binary::namespace0_types()},
-      sources{e.waker, guards.report().log}, events{environment, address_space,
-                                                    config.limits.events},
-      assembly{config.limits.max_assembly}, subscriptions{*this}, logins{config.limits},
-      certificate_watch{*environment.log}, next_channel_id{random_channel_id(*e.random)},
-      start_time{e.wall_clock->now()}
+      own_namespace{own}, life{e.wall_clock->now()}, address_space{std::move(space)},
+      types{binary::namespace0_types()}, sources{e.waker, guards.report().log},
+      events{environment, address_space, config.limits.events},
+      model_changes{address_space, events, rationed_log, own}, assembly{config.limits.max_assembly},
+      logins{config.limits}, diagnostics_needs{address_space, config,   *environment.wall_clock,
+                                               life,          counters, sessions,
+                                               subscriptions, own},
+      subscription_needs{address_space, sources,  types,         config.limits,
+                         environment,   counters, server_object, event_items},
+      session_needs{config, environment,     guards,   rationed_log, sessions,
+                    logins, password_checks, counters, *this,        own},
+      attribute_needs{
+          address_space,           sources,       data_types, config.limits, environment.access,
+          *environment.wall_clock, server_object, *this},
+      view_needs{address_space, config.limits, *environment.random, environment.access},
+      method_needs{address_space,      sources,      types,           config.limits,
+                   environment.access, rationed_log, built_in_methods},
+      node_management_needs{address_space, config, environment.access, client_nodes, *this, own},
+      certificate_watch{*environment.log}, next_channel_id{random_channel_id(*e.random)}
 {
 }
 
@@ -88,8 +102,8 @@ void Core::sweep()
 
 void Core::close_session(Session& session, StatusCode status, bool deletes_subscriptions)
 {
-    if (session.link != nullptr) {
-        session.link->end_operations(&session, status);
+    if (session.peer != nullptr) {
+        session.peer->end_operations(&session, status);
     }
     // What began before it moved to the channel that it has now is with another.
     for (auto link = links.begin(); link != links.end() && session.pending_operations != 0;
@@ -99,8 +113,56 @@ void Core::close_session(Session& session, StatusCode status, bool deletes_subsc
     subscriptions.session_ends(session, deletes_subscriptions);
     log(LogLevel::Info, "session",
         "\"" + printable(session.name) + "\" ended: " + std::string{name(status)});
-    session_nodes.remove(*this, session);
+    session_nodes.remove(session);
     sessions.remove(session);
+}
+
+void Core::session_activated(Session& session)
+{
+    Subscriptions::session_moved(session);
+    session_nodes.add(session);
+}
+
+void Core::user_changed(Session& session, TimePoint now)
+{
+    subscriptions.user_changed(session, now);
+}
+
+std::uint32_t Core::cancel(const Session& session, std::uint32_t request_handle)
+{
+    std::uint32_t count = 0;
+    // The session may have brought requests from an earlier channel with it.
+    for (Link* link : links) {
+        count += link->cancel(session, request_handle);
+    }
+    return count;
+}
+
+void Core::kept_values_written()
+{
+    counters.take_flag(address_space);
+    session_nodes.take_flag();
+}
+
+/// Goes once through all items, however many were written.
+void Core::written(const WriteRequest& request, FunctionRef<StatusCode(std::size_t)> result)
+{
+    if (subscriptions.item_count() == 0) {
+        return;
+    }
+    const auto variables = find_semantic_changes(address_space, request, result);
+    if (variables.empty()) {
+        return;
+    }
+    subscriptions.announce_change(variables, ValueQueue::semantics_changed_bit);
+    for (const NodeId& variable : variables) {
+        model_changes.announce_semantics(variable);
+    }
+}
+
+void Core::model_changed()
+{
+    model_changes.announce();
 }
 
 } // namespace busbar::server::detail

@@ -10,22 +10,29 @@
 #include <busbar/server/server.hpp>
 #include <busbar/types/enumerations.hpp>
 
-#include "guards.hpp"
-#include "model_changes.hpp"
+#include "built_in_methods.hpp"
+#include "event_item.hpp"
+#include "server/attribute/attribute_needs.hpp"
 #include "server/data/data_sources.hpp"
-#include "server/diagnostics/diagnostics.hpp"
+#include "server/diagnostics/server_object.hpp"
 #include "server/diagnostics/session_nodes.hpp"
 #include "server/event/events.hpp"
-#include "server/node_management/client_nodes.hpp"
-#include "server/session/session_table.hpp"
+#include "server/event/model_changes.hpp"
+#include "server/method/method_needs.hpp"
+#include "server/node_management/node_management_needs.hpp"
+#include "server/session/session_needs.hpp"
+#include "server/subscription/subscription_needs.hpp"
 #include "server/subscription/subscription_table.hpp"
-#include "server/users/login_guard.hpp"
-#include "server/users/password_checks.hpp"
+#include "server/users/guards.hpp"
+#include "server/view/view_context.hpp"
 
 namespace busbar::server::detail {
 
-/// What all connections and services of one server share.
-struct Core {
+class Link;
+
+/// All that one server consists of, and the ports by which its parts reach each other. Nobody below
+/// knows it.
+struct Core : private SessionKeeper, private WriteObserver, private ModelObserver {
     /// A log that is as bounded as log().
     struct Rationed final : LogSink {
         explicit Rationed(Core& c) : core{c} {}
@@ -36,28 +43,48 @@ struct Core {
         Core& core;
     };
 
-    Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space);
+    /// `own` is the index of the ApplicationUri in the NamespaceArray.
+    Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space, std::uint16_t own);
+    Core(const Core&) = delete;
+    Core& operator=(const Core&) = delete;
+    virtual ~Core() = default;
 
     ServerConfig config;
     Rationed rationed_log{*this};
     Guards guards;
     /// The guarded one: nothing in it throws.
     ServerEnvironment environment;
+    std::uint16_t own_namespace;
+    ServerLife life;
     model::AddressSpace address_space;
     model::DataTypes data_types;
     binary::TypeRegistry types;
-    Diagnostics diagnostics;
+    Counters counters;
     DataSources sources;
     /// Outlives the items that take part in it.
     Events events;
+    EventItemMaker event_items{events};
     ModelChanges model_changes;
     ClientNodes client_nodes;
     channel::AssemblyBudget assembly;
     SessionTable sessions;
-    SessionNodes session_nodes;
-    Subscriptions subscriptions;
     LoginGuard logins;
     PasswordChecks password_checks{environment.waker};
+
+    // What each service set gets of all this.
+
+    const DiagnosticsNeeds diagnostics_needs;
+    SessionNodes session_nodes{diagnostics_needs};
+    ServerObject server_object{diagnostics_needs, session_nodes};
+    const SubscriptionNeeds subscription_needs;
+    Subscriptions subscriptions{subscription_needs};
+    SubscriptionMethods built_in_methods{subscriptions};
+    const SessionNeeds session_needs;
+    const AttributeNeeds attribute_needs;
+    const ViewNeeds view_needs;
+    const MethodNeeds method_needs;
+    const NodeManagementNeeds node_management_needs;
+
     crypto::CertificateWatch certificate_watch;
     /// When the server's certificate is looked at again.
     TimePoint certificate_check{no_deadline};
@@ -71,16 +98,10 @@ struct Core {
     /// Of the next channel; begins at a random number (Part 6, 6.7.2.2).
     std::uint32_t next_channel_id{1};
 
-    /// Index of the ApplicationUri in the NamespaceArray.
-    std::uint16_t own_namespace{1};
-    DateTime start_time;
-    ServerState state{ServerState::Running};
-    std::string shutdown_reason;
-    DateTime shutdown_time;
     TimePoint shutdown_deadline{no_deadline};
 
     [[nodiscard]] const ServerLimits& limits() const { return config.limits; }
-    [[nodiscard]] bool is_shutting_down() const { return state == ServerState::Shutdown; }
+    [[nodiscard]] bool is_shutting_down() const { return life.is_shutting_down(); }
     /// Only so many lines a minute: what peers cause must not fill a disk (Part 2, 5.1.2.3).
     void log(LogLevel level, std::string_view source, std::string_view text);
     /// Null if it has gone.
@@ -90,11 +111,20 @@ struct Core {
     /// Says what the operator should know of the server's own certificate (see
     /// certificate_notices).
     void watch_certificate(TimePoint now);
-    /// Ends what the session has pending with `status`, then the session itself. Its Subscriptions
-    /// live on, for another session to take over, unless they are to be deleted with it.
-    void close_session(Session& session, StatusCode status, bool deletes_subscriptions = false);
+
+    // SessionKeeper.
+
+    void close_session(Session& session, StatusCode status, bool deletes_subscriptions) override;
+    void session_activated(Session& session) override;
+    void user_changed(Session& session, TimePoint now) override;
+    [[nodiscard]] std::uint32_t cancel(const Session& session,
+                                       std::uint32_t request_handle) override;
 
 private:
+    void kept_values_written() override;
+    void written(const WriteRequest& request, FunctionRef<StatusCode(std::size_t)> result) override;
+    void model_changed() override;
+
     std::int64_t log_minute_{0};
     std::size_t log_lines_{0};
 };

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 
 #include <busbar/core/text.hpp>
 #include <busbar/types/history.hpp>
@@ -34,6 +36,7 @@ struct Incoming {
     Reply reply;
     /// Where the parameters begin in the message, behind the header.
     std::size_t offset;
+    Link& link;
 };
 
 /// What a service needs of the session that the request names.
@@ -49,13 +52,19 @@ struct Service {
     /// Also works while the server shuts down.
     bool is_for_shutdown;
     /// Null: known, but not supported.
-    void (*run)(ServiceContext& context, Incoming& incoming);
+    void (*run)(Core& core, ServiceContext& context, Incoming& incoming);
 };
 
-template <auto Function, typename Request, typename Response>
-void run_function(ServiceContext& context, Incoming& incoming)
+/// What a service set gets.
+template <auto Needs>
+using NeedsOf = std::remove_reference_t<decltype(std::declval<Core&>().*Needs)>;
+template <typename Request, typename Response, typename Needs>
+using ServiceFunction = StatusCode(Needs&, ServiceContext&, const Request&, Response&);
+
+template <typename Request, typename Response, auto Needs,
+          ServiceFunction<Request, Response, NeedsOf<Needs>>* Function>
+void run_function(Core& core, ServiceContext& context, Incoming& incoming)
 {
-    const Core& core = context.core;
     binary::Reader reader{std::span{incoming.message}.subspan(incoming.offset),
                           binary::Strings::Borrow, &core.types, core.limits().decode};
     Request request;
@@ -64,44 +73,53 @@ void run_function(ServiceContext& context, Incoming& incoming)
         reader.fail(status::Bad_DecodingError);
     }
     if (!reader.ok()) {
-        return context.link.fault(incoming.reply, reader.status());
+        return context.peer.fault(incoming.reply, reader.status());
     }
     Response response;
-    const StatusCode status = Function(context, request, response);
+    const StatusCode status = Function(core.*Needs, context, request, response);
     if (status.is_bad()) {
-        context.core.diagnostics.count_fault(context.session, Request::binary_encoding_id, status);
-        return context.link.fault(incoming.reply, status);
+        core.counters.count_fault(context.session, Request::binary_encoding_id, status);
+        return context.peer.fault(incoming.reply, status);
     }
-    response.response_header = context.link.response_header(incoming.reply, status);
-    context.link.respond(incoming.reply, Response::binary_encoding_id,
+    response.response_header = context.peer.response_header(incoming.reply, status);
+    context.peer.respond(incoming.reply, Response::binary_encoding_id,
                          [&](binary::Writer& writer) { encode(writer, response); });
-    context.link.recycle(std::move(incoming.message));
+    incoming.link.recycle(std::move(incoming.message));
 }
 
-template <typename Request, std::unique_ptr<Operation> (*Make)()>
-void run_operation(ServiceContext& context, Incoming& incoming)
+template <typename Request, auto Make, auto Needs>
+void run_operation(Core& core, ServiceContext& context, Incoming& incoming)
 {
-    if (!context.link.has_place_for_operation()) {
-        context.core.sweep(); // no operation is running, and some may have answered meanwhile
+    Link& link = incoming.link;
+    if (!link.has_place_for_operation()) {
+        core.sweep(); // no operation is running, and some may have answered meanwhile
     }
-    if (!context.link.has_place_for_operation()) {
-        return context.link.fault(incoming.reply, status::Bad_ServerTooBusy);
+    if (!link.has_place_for_operation()) {
+        return link.fault(incoming.reply, status::Bad_ServerTooBusy);
     }
-    context.link.start(Make(), std::move(incoming.message), incoming.offset,
-                       {Request::binary_encoding_id, incoming.header.timeout_hint, incoming.reply},
-                       context);
+    link.start(Make(core.*Needs), std::move(incoming.message), incoming.offset,
+               {Request::binary_encoding_id, incoming.header.timeout_hint, incoming.reply},
+               context);
 }
 
-template <auto Function, typename Request, typename Response>
+template <typename T, typename Needs>
+std::unique_ptr<Operation> make_operation(Needs& needs)
+{
+    return std::make_unique<T>(needs);
+}
+
+template <typename Request, typename Response, auto Needs,
+          ServiceFunction<Request, Response, NeedsOf<Needs>>* Function>
 constexpr Service function(Need need, bool is_for_shutdown = false)
 {
     return {Request::binary_encoding_id, need, is_for_shutdown,
-            run_function<Function, Request, Response>};
+            run_function<Request, Response, Needs, Function>};
 }
-template <typename Request, std::unique_ptr<Operation> (*Make)()>
+template <typename Request, auto Make, auto Needs>
 constexpr Service operation(Need need, bool is_for_shutdown = false)
 {
-    return {Request::binary_encoding_id, need, is_for_shutdown, run_operation<Request, Make>};
+    return {Request::binary_encoding_id, need, is_for_shutdown,
+            run_operation<Request, Make, Needs>};
 }
 template <typename Request>
 constexpr Service unsupported()
@@ -112,55 +130,69 @@ constexpr Service unsupported()
 /// Every request of Part 4, by encoding id.
 constexpr auto services = [] {
     std::array table{
-        function<find_servers, FindServersRequest, FindServersResponse>(Need::Nothing),
-        function<get_endpoints, GetEndpointsRequest, GetEndpointsResponse>(Need::Nothing),
+        function<FindServersRequest, FindServersResponse, &Core::session_needs, find_servers>(
+            Need::Nothing),
+        function<GetEndpointsRequest, GetEndpointsResponse, &Core::session_needs, get_endpoints>(
+            Need::Nothing),
         unsupported<RegisterServerRequest>(),
         unsupported<RegisterServer2Request>(),
         unsupported<FindServersOnNetworkRequest>(),
-        function<create_session, CreateSessionRequest, CreateSessionResponse>(Need::Nothing),
-        operation<ActivateSessionRequest, make_activate_session>(Need::Known),
-        function<close_session, CloseSessionRequest, CloseSessionResponse>(Need::Known, true),
-        function<cancel, CancelRequest, CancelResponse>(Need::Activated),
-        function<add_nodes, AddNodesRequest, AddNodesResponse>(Need::Activated),
-        function<add_references, AddReferencesRequest, AddReferencesResponse>(Need::Activated),
-        function<delete_nodes, DeleteNodesRequest, DeleteNodesResponse>(Need::Activated),
-        function<delete_references, DeleteReferencesRequest, DeleteReferencesResponse>(
+        function<CreateSessionRequest, CreateSessionResponse, &Core::session_needs, create_session>(
+            Need::Nothing),
+        operation<ActivateSessionRequest, make_activate_session, &Core::session_needs>(Need::Known),
+        function<CloseSessionRequest, CloseSessionResponse, &Core::session_needs, close_session>(
+            Need::Known, true),
+        function<CancelRequest, CancelResponse, &Core::session_needs, cancel>(Need::Activated),
+        function<AddNodesRequest, AddNodesResponse, &Core::node_management_needs, add_nodes>(
             Need::Activated),
-        operation<BrowseRequest, make_browse>(Need::Activated),
-        operation<BrowseNextRequest, make_browse_next>(Need::Activated),
-        function<translate_browse_paths, TranslateBrowsePathsToNodeIdsRequest,
-                 TranslateBrowsePathsToNodeIdsResponse>(Need::Activated),
-        function<register_nodes, RegisterNodesRequest, RegisterNodesResponse>(Need::Activated),
-        function<unregister_nodes, UnregisterNodesRequest, UnregisterNodesResponse>(
+        function<AddReferencesRequest, AddReferencesResponse, &Core::node_management_needs,
+                 add_references>(Need::Activated),
+        function<DeleteNodesRequest, DeleteNodesResponse, &Core::node_management_needs,
+                 delete_nodes>(Need::Activated),
+        function<DeleteReferencesRequest, DeleteReferencesResponse, &Core::node_management_needs,
+                 delete_references>(Need::Activated),
+        operation<BrowseRequest, make_browse, &Core::view_needs>(Need::Activated),
+        operation<BrowseNextRequest, make_browse_next, &Core::view_needs>(Need::Activated),
+        function<TranslateBrowsePathsToNodeIdsRequest, TranslateBrowsePathsToNodeIdsResponse,
+                 &Core::view_needs, translate_browse_paths>(Need::Activated),
+        function<RegisterNodesRequest, RegisterNodesResponse, &Core::view_needs, register_nodes>(
             Need::Activated),
+        function<UnregisterNodesRequest, UnregisterNodesResponse, &Core::view_needs,
+                 unregister_nodes>(Need::Activated),
         unsupported<QueryFirstRequest>(),
         unsupported<QueryNextRequest>(),
-        operation<ReadRequest, make_operation<ReadOperation>>(Need::Activated, true),
-        operation<WriteRequest, make_operation<WriteOperation>>(Need::Activated),
+        operation<ReadRequest, make_operation<ReadOperation, const AttributeNeeds>,
+                  &Core::attribute_needs>(Need::Activated, true),
+        operation<WriteRequest, make_operation<WriteOperation, const AttributeNeeds>,
+                  &Core::attribute_needs>(Need::Activated),
         unsupported<HistoryReadRequest>(),
         unsupported<HistoryUpdateRequest>(),
-        operation<CallRequest, make_operation<CallOperation>>(Need::Activated),
-        function<create_monitored_items, CreateMonitoredItemsRequest, CreateMonitoredItemsResponse>(
+        operation<CallRequest, make_operation<CallOperation, const MethodNeeds>,
+                  &Core::method_needs>(Need::Activated),
+        function<CreateMonitoredItemsRequest, CreateMonitoredItemsResponse, &Core::subscriptions,
+                 create_monitored_items>(Need::Activated),
+        function<ModifyMonitoredItemsRequest, ModifyMonitoredItemsResponse, &Core::subscriptions,
+                 modify_monitored_items>(Need::Activated),
+        function<SetMonitoringModeRequest, SetMonitoringModeResponse, &Core::subscriptions,
+                 set_monitoring_mode>(Need::Activated),
+        function<SetTriggeringRequest, SetTriggeringResponse, &Core::subscriptions, set_triggering>(
             Need::Activated),
-        function<modify_monitored_items, ModifyMonitoredItemsRequest, ModifyMonitoredItemsResponse>(
-            Need::Activated),
-        function<set_monitoring_mode, SetMonitoringModeRequest, SetMonitoringModeResponse>(
-            Need::Activated),
-        function<set_triggering, SetTriggeringRequest, SetTriggeringResponse>(Need::Activated),
-        function<delete_monitored_items, DeleteMonitoredItemsRequest, DeleteMonitoredItemsResponse>(
-            Need::Activated),
-        function<create_subscription, CreateSubscriptionRequest, CreateSubscriptionResponse>(
-            Need::Activated),
-        function<modify_subscription, ModifySubscriptionRequest, ModifySubscriptionResponse>(
-            Need::Activated),
-        function<set_publishing_mode, SetPublishingModeRequest, SetPublishingModeResponse>(
-            Need::Activated),
-        operation<PublishRequest, make_operation<PublishOperation>>(Need::Activated),
-        operation<RepublishRequest, make_operation<RepublishOperation>>(Need::Activated),
-        function<transfer_subscriptions, TransferSubscriptionsRequest,
-                 TransferSubscriptionsResponse>(Need::Activated),
-        function<delete_subscriptions, DeleteSubscriptionsRequest, DeleteSubscriptionsResponse>(
-            Need::Activated),
+        function<DeleteMonitoredItemsRequest, DeleteMonitoredItemsResponse, &Core::subscriptions,
+                 delete_monitored_items>(Need::Activated),
+        function<CreateSubscriptionRequest, CreateSubscriptionResponse, &Core::subscriptions,
+                 create_subscription>(Need::Activated),
+        function<ModifySubscriptionRequest, ModifySubscriptionResponse, &Core::subscriptions,
+                 modify_subscription>(Need::Activated),
+        function<SetPublishingModeRequest, SetPublishingModeResponse, &Core::subscriptions,
+                 set_publishing_mode>(Need::Activated),
+        operation<PublishRequest, make_operation<PublishOperation, Subscriptions>,
+                  &Core::subscriptions>(Need::Activated),
+        operation<RepublishRequest, make_operation<RepublishOperation, Subscriptions>,
+                  &Core::subscriptions>(Need::Activated),
+        function<TransferSubscriptionsRequest, TransferSubscriptionsResponse, &Core::subscriptions,
+                 transfer_subscriptions>(Need::Activated),
+        function<DeleteSubscriptionsRequest, DeleteSubscriptionsResponse, &Core::subscriptions,
+                 delete_subscriptions>(Need::Activated),
     };
     std::sort(table.begin(), table.end(),
               [](const Service& a, const Service& b) { return a.encoding_id < b.encoding_id; });
@@ -197,7 +229,7 @@ Checked<Session*> find_session(Core& core, const Link& link, const RequestHeader
                               "The session may have expired; the client has to create another");
     }
     if (need == Need::Activated) {
-        if (session->link != &link) {
+        if (session->peer != &link) {
             return refuse_session(status::Bad_SecureChannelIdInvalid,
                                   "\"" + printable(session->name) +
                                       "\" is used over another channel than its own",
@@ -205,12 +237,12 @@ Checked<Session*> find_session(Core& core, const Link& link, const RequestHeader
         }
         if (!session->is_activated) {
             const std::string session_name = printable(session->name);
-            ++core.diagnostics.summary.session_abort_count;
-            core.close_session(*session, status::Bad_SessionClosed); // Part 4, 5.7.3.1
+            ++core.counters.summary.session_abort_count;
+            core.close_session(*session, status::Bad_SessionClosed, false); // Part 4, 5.7.3.1
             return refuse_session(status::Bad_SessionNotActivated,
                                   "\"" + session_name + "\" was never activated", {});
         }
-        expire_user(core, *session, now);
+        expire_user(core.session_needs, *session, now);
         session->touch(now);
     }
     return session;
@@ -239,26 +271,26 @@ void run(const Service* service, Core& core, Link& link, Incoming& incoming, Tim
 {
     if (service == nullptr || service->run == nullptr) {
         const std::uint32_t id = service != nullptr ? service->encoding_id : 0;
-        core.diagnostics.count_fault(nullptr, id, status::Bad_ServiceUnsupported);
+        core.counters.count_fault(nullptr, id, status::Bad_ServiceUnsupported);
         return link.fault(incoming.reply, status::Bad_ServiceUnsupported);
     }
     if (core.is_shutting_down() && !service->is_for_shutdown) {
         return link.fault(incoming.reply, status::Bad_Shutdown);
     }
-    const RequestFault::Serving serving{core.guards.request(), link, incoming.reply.request_id};
+    const RequestFault::Serving serving{core.guards.request(), &link, incoming.reply.request_id};
     const auto session = find_session(core, link, incoming.header, service->need, now);
     if (!session) {
-        core.diagnostics.count_fault(nullptr, service->encoding_id, session.error().status);
+        core.counters.count_fault(nullptr, service->encoding_id, session.error().status);
         explain(link.log(), "session", session.error());
         return link.fault(incoming.reply, session.error().status);
     }
     if (*session != nullptr) {
-        core.diagnostics.count_request(**session, service->encoding_id,
-                                       core.environment.wall_clock->now());
+        core.counters.count_request(**session, service->encoding_id,
+                                    core.environment.wall_clock->now());
         incoming.reply.max_size = (*session)->max_response_message_size;
     }
-    ServiceContext context{core, link, *session, now};
-    service->run(context, incoming);
+    ServiceContext context{link, *session, now};
+    service->run(core, context, incoming);
 }
 
 } // namespace
@@ -266,7 +298,7 @@ void run(const Service* service, Core& core, Link& link, Incoming& incoming, Tim
 void dispatch(Core& core, Link& link, std::vector<std::byte> message, std::uint32_t request_id,
               TimePoint now)
 {
-    Incoming incoming{std::move(message), {}, {request_id, 0, 0}, 0};
+    Incoming incoming{std::move(message), {}, {request_id, 0, 0}, 0, link};
     binary::Reader reader{incoming.message, binary::Strings::Borrow, &core.types,
                           core.limits().decode};
     NodeId encoding_id;

@@ -8,9 +8,9 @@
 #include <busbar/binary/codec.hpp>
 #include <busbar/types/subscription.hpp>
 
-#include "core.hpp"
 #include "server/subscription/sampling_context.hpp"
 #include "server/subscription/subscription.hpp"
+#include "server/subscription/subscription_table.hpp"
 
 namespace busbar::server::detail {
 
@@ -28,12 +28,12 @@ std::uint32_t revise_queue_size(std::uint32_t requested, std::uint32_t most)
 StatusCode check_notifier(const ItemContext& context, const ReadValueId& id)
 {
     constexpr std::uint8_t subscribe_to_events = 1; // EventNotifierType (Part 3, 8.59)
-    const ReadPlan plan = plan_sample(context.core, context.subscription, id);
+    const ReadPlan plan = plan_sample(context.all.needs(), context.subscription, id);
     if (plan.answer.status.is_bad()) {
         return plan.answer.status;
     }
     const NodeRights rights = context.subscription.rights();
-    const model::NodeIndex node = context.core.address_space.find(id.node_id);
+    const model::NodeIndex node = context.all.needs().space.find(id.node_id);
     if (const StatusCode weak = rights.check_channel(node); weak.is_bad()) {
         return weak;
     }
@@ -71,21 +71,23 @@ EventItemQueue::Fields without_largest(EventItemQueue::Fields fields, std::size_
 
 } // namespace
 
-EventItem::EventItem(const ItemContext& context, const MonitoredItemCreateRequest& request,
-                     model::NodeHandle notifier, ItemRevision& revision)
+EventItem::EventItem(Events& events, const ItemContext& context,
+                     const MonitoredItemCreateRequest& request, model::NodeHandle notifier,
+                     ItemRevision& revision)
     : MonitoredItem{context.subscription, Kind::Event, request.requested_parameters.client_handle,
                     request.monitoring_mode},
-      core_{context.core}, notifier_{notifier}, queue_{context.subscription.memory()}
+      EventReceiver{notifier}, events_{events}, needs_{context.all.needs()},
+      queue_{context.subscription.memory()}
 {
     set(request.requested_parameters, revision);
     if (revision.status.is_good() && mode() != MonitoringMode::Disabled) {
-        core_.events.add(*this);
+        events_.add(*this);
     }
 }
 
 EventItem::~EventItem()
 {
-    core_.events.remove(*this);
+    events_.remove(*this);
     subscription().memory().release(paid_);
 }
 
@@ -97,7 +99,7 @@ void EventItem::set(const MonitoringParameters& parameters, ItemRevision& revisi
     }
     set_client_handle(parameters.client_handle);
     revision.queue_size =
-        revise_queue_size(parameters.queue_size, core_.limits().subscriptions.max_event_queue_size);
+        revise_queue_size(parameters.queue_size, needs_.limits.subscriptions.max_event_queue_size);
     if (!queue_.set_capacity(revision.queue_size, parameters.discard_oldest)) {
         queue_overflow();
     }
@@ -114,7 +116,7 @@ StatusCode EventItem::take_filter(const ExtensionObject& filter, ItemRevision& r
     CompiledEventFilter compiled;
     EventFilterResult result;
     const StatusCode code =
-        compiled.compile(*requested, core_.events.fields(), core_.events.limits().filter, result);
+        compiled.compile(*requested, events_.fields(), events_.limits().filter, result);
     if (result != EventFilterResult{}) {
         revision.filter_result = ExtensionObject::from(std::move(result));
     }
@@ -134,10 +136,10 @@ StatusCode EventItem::take_filter(const ExtensionObject& filter, ItemRevision& r
 
 void EventItem::deliver(const RaisedEvent& event)
 {
-    if (!may_receive_ || !filter_.matches(event, core_.address_space)) {
+    if (!may_receive_ || !filter_.matches(event, needs_.space)) {
         return;
     }
-    if (!queue_.push(filter_.select(event, core_.address_space))) {
+    if (!queue_.push(filter_.select(event, needs_.space))) {
         queue_overflow();
     }
     notify();
@@ -156,7 +158,7 @@ void EventItem::queue_overflow()
 {
     if (queue_.wants_overflow()) {
         subscription().count(&SubscriptionDiagnosticsDataType::event_queue_overflow_count);
-        queue_.push_overflow(filter_.select(*core_.events.overflow_event(), core_.address_space));
+        queue_.push_overflow(filter_.select(*events_.overflow_event(), needs_.space));
     }
 }
 
@@ -191,7 +193,7 @@ void EventItem::modify(const ItemContext&, const MonitoringParameters& parameter
 void EventItem::user_changed(const ItemContext& context)
 {
     const NodeRights rights = context.subscription.rights();
-    const model::NodeIndex node = core_.address_space.resolve(notifier_);
+    const model::NodeIndex node = needs_.space.resolve(notifier());
     may_receive_ = node != model::no_node && rights.may_see(node) &&
                    rights.is_permitted(PermissionType::ReceiveEvents, node) &&
                    rights.check_channel(node).is_good();
@@ -205,23 +207,24 @@ void EventItem::user_changed(const ItemContext& context)
 void EventItem::mode_changed(const ItemContext&, MonitoringMode before)
 {
     if (before == MonitoringMode::Disabled) {
-        core_.events.add(*this);
+        events_.add(*this);
     } else if (mode() == MonitoringMode::Disabled) {
-        core_.events.remove(*this);
+        events_.remove(*this);
     }
 }
 
-std::unique_ptr<MonitoredItem> make_event_item(const ItemContext& context,
-                                               const MonitoredItemCreateRequest& request,
-                                               ItemRevision& revision)
+std::unique_ptr<MonitoredItem> EventItemMaker::make(const ItemContext& context,
+                                                    const MonitoredItemCreateRequest& request,
+                                                    ItemRevision& revision)
 {
     revision.status = check_notifier(context, request.item_to_monitor);
     if (revision.status.is_bad()) {
         return nullptr;
     }
-    const model::AddressSpace& space = context.core.address_space;
+    const model::AddressSpace& space = context.all.needs().space;
     const model::NodeIndex node = space.find(request.item_to_monitor.node_id);
-    auto item = std::make_unique<EventItem>(context, request, space.handle(node), revision);
+    auto item =
+        std::make_unique<EventItem>(events_, context, request, space.handle(node), revision);
     return revision.status.is_good() ? std::move(item) : nullptr;
 }
 

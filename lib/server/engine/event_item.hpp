@@ -6,28 +6,19 @@
 #include "server/event/event_filter.hpp"
 #include "server/event/events.hpp"
 #include "server/subscription/monitored_item.hpp"
+#include "server/subscription/subscription_needs.hpp"
 
 namespace busbar::server::detail {
 
 /// A MonitoredItem of a Node's EventNotifier attribute (Part 4, 5.13.1.4): queues the selected
 /// fields of the events that its filter lets pass.
-class EventItem final : public MonitoredItem {
+class EventItem final : public MonitoredItem, private EventReceiver {
 public:
     /// `notifier` is the node whose events it gets. Good, or why the filter is refused; the item
     /// is then good for nothing but to be destroyed.
-    EventItem(const ItemContext& context, const MonitoredItemCreateRequest& request,
+    EventItem(Events& events, const ItemContext& context, const MonitoredItemCreateRequest& request,
               model::NodeHandle notifier, ItemRevision& revision);
     ~EventItem() override;
-
-    [[nodiscard]] model::NodeHandle notifier() const { return notifier_; }
-    /// Where Events has it among the items of its notifier; for Events alone.
-    static constexpr std::size_t nowhere = SIZE_MAX;
-    [[nodiscard]] std::size_t place() const { return place_; }
-    void set_place(std::size_t place) { place_ = place; }
-    /// An event has reached the notifier.
-    void deliver(const RaisedEvent& event);
-    /// Events were lost on their way here.
-    void tell_of_loss();
 
     [[nodiscard]] std::size_t queued() const override { return queue_.size(); }
     [[nodiscard]] std::size_t notification_size() const override;
@@ -41,18 +32,32 @@ protected:
     void mode_changed(const ItemContext& context, MonitoringMode before) override;
 
 private:
+    void deliver(const RaisedEvent& event) override;
+    void tell_of_loss() override;
     /// Takes filter and queue size over, or neither.
     void set(const MonitoringParameters& parameters, ItemRevision& revision);
     [[nodiscard]] StatusCode take_filter(const ExtensionObject& filter, ItemRevision& revision);
     void queue_overflow();
 
-    Core& core_;
-    model::NodeHandle notifier_;
-    std::size_t place_{nowhere};
+    Events& events_;
+    const SubscriptionNeeds& needs_;
     CompiledEventFilter filter_;
     std::size_t paid_{0};
     EventItemQueue queue_;
     bool may_receive_{true};
+};
+
+/// Makes items of the events of one server.
+class EventItemMaker final : public EventItems {
+public:
+    explicit EventItemMaker(Events& events) : events_{events} {}
+
+    [[nodiscard]] std::unique_ptr<MonitoredItem> make(const ItemContext& context,
+                                                      const MonitoredItemCreateRequest& request,
+                                                      ItemRevision& revision) override;
+
+private:
+    Events& events_;
 };
 
 } // namespace busbar::server::detail

@@ -173,7 +173,7 @@ TimePoint Link::next_deadline() const
     }
     first = std::min({first, channel_.next_deadline(), session_check_});
     for (const auto& operation : operations_) {
-        first = std::min({first, operation->client_deadline_, operation->next_deadline()});
+        first = std::min({first, operation->client_deadline(), operation->next_deadline()});
     }
     return first;
 }
@@ -189,7 +189,7 @@ void Link::handle_deadline(TimePoint now)
     // By index: what an operation does may not add others, but it may end all of them.
     for (std::size_t i = 0; i < operations_.size(); ++i) {
         Operation& operation = *operations_[i];
-        if (!operation.is_finished() && operation.client_deadline_ <= now) {
+        if (!operation.is_finished() && operation.client_deadline() <= now) {
             operation.fault(status::Bad_Timeout); // Part 4, 7.32 timeoutHint
         } else if (!operation.is_finished() && operation.next_deadline() <= now) {
             operation.handle_deadline(now);
@@ -246,7 +246,7 @@ void Link::give_turns(TimePoint now)
     for (std::size_t i = 0; i < operations_.size() && !turn_.is_over() && has_room(); ++i) {
         Operation& operation = *operations_[i];
         if (operation.wants_turn()) {
-            ServiceContext context{core_, *this, operation.session_, now};
+            ServiceContext context{*this, operation.session(), now};
             serve([&] { operation.take_turn(context); });
         }
     }
@@ -288,7 +288,7 @@ void Link::handle_closed(StatusCode status, std::string reason)
     }
     for (const auto& operation : operations_) {
         if (!operation->is_finished()) {
-            static_cast<void>(operation->finish());
+            operation->drop();
         }
     }
     core_.sessions.unbind(*this);
@@ -303,11 +303,11 @@ bool Link::has_activated_session() const
 
 void Link::bind(Session& session)
 {
-    if (session.link != this) {
-        if (session.link != nullptr) {
-            session.link->unbind(session);
+    if (session.peer != this) {
+        if (session.peer != nullptr) {
+            session.peer->unbind(session);
         }
-        session.link = this;
+        session.peer = this;
         sessions_.push_back(&session);
     }
     trust_peer();
@@ -315,7 +315,7 @@ void Link::bind(Session& session)
 
 void Link::unbind(Session& session)
 {
-    session.link = nullptr;
+    session.peer = nullptr;
     std::erase(sessions_, &session);
     trust_peer();
 }
@@ -338,7 +338,7 @@ ResponseHeader Link::response_header(const Reply& reply, StatusCode status) cons
 void Link::respond(const Reply& reply, std::uint32_t encoding_id,
                    FunctionRef<void(binary::Writer&)> encode_response)
 {
-    const StatusCode thrown = core_.guards.request().answer(*this, reply.request_id, status::Good);
+    const StatusCode thrown = core_.guards.request().answer(this, reply.request_id, status::Good);
     if (thrown.is_bad()) {
         return fault(reply, thrown);
     }
@@ -360,7 +360,7 @@ void Link::respond(const Reply& reply, std::uint32_t encoding_id,
 
 void Link::fault(const Reply& reply, StatusCode status)
 {
-    const StatusCode answer = core_.guards.request().answer(*this, reply.request_id, status);
+    const StatusCode answer = core_.guards.request().answer(this, reply.request_id, status);
     // It fails only if the channel is gone, or so small that there is nothing to say.
     static_cast<void>(channel_.send(reply.request_id, [&](binary::Writer& writer) {
         encode(writer, NodeId{0, ServiceFault::binary_encoding_id});
@@ -368,6 +368,34 @@ void Link::fault(const Reply& reply, StatusCode status)
     }));
     check_send_queue();
     mark();
+}
+
+void Link::count_fault(Session* session, std::uint32_t encoding_id, StatusCode status)
+{
+    core_.counters.count_fault(session, encoding_id, status);
+}
+
+void Link::start(std::unique_ptr<Operation> operation, std::vector<std::byte> message,
+                 std::size_t offset, const Question& question, ServiceContext& context)
+{
+    const StatusCode bad =
+        operation->decode(std::move(message), offset, core_.types, core_.limits().decode);
+    if (bad.is_bad()) {
+        return fault(question.reply, bad);
+    }
+    operation->open(question, context);
+    operations_.push_back(std::move(operation));
+    Operation& started = *operations_.back();
+    started.start(context);
+    if (core_.guards.request().is_noted()) {
+        started.fault(status::Bad_InternalError);
+    }
+    if (!started.is_finished() && !started.charge_message()) {
+        started.fault(status::Bad_TooManyOperations);
+    }
+    if (started.is_finished()) {
+        operations_.pop_back();
+    }
 }
 
 bool Link::has_place_for_operation() const
@@ -378,7 +406,7 @@ bool Link::has_place_for_operation() const
 void Link::end_operations(const Session* session, StatusCode status)
 {
     for (const auto& operation : operations_) {
-        if (!operation->is_finished() && (session == nullptr || operation->session_ == session)) {
+        if (!operation->is_finished() && (session == nullptr || operation->session() == session)) {
             operation->fault(status);
         }
     }
@@ -388,8 +416,8 @@ std::uint32_t Link::cancel(const Session& session, std::uint32_t request_handle)
 {
     std::uint32_t count = 0;
     for (const auto& operation : operations_) {
-        if (!operation->is_finished() && operation->session_ == &session &&
-            operation->request_handle_ == request_handle) {
+        if (!operation->is_finished() && operation->session() == &session &&
+            operation->request_handle() == request_handle) {
             operation->fault(status::Bad_RequestCancelledByClient);
             ++count;
         }

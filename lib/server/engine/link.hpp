@@ -17,23 +17,6 @@
 
 namespace busbar::server::detail {
 
-/// What an answer has to refer to.
-struct Reply {
-    std::uint32_t request_id{0};
-    std::uint32_t request_handle{0};
-    /// Bytes; 0 if only the channel's limit holds.
-    std::uint32_t max_size{0};
-};
-
-/// What is known of a request before its parameters are.
-struct Question {
-    /// Of the request's type.
-    std::uint32_t encoding_id{0};
-    /// Milliseconds, 0 for none (Part 4, 7.32).
-    std::uint32_t timeout_hint{0};
-    Reply reply;
-};
-
 /// The server's log with the peer's address before each line; as bounded as Core::log.
 class PeerLog final : public LogSink {
 public:
@@ -47,12 +30,10 @@ private:
 };
 
 /// The inside of a Connection: its channel and the operations that wait on it.
-class Link {
+class Link final : public Peer {
 public:
     /// Adds itself to `core`.
     Link(Core& core, std::string_view peer_address, TimePoint now);
-    Link(const Link&) = delete;
-    Link& operator=(const Link&) = delete;
     ~Link();
 
     // The engine, see Connection.
@@ -68,31 +49,34 @@ public:
     void handle_deadline(TimePoint now);
     [[nodiscard]] bool is_closed() const { return channel_.is_closed(); }
 
-    // For services.
+    // Peer.
 
-    [[nodiscard]] const channel::ServerChannel& channel() const { return channel_; }
-    [[nodiscard]] std::string_view peer_address() const { return peer_address_; }
-    /// The sessions that use this channel.
-    [[nodiscard]] const std::vector<Session*>& sessions() const { return sessions_; }
-    [[nodiscard]] bool has_activated_session() const;
-    /// The session uses this channel from now on and no other. To be called again when it is
-    /// activated: what the peer may send depends on it.
-    void bind(Session& session);
-    /// It uses this channel no more.
-    void unbind(Session& session);
-    /// What may still be done for this peer before others have their turn.
-    [[nodiscard]] Turn& turn() { return turn_; }
-    /// For what is to be said of this peer.
-    [[nodiscard]] LogSink& log() { return log_; }
+    [[nodiscard]] const channel::ServerChannel& channel() const override { return channel_; }
+    [[nodiscard]] std::string_view address() const override { return peer_address_; }
+    [[nodiscard]] const std::vector<Session*>& sessions() const override { return sessions_; }
+    void bind(Session& session) override;
+    void unbind(Session& session) override;
+    void end_operations(const Session* session, StatusCode status) override;
+    [[nodiscard]] Turn& turn() override { return turn_; }
+    [[nodiscard]] LogSink& log() override { return log_; }
+
+    // Outbox.
+
+    void respond(const Reply& reply, std::uint32_t encoding_id,
+                 FunctionRef<void(binary::Writer&)> encode_response) override;
+    void fault(const Reply& reply, StatusCode status) override;
+    [[nodiscard]] ResponseHeader response_header(const Reply& reply,
+                                                 StatusCode status) const override;
+    [[nodiscard]] std::size_t max_response_size() const override
+    {
+        return channel_.max_response_size();
+    }
+    void count_fault(Session* session, std::uint32_t encoding_id, StatusCode status) override;
+    void mark() override;
+    void wants_sweep() override;
 
     // For dispatch.
 
-    [[nodiscard]] ResponseHeader response_header(const Reply& reply, StatusCode status) const;
-    /// Sends a response of that type, of which `encode_response` writes everything; a ServiceFault
-    /// if it does not fit the client's limits.
-    void respond(const Reply& reply, std::uint32_t encoding_id,
-                 FunctionRef<void(binary::Writer&)> encode_response);
-    void fault(const Reply& reply, StatusCode status);
     [[nodiscard]] bool has_place_for_operation() const;
     /// Gives back the memory of a message that is done with.
     void recycle(std::vector<std::byte> message) { channel_.recycle(std::move(message)); }
@@ -103,15 +87,12 @@ public:
 
     // For the server.
 
-    /// Answers what the session has pending here with `status`; all sessions' if it is null.
-    void end_operations(const Session* session, StatusCode status);
+    [[nodiscard]] bool has_activated_session() const;
     /// Ends the session's operations with this handle; how many there were (Part 4, 5.7.5).
     std::uint32_t cancel(const Session& session, std::uint32_t request_handle);
     void close(StatusCode status, std::string_view reason);
     /// The same because of something the peer did or left undone, which the log explains.
     void close(const Refusal& refusal);
-    /// One of the operations has answered: sweep() is to be called when none of them is running.
-    void wants_sweep();
     /// Destroys the operations that have answered.
     void sweep();
     [[nodiscard]] TimePoint created() const { return created_; }
@@ -119,7 +100,6 @@ public:
     bool take_mark() { return std::exchange(is_marked_, false); }
 
 private:
-    friend class Operation;
     /// While one of the engine's own members runs, whose caller looks at the output anyhow.
     class Running;
 
@@ -132,7 +112,6 @@ private:
     void handle_closed(StatusCode status, std::string reason);
     void check_silence(TimePoint now);
     void check_send_queue();
-    void mark();
 
     Core& core_;
     std::uint64_t id_;

@@ -8,7 +8,7 @@
 #include "config_check.hpp"
 #include "core.hpp"
 #include "link.hpp"
-#include "namespace_nodes.hpp"
+#include "server/event/namespace_nodes.hpp"
 #include "server/session/user_expiry.hpp"
 #include "server/subscription/sampler.hpp"
 
@@ -49,10 +49,10 @@ Result<Server> Server::create(ServerConfig config, const ServerEnvironment& envi
     if (!own) {
         return fail(own.error());
     }
-    auto impl = std::make_unique<Impl>(std::move(config), environment, std::move(address_space));
-    impl->own_namespace = *own;
+    auto impl =
+        std::make_unique<Impl>(std::move(config), environment, std::move(address_space), *own);
     impl->enable_diagnostics();
-    impl->model_changes.begin(*impl);
+    impl->model_changes.begin();
     return Server{std::move(impl)};
 }
 
@@ -125,9 +125,8 @@ std::string Server::Impl::find_obstacle(std::string_view peer_address)
         return "the server is stopping";
     }
     const auto from_there =
-        std::count_if(links.begin(), links.end(), [&](const detail::Link* link) {
-            return link->peer_address() == peer_address;
-        });
+        std::count_if(links.begin(), links.end(),
+                      [&](const detail::Link* link) { return link->address() == peer_address; });
     if (static_cast<std::size_t>(from_there) >= limits().max_connections_per_address) {
         return std::to_string(from_there) +
                " connections from this address, the limit max_connections_per_address";
@@ -162,7 +161,7 @@ bool Server::Impl::make_place()
 
 TimePoint Server::next_deadline() const
 {
-    if (impl_->model_changes.is_pending(*impl_)) {
+    if (impl_->model_changes.is_pending()) {
         return TimePoint{}; // long past
     }
     const detail::Session* first = impl_->sessions.next_due();
@@ -181,7 +180,7 @@ void Server::handle_deadline(TimePoint now)
     if (impl_->certificate_check <= now) {
         impl_->watch_certificate(now);
     }
-    impl_->model_changes.announce(*impl_);
+    impl_->model_changes.announce();
     impl_->expire_sessions(now);
     impl_->subscriptions.handle_deadline(now);
     if (impl_->shutdown_deadline <= now) {
@@ -195,10 +194,10 @@ void Server::Impl::expire_sessions(TimePoint now)
     detail::Session* session = sessions.next_due();
     while (session != nullptr && session->next_deadline() <= now) {
         if (session->deadline <= now) {
-            ++diagnostics.summary.session_timeout_count;
-            close_session(*session, status::Bad_SessionClosed);
+            ++counters.summary.session_timeout_count;
+            close_session(*session, status::Bad_SessionClosed, false);
         } else {
-            detail::expire_user(*this, *session, now);
+            detail::expire_user(session_needs, *session, now);
         }
         session = sessions.next_due();
     }
@@ -208,7 +207,7 @@ void Server::handle_completions(TimePoint now)
 {
     impl_->sources.handle_completions();
     impl_->password_checks.drain(now);
-    impl_->model_changes.announce(*impl_);
+    impl_->model_changes.announce();
     impl_->events.handle_raised();
     impl_->subscriptions.sampler().handle_scans(now);
     impl_->sweep();
@@ -234,10 +233,10 @@ void Server::begin_shutdown(TimePoint now, std::string_view reason)
     }
     const auto delay = impl_->config.shutdown_delay;
     impl_->log(LogLevel::Info, "server", "shutdown: " + std::string{reason});
-    impl_->state = ServerState::Shutdown;
-    impl_->shutdown_reason = reason;
-    impl_->shutdown_time = {impl_->environment.wall_clock->now().ticks +
-                            delay.count() * (DateTime::ticks_per_second / 1000)};
+    impl_->life.state = ServerState::Shutdown;
+    impl_->life.shutdown_reason = reason;
+    impl_->life.shutdown_time = {impl_->environment.wall_clock->now().ticks +
+                                 delay.count() * (DateTime::ticks_per_second / 1000)};
     impl_->shutdown_deadline = now + delay;
     for (detail::Link* link : impl_->links) {
         link->end_operations(nullptr, status::Bad_Shutdown);
@@ -251,14 +250,14 @@ void Server::Impl::enable_diagnostics()
     if (flag != model::no_node) {
         static_cast<void>(address_space.set_value(flag, true));
     }
-    diagnostics.take_flag(address_space);
+    counters.take_flag(address_space);
 }
 
 void Server::Impl::finish_shutdown()
 {
     shutdown_deadline = no_deadline;
     while (detail::Session* session = sessions.any()) {
-        close_session(*session, status::Bad_Shutdown);
+        close_session(*session, status::Bad_Shutdown, false);
     }
     for (detail::Link* link : links) {
         link->close(status::Bad_Shutdown, "the server stops");
@@ -276,7 +275,7 @@ bool Server::is_stopped() const
 void Server::announce_semantics_change(const NodeId& variable)
 {
     impl_->subscriptions.announce_change({variable}, detail::ValueQueue::semantics_changed_bit);
-    detail::ModelChanges::announce_semantics(*impl_, variable);
+    impl_->model_changes.announce_semantics(variable);
 }
 
 void Server::announce_structure_change(const NodeId& variable)

@@ -5,8 +5,6 @@
 
 #include <busbar/core/text.hpp>
 
-#include "server/engine/event_item.hpp"
-
 namespace busbar::server::detail {
 
 namespace {
@@ -35,27 +33,27 @@ Events::~Events()
     queue_->close();
 }
 
-void Events::add(EventItem& item)
+void Events::add(EventReceiver& receiver)
 {
-    auto& items = items_[item.notifier().index];
-    item.set_place(items.size());
-    items.push_back(&item);
+    auto& receivers = receivers_[receiver.notifier().index];
+    receiver.place_ = receivers.size();
+    receivers.push_back(&receiver);
 }
 
-void Events::remove(EventItem& item)
+void Events::remove(EventReceiver& receiver)
 {
-    if (item.place() == EventItem::nowhere) {
+    if (receiver.place_ == EventReceiver::nowhere) {
         return;
     }
     // The last one takes its place, so that it does not matter how many there are.
-    const auto found = items_.find(item.notifier().index);
-    auto& items = found->second;
-    items.back()->set_place(item.place());
-    items[item.place()] = items.back();
-    items.pop_back();
-    item.set_place(EventItem::nowhere);
-    if (items.empty()) {
-        items_.erase(found);
+    const auto found = receivers_.find(receiver.notifier().index);
+    auto& receivers = found->second;
+    receivers.back()->place_ = receiver.place_;
+    receivers[receiver.place_] = receivers.back();
+    receivers.pop_back();
+    receiver.place_ = EventReceiver::nowhere;
+    if (receivers.empty()) {
+        receivers_.erase(found);
     }
 }
 
@@ -93,17 +91,17 @@ Result<void> Events::raise(Event event)
 
 void Events::deliver(const RaisedEvent& event)
 {
-    if (items_.empty()) {
+    if (receivers_.empty()) {
         return;
     }
     for (const model::NodeIndex notifier : notifiers_.above(space_->find(event.source_node()))) {
-        const auto found = items_.find(notifier);
-        if (found == items_.end()) {
+        const auto found = receivers_.find(notifier);
+        if (found == receivers_.end()) {
             continue;
         }
-        for (EventItem* const item : found->second) {
-            if (space_->handle(notifier) == item->notifier()) {
-                item->deliver(event);
+        for (EventReceiver* const receiver : found->second) {
+            if (space_->handle(notifier) == receiver->notifier()) {
+                receiver->deliver(event);
             }
         }
     }
@@ -111,9 +109,9 @@ void Events::deliver(const RaisedEvent& event)
 
 void Events::tell_of_loss()
 {
-    for (const auto& [notifier, items] : items_) {
-        for (EventItem* const item : items) {
-            item->tell_of_loss();
+    for (const auto& [notifier, receivers] : receivers_) {
+        for (EventReceiver* const receiver : receivers) {
+            receiver->tell_of_loss();
         }
     }
 }

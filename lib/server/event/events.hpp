@@ -5,18 +5,18 @@
 #include <unordered_map>
 #include <vector>
 
+#include <busbar/server/environment.hpp>
+#include <busbar/server/event.hpp>
 #include <busbar/server/event_limits.hpp>
-#include <busbar/server/server.hpp>
 
 #include "event_fields.hpp"
+#include "event_receiver.hpp"
 #include "notifiers.hpp"
 
 namespace busbar::server::detail {
 
-class EventItem;
-
-/// The events of a server: takes what was raised and hands it to the items of all notifiers that
-/// it reaches. Lives on the server's thread; only the queue is for others.
+/// The events of a server: takes what was raised and hands it to the receivers of all notifiers
+/// that it reaches. Lives on the server's thread; only the queue is for others.
 class Events {
 public:
     Events(const ServerEnvironment& environment, const model::AddressSpace& space,
@@ -30,15 +30,15 @@ public:
     [[nodiscard]] const EventLimits& limits() const { return limits_; }
 
     /// Takes part in what its notifier gets, until it is removed.
-    void add(EventItem& item);
-    void remove(EventItem& item);
+    void add(EventReceiver& receiver);
+    void remove(EventReceiver& receiver);
 
     /// Hands on what application threads have raised.
     void handle_raised();
     /// Hands on an event of the server's own. Bad_TypeDefinitionInvalid, and nothing is done, if
     /// the address space has no such event type.
     Result<void> raise(Event event);
-    /// The EventQueueOverflowEventType for an item that lost events (Part 5, 6.4.34).
+    /// The EventQueueOverflowEventType for a receiver that lost events (Part 5, 6.4.34).
     [[nodiscard]] std::unique_ptr<const RaisedEvent> overflow_event();
 
     /// Events that were raised and handed on.
@@ -55,8 +55,9 @@ private:
     std::shared_ptr<EventQueue> queue_;
     EventFields fields_;
     Notifiers notifiers_;
-    /// By the index of the notifier, which another node may have by now: items know whose it was.
-    std::unordered_map<model::NodeIndex, std::vector<EventItem*>> items_;
+    /// By the index of the notifier, which another node may have by now: receivers know whose it
+    /// was.
+    std::unordered_map<model::NodeIndex, std::vector<EventReceiver*>> receivers_;
     /// First half of all EventIds; the other counts them.
     std::uint64_t id_prefix_{0};
     std::uint64_t raised_{0};

@@ -6,7 +6,7 @@
 #include <busbar/types/data_types.hpp>
 #include <busbar/types/ids.hpp>
 
-#include "core.hpp"
+#include "events.hpp"
 #include "namespace_nodes.hpp"
 
 namespace busbar::server::detail {
@@ -76,32 +76,32 @@ Event change_event(const model::ModelChanges& taken)
 
 } // namespace
 
-void ModelChanges::begin(Core& core)
+void ModelChanges::begin()
 {
-    describe_namespaces(core);
-    static_cast<void>(core.address_space.take_changes());
+    describe_namespaces();
+    static_cast<void>(space_.take_changes());
 }
 
-bool ModelChanges::is_pending(const Core& core) const
+bool ModelChanges::is_pending() const
 {
-    return core.address_space.has_changes() || namespaces_ != core.address_space.namespace_count();
+    return space_.has_changes() || namespaces_ != space_.namespace_count();
 }
 
-void ModelChanges::announce(Core& core)
+void ModelChanges::announce()
 {
-    describe_namespaces(core);
-    if (!core.address_space.has_changes()) {
+    describe_namespaces();
+    if (!space_.has_changes()) {
         return;
     }
-    const model::ModelChanges taken = core.address_space.take_changes();
-    count_versions_up(core.address_space, taken);
+    const model::ModelChanges taken = space_.take_changes();
+    count_versions_up(space_, taken);
     // A small namespace 0 may not have the event type; then nobody asks for it.
-    static_cast<void>(core.events.raise(change_event(taken)));
+    static_cast<void>(events_.raise(change_event(taken)));
 }
 
-void ModelChanges::announce_semantics(Core& core, const NodeId& node)
+void ModelChanges::announce_semantics(const NodeId& node)
 {
-    const model::AddressSpace& space = core.address_space;
+    const model::AddressSpace& space = space_;
     const model::NodeIndex found = space.find(node);
     if (found == model::no_node) {
         return;
@@ -113,19 +113,19 @@ void ModelChanges::announce_semantics(Core& core, const NodeId& node)
     Event event = server_event("Properties of a node mean something else");
     event.event_type = NodeId{0, id::SemanticChangeEventType};
     event.set({0, "Changes"}, std::move(changes));
-    static_cast<void>(core.events.raise(std::move(event)));
+    static_cast<void>(events_.raise(std::move(event)));
 }
 
-void ModelChanges::describe_namespaces(Core& core)
+void ModelChanges::describe_namespaces()
 {
-    for (; namespaces_ < core.address_space.namespace_count(); ++namespaces_) {
+    for (; namespaces_ < space_.namespace_count(); ++namespaces_) {
         const auto index = static_cast<std::uint16_t>(namespaces_);
-        const auto object = find_or_add_namespace(core.address_space, core.own_namespace, index);
+        const auto object = find_or_add_namespace(space_, own_namespace_, index);
         if (!object && object.error() != status::Bad_NotSupported) {
-            core.log(LogLevel::Warning, "server",
-                     "Server.Namespaces has nothing on " +
-                         printable(core.address_space.namespace_uri(index)) + ": " +
-                         std::string{name(object.error())});
+            log_.write(LogLevel::Warning, "server",
+                       "Server.Namespaces has nothing on " +
+                           printable(space_.namespace_uri(index)) + ": " +
+                           std::string{name(object.error())});
         }
     }
 }

@@ -1,7 +1,5 @@
 #include "call.hpp"
 
-#include "server/engine/core.hpp"
-
 namespace busbar::server::detail {
 
 CallOperation::~CallOperation()
@@ -13,9 +11,8 @@ CallOperation::~CallOperation()
 
 void CallOperation::start(ServiceContext& context)
 {
-    core_ = &context.core;
     const StatusCode refusal =
-        check_call(request(), core_->limits().operations.max_nodes_per_method_call);
+        check_call(request(), needs_.limits.operations.max_nodes_per_method_call);
     if (refusal.is_bad()) {
         return fault(refusal);
     }
@@ -23,7 +20,7 @@ void CallOperation::start(ServiceContext& context)
     if (!charge(cost_of(request()))) {
         return fault(status::Bad_TooManyOperations);
     }
-    job_.emplace(context, request());
+    job_.emplace(needs_, context, request());
     if (job_->start(*this, context.now)) {
         call_completed();
     }
@@ -46,7 +43,7 @@ void CallOperation::call_completed()
     if (is_finished()) {
         return;
     }
-    job_->finish(*core_);
+    job_->finish();
     respond<CallResponse>([&](binary::Writer& writer) { job_->encode_results(writer); });
 }
 

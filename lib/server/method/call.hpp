@@ -12,6 +12,7 @@ namespace busbar::server::detail {
 /// Call (Part 4, 5.12.2).
 class CallOperation final : public OperationOf<CallRequest>, private CallOwner {
 public:
+    explicit CallOperation(const MethodNeeds& needs) : needs_{needs} {}
     ~CallOperation() override;
 
     void start(ServiceContext& context) override;
@@ -21,7 +22,7 @@ public:
 private:
     void call_completed() override;
 
-    Core* core_{nullptr};
+    const MethodNeeds& needs_;
     std::optional<CallJob> job_;
 };
 

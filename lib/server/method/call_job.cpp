@@ -5,10 +5,7 @@
 #include <busbar/binary/codec.hpp>
 #include <busbar/core/text.hpp>
 
-#include "built_in_methods.hpp"
-#include "server/engine/core.hpp"
 #include "server/rights/method_lookup.hpp"
-#include "server/session/session.hpp"
 #include "server/session/session_rights.hpp"
 
 namespace busbar::server::detail {
@@ -76,8 +73,9 @@ std::size_t cost_of(const CallRequest& request)
     return cost;
 }
 
-CallJob::CallJob(ServiceContext& context, const CallRequest& request)
-    : call_{context.core.sources, request.methods_to_call.size()},
+CallJob::CallJob(const MethodNeeds& needs, const ServiceContext& context,
+                 const CallRequest& request)
+    : needs_{needs}, call_{needs.sources, request.methods_to_call.size()},
       memory_{std::make_shared<Memory>()}, asked_(request.methods_to_call.size())
 {
     memory_->caller = {context.session->id, context.session->user};
@@ -90,11 +88,11 @@ CallJob::CallJob(ServiceContext& context, const CallRequest& request)
 }
 
 /// Nothing if a source will answer.
-std::optional<CallResult> CallJob::plan(ServiceContext& context, std::size_t index,
+std::optional<CallResult> CallJob::plan(const ServiceContext& context, std::size_t index,
                                         const CallMethodRequest& call)
 {
-    const model::AddressSpace& space = context.core.address_space;
-    const NodeRights rights = rights_of(context);
+    const model::AddressSpace& space = needs_.space;
+    const NodeRights rights = rights_of(*context.session, space, needs_.access);
     const auto method = find_method(space, rights, call.object_id, call.method_id, visits_left_);
     if (!method) {
         return CallResult{method.error()};
@@ -113,7 +111,7 @@ std::optional<CallResult> CallJob::plan(ServiceContext& context, std::size_t ind
     if (!is_user_executable(space, rights, *method)) {
         return CallResult{status::Bad_UserAccessDenied};
     }
-    const auto needed = signature(context.core, *method);
+    const auto needed = signature(*method);
     if (!needed) {
         return CallResult{needed.error()};
     }
@@ -124,20 +122,20 @@ std::optional<CallResult> CallJob::plan(ServiceContext& context, std::size_t ind
     return carry_out(context, index, call, *method);
 }
 
-std::optional<CallResult> CallJob::carry_out(ServiceContext& context, std::size_t index,
+std::optional<CallResult> CallJob::carry_out(const ServiceContext& context, std::size_t index,
                                              const CallMethodRequest& call, model::NodeIndex method)
 {
-    const model::AddressSpace& space = context.core.address_space;
+    const model::AddressSpace& space = needs_.space;
     const model::MethodAttributes attributes = space.method(method);
     if (attributes.source == model::no_source) {
         // A short request must not keep the server busy for long.
-        if (item_count_ >= context.core.limits().operations.max_monitored_items_per_call) {
+        if (item_count_ >= needs_.limits.operations.max_monitored_items_per_call) {
             return CallResult{status::Bad_TooManyOperations};
         }
-        return find_built_in_method(space.node_id(method))
-            ->call(context, call.input_arguments.span(), item_count_);
+        return needs_.built_in.call(space.node_id(method), context, call.input_arguments.span(),
+                                    item_count_);
     }
-    if (context.core.sources.find(attributes.source) == nullptr) {
+    if (needs_.sources.find(attributes.source) == nullptr) {
         return CallResult{status::Bad_NoCommunication};
     }
     call_.ask(index, attributes.source,
@@ -145,13 +143,13 @@ std::optional<CallResult> CallJob::carry_out(ServiceContext& context, std::size_
     return std::nullopt;
 }
 
-Result<const MethodSignature*> CallJob::signature(const Core& core, model::NodeIndex method)
+Result<const MethodSignature*> CallJob::signature(model::NodeIndex method)
 {
     const auto known = signatures_.find(method);
     if (known != signatures_.end()) {
         return &known->second;
     }
-    auto read = read_signature(core.address_space, core.types, method);
+    auto read = read_signature(needs_.space, needs_.types, method);
     if (!read) {
         return fail(read.error());
     }
@@ -164,15 +162,15 @@ bool CallJob::start(CallOwner& owner, TimePoint now)
     return call_.start(owner, now, [this](CallPart& part) { part.caller = &memory_->caller; });
 }
 
-void CallJob::finish(Core& core)
+void CallJob::finish()
 {
     for (std::size_t i = 0; i < asked_.size(); ++i) {
         CallResult* const result = asked_[i] != nullptr ? call_.find_answer(i) : nullptr;
-        if (result != nullptr && !tidy_result(core.address_space, *asked_[i], *result)) {
+        if (result != nullptr && !tidy_result(needs_.space, *asked_[i], *result)) {
             *result = CallResult{status::Bad_InternalError};
-            core.log(LogLevel::Error, "method",
-                     "a Method was answered with outputs that are not those of its "
-                     "OutputArguments; the client gets Bad_InternalError");
+            needs_.log.write(LogLevel::Error, "method",
+                             "a Method was answered with outputs that are not those of its "
+                             "OutputArguments; the client gets Bad_InternalError");
         }
     }
 }

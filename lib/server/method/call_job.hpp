@@ -10,8 +10,8 @@
 #include <busbar/types/method.hpp>
 
 #include "call_part.hpp"
+#include "method_needs.hpp"
 #include "method_signature.hpp"
-#include "server/session/service.hpp"
 
 namespace busbar::server::detail {
 
@@ -25,7 +25,7 @@ namespace busbar::server::detail {
 class CallJob {
 public:
     /// `request` must stay as it is until keep() or the end of the job.
-    CallJob(ServiceContext& context, const CallRequest& request);
+    CallJob(const MethodNeeds& needs, const ServiceContext& context, const CallRequest& request);
 
     /// True if the results are there, else `owner` is told.
     [[nodiscard]] bool start(CallOwner& owner, TimePoint now);
@@ -33,7 +33,7 @@ public:
     /// Answers Bad_Timeout for sources that are late; true if nothing is waited for any more.
     [[nodiscard]] bool handle_deadline(TimePoint now) { return call_.handle_deadline(now); }
     /// Checks what the sources answered; before encode_results().
-    void finish(Core& core);
+    void finish();
     /// Writes `results` and `diagnostic_infos` of the CallResponse.
     void encode_results(binary::Writer& writer) const;
 
@@ -48,14 +48,15 @@ private:
         CallRequest request;
     };
 
-    [[nodiscard]] std::optional<CallResult> plan(ServiceContext& context, std::size_t index,
+    [[nodiscard]] std::optional<CallResult> plan(const ServiceContext& context, std::size_t index,
                                                  const CallMethodRequest& call);
-    [[nodiscard]] std::optional<CallResult> carry_out(ServiceContext& context, std::size_t index,
+    [[nodiscard]] std::optional<CallResult> carry_out(const ServiceContext& context,
+                                                      std::size_t index,
                                                       const CallMethodRequest& call,
                                                       model::NodeIndex method);
-    [[nodiscard]] Result<const MethodSignature*> signature(const Core& core,
-                                                           model::NodeIndex method);
+    [[nodiscard]] Result<const MethodSignature*> signature(model::NodeIndex method);
 
+    const MethodNeeds& needs_;
     MethodBatchCall call_;
     std::shared_ptr<Memory> memory_;
     std::unordered_map<model::NodeIndex, MethodSignature> signatures_;

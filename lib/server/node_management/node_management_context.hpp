@@ -5,7 +5,7 @@
 #include <busbar/server/limits.hpp>
 
 #include "client_nodes.hpp"
-#include "server/rights/data_rights.hpp"
+#include "server/rights/node_rights.hpp"
 
 namespace busbar::server::detail {
 

@@ -2,18 +2,17 @@
 
 #include "add_nodes.hpp"
 #include "references.hpp"
-#include "server/engine/core.hpp"
 #include "server/session/session_rights.hpp"
 
 namespace busbar::server::detail {
 
 namespace {
 
-NodeManagementContext management_context(const ServiceContext& context)
+NodeManagementContext management_context(const NodeManagementNeeds& needs, const Session& session)
 {
-    Core& core = context.core;
-    return {core.address_space, rights_of(context), core.limits(),
-            core.client_nodes,  core.own_namespace, core.config.application_uri};
+    return {needs.space,         rights_of(session, needs.space, needs.access),
+            needs.config.limits, needs.client_nodes,
+            needs.own_namespace, needs.config.application_uri};
 }
 
 AddNodesResult add_one(NodeManagementContext& context, const AddNodesItem& item)
@@ -46,53 +45,56 @@ StatusCode delete_one(NodeManagementContext& context, const DeleteNodesItem& ite
 
 /// Carries out all of a request's items by `one` and tells clients of what has changed.
 template <typename Items, typename Results>
-StatusCode for_each_item(ServiceContext& context, const Items& items, Results& results,
+StatusCode for_each_item(const NodeManagementNeeds& needs, ServiceContext& context,
+                         const Items& items, Results& results,
                          typename Results::value_type (*one)(NodeManagementContext&,
                                                              const typename Items::value_type&))
 {
-    Core& core = context.core;
-    if (!core.config.has_node_management) {
+    if (!needs.config.has_node_management) {
         return status::Bad_ServiceUnsupported;
     }
     if (items.empty()) {
         return status::Bad_NothingToDo;
     }
-    if (items.size() > core.limits().operations.max_nodes_per_node_management) {
+    if (items.size() > needs.config.limits.operations.max_nodes_per_node_management) {
         return status::Bad_TooManyOperations;
     }
-    NodeManagementContext management = management_context(context);
+    NodeManagementContext management = management_context(needs, *context.session);
     results.reserve(items.size());
     for (const auto& item : items) {
         results.push_back(one(management, item));
     }
-    core.model_changes.announce(core);
+    needs.observer.model_changed();
     return status::Good;
 }
 
 } // namespace
 
-StatusCode add_nodes(ServiceContext& context, const AddNodesRequest& request,
-                     AddNodesResponse& response)
+StatusCode add_nodes(const NodeManagementNeeds& needs, ServiceContext& context,
+                     const AddNodesRequest& request, AddNodesResponse& response)
 {
-    return for_each_item(context, request.nodes_to_add, response.results, add_one);
+    return for_each_item(needs, context, request.nodes_to_add, response.results, add_one);
 }
 
-StatusCode add_references(ServiceContext& context, const AddReferencesRequest& request,
-                          AddReferencesResponse& response)
+StatusCode add_references(const NodeManagementNeeds& needs, ServiceContext& context,
+                          const AddReferencesRequest& request, AddReferencesResponse& response)
 {
-    return for_each_item(context, request.references_to_add, response.results, add_reference);
+    return for_each_item(needs, context, request.references_to_add, response.results,
+                         add_reference);
 }
 
-StatusCode delete_nodes(ServiceContext& context, const DeleteNodesRequest& request,
-                        DeleteNodesResponse& response)
+StatusCode delete_nodes(const NodeManagementNeeds& needs, ServiceContext& context,
+                        const DeleteNodesRequest& request, DeleteNodesResponse& response)
 {
-    return for_each_item(context, request.nodes_to_delete, response.results, delete_one);
+    return for_each_item(needs, context, request.nodes_to_delete, response.results, delete_one);
 }
 
-StatusCode delete_references(ServiceContext& context, const DeleteReferencesRequest& request,
+StatusCode delete_references(const NodeManagementNeeds& needs, ServiceContext& context,
+                             const DeleteReferencesRequest& request,
                              DeleteReferencesResponse& response)
 {
-    return for_each_item(context, request.references_to_delete, response.results, delete_reference);
+    return for_each_item(needs, context, request.references_to_delete, response.results,
+                         delete_reference);
 }
 
 } // namespace busbar::server::detail

@@ -4,7 +4,7 @@
 
 #include <busbar/types/ids.hpp>
 
-#include "server/method/built_in_methods.hpp"
+#include "built_in_methods.hpp"
 
 namespace busbar::server::detail {
 
@@ -100,13 +100,13 @@ Result<NodeIndex> find_method(const AddressSpace& space, const NodeRights& right
 bool is_executable(const AddressSpace& space, NodeIndex method)
 {
     const model::MethodAttributes attributes = space.method(method);
-    return attributes.executable && (attributes.source != model::no_source ||
-                                     find_built_in_method(space.node_id(method)) != nullptr);
+    return attributes.executable &&
+           (attributes.source != model::no_source || is_built_in_method(space.node_id(method)));
 }
 
 bool is_user_executable(const AddressSpace& space, const NodeRights& rights, NodeIndex method)
 {
-    const bool is_servers_own = find_built_in_method(space.node_id(method)) != nullptr;
+    const bool is_servers_own = is_built_in_method(space.node_id(method));
     return is_executable(space, method) && rights.may_call(method, is_servers_own);
 }
 

@@ -3,7 +3,7 @@
 #include <busbar/core/result.hpp>
 #include <busbar/model/address_space.hpp>
 
-#include "data_rights.hpp"
+#include "node_rights.hpp"
 
 namespace busbar::server::detail {
 

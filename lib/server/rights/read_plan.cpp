@@ -3,8 +3,8 @@
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/types/ids.hpp>
 
+#include "live_values.hpp"
 #include "method_lookup.hpp"
-#include "server/diagnostics/session_nodes.hpp"
 
 namespace busbar::server::detail {
 
@@ -120,7 +120,7 @@ Result<Variant> attribute(const ReadContext& context, const ReadValueId& id, mod
 DataValue kept_value(const ReadContext& context, const ReadValueId& id, model::NodeIndex node,
                      std::uint32_t source)
 {
-    if (id.node_id.namespace_index() == 0 || source == session_nodes_source) {
+    if (id.node_id.namespace_index() == 0 || source == live_values_source) {
         if (auto live = context.live_value(id.node_id)) {
             return std::move(*live);
         }
@@ -145,7 +145,7 @@ ReadPlan plan_value(const ReadContext& context, const ReadValueId& id, model::No
     if (refusal.is_bad()) {
         return answered(refusal);
     }
-    if (variable.source == model::no_source || variable.source == session_nodes_source) {
+    if (variable.source == model::no_source || variable.source == live_values_source) {
         return answered(kept_value(context, id, node, variable.source));
     }
     const auto* source = context.sources.find(variable.source);

@@ -7,7 +7,7 @@
 #include <busbar/model/address_space.hpp>
 #include <busbar/types/attribute.hpp>
 
-#include "data_rights.hpp"
+#include "node_rights.hpp"
 #include "server/data/data_sources.hpp"
 
 namespace busbar::server::detail {

@@ -3,7 +3,6 @@
 
 #include <busbar/core/text.hpp>
 
-#include "server/engine/link.hpp"
 #include "server/users/user_token.hpp"
 #include "session_proof.hpp"
 #include "session_services.hpp"
@@ -30,6 +29,7 @@ Refusal refusal_of(StatusCode status, std::string_view check, std::string found,
 class ActivateSession final : public OperationOf<ActivateSessionRequest>,
                               private PasswordCheckOwner {
 public:
+    explicit ActivateSession(const SessionNeeds& needs) : needs_{needs} {}
     ~ActivateSession() override
     {
         if (check_) {
@@ -38,8 +38,7 @@ public:
     }
     void start(ServiceContext& context) override
     {
-        core_ = &context.core;
-        link_ = &context.link;
+        peer_ = &context.peer;
         attempt(context.now);
     }
     [[nodiscard]] TimePoint next_deadline() const override { return wait_until_; }
@@ -68,8 +67,8 @@ private:
     void refuse(Refusal refusal, TimePoint now);
     void accept(UserIdentity user, TimePoint now);
 
-    Core* core_{nullptr};
-    Link* link_{nullptr};
+    const SessionNeeds& needs_;
+    Peer* peer_{nullptr};
     std::string thumbprint_;
     TimePoint wait_until_{no_deadline};
     bool has_waited_{false};
@@ -82,9 +81,9 @@ private:
     StatusCode answer_;
 };
 
-const EndpointConfig* find_endpoint(const Core& core, const Session& session)
+const EndpointConfig* find_endpoint(const ServerConfig& config, const Session& session)
 {
-    const auto& endpoints = core.config.endpoints;
+    const auto& endpoints = config.endpoints;
     const auto found = std::find_if(endpoints.begin(), endpoints.end(), [&](const auto& endpoint) {
         return endpoint.security == session.security;
     });
@@ -97,14 +96,14 @@ std::optional<Refusal> ActivateSession::check_channel() const
 {
     constexpr std::string_view check = "channel of the session";
     const Session& session = *this->session();
-    if (session.link == link_) {
+    if (session.peer == peer_) {
         return std::nullopt;
     }
     if (!session.is_activated) {
         return refusal_of(status::Bad_SecureChannelIdInvalid, check,
                           "the first activation came over another channel than CreateSession");
     }
-    const channel::ServerChannel& channel = link_->channel();
+    const channel::ServerChannel& channel = peer_->channel();
     const crypto::CertificateChain& peer = channel.peer_certificates();
     const bool is_same_client = peer.empty()
                                     ? session.client_certificate.empty()
@@ -118,7 +117,7 @@ std::optional<Refusal> ActivateSession::check_channel() const
         return refusal_of(status::Bad_SecurityChecksFailed, check,
                           "the new channel has another security policy or mode");
     }
-    if (link_->sessions().size() >= core_->limits().max_sessions_per_channel) {
+    if (peer_->sessions().size() >= needs_.limits().max_sessions_per_channel) {
         return refusal_of(status::Bad_TooManySessions, check,
                           "the new channel is full of sessions");
     }
@@ -128,7 +127,8 @@ std::optional<Refusal> ActivateSession::check_channel() const
 std::optional<Refusal> ActivateSession::check_signature() const
 {
     const Session& session = *this->session();
-    if (is_signed_by_client(*core_, session.security, session.client_certificate,
+    if (is_signed_by_client(needs_.config.identity ? &*needs_.config.identity : nullptr,
+                            session.security, session.client_certificate,
                             session.server_nonce.span(), request().client_signature)) {
         return std::nullopt;
     }
@@ -143,7 +143,7 @@ std::optional<Refusal> ActivateSession::check_user(const UserIdentity& user) con
 {
     constexpr std::string_view check = "user of the session";
     const Session& session = *this->session();
-    if (session.link == link_) {
+    if (session.peer == peer_) {
         return std::nullopt;
     }
     if (!is_same_user(user, session.user)) {
@@ -168,7 +168,7 @@ LoginAttempt ActivateSession::login_attempt() const
 {
     const auto* user = request().user_identity_token.get_if<UserNameIdentityToken>();
     return {user != nullptr ? user->user_name.view() : std::string_view{}, thumbprint_,
-            link_->peer_address()};
+            peer_->address()};
 }
 
 /// False if the attempt has to wait, or was refused, before it is looked at.
@@ -177,11 +177,11 @@ bool ActivateSession::may_log_in(TimePoint now)
     if (is_anonymous()) {
         return true;
     }
-    if (const auto& peer = link_->channel().peer_certificates(); !peer.empty()) {
+    if (const auto& peer = peer_->channel().peer_certificates(); !peer.empty()) {
         thumbprint_ = peer.front().thumbprint_text();
     }
     const LoginAttempt attempt = login_attempt();
-    const LoginGuard::Admission admission = core_->logins.admit(attempt, now);
+    const LoginGuard::Admission admission = needs_.logins.admit(attempt, now);
     if (admission.is_locked) {
         refuse(status::Bad_UserAccessDenied,
                refusal_of(status::Bad_UserAccessDenied, "login lock-out",
@@ -200,15 +200,15 @@ bool ActivateSession::may_log_in(TimePoint now)
 LoginStep ActivateSession::begin_user() const
 {
     const Session& session = *this->session();
-    const EndpointConfig* endpoint = find_endpoint(*core_, session);
+    const EndpointConfig* endpoint = find_endpoint(needs_.config, session);
     if (endpoint == nullptr) {
         return Login{tl::unexpected{
             LoginFailure{status::Bad_SecurityPolicyRejected,
                          refusal_of(status::Bad_SecurityPolicyRejected, "endpoint of the session",
                                     "there is no endpoint with the security of the channel")}}};
     }
-    return begin_log_in({core_->config, *endpoint, core_->environment.users,
-                         session.server_nonce.span(), core_->environment.wall_clock->now()},
+    return begin_log_in({needs_.config, *endpoint, needs_.environment.users,
+                         session.server_nonce.span(), needs_.wall_time()},
                         request().user_identity_token, request().user_token_signature);
 }
 
@@ -223,9 +223,9 @@ void ActivateSession::attempt(TimePoint now)
     if (!may_log_in(now)) {
         return;
     }
-    core_->guards.request().forget();
+    needs_.guards.request().forget();
     LoginStep step = begin_user();
-    if (core_->guards.request().is_noted()) {
+    if (needs_.guards.request().is_noted()) {
         return fault(status::Bad_InternalError);
     }
     if (auto* login = std::get_if<Login>(&step)) {
@@ -236,22 +236,22 @@ void ActivateSession::attempt(TimePoint now)
 
 void ActivateSession::start_check(std::shared_ptr<PasswordCheck> check, TimePoint now)
 {
-    UserStore& users = *core_->environment.users;
-    Worker* const worker = core_->password_checks.worker_for(users);
+    UserStore& users = *needs_.environment.users;
+    Worker* const worker = needs_.password_checks.worker_for(users);
     if (worker == nullptr) {
-        check->run(core_->guards.unguarded_users());
+        check->run(needs_.guards.unguarded_users());
         return end_user(end_log_in(*check), now);
     }
     check_ = std::move(check);
     check_->owner = this;
     checked_nonce_ = session()->server_nonce;
-    const bool is_started = core_->guards.report().guard("Worker::run", false, [&] {
-        return core_->password_checks.start(check_, *worker, core_->guards.unguarded_users());
+    const bool is_started = needs_.guards.report().guard("Worker::run", false, [&] {
+        return needs_.password_checks.start(check_, *worker, needs_.guards.unguarded_users());
     });
     if (!is_started) {
         return fault(status::Bad_ServerTooBusy);
     }
-    counted_delay_ = core_->logins.failed(login_attempt(), now);
+    counted_delay_ = needs_.logins.failed(login_attempt(), now);
 }
 
 /// Much may have happened meanwhile.
@@ -277,7 +277,7 @@ void ActivateSession::end_user(Login user, TimePoint now)
     if (!user) {
         const bool is_counted = !user.error().is_guess || counted_delay_.has_value();
         const Duration delay = is_counted ? counted_delay_.value_or(Duration::zero())
-                                          : core_->logins.failed(login_attempt(), now);
+                                          : needs_.logins.failed(login_attempt(), now);
         return refuse(user.error().answer, std::move(user.error().refusal), delay, now);
     }
     if (auto refusal = check_user(*user)) {
@@ -294,9 +294,9 @@ void ActivateSession::refuse(Refusal refusal, TimePoint now)
 
 void ActivateSession::refuse(StatusCode answer, Refusal refusal, Duration delay, TimePoint now)
 {
-    refusal.found += ", in session \"" + printable(session()->name) + "\" from " +
-                     std::string{link_->peer_address()};
-    core_->log(LogLevel::Warning, "session", text(refusal));
+    refusal.found +=
+        ", in session \"" + printable(session()->name) + "\" from " + std::string{peer_->address()};
+    needs_.log.write(LogLevel::Warning, "session", text(refusal));
     if (delay == Duration::zero()) {
         return fault(answer);
     }
@@ -308,17 +308,17 @@ void ActivateSession::refuse(StatusCode answer, Refusal refusal, Duration delay,
 void ActivateSession::accept(UserIdentity user, TimePoint now)
 {
     Session& session = *this->session();
-    auto nonce = random_bytes(*core_, server_nonce_size);
+    auto nonce = random_bytes(*needs_.environment.random, server_nonce_size);
     if (!nonce) {
         return fault(nonce.error());
     }
     if (!is_anonymous()) {
-        core_->logins.succeeded(login_attempt(), counted_delay_.has_value());
+        needs_.logins.succeeded(login_attempt(), counted_delay_.has_value());
     }
     if (!request().locale_ids.empty()) { // else the old ones stay
         session.locale_ids.clear();
         for (const String& locale : request().locale_ids) {
-            if (session.locale_ids.size() < core_->limits().max_locale_ids &&
+            if (session.locale_ids.size() < needs_.limits().max_locale_ids &&
                 locale.size() <= max_locale_size) {
                 session.locale_ids.push_back(locale.str());
             }
@@ -328,12 +328,11 @@ void ActivateSession::accept(UserIdentity user, TimePoint now)
     const bool is_other_user = !(session.user == user);
     session.server_nonce = *std::move(nonce);
     session.is_activated = true;
-    link_->bind(session);
-    Subscriptions::session_moved(session);
-    set_user(*core_, *find_endpoint(*core_, session), session, std::move(user), now);
-    core_->session_nodes.add(*core_, session);
+    peer_->bind(session);
+    set_user(needs_, *find_endpoint(needs_.config, session), session, std::move(user), now);
+    needs_.keeper.session_activated(session);
     if (is_other_user) {
-        core_->subscriptions.user_changed(session, now);
+        needs_.keeper.user_changed(session, now);
     }
     respond<ActivateSessionResponse>([&](binary::Writer& writer) {
         encode(writer, session.server_nonce);
@@ -344,9 +343,9 @@ void ActivateSession::accept(UserIdentity user, TimePoint now)
 
 } // namespace
 
-std::unique_ptr<Operation> make_activate_session()
+std::unique_ptr<Operation> make_activate_session(const SessionNeeds& needs)
 {
-    return std::make_unique<ActivateSession>();
+    return std::make_unique<ActivateSession>(needs);
 }
 
 } // namespace busbar::server::detail

@@ -1,4 +1,4 @@
-#include "diagnostics.hpp"
+#include "counters.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,58 +12,58 @@
 #include <busbar/types/subscription.hpp>
 #include <busbar/types/view.hpp>
 
-#include "server/session/session.hpp"
+#include "session.hpp"
 
 namespace busbar::server::detail {
 
 namespace {
 
-using Counters = SessionDiagnosticsDataType;
+using OfSession = SessionDiagnosticsDataType;
 
 struct ServiceCounter {
     std::uint32_t encoding_id;
-    ServiceCounterDataType Counters::*counter;
+    ServiceCounterDataType OfSession::*counter;
 };
 
 /// The counters of Part 5, 12.11 for services that there are.
 constexpr auto service_counters = [] {
     std::array table{
-        ServiceCounter{ReadRequest::binary_encoding_id, &Counters::read_count},
-        ServiceCounter{WriteRequest::binary_encoding_id, &Counters::write_count},
-        ServiceCounter{CallRequest::binary_encoding_id, &Counters::call_count},
+        ServiceCounter{ReadRequest::binary_encoding_id, &OfSession::read_count},
+        ServiceCounter{WriteRequest::binary_encoding_id, &OfSession::write_count},
+        ServiceCounter{CallRequest::binary_encoding_id, &OfSession::call_count},
         ServiceCounter{CreateMonitoredItemsRequest::binary_encoding_id,
-                       &Counters::create_monitored_items_count},
+                       &OfSession::create_monitored_items_count},
         ServiceCounter{ModifyMonitoredItemsRequest::binary_encoding_id,
-                       &Counters::modify_monitored_items_count},
+                       &OfSession::modify_monitored_items_count},
         ServiceCounter{SetMonitoringModeRequest::binary_encoding_id,
-                       &Counters::set_monitoring_mode_count},
-        ServiceCounter{SetTriggeringRequest::binary_encoding_id, &Counters::set_triggering_count},
+                       &OfSession::set_monitoring_mode_count},
+        ServiceCounter{SetTriggeringRequest::binary_encoding_id, &OfSession::set_triggering_count},
         ServiceCounter{DeleteMonitoredItemsRequest::binary_encoding_id,
-                       &Counters::delete_monitored_items_count},
+                       &OfSession::delete_monitored_items_count},
         ServiceCounter{CreateSubscriptionRequest::binary_encoding_id,
-                       &Counters::create_subscription_count},
+                       &OfSession::create_subscription_count},
         ServiceCounter{ModifySubscriptionRequest::binary_encoding_id,
-                       &Counters::modify_subscription_count},
+                       &OfSession::modify_subscription_count},
         ServiceCounter{SetPublishingModeRequest::binary_encoding_id,
-                       &Counters::set_publishing_mode_count},
-        ServiceCounter{PublishRequest::binary_encoding_id, &Counters::publish_count},
-        ServiceCounter{RepublishRequest::binary_encoding_id, &Counters::republish_count},
+                       &OfSession::set_publishing_mode_count},
+        ServiceCounter{PublishRequest::binary_encoding_id, &OfSession::publish_count},
+        ServiceCounter{RepublishRequest::binary_encoding_id, &OfSession::republish_count},
         ServiceCounter{TransferSubscriptionsRequest::binary_encoding_id,
-                       &Counters::transfer_subscriptions_count},
+                       &OfSession::transfer_subscriptions_count},
         ServiceCounter{DeleteSubscriptionsRequest::binary_encoding_id,
-                       &Counters::delete_subscriptions_count},
-        ServiceCounter{AddNodesRequest::binary_encoding_id, &Counters::add_nodes_count},
-        ServiceCounter{AddReferencesRequest::binary_encoding_id, &Counters::add_references_count},
-        ServiceCounter{DeleteNodesRequest::binary_encoding_id, &Counters::delete_nodes_count},
+                       &OfSession::delete_subscriptions_count},
+        ServiceCounter{AddNodesRequest::binary_encoding_id, &OfSession::add_nodes_count},
+        ServiceCounter{AddReferencesRequest::binary_encoding_id, &OfSession::add_references_count},
+        ServiceCounter{DeleteNodesRequest::binary_encoding_id, &OfSession::delete_nodes_count},
         ServiceCounter{DeleteReferencesRequest::binary_encoding_id,
-                       &Counters::delete_references_count},
-        ServiceCounter{BrowseRequest::binary_encoding_id, &Counters::browse_count},
-        ServiceCounter{BrowseNextRequest::binary_encoding_id, &Counters::browse_next_count},
+                       &OfSession::delete_references_count},
+        ServiceCounter{BrowseRequest::binary_encoding_id, &OfSession::browse_count},
+        ServiceCounter{BrowseNextRequest::binary_encoding_id, &OfSession::browse_next_count},
         ServiceCounter{TranslateBrowsePathsToNodeIdsRequest::binary_encoding_id,
-                       &Counters::translate_browse_paths_to_node_ids_count},
-        ServiceCounter{RegisterNodesRequest::binary_encoding_id, &Counters::register_nodes_count},
+                       &OfSession::translate_browse_paths_to_node_ids_count},
+        ServiceCounter{RegisterNodesRequest::binary_encoding_id, &OfSession::register_nodes_count},
         ServiceCounter{UnregisterNodesRequest::binary_encoding_id,
-                       &Counters::unregister_nodes_count},
+                       &OfSession::unregister_nodes_count},
     };
     std::sort(table.begin(), table.end(), [](const ServiceCounter& a, const ServiceCounter& b) {
         return a.encoding_id < b.encoding_id;
@@ -72,7 +72,7 @@ constexpr auto service_counters = [] {
 }();
 
 /// Null for a service that is not counted by itself.
-ServiceCounterDataType* find_counter(Counters& counters, std::uint32_t encoding_id)
+ServiceCounterDataType* find_counter(OfSession& counters, std::uint32_t encoding_id)
 {
     const auto* const found = std::lower_bound(
         service_counters.begin(), service_counters.end(), encoding_id,
@@ -99,7 +99,7 @@ bool is_security(StatusCode status)
 
 } // namespace
 
-void Diagnostics::take_flag(const model::AddressSpace& space)
+void Counters::take_flag(const model::AddressSpace& space)
 {
     const model::NodeIndex flag = space.find(id::Server_ServerDiagnostics_EnabledFlag);
     const bool is_set = flag != model::no_node && space.value(flag).value_or(false);
@@ -110,7 +110,7 @@ void Diagnostics::take_flag(const model::AddressSpace& space)
     is_enabled_ = is_set;
 }
 
-SessionDiagnosticsDataType& Diagnostics::counters(Session& session) const
+SessionDiagnosticsDataType& Counters::counters(Session& session) const
 {
     if (session.diagnostics_round != round_) {
         session.diagnostics_round = round_;
@@ -119,17 +119,17 @@ SessionDiagnosticsDataType& Diagnostics::counters(Session& session) const
     return session.diagnostics;
 }
 
-SessionDiagnosticsDataType Diagnostics::values(const Session& session) const
+SessionDiagnosticsDataType Counters::values(const Session& session) const
 {
     return session.diagnostics_round == round_ ? session.diagnostics : SessionDiagnosticsDataType{};
 }
 
-void Diagnostics::count_request(Session& session, std::uint32_t encoding_id, DateTime now)
+void Counters::count_request(Session& session, std::uint32_t encoding_id, DateTime now)
 {
     if (!is_enabled_) {
         return;
     }
-    Counters& all = counters(session);
+    OfSession& all = counters(session);
     all.client_last_contact_time = now;
     ++all.total_request_count.total_count;
     if (ServiceCounterDataType* const counter = find_counter(all, encoding_id)) {
@@ -137,7 +137,7 @@ void Diagnostics::count_request(Session& session, std::uint32_t encoding_id, Dat
     }
 }
 
-void Diagnostics::count_fault(Session* session, std::uint32_t encoding_id, StatusCode status)
+void Counters::count_fault(Session* session, std::uint32_t encoding_id, StatusCode status)
 {
     if (!is_enabled_) {
         return;
@@ -152,7 +152,7 @@ void Diagnostics::count_fault(Session* session, std::uint32_t encoding_id, Statu
     if (session == nullptr) {
         return;
     }
-    Counters& all = counters(*session);
+    OfSession& all = counters(*session);
     ++all.total_request_count.error_count;
     all.unauthorized_request_count += status == status::Bad_UserAccessDenied ? 1U : 0U;
     if (ServiceCounterDataType* const counter = find_counter(all, encoding_id)) {

@@ -2,15 +2,13 @@
 
 #include <cstdint>
 
-#include <busbar/core/data_value.hpp>
-#include <busbar/core/result.hpp>
+#include <busbar/core/date_time.hpp>
+#include <busbar/core/status_code.hpp>
 #include <busbar/model/address_space.hpp>
-#include <busbar/server/access_control.hpp>
 #include <busbar/types/data_types.hpp>
 
 namespace busbar::server::detail {
 
-struct Core;
 class Session;
 
 /// What a Subscription counts (Part 5, 12.15); what it has at present is not in there.
@@ -20,8 +18,9 @@ struct SubscriptionCounters {
 };
 
 /// What a server counts of itself (Part 5, 6.3.3): plain numbers, which services change where
-/// things happen. What is there at present, such as sessions, is counted when it is read.
-class Diagnostics {
+/// things happen and the diagnostics read. What is there at present, such as sessions, is counted
+/// when it is read.
+class Counters {
 public:
     /// Of the counters only.
     ServerDiagnosticsSummaryDataType summary;
@@ -61,24 +60,5 @@ private:
 
     [[nodiscard]] SessionDiagnosticsDataType& counters(Session& session) const;
 };
-
-/// Who wants a value of the server itself.
-struct ValueReader {
-    const UserIdentity& user;
-    /// Over a channel that nobody else can read.
-    bool is_encrypted{false};
-
-    /// SessionSecurityDiagnostics are for users who have logged in, over encrypted channels; others
-    /// get Bad_UserAccessDenied (Part 5, 6.3.4).
-    [[nodiscard]] bool may_see_security() const
-    {
-        return is_encrypted && user.token_type != UserTokenType::Anonymous;
-    }
-};
-
-/// The value of a Variable below Server.ServerDiagnostics, i=2274; Bad_NodeIdUnknown for any other
-/// node, Bad_NotReadable while diagnostics are off.
-[[nodiscard]] Result<Variant> diagnostic_value(const Core& core, std::uint32_t id,
-                                               const ValueReader& reader);
 
 } // namespace busbar::server::detail

@@ -4,7 +4,6 @@
 #include <busbar/core/text.hpp>
 
 #include "discovery.hpp"
-#include "server/engine/link.hpp"
 #include "session_proof.hpp"
 #include "session_services.hpp"
 
@@ -18,9 +17,9 @@ constexpr std::size_t max_nonce_size = 128;
 constexpr std::size_t max_text_size = 256;
 
 /// The security of the channel has to be that of an endpoint: discovery may have less.
-Checked<void> check_endpoint(const Core& core, const channel::SecuritySetting& security)
+Checked<void> check_endpoint(const ServerConfig& config, const channel::SecuritySetting& security)
 {
-    const auto& endpoints = core.config.endpoints;
+    const auto& endpoints = config.endpoints;
     const bool is_there = std::any_of(endpoints.begin(), endpoints.end(),
                                       [&](const auto& e) { return e.security == security; });
     if (!is_there) {
@@ -72,11 +71,12 @@ Checked<void> check_certificate(const channel::ServerChannel& channel,
     return {};
 }
 
-Checked<void> check(const ServiceContext& context, const CreateSessionRequest& request)
+Checked<void> check(const SessionNeeds& needs, const ServiceContext& context,
+                    const CreateSessionRequest& request)
 {
-    const channel::ServerChannel& channel = context.link.channel();
+    const channel::ServerChannel& channel = context.peer.channel();
     const bool is_secure = !channel.security().policy->is_none();
-    return check_endpoint(context.core, channel.security())
+    return check_endpoint(needs.config, channel.security())
         .and_then([&] { return check_nonce(request.client_nonce, is_secure); })
         .and_then(
             [&] { return is_secure ? check_certificate(channel, request) : Checked<void>{}; });
@@ -90,21 +90,20 @@ tl::unexpected<Refusal> refuse_place(std::size_t count, std::string_view which)
 }
 
 /// Part 4, 5.7.2.1: sessions that nobody activates do not keep others out.
-Checked<void> make_place(ServiceContext& context)
+Checked<void> make_place(const SessionNeeds& needs, const ServiceContext& context)
 {
-    Core& core = context.core;
-    const std::size_t over_channel = context.link.sessions().size();
-    if (over_channel >= core.limits().max_sessions_per_channel) {
+    const std::size_t over_channel = context.peer.sessions().size();
+    if (over_channel >= needs.limits().max_sessions_per_channel) {
         return refuse_place(over_channel, "sessions over this channel");
     }
-    if (core.sessions.size() < core.limits().max_sessions) {
+    if (needs.sessions.size() < needs.limits().max_sessions) {
         return {};
     }
-    Session* oldest = core.sessions.oldest_unactivated();
+    Session* oldest = needs.sessions.oldest_unactivated();
     if (oldest == nullptr) {
-        return refuse_place(core.sessions.size(), "sessions, all activated");
+        return refuse_place(needs.sessions.size(), "sessions, all activated");
     }
-    core.close_session(*oldest, status::Bad_SessionClosed);
+    needs.keeper.close_session(*oldest, status::Bad_SessionClosed, false);
     return {};
 }
 
@@ -122,9 +121,9 @@ std::chrono::milliseconds revise_timeout(const ServerLimits& limits, double requ
     return std::chrono::milliseconds{static_cast<std::int64_t>(requested_ms)};
 }
 
-Result<Guid> random_guid(const Core& core)
+Result<Guid> random_guid(crypto::Random& random)
 {
-    const auto bytes = random_bytes(core, 16);
+    const auto bytes = random_bytes(random, 16);
     if (!bytes) {
         return fail(bytes.error());
     }
@@ -151,18 +150,19 @@ void describe_client(Session& session, const CreateSessionRequest& request)
     session.endpoint_url = shortened(request.endpoint_url);
 }
 
-Result<std::unique_ptr<Session>> make_session(ServiceContext& context,
+Result<std::unique_ptr<Session>> make_session(const SessionNeeds& needs,
+                                              const ServiceContext& context,
                                               const CreateSessionRequest& request)
 {
-    Core& core = context.core;
-    const auto id = random_guid(core);
-    const auto token = random_bytes(core, nonce_size);
-    auto nonce = random_bytes(core, nonce_size);
+    crypto::Random& random = *needs.environment.random;
+    const auto id = random_guid(random);
+    const auto token = random_bytes(random, nonce_size);
+    auto nonce = random_bytes(random, nonce_size);
     if (!id || !token || !nonce) {
         return fail(status::Bad_ResourceUnavailable);
     }
-    auto session = std::make_unique<Session>(core.limits().max_session_memory);
-    session->id = NodeId{core.own_namespace, *id};
+    auto session = std::make_unique<Session>(needs.limits().max_session_memory);
+    session->id = NodeId{needs.own_namespace, *id};
     session->authentication_token = NodeId{0, *token};
     session->server_nonce = *std::move(nonce);
     session->name = request.session_name.view().substr(0, max_text_size);
@@ -172,56 +172,57 @@ Result<std::unique_ptr<Session>> make_session(ServiceContext& context,
     session->client_application_uri =
         request.client_description.application_uri.view().substr(0, max_text_size);
     describe_client(*session, request);
-    session->security = context.link.channel().security();
-    if (const auto& certificates = context.link.channel().peer_certificates();
+    session->security = context.peer.channel().security();
+    if (const auto& certificates = context.peer.channel().peer_certificates();
         !certificates.empty()) {
         session->client_certificate = {certificates.front()};
     }
     session->max_response_message_size = request.max_response_message_size;
-    session->timeout = revise_timeout(core.limits(), request.requested_session_timeout);
+    session->timeout = revise_timeout(needs.limits(), request.requested_session_timeout);
     session->created = context.now;
-    session->connection_time = core.environment.wall_clock->now();
-    session->deadline = context.now + std::min(session->timeout, core.limits().activation_timeout);
+    session->connection_time = needs.wall_time();
+    session->deadline = context.now + std::min(session->timeout, needs.limits().activation_timeout);
     return session;
 }
 
 } // namespace
 
-StatusCode create_session(ServiceContext& context, const CreateSessionRequest& request,
-                          CreateSessionResponse& response)
+StatusCode create_session(const SessionNeeds& needs, ServiceContext& context,
+                          const CreateSessionRequest& request, CreateSessionResponse& response)
 {
-    Core& core = context.core;
-    const auto admitted = check(context, request).and_then([&] { return make_place(context); });
+    const auto admitted =
+        check(needs, context, request).and_then([&] { return make_place(needs, context); });
     if (!admitted) {
-        explain(context.link.log(), "session", admitted.error());
+        explain(context.peer.log(), "session", admitted.error());
         return admitted.error().status;
     }
-    const auto& peer = context.link.channel().peer_certificates();
+    const auto& peer = context.peer.channel().peer_certificates();
     auto signature =
-        sign_for_client(core, context.link.channel().security(),
+        sign_for_client(needs.config.identity ? &*needs.config.identity : nullptr,
+                        context.peer.channel().security(),
                         peer.empty() ? std::span<const std::byte>{} : peer.front().der(),
                         request.client_nonce.span());
     if (!signature) {
         return signature.error();
     }
-    auto made = make_session(context, request);
+    auto made = make_session(needs, context, request);
     if (!made) {
         return made.error();
     }
-    Session& session = core.sessions.add(*std::move(made));
-    context.link.bind(session);
-    ++core.diagnostics.summary.cumulated_session_count;
+    Session& session = needs.sessions.add(*std::move(made));
+    context.peer.bind(session);
+    ++needs.counters.summary.cumulated_session_count;
     response.session_id = session.id;
     response.authentication_token = session.authentication_token;
     response.revised_session_timeout = static_cast<double>(session.timeout.count());
     response.server_nonce = session.server_nonce;
-    response.server_certificate = server_certificates(core);
-    response.server_endpoints = describe_endpoints(core, request.endpoint_url.view());
+    response.server_certificate = server_certificates(needs);
+    response.server_endpoints = describe_endpoints(needs, request.endpoint_url.view());
     response.server_signature = *std::move(signature);
-    response.max_request_message_size = core.limits().transport.max_message_size;
-    core.log(LogLevel::Info, "session",
-             "\"" + printable(session.name) + "\" created from " +
-                 std::string{context.link.peer_address()});
+    response.max_request_message_size = needs.limits().transport.max_message_size;
+    needs.log.write(LogLevel::Info, "session",
+                    "\"" + printable(session.name) + "\" created from " +
+                        std::string{context.peer.address()});
     return status::Good;
 }
 

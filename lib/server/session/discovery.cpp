@@ -4,7 +4,6 @@
 
 #include <busbar/channel/endpoint_url.hpp>
 
-#include "server/engine/core.hpp"
 #include "server/users/user_policies.hpp"
 #include "session_services.hpp"
 
@@ -15,31 +14,31 @@ namespace {
 constexpr std::string_view transport_profile =
     "http://opcfoundation.org/UA-Profile/Transport/uatcp-uasc-uabinary";
 
-bool is_own_host(const Core& core, const channel::EndpointUrl& own, std::string_view host)
+bool is_own_host(const SessionNeeds& needs, const channel::EndpointUrl& own, std::string_view host)
 {
     const auto is_it = [host](const std::string& name) {
         return channel::is_same_host(name, host);
     };
     if (is_it(own.host) ||
-        std::any_of(core.config.host_names.begin(), core.config.host_names.end(), is_it)) {
+        std::any_of(needs.config.host_names.begin(), needs.config.host_names.end(), is_it)) {
         return true;
     }
-    if (!core.config.identity) {
+    if (!needs.config.identity) {
         return false;
     }
-    const auto names = core.config.identity->certificates.front().host_names();
+    const auto names = needs.config.identity->certificates.front().host_names();
     return std::any_of(names.begin(), names.end(), is_it);
 }
 
 /// The ApplicationName is there in one language only, whatever locales are asked for.
-ApplicationDescription describe_application(const Core& core, const std::string& url)
+ApplicationDescription describe_application(const SessionNeeds& needs, const std::string& url)
 {
     ApplicationDescription description;
-    description.application_uri = core.config.application_uri;
-    description.product_uri = core.config.product_uri;
+    description.application_uri = needs.config.application_uri;
+    description.product_uri = needs.config.product_uri;
     description.application_name = LocalizedText{
-        core.config.locale_ids.empty() ? String{} : String{core.config.locale_ids.front()},
-        String{core.config.application_name}};
+        needs.config.locale_ids.empty() ? String{} : String{needs.config.locale_ids.front()},
+        String{needs.config.application_name}};
     description.application_type = ApplicationType::Server;
     description.discovery_urls = Array<String>{String{url}};
     return description;
@@ -63,74 +62,74 @@ std::uint8_t security_level(const EndpointConfig& endpoint)
 
 } // namespace
 
-std::string endpoint_url_for(const Core& core, std::string_view requested)
+std::string endpoint_url_for(const SessionNeeds& needs, std::string_view requested)
 {
-    auto own = channel::EndpointUrl::parse(core.config.endpoint_url);
+    auto own = channel::EndpointUrl::parse(needs.config.endpoint_url);
     if (!own) {
-        return core.config.endpoint_url;
+        return needs.config.endpoint_url;
     }
     if (const auto url = channel::EndpointUrl::parse(requested);
-        url && is_own_host(core, *own, url->host)) {
+        url && is_own_host(needs, *own, url->host)) {
         own->host = url->host;
     }
     return own->text();
 }
 
-ByteString server_certificates(const Core& core)
+ByteString server_certificates(const SessionNeeds& needs)
 {
-    if (!core.config.identity) {
+    if (!needs.config.identity) {
         return {};
     }
     std::vector<std::byte> all;
-    for (const crypto::Certificate& certificate : core.config.identity->certificates) {
+    for (const crypto::Certificate& certificate : needs.config.identity->certificates) {
         all.insert(all.end(), certificate.der().begin(), certificate.der().end());
     }
     return ByteString{all};
 }
 
-Array<EndpointDescription> describe_endpoints(const Core& core, std::string_view requested_url)
+Array<EndpointDescription> describe_endpoints(const SessionNeeds& needs,
+                                              std::string_view requested_url)
 {
-    const std::string url = endpoint_url_for(core, requested_url);
+    const std::string url = endpoint_url_for(needs, requested_url);
     Array<EndpointDescription> endpoints;
     endpoints.clear();
-    for (const EndpointConfig& config : core.config.endpoints) {
+    for (const EndpointConfig& config : needs.config.endpoints) {
         EndpointDescription& endpoint = endpoints.emplace_back();
         endpoint.endpoint_url = url;
-        endpoint.server = describe_application(core, url);
-        endpoint.server_certificate = server_certificates(core);
+        endpoint.server = describe_application(needs, url);
+        endpoint.server_certificate = server_certificates(needs);
         endpoint.security_mode = config.security.mode;
         endpoint.security_policy_uri = config.security.policy->uri;
         endpoint.user_identity_tokens =
-            Array<UserTokenPolicy>{token_policies(core.config, config, core.environment.users)};
+            Array<UserTokenPolicy>{token_policies(needs.config, config, needs.environment.users)};
         endpoint.transport_profile_uri = transport_profile;
         endpoint.security_level = security_level(config);
     }
     return endpoints;
 }
 
-StatusCode find_servers(ServiceContext& context, const FindServersRequest& request,
-                        FindServersResponse& response)
+StatusCode find_servers(const SessionNeeds& needs, ServiceContext&,
+                        const FindServersRequest& request, FindServersResponse& response)
 {
-    const Core& core = context.core;
     const auto is_own = [&](const String& uri) {
-        return uri.view() == core.config.application_uri;
+        return uri.view() == needs.config.application_uri;
     };
     response.servers.clear();
     if (request.server_uris.empty() ||
         std::any_of(request.server_uris.begin(), request.server_uris.end(), is_own)) {
         response.servers.push_back(
-            describe_application(core, endpoint_url_for(core, request.endpoint_url.view())));
+            describe_application(needs, endpoint_url_for(needs, request.endpoint_url.view())));
     }
     return status::Good;
 }
 
-StatusCode get_endpoints(ServiceContext& context, const GetEndpointsRequest& request,
-                         GetEndpointsResponse& response)
+StatusCode get_endpoints(const SessionNeeds& needs, ServiceContext&,
+                         const GetEndpointsRequest& request, GetEndpointsResponse& response)
 {
     const auto is_served = [](const String& uri) { return uri.view() == transport_profile; };
     if (request.profile_uris.empty() ||
         std::any_of(request.profile_uris.begin(), request.profile_uris.end(), is_served)) {
-        response.endpoints = describe_endpoints(context.core, request.endpoint_url.view());
+        response.endpoints = describe_endpoints(needs, request.endpoint_url.view());
     } else {
         response.endpoints.clear();
     }

@@ -1,19 +1,21 @@
 #include <algorithm>
+#include <utility>
 
-#include "server/engine/link.hpp"
+#include "service.hpp"
+#include "session.hpp"
 
 namespace busbar::server::detail {
 
-Link& Operation::finish()
+Peer& Operation::finish()
 {
-    Link& link = *std::exchange(link_, nullptr);
+    Peer& peer = *std::exchange(peer_, nullptr);
     if (session_ != nullptr) {
         session_->release(charged_);
         --session_->pending_operations;
         session_ = nullptr;
     }
-    link.wants_sweep();
-    return link;
+    peer.wants_sweep();
+    return peer;
 }
 
 void Operation::respond(std::uint32_t encoding_id, FunctionRef<void(binary::Writer&)> encode)
@@ -21,9 +23,9 @@ void Operation::respond(std::uint32_t encoding_id, FunctionRef<void(binary::Writ
     if (!is_finished()) {
         const Reply reply{request_id_, request_handle_,
                           session_ != nullptr ? session_->max_response_message_size : 0};
-        Link& link = finish();
-        link.respond(reply, encoding_id, [&](binary::Writer& writer) {
-            busbar::encode(writer, link.response_header(reply, status::Good));
+        Peer& peer = finish();
+        peer.respond(reply, encoding_id, [&](binary::Writer& writer) {
+            busbar::encode(writer, peer.response_header(reply, status::Good));
             encode(writer);
         });
     }
@@ -32,7 +34,7 @@ void Operation::respond(std::uint32_t encoding_id, FunctionRef<void(binary::Writ
 void Operation::fault(StatusCode status)
 {
     if (!is_finished()) {
-        link_->core().diagnostics.count_fault(session_, encoding_id_, status);
+        peer_->count_fault(session_, encoding_id_, status);
         finish().fault({request_id_, request_handle_, 0}, status);
     }
 }
@@ -40,14 +42,14 @@ void Operation::fault(StatusCode status)
 void Operation::deadline_changed()
 {
     if (!is_finished()) {
-        link_->mark();
+        peer_->mark();
     }
 }
 
 std::size_t Operation::response_limit() const
 {
     const std::size_t of_session = session_ != nullptr ? session_->max_response_message_size : 0;
-    const std::size_t of_channel = link_ != nullptr ? link_->channel().max_response_size() : 0;
+    const std::size_t of_channel = peer_ != nullptr ? peer_->max_response_size() : 0;
     return of_session == 0 ? of_channel : std::min(of_session, of_channel);
 }
 
@@ -60,40 +62,31 @@ bool Operation::charge(std::size_t bytes)
     return true;
 }
 
-void Link::start(std::unique_ptr<Operation> operation, std::vector<std::byte> message,
-                 std::size_t offset, const Question& question, ServiceContext& context)
+StatusCode Operation::decode(std::vector<std::byte> message, std::size_t offset,
+                             const binary::TypeRegistry& types, const binary::DecodeLimits& limits)
 {
-    operation->message_ = std::move(message);
-    binary::Reader reader{std::span{operation->message_}.subspan(offset), binary::Strings::Borrow,
-                          &core_.types, core_.limits().decode};
-    operation->decode_request(reader);
-    if (!reader.ok() || reader.remaining() != 0) {
-        fault(question.reply, reader.ok() ? status::Bad_DecodingError : reader.status());
-        return;
+    message_ = std::move(message);
+    binary::Reader reader{std::span{message_}.subspan(offset), binary::Strings::Borrow, &types,
+                          limits};
+    decode_request(reader);
+    if (reader.ok() && reader.remaining() != 0) {
+        return status::Bad_DecodingError;
     }
-    operation->link_ = this;
-    operation->session_ = context.session;
-    if (context.session != nullptr) {
-        ++context.session->pending_operations;
+    return reader.ok() ? StatusCode{} : reader.status();
+}
+
+void Operation::open(const Question& question, ServiceContext& context)
+{
+    peer_ = &context.peer;
+    session_ = context.session;
+    if (session_ != nullptr) {
+        ++session_->pending_operations;
     }
-    operation->encoding_id_ = question.encoding_id;
-    operation->request_id_ = question.reply.request_id;
-    operation->request_handle_ = question.reply.request_handle;
+    encoding_id_ = question.encoding_id;
+    request_id_ = question.reply.request_id;
+    request_handle_ = question.reply.request_handle;
     if (question.timeout_hint != 0) {
-        operation->client_deadline_ =
-            context.now + std::chrono::milliseconds{question.timeout_hint};
-    }
-    operations_.push_back(std::move(operation));
-    Operation& started = *operations_.back();
-    started.start(context);
-    if (const RequestFault& thrown = core_.guards.request(); thrown.is_noted()) {
-        started.fault(status::Bad_InternalError);
-    }
-    if (!started.is_finished() && !started.charge(started.message_.capacity())) {
-        started.fault(status::Bad_TooManyOperations);
-    }
-    if (started.is_finished()) {
-        operations_.pop_back();
+        client_deadline_ = context.now + std::chrono::milliseconds{question.timeout_hint};
     }
 }
 

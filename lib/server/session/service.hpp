@@ -10,23 +10,25 @@
 #include <busbar/core/function_ref.hpp>
 #include <busbar/types/common.hpp>
 
+#include "peer.hpp"
+
 /// What services are written against; `dispatch.cpp` has the table of them.
 ///
 /// A service that always answers at once is a function
-///     StatusCode browse(ServiceContext&, const BrowseRequest&, BrowseResponse&);
-/// whose bad status becomes a ServiceFault; dispatch fills the response header. One that may have
-/// to wait is an Operation. Requests are decoded with Strings::Borrow: their strings point into the
-/// message, and copies of them own.
+///     StatusCode add_nodes(const NodeManagementNeeds&, ServiceContext&, const AddNodesRequest&,
+///                          AddNodesResponse&);
+/// whose bad status becomes a ServiceFault; dispatch fills the response header. The first argument
+/// is what the service set needs of the server, the second who asks. One that may have to wait is
+/// an Operation, made with what it needs. Requests are decoded with Strings::Borrow: their strings
+/// point into the message, and copies of them own.
 namespace busbar::server::detail {
 
-struct Core;
-class Link;
 class Session;
 
+/// Who asks.
 struct ServiceContext {
-    Core& core;
     /// The connection that the request came by.
-    Link& link;
+    Peer& peer;
     /// Null for the services that need no session.
     Session* session;
     TimePoint now;
@@ -46,7 +48,7 @@ public:
     virtual ~Operation() = default;
 
     /// Begins, once. Answers by respond() or fault(), exactly once, from here or from later calls.
-    /// `context` is gone when it returns; its `core` stays. The session may be gone as soon as
+    /// `context` is gone when it returns. The session may be gone as soon as
     /// session() is null.
     virtual void start(ServiceContext& context) = 0;
     /// When the operation itself wants to be called; the client's own timeout is dispatch's
@@ -58,11 +60,28 @@ public:
     /// Goes on as far as the connection's Turn allows.
     virtual void take_turn(ServiceContext&) {}
 
-    [[nodiscard]] bool is_finished() const { return link_ == nullptr; }
+    [[nodiscard]] bool is_finished() const { return peer_ == nullptr; }
     /// The client does not wait for it any more.
     [[nodiscard]] bool is_overdue(TimePoint now) const { return client_deadline_ <= now; }
     [[nodiscard]] Session* session() const { return session_; }
-    [[nodiscard]] bool is_of(const Link& link) const { return link_ == &link; }
+    [[nodiscard]] bool is_of(const Peer& peer) const { return peer_ == &peer; }
+    [[nodiscard]] std::uint32_t request_handle() const { return request_handle_; }
+    [[nodiscard]] TimePoint client_deadline() const { return client_deadline_; }
+    void fault(StatusCode status);
+
+    // For whoever carries it out.
+
+    /// Takes the message, whose parameters begin at `offset`; Bad_DecodingError, or why else it is
+    /// none of these.
+    [[nodiscard]] StatusCode decode(std::vector<std::byte> message, std::size_t offset,
+                                    const binary::TypeRegistry& types,
+                                    const binary::DecodeLimits& limits);
+    /// It is to be answered there; before start().
+    void open(const Question& question, ServiceContext& context);
+    /// Charges the session with the message; what has not answered behind start() needs it still.
+    [[nodiscard]] bool charge_message() { return charge(message_.capacity()); }
+    /// Nobody waits for the answer any more.
+    void drop() { static_cast<void>(finish()); }
 
 protected:
     /// Sends the response: `encode` writes what follows its ResponseHeader. If that does not fit
@@ -72,7 +91,6 @@ protected:
     {
         respond(Response::binary_encoding_id, encode);
     }
-    void fault(StatusCode status);
     /// To be called when next_deadline() has become earlier, other than in start() and
     /// handle_deadline(), so that whoever drives the connection learns it.
     void deadline_changed();
@@ -85,15 +103,13 @@ protected:
     [[nodiscard]] std::vector<std::byte> take_message() { return std::move(message_); }
 
 private:
-    friend class Link;
-
     virtual void decode_request(binary::Reader& reader) = 0;
     void respond(std::uint32_t encoding_id, FunctionRef<void(binary::Writer&)> encode);
-    /// Lets go of link and session; the link it had.
-    Link& finish();
+    /// Lets go of peer and session; the peer it had.
+    Peer& finish();
 
     std::vector<std::byte> message_;
-    Link* link_{nullptr};
+    Peer* peer_{nullptr};
     Session* session_{nullptr};
     /// Of the request's type.
     std::uint32_t encoding_id_{0};
@@ -115,12 +131,5 @@ private:
 
     Request request_;
 };
-
-/// How the table makes one: `make_operation<ReadOperation>`.
-template <typename T>
-[[nodiscard]] std::unique_ptr<Operation> make_operation()
-{
-    return std::make_unique<T>();
-}
 
 } // namespace busbar::server::detail

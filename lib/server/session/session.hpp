@@ -16,7 +16,7 @@
 
 namespace busbar::server::detail {
 
-class Link;
+class Peer;
 
 /// What one service set keeps in a session; destroyed with it.
 class SessionPart {
@@ -60,7 +60,7 @@ public:
     /// Requests that wait for their answers, over whichever channel.
     std::size_t pending_operations{0};
     /// The connection whose channel it is bound to; null while there is none.
-    Link* link{nullptr};
+    Peer* peer{nullptr};
     channel::SecuritySetting security;
     /// The leaf; none with SecurityPolicy None.
     crypto::CertificateChain client_certificate;

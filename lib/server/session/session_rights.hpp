@@ -1,18 +1,15 @@
 #pragma once
 
-#include "server/engine/core.hpp"
-#include "server/rights/data_rights.hpp"
-#include "service.hpp"
+#include "server/rights/node_rights.hpp"
 #include "session.hpp"
 
 namespace busbar::server::detail {
 
-/// What the user of the request's session may do over its channel.
-[[nodiscard]] inline NodeRights rights_of(const ServiceContext& context)
+/// What the session's user may do over its channel; `access` may be null.
+[[nodiscard]] inline NodeRights rights_of(const Session& session, const model::AddressSpace& space,
+                                          const AccessControl* access)
 {
-    const Core& core = context.core;
-    return {core.address_space, context.session->user, core.environment.access,
-            context.session->security.mode};
+    return {space, session.user, access, session.security.mode};
 }
 
 } // namespace busbar::server::detail

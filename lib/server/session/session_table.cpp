@@ -1,6 +1,6 @@
 #include "session_table.hpp"
 
-#include "server/engine/link.hpp"
+#include "peer.hpp"
 
 namespace busbar::server::detail {
 
@@ -20,8 +20,8 @@ Session& SessionTable::add(std::unique_ptr<Session> session)
 
 void SessionTable::remove(Session& session)
 {
-    if (session.link != nullptr) {
-        session.link->unbind(session);
+    if (session.peer != nullptr) {
+        session.peer->unbind(session);
     }
     due_.erase({session.filed_for, &session});
     const auto found = sessions_.find(session.authentication_token);
@@ -64,12 +64,12 @@ void SessionTable::file(Session& session)
     due_.insert(std::move(entry));
 }
 
-void SessionTable::unbind(Link& link)
+void SessionTable::unbind(Peer& peer)
 {
-    while (!link.sessions().empty()) {
-        Session& session = *link.sessions().back();
+    while (!peer.sessions().empty()) {
+        Session& session = *peer.sessions().back();
         if (session.is_activated) {
-            link.unbind(session);
+            peer.unbind(session);
         } else { // it can only be activated over the channel that has gone
             remove(session);
         }

@@ -37,7 +37,7 @@ public:
         return sessions_;
     }
     /// A connection has gone; its activated sessions wait for another.
-    void unbind(Link& link);
+    void unbind(Peer& peer);
 
 private:
     void file(Session& session);

@@ -4,7 +4,7 @@
 
 #include <busbar/core/text.hpp>
 
-#include "server/engine/core.hpp"
+#include "session_needs.hpp"
 
 namespace busbar::server::detail {
 
@@ -38,31 +38,31 @@ std::string describe(const UserIdentity& user)
 
 } // namespace
 
-void set_user(Core& core, const EndpointConfig& endpoint, Session& session, UserIdentity user,
-              TimePoint now)
+void set_user(const SessionNeeds& needs, const EndpointConfig& endpoint, Session& session,
+              UserIdentity user, TimePoint now)
 {
-    core.log(LogLevel::Info, "session",
-             "\"" + printable(session.name) + "\" activated by " + describe(user));
-    const TimePoint end = deadline_of(user, core.environment.wall_clock->now(), now);
+    needs.log.write(LogLevel::Info, "session",
+                    "\"" + printable(session.name) + "\" activated by " + describe(user));
+    const TimePoint end = deadline_of(user, needs.wall_time(), now);
     session.user = std::move(user);
     session.user_deadline = endpoint.allows_anonymous ? end : no_deadline;
     session.ends_at = endpoint.allows_anonymous ? no_deadline : end;
     session.touch(now);
-    core.sessions.hurry(session);
+    needs.sessions.hurry(session);
 }
 
-void expire_user(Core& core, Session& session, TimePoint now)
+void expire_user(const SessionNeeds& needs, Session& session, TimePoint now)
 {
     if (now < session.user_deadline) {
         return;
     }
-    core.log(LogLevel::Info, "session",
-             "\"" + printable(session.name) + "\" is anonymous now: the token of " +
-                 describe(session.user) + " has expired");
-    UserStore* users = core.environment.users;
+    needs.log.write(LogLevel::Info, "session",
+                    "\"" + printable(session.name) + "\" is anonymous now: the token of " +
+                        describe(session.user) + " has expired");
+    UserStore* users = needs.environment.users;
     session.user = users != nullptr ? users->anonymous() : anonymous_reader();
     session.user_deadline = no_deadline;
-    core.subscriptions.user_changed(session, now);
+    needs.keeper.user_changed(session, now);
 }
 
 } // namespace busbar::server::detail

@@ -6,16 +6,16 @@
 
 namespace busbar::server::detail {
 
-struct Core;
+struct SessionNeeds;
 class Session;
 
 /// The session belongs to `user` from now on, as long as his certificate or token is valid: then it
 /// is an anonymous one or, where the endpoint allows none, ends (Part 4, 7.40.5).
-void set_user(Core& core, const EndpointConfig& endpoint, Session& session, UserIdentity user,
-              TimePoint now);
+void set_user(const SessionNeeds& needs, const EndpointConfig& endpoint, Session& session,
+              UserIdentity user, TimePoint now);
 
 /// In time, and before the session is used: takes a user away whose time is over. What the
 /// session's Subscriptions may see is looked at again.
-void expire_user(Core& core, Session& session, TimePoint now);
+void expire_user(const SessionNeeds& needs, Session& session, TimePoint now);
 
 } // namespace busbar::server::detail

@@ -10,8 +10,8 @@
 #include "sampler.hpp"
 #include "sampling_context.hpp"
 #include "server/data/read_results.hpp"
-#include "server/engine/core.hpp"
 #include "subscription.hpp"
+#include "subscription_table.hpp"
 
 namespace busbar::server::detail {
 
@@ -59,8 +59,13 @@ DataItem::DataItem(const ItemContext& context, const MonitoredItemCreateRequest&
     : MonitoredItem{context.subscription, Kind::Data, request.requested_parameters.client_handle,
                     request.monitoring_mode},
       value_id_{request.item_to_monitor},
-      timestamps_{timestamps}, core_{&context.core}, queue_{context.subscription.memory()}
+      timestamps_{timestamps}, all_{&context.all}, queue_{context.subscription.memory()}
 {
+}
+
+const SubscriptionNeeds& DataItem::needs() const
+{
+    return all_->needs();
 }
 
 DataItem::~DataItem()
@@ -68,7 +73,7 @@ DataItem::~DataItem()
     if (group_ != nullptr) {
         remove_from_group(*this);
     }
-    core_->subscriptions.sampler().intervals().change(counted_, {});
+    all_->sampler().intervals().change(counted_, {});
     queue_.clear();
     subscription().memory().release(charged_);
 }
@@ -89,7 +94,7 @@ std::unique_ptr<DataItem> DataItem::make(const ItemContext& context,
         return nullptr;
     }
     const MonitoringParameters& parameters = request.requested_parameters;
-    auto filter = item->make_filter(context.core, parameters.filter);
+    auto filter = item->make_filter(parameters.filter);
     if (!filter) {
         revision.status = filter.error();
         return nullptr;
@@ -110,8 +115,7 @@ std::unique_ptr<DataItem> DataItem::make(const ItemContext& context,
 
 StatusCode DataItem::check_target(const ItemContext& context, ReadPlan& plan)
 {
-    const Core& core = context.core;
-    plan = plan_sample(context.core, context.subscription, value_id_);
+    plan = plan_sample(needs(), context.subscription, value_id_);
     const StatusCode status = plan.answer.status;
     if (std::find(refusals.begin(), refusals.end(), status) != refusals.end()) {
         return status;
@@ -123,46 +127,46 @@ StatusCode DataItem::check_target(const ItemContext& context, ReadPlan& plan)
     if (!range) {
         return range.error();
     }
-    const model::NodeIndex node = core.address_space.find(value_id_.node_id);
-    if (is_value_of_variable(core.address_space, value_id_, node) &&
-        is_past_the_end(*range, core.address_space.variable(node).array_dimensions)) {
+    const model::NodeIndex node = needs().space.find(value_id_.node_id);
+    if (is_value_of_variable(needs().space, value_id_, node) &&
+        is_past_the_end(*range, needs().space.variable(node).array_dimensions)) {
         return status::Bad_IndexRangeNoData;
     }
     range_ = std::make_shared<const NumericRange>(*range);
     return status::Good;
 }
 
-Result<ChangeFilter> DataItem::make_filter(Core& core, const ExtensionObject& filter)
+Result<ChangeFilter> DataItem::make_filter(const ExtensionObject& filter)
 {
-    const model::NodeIndex node = core.address_space.find(value_id_.node_id);
-    if (!filter.is_null() && !is_value_of_variable(core.address_space, value_id_, node)) {
+    const model::NodeIndex node = needs().space.find(value_id_.node_id);
+    if (!filter.is_null() && !is_value_of_variable(needs().space, value_id_, node)) {
         return fail(status::Bad_FilterNotAllowed); // Part 4, 5.13.1.1
     }
     std::optional<Range> eu_range;
     if (ChangeFilter::is_percentage(filter) && node != model::no_node) {
-        eu_range = look_up_eu_range(core, node);
+        eu_range = look_up_eu_range(node);
     }
-    return ChangeFilter::make(filter, core.address_space, node, eu_range);
+    return ChangeFilter::make(filter, needs().space, node, eu_range);
 }
 
 /// Until a source has said what it is, a range without width, so that all changes are reported.
-std::optional<Range> DataItem::look_up_eu_range(Core& core, model::NodeIndex variable)
+std::optional<Range> DataItem::look_up_eu_range(model::NodeIndex variable)
 {
-    const model::AddressSpace& space = core.address_space;
+    const model::AddressSpace& space = needs().space;
     const model::NodeIndex property = find_eu_range(space, variable);
     if (property == model::no_node || space.node_class(property) != NodeClass::Variable) {
         return std::nullopt;
     }
     const model::VariableAttributes attributes = space.variable(property);
-    if (core.sources.find(attributes.source) != nullptr) {
+    if (needs().sources.find(attributes.source) != nullptr) {
         eu_range_ = Range{};
         EuRangeUser& user = *this;
-        eu_range_read_ = std::make_unique<EuRangeRead>(user, core.sources);
+        eu_range_read_ = std::make_unique<EuRangeRead>(user, needs().sources);
         // Its deadline is not looked at; an answer is welcome at any time.
         eu_range_read_->start(attributes, TimePoint{});
         return eu_range_;
     }
-    const Variant value = space.value(property, &core.types);
+    const Variant value = space.value(property, &needs().types);
     const auto* const object = value.get_if<ExtensionObject>();
     const Range* const range = object != nullptr ? object->get_if<Range>() : nullptr;
     return range != nullptr ? std::optional{*range} : std::nullopt;
@@ -172,11 +176,11 @@ void DataItem::eu_range_came(const std::optional<Range>& range)
 {
     eu_range_ = range;
     const auto done = std::move(eu_range_read_);
-    const model::NodeIndex node = core_->address_space.find(value_id_.node_id);
+    const model::NodeIndex node = needs().space.find(value_id_.node_id);
     if (node == model::no_node || !ChangeFilter::is_percentage(filter_text_)) {
         return;
     }
-    if (auto filter = ChangeFilter::make(filter_text_, core_->address_space, node, range)) {
+    if (auto filter = ChangeFilter::make(filter_text_, needs().space, node, range)) {
         filter_ = *filter;
     }
 }
@@ -184,12 +188,11 @@ void DataItem::eu_range_came(const std::optional<Range>& range)
 void DataItem::revise(const ItemContext& context, const MonitoringParameters& parameters,
                       TimestampsToReturn timestamps, const ReadPlan& plan, ItemRevision& revision)
 {
-    const SubscriptionLimits& limits = context.core.limits().subscriptions;
+    const SubscriptionLimits& limits = needs().limits.subscriptions;
     timestamps_ = timestamps;
     interval_ = limits.sampling.revise(
         parameters.sampling_interval, context.subscription.parameters().publishing_interval,
-        can_follow_scans(context.core, plan),
-        minimum_sampling_interval(context.core.address_space, value_id_));
+        can_follow_scans(needs(), plan), minimum_sampling_interval(needs().space, value_id_));
     // 0 and 1 are the same (Part 4, 7.21).
     const std::uint32_t capacity = std::min(parameters.queue_size, limits.max_queue_size);
     revision.queue_size = queue_.set_capacity(capacity, parameters.discard_oldest);
@@ -199,14 +202,14 @@ void DataItem::revise(const ItemContext& context, const MonitoringParameters& pa
 
 void DataItem::count_interval()
 {
-    core_->subscriptions.sampler().intervals().change(
-        counted_, {true, mode() == MonitoringMode::Disabled, interval_});
+    all_->sampler().intervals().change(counted_,
+                                       {true, mode() == MonitoringMode::Disabled, interval_});
 }
 
 void DataItem::modify(const ItemContext& context, const MonitoringParameters& parameters,
                       TimestampsToReturn timestamps, ItemRevision& revision)
 {
-    auto filter = make_filter(context.core, parameters.filter);
+    auto filter = make_filter(parameters.filter);
     if (!filter) {
         revision.status = filter.error();
         return;
@@ -215,11 +218,11 @@ void DataItem::modify(const ItemContext& context, const MonitoringParameters& pa
     filter_text_ = parameters.filter;
     set_client_handle(parameters.client_handle);
     const Duration before = interval_;
-    const ReadPlan plan = plan_sample(context.core, context.subscription, value_id_);
+    const ReadPlan plan = plan_sample(needs(), context.subscription, value_id_);
     revise(context, parameters, timestamps, plan, revision);
     if (before != interval_ && group_ != nullptr) {
         remove_from_group(*this);
-        context.core.subscriptions.sampler().add(*this, context.now);
+        context.all.sampler().add(*this, context.now);
     }
 }
 
@@ -229,13 +232,13 @@ void DataItem::mode_changed(const ItemContext& context, MonitoringMode before)
     if (mode() == MonitoringMode::Disabled) {
         remove_from_group(*this);
     } else if (before == MonitoringMode::Disabled) {
-        context.core.subscriptions.sampler().add(*this, context.now);
+        context.all.sampler().add(*this, context.now);
     }
 }
 
-void DataItem::user_changed(const ItemContext& context)
+void DataItem::user_changed(const ItemContext&)
 {
-    const ReadPlan plan = plan_sample(context.core, subscription(), value_id_);
+    const ReadPlan plan = plan_sample(needs(), subscription(), value_id_);
     if (plan.source == nullptr && plan.answer.status.is_bad()) {
         // What the user before was allowed to know is not this one's.
         queue_.clear();
@@ -254,11 +257,11 @@ void DataItem::resend(const ItemContext&)
     }
 }
 
-void DataItem::announce_change(Core& core, std::uint32_t status_bits)
+void DataItem::announce_change(std::uint32_t status_bits)
 {
     pending_bits_ |= status_bits;
     // An EURange that has become unusable leaves the deadband as it was.
-    if (auto filter = make_filter(core, filter_text_)) {
+    if (auto filter = make_filter(filter_text_)) {
         filter_ = *filter;
     }
     if (group_ != nullptr) {

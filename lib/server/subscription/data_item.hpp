@@ -12,6 +12,7 @@
 #include "monitored_item.hpp"
 #include "sampling_intervals.hpp"
 #include "server/rights/read_plan.hpp"
+#include "subscription_needs.hpp"
 #include "value_queue.hpp"
 
 namespace busbar::server::detail {
@@ -59,7 +60,7 @@ public:
 
     /// The next sample is reported whatever it is, with these bits of its status set (Part 4,
     /// 7.38.1; Part 8, 5.2). A filter in percent looks for the EURange again.
-    void announce_change(Core& core, std::uint32_t status_bits);
+    void announce_change(std::uint32_t status_bits);
 
 private:
     friend class SamplingGroup;
@@ -67,11 +68,12 @@ private:
     DataItem(const ItemContext& context, const MonitoredItemCreateRequest& request,
              TimestampsToReturn timestamps);
 
+    [[nodiscard]] const SubscriptionNeeds& needs() const;
     void clear() override;
     void mode_changed(const ItemContext& context, MonitoringMode before) override;
     [[nodiscard]] StatusCode check_target(const ItemContext& context, ReadPlan& plan);
-    [[nodiscard]] Result<ChangeFilter> make_filter(Core& core, const ExtensionObject& filter);
-    [[nodiscard]] std::optional<Range> look_up_eu_range(Core& core, model::NodeIndex variable);
+    [[nodiscard]] Result<ChangeFilter> make_filter(const ExtensionObject& filter);
+    [[nodiscard]] std::optional<Range> look_up_eu_range(model::NodeIndex variable);
     void eu_range_came(const std::optional<Range>& range) override;
     /// Where the group gets the item's values from may be wrong by now.
     void node_changed(model::NodeIndex node, bool is_removed) override;
@@ -88,7 +90,7 @@ private:
     ExtensionObject filter_text_;
     /// Null unless a source is asked for the EURange.
     std::unique_ptr<EuRangeRead> eu_range_read_;
-    Core* core_;
+    Subscriptions* all_;
     std::optional<Range> eu_range_;
     Duration interval_{0};
     SamplingIntervals::Use counted_;

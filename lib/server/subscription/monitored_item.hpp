@@ -11,12 +11,12 @@
 
 namespace busbar::server::detail {
 
-struct Core;
 class Subscription;
+class Subscriptions;
 
 /// What an item is created, changed and sampled with.
 struct ItemContext {
-    Core& core;
+    Subscriptions& all;
     Subscription& subscription;
     TimePoint now;
 };
@@ -118,10 +118,21 @@ private:
     std::vector<MonitoredItem*> triggers_;
 };
 
-/// Makes an item of a Node's EventNotifier; null, with the reason in `revision.status`, if it
-/// cannot be. Node, attribute and mode are already checked. Defined with the events.
-[[nodiscard]] std::unique_ptr<MonitoredItem>
-make_event_item(const ItemContext& context, const MonitoredItemCreateRequest& request,
-                ItemRevision& revision);
+/// What makes items of events, which are none of this folder's business.
+class EventItems {
+public:
+    EventItems() = default;
+    EventItems(const EventItems&) = delete;
+    EventItems& operator=(const EventItems&) = delete;
+
+    /// An item of a Node's EventNotifier; null, with the reason in `revision.status`, if it cannot
+    /// be. Attribute and mode are already checked.
+    [[nodiscard]] virtual std::unique_ptr<MonitoredItem>
+    make(const ItemContext& context, const MonitoredItemCreateRequest& request,
+         ItemRevision& revision) = 0;
+
+protected:
+    ~EventItems() = default;
+};
 
 } // namespace busbar::server::detail

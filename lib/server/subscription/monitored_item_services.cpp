@@ -4,10 +4,10 @@
 
 #include "data_item.hpp"
 #include "sampler.hpp"
-#include "server/engine/core.hpp"
 #include "server/session/session.hpp"
 #include "subscription.hpp"
 #include "subscription_services.hpp"
+#include "subscription_table.hpp"
 
 namespace busbar::server::detail {
 
@@ -25,15 +25,15 @@ bool is_known(TimestampsToReturn timestamps)
 
 /// The session's Subscription, whose client has shown with this that it is there; else why the
 /// request is refused, which has `count` operations.
-Result<Subscription*> find_subscription(ServiceContext& context, std::uint32_t id,
-                                        std::size_t count)
+Result<Subscription*> find_subscription(Subscriptions& all, const ServiceContext& context,
+                                        std::uint32_t id, std::size_t count)
 {
-    Subscription* const subscription = context.core.subscriptions.find(id, *context.session);
+    Subscription* const subscription = all.find(id, *context.session);
     if (subscription == nullptr) {
         return fail(status::Bad_SubscriptionIdInvalid);
     }
     subscription->reset_lifetime_counter();
-    if (const StatusCode bad = check_count(context, count); bad.is_bad()) {
+    if (const StatusCode bad = check_count(all.needs().limits, count); bad.is_bad()) {
         return fail(bad);
     }
     return subscription;
@@ -41,9 +41,9 @@ Result<Subscription*> find_subscription(ServiceContext& context, std::uint32_t i
 
 bool is_full(const ItemContext& context)
 {
-    const SubscriptionLimits& limits = context.core.limits().subscriptions;
+    const SubscriptionLimits& limits = context.all.needs().limits.subscriptions;
     return context.subscription.item_count() >= limits.max_items_per_subscription ||
-           context.core.subscriptions.item_count() >= limits.max_items;
+           context.all.item_count() >= limits.max_items;
 }
 
 std::unique_ptr<MonitoredItem> make_item(const ItemContext& context,
@@ -60,7 +60,7 @@ std::unique_ptr<MonitoredItem> make_item(const ItemContext& context,
     }
     const auto attribute = static_cast<AttributeId>(request.item_to_monitor.attribute_id);
     if (attribute == AttributeId::EventNotifier) {
-        return make_event_item(context, request, revision);
+        return context.all.needs().event_items.make(context, request, revision);
     }
     return DataItem::make(context, request, timestamps, revision);
 }
@@ -82,7 +82,7 @@ MonitoredItemCreateResult create_one(const ItemContext& context,
     result.revised_sampling_interval = revision.sampling_interval;
     result.revised_queue_size = revision.queue_size;
     if (item.kind() == MonitoredItem::Kind::Data && item.mode() != MonitoringMode::Disabled) {
-        context.core.subscriptions.sampler().add(static_cast<DataItem&>(item), context.now);
+        context.all.sampler().add(static_cast<DataItem&>(item), context.now);
     }
     return result;
 }
@@ -106,40 +106,40 @@ StatusCode remove_link(Subscription& subscription, MonitoredItem& trigger, std::
 
 } // namespace
 
-StatusCode create_monitored_items(ServiceContext& context,
+StatusCode create_monitored_items(Subscriptions& all, ServiceContext& context,
                                   const CreateMonitoredItemsRequest& request,
                                   CreateMonitoredItemsResponse& response)
 {
     const auto subscription =
-        find_subscription(context, request.subscription_id, request.items_to_create.size());
+        find_subscription(all, context, request.subscription_id, request.items_to_create.size());
     if (!subscription) {
         return subscription.error();
     }
     if (!is_known(request.timestamps_to_return)) {
         return status::Bad_TimestampsToReturnInvalid;
     }
-    const ItemContext item_context{context.core, **subscription, context.now};
+    const ItemContext item_context{all, **subscription, context.now};
     response.results.reserve(request.items_to_create.size());
     for (const MonitoredItemCreateRequest& item : request.items_to_create) {
         response.results.push_back(create_one(item_context, item, request.timestamps_to_return));
     }
-    context.core.subscriptions.sampler().sample_new(context.now);
+    all.sampler().sample_new(context.now);
     return status::Good;
 }
 
-StatusCode modify_monitored_items(ServiceContext& context,
+StatusCode modify_monitored_items(Subscriptions& all, ServiceContext& context,
                                   const ModifyMonitoredItemsRequest& request,
                                   ModifyMonitoredItemsResponse& response)
 {
     const auto subscription =
-        find_subscription(context, request.subscription_id, request.items_to_modify.size());
+        find_subscription(all, context, request.subscription_id, request.items_to_modify.size());
     if (!subscription) {
         return subscription.error();
     }
     if (!is_known(request.timestamps_to_return)) {
         return status::Bad_TimestampsToReturnInvalid;
     }
-    const ItemContext item_context{context.core, **subscription, context.now};
+    const ItemContext item_context{all, **subscription, context.now};
     response.results.reserve(request.items_to_modify.size());
     for (const MonitoredItemModifyRequest& change : request.items_to_modify) {
         ItemRevision revision;
@@ -152,22 +152,23 @@ StatusCode modify_monitored_items(ServiceContext& context,
         response.results.push_back({revision.status, revision.sampling_interval,
                                     revision.queue_size, std::move(revision.filter_result)});
     }
-    context.core.subscriptions.sampler().sample_new(context.now);
+    all.sampler().sample_new(context.now);
     return status::Good;
 }
 
-StatusCode set_monitoring_mode(ServiceContext& context, const SetMonitoringModeRequest& request,
+StatusCode set_monitoring_mode(Subscriptions& all, ServiceContext& context,
+                               const SetMonitoringModeRequest& request,
                                SetMonitoringModeResponse& response)
 {
     const auto subscription =
-        find_subscription(context, request.subscription_id, request.monitored_item_ids.size());
+        find_subscription(all, context, request.subscription_id, request.monitored_item_ids.size());
     if (!subscription) {
         return subscription.error();
     }
     if (!is_known(request.monitoring_mode)) {
         return status::Bad_MonitoringModeInvalid;
     }
-    const ItemContext item_context{context.core, **subscription, context.now};
+    const ItemContext item_context{all, **subscription, context.now};
     response.results.reserve(request.monitored_item_ids.size());
     for (const std::uint32_t id : request.monitored_item_ids) {
         MonitoredItem* const item = (*subscription)->find_item(id);
@@ -177,15 +178,15 @@ StatusCode set_monitoring_mode(ServiceContext& context, const SetMonitoringModeR
         response.results.push_back(item != nullptr ? status::Good
                                                    : status::Bad_MonitoredItemIdInvalid);
     }
-    context.core.subscriptions.sampler().sample_new(context.now);
+    all.sampler().sample_new(context.now);
     return status::Good;
 }
 
-StatusCode set_triggering(ServiceContext& context, const SetTriggeringRequest& request,
-                          SetTriggeringResponse& response)
+StatusCode set_triggering(Subscriptions& all, ServiceContext& context,
+                          const SetTriggeringRequest& request, SetTriggeringResponse& response)
 {
     const auto subscription =
-        find_subscription(context, request.subscription_id,
+        find_subscription(all, context, request.subscription_id,
                           request.links_to_add.size() + request.links_to_remove.size());
     if (!subscription) {
         return subscription.error();
@@ -198,19 +199,19 @@ StatusCode set_triggering(ServiceContext& context, const SetTriggeringRequest& r
     for (const std::uint32_t id : request.links_to_remove) {
         response.remove_results.push_back(remove_link(**subscription, *trigger, id));
     }
-    const std::size_t most = context.core.limits().subscriptions.max_triggering_links;
+    const std::size_t most = all.needs().limits.subscriptions.max_triggering_links;
     for (const std::uint32_t id : request.links_to_add) {
         response.add_results.push_back(add_link(**subscription, *trigger, id, most));
     }
     return status::Good;
 }
 
-StatusCode delete_monitored_items(ServiceContext& context,
+StatusCode delete_monitored_items(Subscriptions& all, ServiceContext& context,
                                   const DeleteMonitoredItemsRequest& request,
                                   DeleteMonitoredItemsResponse& response)
 {
     const auto subscription =
-        find_subscription(context, request.subscription_id, request.monitored_item_ids.size());
+        find_subscription(all, context, request.subscription_id, request.monitored_item_ids.size());
     if (!subscription) {
         return subscription.error();
     }

@@ -3,8 +3,8 @@
 #include <busbar/binary/codec.hpp>
 
 #include "publish_queue.hpp"
-#include "server/engine/core.hpp"
 #include "subscription.hpp"
+#include "subscription_table.hpp"
 
 namespace busbar::server::detail {
 
@@ -17,7 +17,7 @@ PublishOperation::~PublishOperation()
 
 void PublishOperation::start(ServiceContext& context)
 {
-    const SubscriptionLimits& limits = context.core.limits().subscriptions;
+    const SubscriptionLimits& limits = all_.needs().limits.subscriptions;
     if (request().subscription_acknowledgements.size() > limits.max_acknowledgements) {
         return fault(status::Bad_TooManyOperations);
     }
@@ -25,7 +25,7 @@ void PublishOperation::start(ServiceContext& context)
     if (!part.has_anything()) {
         return fault(status::Bad_NoSubscription);
     }
-    acknowledge(context.core, *context.session);
+    acknowledge(*context.session);
     if (!charge(results_.size() * sizeof(StatusCode))) {
         return fault(status::Bad_TooManyOperations);
     }
@@ -34,13 +34,12 @@ void PublishOperation::start(ServiceContext& context)
 }
 
 /// DeleteAckedNotificationMsgs(), of all Subscriptions of the session.
-void PublishOperation::acknowledge(Core& core, const Session& session)
+void PublishOperation::acknowledge(const Session& session)
 {
     results_.reserve(request().subscription_acknowledgements.size());
     for (const SubscriptionAcknowledgement& acknowledgement :
          request().subscription_acknowledgements) {
-        Subscription* const subscription =
-            core.subscriptions.find(acknowledgement.subscription_id, session);
+        Subscription* const subscription = all_.find(acknowledgement.subscription_id, session);
         if (subscription == nullptr) {
             results_.push_back(status::Bad_SubscriptionIdInvalid);
             continue;

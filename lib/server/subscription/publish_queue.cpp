@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/engine/core.hpp"
 #include "subscription.hpp"
 
 namespace busbar::server::detail {
@@ -34,9 +33,9 @@ void PublishPart::remove(Subscription& subscription)
     }
 }
 
-void PublishPart::add_status_change(Core& core, StatusChange change)
+void PublishPart::add_status_change(std::size_t most, StatusChange change)
 {
-    if (status_changes_.size() >= core.limits().subscriptions.max_status_changes) {
+    if (status_changes_.size() >= most) {
         status_changes_.pop_front();
     }
     status_changes_.push_back(std::move(change));
@@ -88,10 +87,10 @@ void PublishPart::refuse_overdue(TimePoint now)
     }
 }
 
-void PublishPart::refuse_others(const Link& link)
+void PublishPart::refuse_others(const Peer& peer)
 {
     for (PublishOperation* request : requests_) {
-        if (!request->is_finished() && !request->is_of(link)) {
+        if (!request->is_finished() && !request->is_of(peer)) {
             request->refuse(status::Bad_SecureChannelClosed);
         }
     }

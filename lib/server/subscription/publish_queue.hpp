@@ -14,11 +14,13 @@ namespace busbar::server::detail {
 
 class PublishPart;
 class Subscription;
+class Subscriptions;
 
 /// Publish (Part 4, 5.14.5): waits in the queue of its session until a Subscription has something
 /// to send.
 class PublishOperation final : public OperationOf<PublishRequest> {
 public:
+    explicit PublishOperation(Subscriptions& all) : all_{all} {}
     ~PublishOperation() override;
 
     void start(ServiceContext& context) override;
@@ -39,9 +41,10 @@ public:
 private:
     friend class PublishPart;
 
-    void acknowledge(Core& core, const Session& session);
+    void acknowledge(const Session& session);
     void encode_results(binary::Writer& writer) const;
 
+    Subscriptions& all_;
     /// Whose queue it is in.
     PublishPart* part_{nullptr};
     std::vector<StatusCode> results_;
@@ -69,8 +72,8 @@ public:
         std::uint32_t subscription_id;
         std::vector<std::byte> message;
     };
-    /// Tells it with the next request; past the limit the oldest is forgotten.
-    void add_status_change(Core& core, StatusChange change);
+    /// Tells it with the next request; past `most` the oldest is forgotten.
+    void add_status_change(std::size_t most, StatusChange change);
 
     /// False if there is nothing that a request could wait for.
     [[nodiscard]] bool has_anything() const
@@ -84,9 +87,9 @@ public:
     /// Those whose timeoutHint has passed answer Bad_Timeout: to be called before requests are
     /// taken (Part 4, 5.14.1.4, DequeuePublishReq).
     void refuse_overdue(TimePoint now);
-    /// The session has moved to the channel of `link`: what came by another one answers
+    /// The session has moved to the channel of `peer`: what came by another one answers
     /// Bad_SecureChannelClosed, so that it takes no message with it.
-    void refuse_others(const Link& link);
+    void refuse_others(const Peer& peer);
     /// The request that waits longest; null if there is none. Requests that were answered by
     /// others, for their timeout say, are passed over.
     [[nodiscard]] PublishOperation* next_request();

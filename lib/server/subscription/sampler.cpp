@@ -4,32 +4,32 @@
 #include <utility>
 
 #include "sampling_context.hpp"
-#include "server/diagnostics/server_object.hpp"
-#include "server/engine/core.hpp"
 #include "subscription.hpp"
 
 namespace busbar::server::detail {
 
-ReadPlan plan_sample(Core& core, const Subscription& subscription, const ReadValueId& id)
+ReadPlan plan_sample(const SubscriptionNeeds& needs, const Subscription& subscription,
+                     const ReadValueId& id)
 {
     const UserIdentity& user = subscription.user();
     const ValueReader reader{user, subscription.is_encrypted()};
-    const auto live_value = [&](const NodeId& node) { return server_value(core, node, reader); };
-    return plan_read({core.address_space, core.sources, subscription.rights(), live_value,
-                      core.environment.wall_clock->now()},
-                     id);
+    const auto live_value = [&](const NodeId& node) {
+        return needs.live_values.find(node, reader);
+    };
+    return plan_read(
+        {needs.space, needs.sources, subscription.rights(), live_value, needs.wall_time()}, id);
 }
 
-bool can_follow_scans(const Core& core, const ReadPlan& plan)
+bool can_follow_scans(const SubscriptionNeeds& needs, const ReadPlan& plan)
 {
     // Without a Waker nobody would tell of a scan.
-    return core.environment.waker != nullptr && plan.source != nullptr &&
+    return needs.environment.waker != nullptr && plan.source != nullptr &&
            plan.source->process_image() != nullptr;
 }
 
-Sampler::Sampler(Core& core, TimerQueue& timers)
-    : core_{core}, timers_{timers}, intervals_{
-                                        !core.limits().subscriptions.sampling.intervals.empty()}
+Sampler::Sampler(const SubscriptionNeeds& needs, TimerQueue& timers)
+    : needs_{needs}, timers_{timers}, intervals_{
+                                          !needs.limits.subscriptions.sampling.intervals.empty()}
 {
 }
 
@@ -50,14 +50,14 @@ SamplingGroup& Sampler::follow(ProcessImage& image)
 SamplingGroup& Sampler::group_of(const DataItem& item)
 {
     if (item.interval() == Duration::zero()) {
-        const ReadPlan plan = plan_sample(core_, item.subscription(), item.value_id());
-        if (can_follow_scans(core_, plan)) {
+        const ReadPlan plan = plan_sample(needs_, item.subscription(), item.value_id());
+        if (can_follow_scans(needs_, plan)) {
             return follow(*plan.source->process_image());
         }
     }
     // What used to lie in an image, and does not any more, is sampled as fast as can be.
     const Duration interval =
-        std::max<Duration>(item.interval(), core_.limits().subscriptions.sampling.min_interval);
+        std::max<Duration>(item.interval(), needs_.limits.subscriptions.sampling.min_interval);
     auto& group = groups_[interval];
     if (group == nullptr) {
         group = std::make_unique<SamplingGroup>(*this, interval);
@@ -100,7 +100,7 @@ void Sampler::sample_new(TimePoint now)
 
 void Sampler::tell_sources()
 {
-    monitored_.tell(core_.sources);
+    monitored_.tell(needs_.sources);
 }
 
 void Sampler::handle_scans(TimePoint now)
@@ -157,7 +157,7 @@ void Sampler::drop_unfollowed()
 
 bool Sampler::is_overload(Duration revised, Duration actual) const
 {
-    const auto percent = core_.config.limits.subscriptions.sampling.overload_percent;
+    const auto percent = needs_.limits.subscriptions.sampling.overload_percent;
     return percent && static_cast<double>(actual.count()) >
                           static_cast<double>(revised.count()) * (1 + *percent / 100);
 }
@@ -170,7 +170,7 @@ void Sampler::remove(SamplingGroup& group)
 
 void Sampler::watch_roles(model::NodeIndex node)
 {
-    const model::AddressSpace& space = core_.address_space;
+    const model::AddressSpace& space = needs_.space;
     const model::NodeAccess* const access = space.node_access(node);
     if (access == nullptr) {
         return;

@@ -14,7 +14,7 @@ namespace busbar::server::detail {
 /// The sampling of all data items of a server, in groups of equal intervals.
 class Sampler {
 public:
-    Sampler(Core& core, TimerQueue& timers);
+    Sampler(const SubscriptionNeeds& needs, TimerQueue& timers);
     Sampler(const Sampler&) = delete;
     Sampler& operator=(const Sampler&) = delete;
 
@@ -37,7 +37,7 @@ public:
 
     // For groups.
 
-    [[nodiscard]] Core& core() { return core_; }
+    [[nodiscard]] const SubscriptionNeeds& needs() const { return needs_; }
     [[nodiscard]] TimerQueue& timers() { return timers_; }
     [[nodiscard]] MonitoredHandles& monitored() { return monitored_; }
     [[nodiscard]] bool is_overload(Duration revised, Duration actual) const;
@@ -70,7 +70,7 @@ private:
     static void take_scan(Followed& one, const ImagePin& pin, TimePoint now);
     void drop_unfollowed();
 
-    Core& core_;
+    const SubscriptionNeeds& needs_;
     TimerQueue& timers_;
     MonitoredHandles monitored_;
     SamplingIntervals intervals_;

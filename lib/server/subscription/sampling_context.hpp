@@ -5,10 +5,10 @@
 namespace busbar::server::detail {
 
 /// Where an item's samples come from, and why if they cannot.
-[[nodiscard]] ReadPlan plan_sample(Core& core, const Subscription& subscription,
+[[nodiscard]] ReadPlan plan_sample(const SubscriptionNeeds& needs, const Subscription& subscription,
                                    const ReadValueId& id);
 /// True if the value lies in a process image, whose scans can be followed one by one.
-[[nodiscard]] bool can_follow_scans(const Core& core, const ReadPlan& plan);
+[[nodiscard]] bool can_follow_scans(const SubscriptionNeeds& needs, const ReadPlan& plan);
 
 // For items that are in a group.
 

@@ -7,14 +7,13 @@
 #include "sampler.hpp"
 #include "sampling_context.hpp"
 #include "server/data/read_results.hpp"
-#include "server/engine/core.hpp"
 #include "subscription.hpp"
 
 namespace busbar::server::detail {
 
 struct SamplingGroup::Flight final : CallOwner {
     Flight(SamplingGroup& g, std::size_t f, std::size_t count, bool late)
-        : group{g}, first{f}, is_late{late}, call{g.sampler_.core().sources, count}
+        : group{g}, first{f}, is_late{late}, call{g.sampler_.needs().sources, count}
     {
     }
     void call_completed() override { group.land(*this); }
@@ -178,8 +177,8 @@ void SamplingGroup::note_source(DataItem& item, const ReadPlan& plan)
 void SamplingGroup::bind_one(std::size_t index)
 {
     DataItem& item = *members_[index].item;
-    const model::AddressSpace& space = sampler_.core().address_space;
-    const ReadPlan plan = plan_sample(sampler_.core(), item.subscription(), item.value_id());
+    const model::AddressSpace& space = sampler_.needs().space;
+    const ReadPlan plan = plan_sample(sampler_.needs(), item.subscription(), item.value_id());
     note_source(item, plan);
     Member& member = members_[index];
     if (plan.source == nullptr) { // is looked up at each sample
@@ -202,7 +201,7 @@ void SamplingGroup::bind_one(std::size_t index)
 void SamplingGroup::ask_unbound(Flight& flight, std::size_t index)
 {
     DataItem& item = *members_[index].item;
-    ReadPlan plan = plan_sample(sampler_.core(), item.subscription(), item.value_id());
+    ReadPlan plan = plan_sample(sampler_.needs(), item.subscription(), item.value_id());
     note_source(item, plan);
     if (plan.source == nullptr) {
         flight.call.answer(index - flight.first) = std::move(plan.answer);
@@ -268,7 +267,7 @@ void SamplingGroup::land(Flight& flight)
 
 void SamplingGroup::deliver(Flight& flight)
 {
-    const DateTime time = sampler_.core().environment.wall_clock->now();
+    const DateTime time = sampler_.needs().wall_time();
     for (std::size_t i = 0; i < flight.call.size(); ++i) {
         const Member& member = members_[flight.first + i];
         if (member.item == nullptr) {
@@ -292,7 +291,7 @@ void SamplingGroup::sample_image(Image& image, const ImagePin& pin, bool is_only
     // Part 8, 7.3.2: what used to update the values has stopped.
     const StatusCode status =
         !pin ? no_pin : (image.image->is_running() ? running : status::Uncertain_LastUsableValue);
-    image.watch.sample({pin, status, sampler_.core().environment.wall_clock->now(), is_only_new});
+    image.watch.sample({pin, status, sampler_.needs().wall_time(), is_only_new});
 }
 
 void SamplingGroup::sample_images(bool is_only_new)

@@ -5,7 +5,6 @@
 
 #include "notification_message.hpp"
 #include "publish_queue.hpp"
-#include "server/engine/core.hpp"
 #include "server/session/session.hpp"
 #include "subscription_table.hpp"
 
@@ -21,16 +20,16 @@ SubscriptionOwner owner_of(const Session& session)
 
 } // namespace
 
-Subscription::Subscription(Core& core, std::uint32_t id, Session& session)
-    : core_{core}, id_{id}, session_{&session},
-      memory_{core.limits().subscriptions.max_subscription_memory, &core.subscriptions.memory()},
-      retransmission_{core.limits().subscriptions.max_retransmission_messages, memory_}
+Subscription::Subscription(Subscriptions& all, std::uint32_t id, Session& session)
+    : all_{all}, id_{id}, session_{&session},
+      memory_{all.needs().limits.subscriptions.max_subscription_memory, &all.memory()},
+      retransmission_{all.needs().limits.subscriptions.max_retransmission_messages, memory_}
 {
 }
 
 Subscription::~Subscription()
 {
-    core_.subscriptions.timers().cancel(*this);
+    all_.timers().cancel(*this);
     delete_items();
 }
 
@@ -80,7 +79,7 @@ const SubscriptionRow& Subscription::handle(SubscriptionEvent event, const Input
 void Subscription::count(std::uint32_t SubscriptionDiagnosticsDataType::*counter,
                          std::uint32_t more)
 {
-    core_.diagnostics.count(counters_, counter, more);
+    all_.needs().counters.count(counters_, counter, more);
 }
 
 void Subscription::perform(SubscriptionAction action, const SubscriptionRow& row,
@@ -153,7 +152,7 @@ void Subscription::expire(TimePoint now)
     }
     handle(SubscriptionEvent::PublishingTimer, {.now = now});
     if (state_ == State::Closed) {
-        core_.subscriptions.remove(*this);
+        all_.remove(*this);
     }
 }
 
@@ -163,7 +162,7 @@ void Subscription::start_publishing_timer(TimePoint now)
     const TimePoint in_step =
         next_publishing_ == no_deadline ? now : next_publishing_ + parameters_.publishing_interval;
     next_publishing_ = in_step > now ? in_step : now + parameters_.publishing_interval;
-    core_.subscriptions.timers().set(*this, next_publishing_);
+    all_.timers().set(*this, next_publishing_);
     --lifetime_counter_;
 }
 
@@ -185,7 +184,7 @@ void Subscription::update_parameters(const SubscriptionParameters& parameters, T
     reset_lifetime_counter();
     if (is_other_interval) {
         next_publishing_ = now + parameters.publishing_interval;
-        core_.subscriptions.timers().set(*this, next_publishing_);
+        all_.timers().set(*this, next_publishing_);
     }
 }
 
@@ -204,7 +203,7 @@ bool Subscription::wants_publish_request() const
 void Subscription::return_notifications()
 {
     PublishPart& part = PublishPart::of(*session_);
-    const ServerLimits& limits = core_.limits();
+    const ServerLimits& limits = all_.needs().limits;
     // What all requests of a session bring together has to fit the connection's queue.
     const std::size_t most_bytes =
         std::min(limits.subscriptions.max_message_size,
@@ -216,9 +215,9 @@ void Subscription::return_notifications()
             return;
         }
         // Though it may have more to send for ever: of equal priorities it is the others' turn now.
-        last_served_ = core_.subscriptions.next_serial();
+        last_served_ = all_.next_serial();
         count(&SubscriptionDiagnosticsDataType::publish_request_count);
-        const DateTime now = core_.environment.wall_clock->now();
+        const DateTime now = all_.needs().wall_time();
         const std::size_t room = request->room_for_message(retransmission_.size() + 1);
         auto message = write_notifications(next_sequence_number(), now, ready_data_, ready_events_,
                                            {parameters_.max_notifications_per_publish,
@@ -243,19 +242,18 @@ void Subscription::return_keep_alive()
 {
     if (PublishOperation* const request = PublishPart::of(*session_).take_request()) {
         count(&SubscriptionDiagnosticsDataType::publish_request_count);
-        const auto message =
-            write_keep_alive(next_sequence_number(), core_.environment.wall_clock->now());
+        const auto message = write_keep_alive(next_sequence_number(), all_.needs().wall_time());
         request->answer({*this, message, false});
     }
-    last_served_ = core_.subscriptions.next_serial();
+    last_served_ = all_.next_serial();
 }
 
 void Subscription::issue_status_change(StatusCode status)
 {
     if (session_ != nullptr) {
         PublishPart::of(*session_).add_status_change(
-            core_, {id_, write_status_change(next_sequence_number(),
-                                             core_.environment.wall_clock->now(), status)});
+            all_.needs().limits.subscriptions.max_status_changes,
+            {id_, write_status_change(next_sequence_number(), all_.needs().wall_time(), status)});
     }
 }
 
@@ -291,7 +289,7 @@ NodeRights Subscription::rights() const
         mode =
             owner_.is_encrypted ? MessageSecurityMode::SignAndEncrypt : MessageSecurityMode::Sign;
     }
-    return {core_.address_space, user(), core_.environment.access, mode};
+    return {all_.needs().space, user(), all_.needs().environment.access, mode};
 }
 
 bool Subscription::is_encrypted() const

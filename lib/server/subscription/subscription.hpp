@@ -11,8 +11,8 @@
 #include <busbar/server/access_control.hpp>
 #include <busbar/server/subscription_limits.hpp>
 
-#include "server/diagnostics/diagnostics.hpp"
-#include "server/rights/data_rights.hpp"
+#include "server/rights/node_rights.hpp"
+#include "server/session/counters.hpp"
 
 #include "ready_list.hpp"
 #include "retransmission_queue.hpp"
@@ -21,8 +21,8 @@
 
 namespace busbar::server::detail {
 
-struct Core;
 class Session;
+class Subscriptions;
 
 /// What a client asks of a Subscription, as it was revised (Part 4, 5.14.2.2).
 struct SubscriptionParameters {
@@ -57,7 +57,7 @@ class Subscription final : public Timer {
 public:
     using State = SubscriptionState;
 
-    Subscription(Core& core, std::uint32_t id, Session& session);
+    Subscription(Subscriptions& all, std::uint32_t id, Session& session);
     Subscription(const Subscription&) = delete;
     Subscription& operator=(const Subscription&) = delete;
     ~Subscription() override;
@@ -159,9 +159,9 @@ private:
     void issue_status_change(StatusCode status);
     void set_session(Session& session, TimePoint now);
     void delete_items();
-    [[nodiscard]] ItemContext context(TimePoint now) { return {core_, *this, now}; }
+    [[nodiscard]] ItemContext context(TimePoint now) { return {all_, *this, now}; }
 
-    Core& core_;
+    Subscriptions& all_;
     std::uint32_t id_;
     Session* session_;
     /// While there is no session.

@@ -3,8 +3,8 @@
 #include <busbar/core/attribute_id.hpp>
 
 #include "data_item.hpp"
-#include "server/engine/core.hpp"
 #include "subscription.hpp"
+#include "subscription_table.hpp"
 
 namespace busbar::server::detail {
 
@@ -27,7 +27,7 @@ MonitoredItem& Subscription::add_item(std::unique_ptr<MonitoredItem> item)
         ++last_item_id_;
     } while (last_item_id_ == 0 || items_.contains(last_item_id_));
     item->id_ = last_item_id_;
-    core_.subscriptions.count_items(1);
+    all_.count_items(1);
     return *items_.emplace(last_item_id_, std::move(item)).first->second;
 }
 
@@ -36,13 +36,13 @@ bool Subscription::remove_item(std::uint32_t id)
     if (items_.erase(id) == 0) {
         return false;
     }
-    core_.subscriptions.count_items(-1);
+    all_.count_items(-1);
     return true;
 }
 
 void Subscription::delete_items()
 {
-    core_.subscriptions.count_items(-static_cast<std::ptrdiff_t>(items_.size()));
+    all_.count_items(-static_cast<std::ptrdiff_t>(items_.size()));
     items_.clear();
 }
 
@@ -78,7 +78,7 @@ void Subscription::announce_change(const std::unordered_set<NodeId>& variables,
         auto& data = static_cast<DataItem&>(*item);
         if (data.value_id().attribute_id == value_attribute &&
             variables.contains(data.value_id().node_id)) {
-            data.announce_change(core_, status_bits);
+            data.announce_change(status_bits);
         }
     }
 }

@@ -1,17 +1,17 @@
 #include "subscription_services.hpp"
 
-#include "server/engine/core.hpp"
 #include "server/session/session.hpp"
 #include "subscription.hpp"
+#include "subscription_table.hpp"
 
 namespace busbar::server::detail {
 
 namespace {
 
 /// The Subscription, if it is the session's.
-Result<Subscription*> find(const Core& core, const Session& session, std::uint32_t id)
+Result<Subscription*> find(const Subscriptions& all, const Session& session, std::uint32_t id)
 {
-    Subscription* const found = core.subscriptions.find(id);
+    Subscription* const found = all.find(id);
     if (found == nullptr) {
         return fail(status::Bad_SubscriptionIdInvalid);
     }
@@ -21,9 +21,9 @@ Result<Subscription*> find(const Core& core, const Session& session, std::uint32
     return found;
 }
 
-StatusCode delete_one(ServiceContext& context, std::uint32_t id)
+StatusCode delete_one(Subscriptions& all, ServiceContext& context, std::uint32_t id)
 {
-    Subscription* const subscription = context.core.subscriptions.find(id);
+    Subscription* const subscription = all.find(id);
     if (subscription == nullptr) {
         return status::Bad_SubscriptionIdInvalid;
     }
@@ -32,31 +32,31 @@ StatusCode delete_one(ServiceContext& context, std::uint32_t id)
     if (row.is_refusal) {
         return status::Bad_SubscriptionIdInvalid;
     }
-    context.core.subscriptions.remove(*subscription);
+    all.remove(*subscription);
     return status::Good;
 }
 
 } // namespace
 
-StatusCode check_count(const ServiceContext& context, std::size_t count)
+StatusCode check_count(const ServerLimits& limits, std::size_t count)
 {
     if (count == 0) {
         return status::Bad_NothingToDo;
     }
-    return count > context.core.limits().operations.max_monitored_items_per_call
-               ? status::Bad_TooManyOperations
-               : status::Good;
+    return count > limits.operations.max_monitored_items_per_call ? status::Bad_TooManyOperations
+                                                                  : status::Good;
 }
 
-StatusCode create_subscription(ServiceContext& context, const CreateSubscriptionRequest& request,
+StatusCode create_subscription(Subscriptions& all, ServiceContext& context,
+                               const CreateSubscriptionRequest& request,
                                CreateSubscriptionResponse& response)
 {
     const SubscriptionParameters parameters =
-        revise(context.core.limits().subscriptions, request.requested_publishing_interval,
+        revise(all.needs().limits.subscriptions, request.requested_publishing_interval,
                request.requested_lifetime_count, request.requested_max_keep_alive_count,
                request.max_notifications_per_publish, request.priority);
-    const auto made = context.core.subscriptions.create(*context.session, parameters,
-                                                        request.publishing_enabled, context.now);
+    const auto made =
+        all.create(*context.session, parameters, request.publishing_enabled, context.now);
     if (!made) {
         return made.error();
     }
@@ -67,16 +67,16 @@ StatusCode create_subscription(ServiceContext& context, const CreateSubscription
     return status::Good;
 }
 
-StatusCode modify_subscription(ServiceContext& context, const ModifySubscriptionRequest& request,
+StatusCode modify_subscription(Subscriptions& all, ServiceContext& context,
+                               const ModifySubscriptionRequest& request,
                                ModifySubscriptionResponse& response)
 {
-    Subscription* const subscription =
-        context.core.subscriptions.find(request.subscription_id, *context.session);
+    Subscription* const subscription = all.find(request.subscription_id, *context.session);
     if (subscription == nullptr) {
         return status::Bad_SubscriptionIdInvalid;
     }
     const SubscriptionParameters parameters =
-        revise(context.core.limits().subscriptions, request.requested_publishing_interval,
+        revise(all.needs().limits.subscriptions, request.requested_publishing_interval,
                request.requested_lifetime_count, request.requested_max_keep_alive_count,
                request.max_notifications_per_publish, request.priority);
     subscription->handle(SubscriptionEvent::ModifySubscription,
@@ -87,16 +87,17 @@ StatusCode modify_subscription(ServiceContext& context, const ModifySubscription
     return status::Good;
 }
 
-StatusCode set_publishing_mode(ServiceContext& context, const SetPublishingModeRequest& request,
+StatusCode set_publishing_mode(Subscriptions& all, ServiceContext& context,
+                               const SetPublishingModeRequest& request,
                                SetPublishingModeResponse& response)
 {
-    if (const StatusCode bad = check_count(context, request.subscription_ids.size());
+    if (const StatusCode bad = check_count(all.needs().limits, request.subscription_ids.size());
         bad.is_bad()) {
         return bad;
     }
     response.results.reserve(request.subscription_ids.size());
     for (const std::uint32_t id : request.subscription_ids) {
-        Subscription* const subscription = context.core.subscriptions.find(id, *context.session);
+        Subscription* const subscription = all.find(id, *context.session);
         if (subscription == nullptr) {
             response.results.push_back(status::Bad_SubscriptionIdInvalid);
             continue;
@@ -109,24 +110,24 @@ StatusCode set_publishing_mode(ServiceContext& context, const SetPublishingModeR
     return status::Good;
 }
 
-StatusCode delete_subscriptions(ServiceContext& context, const DeleteSubscriptionsRequest& request,
+StatusCode delete_subscriptions(Subscriptions& all, ServiceContext& context,
+                                const DeleteSubscriptionsRequest& request,
                                 DeleteSubscriptionsResponse& response)
 {
-    if (const StatusCode bad = check_count(context, request.subscription_ids.size());
+    if (const StatusCode bad = check_count(all.needs().limits, request.subscription_ids.size());
         bad.is_bad()) {
         return bad;
     }
     response.results.reserve(request.subscription_ids.size());
     for (const std::uint32_t id : request.subscription_ids) {
-        response.results.push_back(delete_one(context, id));
+        response.results.push_back(delete_one(all, context, id));
     }
     return status::Good;
 }
 
 void RepublishOperation::start(ServiceContext& context)
 {
-    Subscription* const subscription =
-        context.core.subscriptions.find(request().subscription_id, *context.session);
+    Subscription* const subscription = all_.find(request().subscription_id, *context.session);
     if (subscription == nullptr) {
         return fault(status::Bad_SubscriptionIdInvalid);
     }
@@ -142,10 +143,10 @@ void RepublishOperation::start(ServiceContext& context)
     respond<RepublishResponse>([&](binary::Writer& writer) { writer.bytes(*message); });
 }
 
-Result<MonitoredItemHandles> get_monitored_items(const Core& core, const Session& session,
+Result<MonitoredItemHandles> get_monitored_items(const Subscriptions& all, const Session& session,
                                                  std::uint32_t subscription_id)
 {
-    const auto subscription = find(core, session, subscription_id);
+    const auto subscription = find(all, session, subscription_id);
     if (!subscription) {
         return fail(subscription.error());
     }
@@ -159,10 +160,10 @@ Result<MonitoredItemHandles> get_monitored_items(const Core& core, const Session
     return handles;
 }
 
-StatusCode resend_data(Core& core, const Session& session, std::uint32_t subscription_id,
+StatusCode resend_data(Subscriptions& all, const Session& session, std::uint32_t subscription_id,
                        TimePoint now)
 {
-    const auto subscription = find(core, session, subscription_id);
+    const auto subscription = find(all, session, subscription_id);
     if (!subscription) {
         return subscription.error();
     }

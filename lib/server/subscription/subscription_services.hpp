@@ -3,34 +3,42 @@
 #include <busbar/types/subscription.hpp>
 
 #include "server/session/service.hpp"
+#include <busbar/server/limits.hpp>
 
 /// The Subscription service set (Part 4, 5.14) but for Publish. All need an activated session.
 namespace busbar::server::detail {
 
-[[nodiscard]] StatusCode create_subscription(ServiceContext& context,
+class Subscriptions;
+
+[[nodiscard]] StatusCode create_subscription(Subscriptions& all, ServiceContext& context,
                                              const CreateSubscriptionRequest& request,
                                              CreateSubscriptionResponse& response);
-[[nodiscard]] StatusCode modify_subscription(ServiceContext& context,
+[[nodiscard]] StatusCode modify_subscription(Subscriptions& all, ServiceContext& context,
                                              const ModifySubscriptionRequest& request,
                                              ModifySubscriptionResponse& response);
-[[nodiscard]] StatusCode set_publishing_mode(ServiceContext& context,
+[[nodiscard]] StatusCode set_publishing_mode(Subscriptions& all, ServiceContext& context,
                                              const SetPublishingModeRequest& request,
                                              SetPublishingModeResponse& response);
-[[nodiscard]] StatusCode transfer_subscriptions(ServiceContext& context,
+[[nodiscard]] StatusCode transfer_subscriptions(Subscriptions& all, ServiceContext& context,
                                                 const TransferSubscriptionsRequest& request,
                                                 TransferSubscriptionsResponse& response);
-[[nodiscard]] StatusCode delete_subscriptions(ServiceContext& context,
+[[nodiscard]] StatusCode delete_subscriptions(Subscriptions& all, ServiceContext& context,
                                               const DeleteSubscriptionsRequest& request,
                                               DeleteSubscriptionsResponse& response);
 
 /// Republish (Part 4, 5.14.6): answers with the bytes that were sent.
 class RepublishOperation final : public OperationOf<RepublishRequest> {
 public:
+    explicit RepublishOperation(Subscriptions& all) : all_{all} {}
+
     void start(ServiceContext& context) override;
+
+private:
+    Subscriptions& all_;
 };
 
 /// Good, or why a request with so many operations is refused.
-[[nodiscard]] StatusCode check_count(const ServiceContext& context, std::size_t count);
+[[nodiscard]] StatusCode check_count(const ServerLimits& limits, std::size_t count);
 
 // Methods of the Server object (Part 5, 9.1 and 9.2): functions for whoever calls them.
 
@@ -39,10 +47,11 @@ struct MonitoredItemHandles {
     Array<std::uint32_t> client_handles;
 };
 /// Bad_SubscriptionIdInvalid, or Bad_UserAccessDenied for a Subscription of another session.
-[[nodiscard]] Result<MonitoredItemHandles>
-get_monitored_items(const Core& core, const Session& session, std::uint32_t subscription_id);
+[[nodiscard]] Result<MonitoredItemHandles> get_monitored_items(const Subscriptions& all,
+                                                               const Session& session,
+                                                               std::uint32_t subscription_id);
 /// The same.
-[[nodiscard]] StatusCode resend_data(Core& core, const Session& session,
+[[nodiscard]] StatusCode resend_data(Subscriptions& all, const Session& session,
                                      std::uint32_t subscription_id, TimePoint now);
 
 } // namespace busbar::server::detail

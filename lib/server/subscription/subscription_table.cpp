@@ -5,7 +5,6 @@
 
 #include "publish_queue.hpp"
 #include "sampler.hpp"
-#include "server/engine/core.hpp"
 #include "server/session/session.hpp"
 #include "subscription.hpp"
 
@@ -23,10 +22,10 @@ std::uint32_t random_id(crypto::Random& random)
 
 } // namespace
 
-Subscriptions::Subscriptions(Core& core)
-    : core_{core}, memory_{core.limits().subscriptions.max_memory, nullptr},
-      sampler_{std::make_unique<Sampler>(core, timers_)}, last_id_{
-                                                              random_id(*core.environment.random)}
+Subscriptions::Subscriptions(const SubscriptionNeeds& needs)
+    : needs_{needs}, memory_{needs.limits.subscriptions.max_memory, nullptr},
+      sampler_{std::make_unique<Sampler>(needs, timers_)}, last_id_{
+                                                               random_id(*needs.environment.random)}
 {
 }
 
@@ -48,7 +47,7 @@ Result<Subscription*> Subscriptions::create(Session& session,
                                             const SubscriptionParameters& parameters,
                                             bool publishing_enabled, TimePoint now)
 {
-    const SubscriptionLimits& limits = core_.limits().subscriptions;
+    const SubscriptionLimits& limits = needs_.limits.subscriptions;
     PublishPart& part = PublishPart::of(session);
     // Row 2 of the state table.
     if (size() >= limits.max_subscriptions ||
@@ -56,9 +55,9 @@ Result<Subscription*> Subscriptions::create(Session& session,
         return fail(status::Bad_TooManySubscriptions);
     }
     const std::uint32_t id = new_id();
-    ++core_.diagnostics.summary.cumulated_subscription_count;
+    ++needs_.counters.summary.cumulated_subscription_count;
     Subscription& made =
-        *subscriptions_.emplace(id, std::make_unique<Subscription>(core_, id, session))
+        *subscriptions_.emplace(id, std::make_unique<Subscription>(*this, id, session))
              .first->second;
     part.add(made);
     made.handle(SubscriptionEvent::CreateSubscription, {.now = now});
@@ -103,7 +102,7 @@ void Subscriptions::session_ends(Session& session, bool deletes_subscriptions)
 void Subscriptions::session_moved(Session& session)
 {
     if (session.publishing != nullptr) {
-        PublishPart::of(session).refuse_others(*session.link);
+        PublishPart::of(session).refuse_others(*session.peer);
     }
 }
 

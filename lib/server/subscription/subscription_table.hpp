@@ -9,12 +9,12 @@
 #include <busbar/core/node_id.hpp>
 #include <busbar/core/result.hpp>
 
+#include "subscription_needs.hpp"
 #include "timer_queue.hpp"
 #include "value_queue.hpp"
 
 namespace busbar::server::detail {
 
-struct Core;
 struct SubscriptionParameters;
 class Sampler;
 class Session;
@@ -23,7 +23,7 @@ class Subscription;
 /// All Subscriptions of a server, with what they share: timers, sampling and memory.
 class Subscriptions {
 public:
-    explicit Subscriptions(Core& core);
+    explicit Subscriptions(const SubscriptionNeeds& needs);
     Subscriptions(const Subscriptions&) = delete;
     Subscriptions& operator=(const Subscriptions&) = delete;
     ~Subscriptions();
@@ -41,7 +41,7 @@ public:
     /// The session ends: its Subscriptions with it if `deletes_subscriptions`, else they live on
     /// for as long as their lifetime says (Part 4, 5.6.4).
     void session_ends(Session& session, bool deletes_subscriptions);
-    /// The session may have another link.
+    /// The session may have another channel.
     static void session_moved(Session& session);
     /// The session has another user.
     void user_changed(Session& session, TimePoint now);
@@ -54,6 +54,7 @@ public:
     [[nodiscard]] TimePoint next_deadline() const { return timers_.next_deadline(); }
     void handle_deadline(TimePoint now) { timers_.expire(now); }
 
+    [[nodiscard]] const SubscriptionNeeds& needs() const { return needs_; }
     [[nodiscard]] TimerQueue& timers() { return timers_; }
     [[nodiscard]] Sampler& sampler() { return *sampler_; }
     [[nodiscard]] const Sampler& sampler() const { return *sampler_; }
@@ -74,7 +75,7 @@ public:
 private:
     [[nodiscard]] std::uint32_t new_id();
 
-    Core& core_;
+    const SubscriptionNeeds& needs_;
     TimerQueue timers_;
     MemoryAccount memory_;
     std::unique_ptr<Sampler> sampler_;

@@ -1,8 +1,8 @@
 #include "publish_queue.hpp"
-#include "server/engine/core.hpp"
 #include "server/session/session.hpp"
 #include "subscription.hpp"
 #include "subscription_services.hpp"
+#include "subscription_table.hpp"
 
 namespace busbar::server::detail {
 
@@ -22,9 +22,9 @@ bool is_same_client(const SubscriptionOwner& owner, const Session& session)
            owner.application_uri == session.client_application_uri;
 }
 
-StatusCode transfer(ServiceContext& context, Subscription& subscription, bool sends_initial_values)
+StatusCode transfer(const SubscriptionLimits& limits, const ServiceContext& context,
+                    Subscription& subscription, bool sends_initial_values)
 {
-    const SubscriptionLimits& limits = context.core.limits().subscriptions;
     Session& session = *context.session;
     subscription.count(&SubscriptionDiagnosticsDataType::transfer_request_count);
     const bool is_same_application =
@@ -52,21 +52,22 @@ StatusCode transfer(ServiceContext& context, Subscription& subscription, bool se
 
 } // namespace
 
-StatusCode transfer_subscriptions(ServiceContext& context,
+StatusCode transfer_subscriptions(Subscriptions& all, ServiceContext& context,
                                   const TransferSubscriptionsRequest& request,
                                   TransferSubscriptionsResponse& response)
 {
-    if (const StatusCode bad = check_count(context, request.subscription_ids.size());
+    if (const StatusCode bad = check_count(all.needs().limits, request.subscription_ids.size());
         bad.is_bad()) {
         return bad;
     }
     response.results.reserve(request.subscription_ids.size());
     for (const std::uint32_t id : request.subscription_ids) {
         TransferResult result;
-        Subscription* const subscription = context.core.subscriptions.find(id);
+        Subscription* const subscription = all.find(id);
         result.status_code = subscription == nullptr
                                  ? status::Bad_SubscriptionIdInvalid
-                                 : transfer(context, *subscription, request.send_initial_values);
+                                 : transfer(all.needs().limits.subscriptions, context,
+                                            *subscription, request.send_initial_values);
         if (result.status_code.is_good()) {
             result.available_sequence_numbers =
                 Array<std::uint32_t>{subscription->retransmission().available()};

@@ -1,11 +1,9 @@
 #pragma once
 
 #include <busbar/core/detail/guarded.hpp>
-#include <busbar/server/server.hpp>
+#include <busbar/server/environment.hpp>
 
 namespace busbar::server::detail {
-
-class Link;
 
 /// What a callback threw while a request was served, which is answered with it and not with what
 /// was made of the callback's silence.
@@ -14,9 +12,9 @@ public:
     /// While it lives, that request is being served.
     class Serving {
     public:
-        Serving(RequestFault& fault, const Link& link, std::uint32_t request_id) : fault_{fault}
+        Serving(RequestFault& fault, const void* peer, std::uint32_t request_id) : fault_{fault}
         {
-            fault_ = {&link, request_id, {}};
+            fault_ = {peer, request_id, {}};
         }
         Serving(const Serving&) = delete;
         Serving& operator=(const Serving&) = delete;
@@ -33,20 +31,20 @@ public:
     void forget() { status_ = {}; }
     [[nodiscard]] bool is_noted() const { return status_.is_bad(); }
     /// How that request is to be answered: with `status` if nothing was thrown for it.
-    [[nodiscard]] StatusCode answer(const Link& link, std::uint32_t request_id,
+    [[nodiscard]] StatusCode answer(const void* peer, std::uint32_t request_id,
                                     StatusCode status) const
     {
-        const bool is_its_own = &link == link_ && request_id == request_id_ && is_noted();
+        const bool is_its_own = peer == peer_ && request_id == request_id_ && is_noted();
         return is_its_own ? status_ : status;
     }
 
 private:
-    RequestFault(const Link* link, std::uint32_t request_id, StatusCode status)
-        : link_{link}, request_id_{request_id}, status_{status}
+    RequestFault(const void* peer, std::uint32_t request_id, StatusCode status)
+        : peer_{peer}, request_id_{request_id}, status_{status}
     {
     }
 
-    const Link* link_{nullptr};
+    const void* peer_{nullptr};
     std::uint32_t request_id_{0};
     StatusCode status_;
 };

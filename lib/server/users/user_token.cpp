@@ -6,7 +6,7 @@
 #include <busbar/crypto/asymmetric.hpp>
 #include <busbar/types/session.hpp>
 
-#include "server/session/session_proof.hpp"
+#include "signed_nonce.hpp"
 #include "user_policies.hpp"
 
 namespace busbar::server::detail {

@@ -8,13 +8,22 @@
 #include <busbar/server/limits.hpp>
 #include <busbar/types/view.hpp>
 
-#include "server/rights/data_rights.hpp"
+#include "server/rights/node_rights.hpp"
 #include "server/session/session.hpp"
 #include "server/session/turn.hpp"
 
 namespace busbar::server::detail {
 
-/// What the View services need of the server and the session.
+/// What the View services need of the server; as long as that lives.
+struct ViewNeeds {
+    const model::AddressSpace& space;
+    const ServerLimits& limits;
+    crypto::Random& random;
+    /// May be null.
+    const AccessControl* access;
+};
+
+/// What they need of the server and the session for one request.
 struct ViewContext {
     const model::AddressSpace& space;
     NodeRights rights;

@@ -3,8 +3,6 @@
 #include <algorithm>
 
 #include "browse_work.hpp"
-#include "server/engine/core.hpp"
-#include "server/engine/link.hpp"
 #include "server/session/session_rights.hpp"
 #include "view_context.hpp"
 
@@ -12,20 +10,21 @@ namespace busbar::server::detail {
 
 namespace {
 
-ViewContext view_context(const ServiceContext& context)
+ViewContext view_context(const ViewNeeds& needs, const ServiceContext& context)
 {
-    const Core& core = context.core;
-    return {core.address_space, rights_of(context), core.limits(), *core.environment.random,
-            *context.session};
+    return {needs.space, rights_of(*context.session, needs.space, needs.access), needs.limits,
+            needs.random, *context.session};
 }
 
 /// A request that browses as long as its turns allow.
 template <typename Request, typename Response, typename Work>
 class BrowseOperation final : public OperationOf<Request> {
 public:
+    explicit BrowseOperation(const ViewNeeds& needs) : needs_{needs} {}
+
     void start(ServiceContext& context) override
     {
-        ViewContext view = view_context(context);
+        ViewContext view = view_context(needs_, context);
         const StatusCode status = work_.begin(view, this->request(), response_);
         visits_left_ = view.visits_left;
         references_left_ = view.references_left;
@@ -38,12 +37,12 @@ public:
     [[nodiscard]] bool wants_turn() const override { return !this->is_finished(); }
     void take_turn(ServiceContext& context) override
     {
-        ViewContext view = view_context(context);
+        ViewContext view = view_context(needs_, context);
         view.visits_left = visits_left_;
         view.references_left = references_left_;
-        view.turn = context.link.turn();
+        view.turn = context.peer.turn();
         const bool is_complete = work_.go_on(view, this->request(), response_);
-        context.link.turn() = view.turn;
+        context.peer.turn() = view.turn;
         const std::size_t added =
             references_left_ - std::min(references_left_, view.references_left);
         visits_left_ = view.visits_left;
@@ -59,6 +58,7 @@ public:
     }
 
 private:
+    const ViewNeeds& needs_;
     Work work_;
     Response response_;
     std::size_t visits_left_{0};
@@ -67,36 +67,36 @@ private:
 
 } // namespace
 
-std::unique_ptr<Operation> make_browse()
+std::unique_ptr<Operation> make_browse(const ViewNeeds& needs)
 {
-    return std::make_unique<BrowseOperation<BrowseRequest, BrowseResponse, BrowseWork>>();
+    return std::make_unique<BrowseOperation<BrowseRequest, BrowseResponse, BrowseWork>>(needs);
 }
 
-std::unique_ptr<Operation> make_browse_next()
+std::unique_ptr<Operation> make_browse_next(const ViewNeeds& needs)
 {
-    return std::make_unique<
-        BrowseOperation<BrowseNextRequest, BrowseNextResponse, BrowseNextWork>>();
+    return std::make_unique<BrowseOperation<BrowseNextRequest, BrowseNextResponse, BrowseNextWork>>(
+        needs);
 }
 
-StatusCode translate_browse_paths(ServiceContext& context,
+StatusCode translate_browse_paths(const ViewNeeds& needs, ServiceContext& context,
                                   const TranslateBrowsePathsToNodeIdsRequest& request,
                                   TranslateBrowsePathsToNodeIdsResponse& response)
 {
-    ViewContext view = view_context(context);
+    ViewContext view = view_context(needs, context);
     return translate_browse_paths(view, request, response);
 }
 
-StatusCode register_nodes(ServiceContext& context, const RegisterNodesRequest& request,
-                          RegisterNodesResponse& response)
+StatusCode register_nodes(const ViewNeeds& needs, ServiceContext& context,
+                          const RegisterNodesRequest& request, RegisterNodesResponse& response)
 {
-    ViewContext view = view_context(context);
+    ViewContext view = view_context(needs, context);
     return register_nodes(view, request, response);
 }
 
-StatusCode unregister_nodes(ServiceContext& context, const UnregisterNodesRequest& request,
-                            UnregisterNodesResponse&)
+StatusCode unregister_nodes(const ViewNeeds& needs, ServiceContext& context,
+                            const UnregisterNodesRequest& request, UnregisterNodesResponse&)
 {
-    ViewContext view = view_context(context);
+    ViewContext view = view_context(needs, context);
     return unregister_nodes(view, request);
 }
 

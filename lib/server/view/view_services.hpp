@@ -3,20 +3,21 @@
 #include <busbar/types/view.hpp>
 
 #include "server/session/service.hpp"
+#include "view_context.hpp"
 
 /// The View service set (Part 4, 5.9). All need an activated session.
 namespace busbar::server::detail {
 
 /// Operations, as they may take several turns.
-[[nodiscard]] std::unique_ptr<Operation> make_browse();
-[[nodiscard]] std::unique_ptr<Operation> make_browse_next();
-[[nodiscard]] StatusCode translate_browse_paths(ServiceContext& context,
+[[nodiscard]] std::unique_ptr<Operation> make_browse(const ViewNeeds& needs);
+[[nodiscard]] std::unique_ptr<Operation> make_browse_next(const ViewNeeds& needs);
+[[nodiscard]] StatusCode translate_browse_paths(const ViewNeeds& needs, ServiceContext& context,
                                                 const TranslateBrowsePathsToNodeIdsRequest& request,
                                                 TranslateBrowsePathsToNodeIdsResponse& response);
-[[nodiscard]] StatusCode register_nodes(ServiceContext& context,
+[[nodiscard]] StatusCode register_nodes(const ViewNeeds& needs, ServiceContext& context,
                                         const RegisterNodesRequest& request,
                                         RegisterNodesResponse& response);
-[[nodiscard]] StatusCode unregister_nodes(ServiceContext& context,
+[[nodiscard]] StatusCode unregister_nodes(const ViewNeeds& needs, ServiceContext& context,
                                           const UnregisterNodesRequest& request,
                                           UnregisterNodesResponse& response);
 

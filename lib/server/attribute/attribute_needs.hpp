@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+
+#include <busbar/core/function_ref.hpp>
+#include <busbar/model/address_space.hpp>
+#include <busbar/model/data_types.hpp>
+#include <busbar/server/limits.hpp>
+#include <busbar/types/attribute.hpp>
+
+#include "server/data/data_sources.hpp"
+#include "server/rights/live_values.hpp"
+
+namespace busbar::server::detail {
+
+/// Who wants to know what clients write.
+class WriteObserver {
+public:
+    WriteObserver() = default;
+    WriteObserver(const WriteObserver&) = delete;
+    WriteObserver& operator=(const WriteObserver&) = delete;
+
+    /// Values that the address space keeps may have been replaced.
+    virtual void kept_values_written() = 0;
+    /// The request was carried out; `result` is what became of an item.
+    virtual void written(const WriteRequest& request,
+                         FunctionRef<StatusCode(std::size_t)> result) = 0;
+
+protected:
+    ~WriteObserver() = default;
+};
+
+/// What the Attribute services need of the server; as long as that lives.
+struct AttributeNeeds {
+    model::AddressSpace& space;
+    DataSources& sources;
+    model::DataTypes& data_types;
+    const ServerLimits& limits;
+    /// May be null.
+    const AccessControl* access;
+    const WallClock& wall_clock;
+    const LiveValues& live_values;
+    WriteObserver& observer;
+};
+
+} // namespace busbar::server::detail

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include <busbar/binary/type_registry.hpp>
+#include <busbar/core/log.hpp>
+#include <busbar/model/address_space.hpp>
+#include <busbar/server/limits.hpp>
+#include <busbar/server/method.hpp>
+
+#include "server/data/data_sources.hpp"
+#include "server/session/service.hpp"
+
+namespace busbar::server::detail {
+
+/// Methods of the Server object that the server carries out itself, see is_built_in_method().
+class BuiltInMethods {
+public:
+    BuiltInMethods() = default;
+    BuiltInMethods(const BuiltInMethods&) = delete;
+    BuiltInMethods& operator=(const BuiltInMethods&) = delete;
+
+    /// `inputs` are as the Method's InputArguments says; `item_count` is raised by the monitored
+    /// items that had to be looked at.
+    [[nodiscard]] virtual CallResult call(const NodeId& method, const ServiceContext& context,
+                                          std::span<const Variant> inputs,
+                                          std::size_t& item_count) = 0;
+
+protected:
+    ~BuiltInMethods() = default;
+};
+
+/// What Call needs of the server; as long as that lives.
+struct MethodNeeds {
+    const model::AddressSpace& space;
+    DataSources& sources;
+    const binary::TypeRegistry& types;
+    const ServerLimits& limits;
+    /// May be null.
+    const AccessControl* access;
+    LogSink& log;
+    BuiltInMethods& built_in;
+};
+
+} // namespace busbar::server::detail

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <busbar/core/data_value.hpp>
+#include <busbar/core/result.hpp>
+#include <busbar/model/node.hpp>
+#include <busbar/server/access_control.hpp>
+
+namespace busbar::server::detail {
+
+/// The source of Variables outside namespace 0 whose values LiveValues has. It is none of
+/// DataSources.
+inline constexpr std::uint32_t live_values_source = model::no_source - 1;
+
+/// Who wants a value of the server itself.
+struct ValueReader {
+    const UserIdentity& user;
+    /// Over a channel that nobody else can read.
+    bool is_encrypted{false};
+
+    /// SessionSecurityDiagnostics are for users who have logged in, over encrypted channels; others
+    /// get Bad_UserAccessDenied (Part 5, 6.3.4).
+    [[nodiscard]] bool may_see_security() const
+    {
+        return is_encrypted && user.token_type != UserTokenType::Anonymous;
+    }
+};
+
+/// Values that the server finds when they are read: those below its own Object.
+class LiveValues {
+public:
+    LiveValues() = default;
+    LiveValues(const LiveValues&) = delete;
+    LiveValues& operator=(const LiveValues&) = delete;
+
+    /// The present value with its source timestamp; Bad_NodeIdUnknown for a Variable whose value
+    /// the address space or a data source has.
+    [[nodiscard]] virtual Result<DataValue> find(const NodeId& node,
+                                                 const ValueReader& reader) const = 0;
+
+protected:
+    ~LiveValues() = default;
+};
+
+} // namespace busbar::server::detail

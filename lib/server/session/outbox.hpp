@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <busbar/binary/writer.hpp>
+#include <busbar/core/function_ref.hpp>
+#include <busbar/core/status_code.hpp>
+#include <busbar/types/common.hpp>
+
+namespace busbar::server::detail {
+
+class Session;
+
+/// What an answer has to refer to.
+struct Reply {
+    std::uint32_t request_id{0};
+    std::uint32_t request_handle{0};
+    /// Bytes; 0 if only the channel's limit holds.
+    std::uint32_t max_size{0};
+};
+
+/// What is known of a request before its parameters are.
+struct Question {
+    /// Of the request's type.
+    std::uint32_t encoding_id{0};
+    /// Milliseconds, 0 for none (Part 4, 7.32).
+    std::uint32_t timeout_hint{0};
+    Reply reply;
+};
+
+/// Where requests are answered: the connection that they came by.
+class Outbox {
+public:
+    Outbox() = default;
+    Outbox(const Outbox&) = delete;
+    Outbox& operator=(const Outbox&) = delete;
+
+    /// Sends a response of that type, of which `encode_response` writes everything; a ServiceFault
+    /// if it does not fit the client's limits.
+    virtual void respond(const Reply& reply, std::uint32_t encoding_id,
+                         FunctionRef<void(binary::Writer&)> encode_response) = 0;
+    virtual void fault(const Reply& reply, StatusCode status) = 0;
+    [[nodiscard]] virtual ResponseHeader response_header(const Reply& reply,
+                                                         StatusCode status) const = 0;
+    /// Bytes, by the channel.
+    [[nodiscard]] virtual std::size_t max_response_size() const = 0;
+    /// For the diagnostics: a request of that type ends in a fault. `session` may be null.
+    virtual void count_fault(Session* session, std::uint32_t encoding_id, StatusCode status) = 0;
+    /// Whoever drives the connection has to look at it: there is output, or an earlier deadline.
+    virtual void mark() = 0;
+    /// One of the operations has answered and can be destroyed, once none of them is running.
+    virtual void wants_sweep() = 0;
+
+protected:
+    ~Outbox() = default;
+};
+
+} // namespace busbar::server::detail

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include <busbar/channel/server_channel.hpp>
+#include <busbar/core/log.hpp>
+
+#include "outbox.hpp"
+#include "turn.hpp"
+
+namespace busbar::server::detail {
+
+class Session;
+
+/// The client's end of a connection, as services see it.
+class Peer : public Outbox {
+public:
+    [[nodiscard]] virtual const channel::ServerChannel& channel() const = 0;
+    /// Without port.
+    [[nodiscard]] virtual std::string_view address() const = 0;
+    /// The sessions that use this channel.
+    [[nodiscard]] virtual const std::vector<Session*>& sessions() const = 0;
+    /// The session uses this channel from now on and no other. To be called again when it is
+    /// activated: what the peer may send depends on it.
+    virtual void bind(Session& session) = 0;
+    /// It uses this channel no more.
+    virtual void unbind(Session& session) = 0;
+    /// Answers what the session has pending here with `status`; all sessions' if it is null.
+    virtual void end_operations(const Session* session, StatusCode status) = 0;
+    /// What may still be done for this peer before others have their turn.
+    [[nodiscard]] virtual Turn& turn() = 0;
+    /// For what is to be said of this peer.
+    [[nodiscard]] virtual LogSink& log() = 0;
+
+protected:
+    ~Peer() = default;
+};
+
+} // namespace busbar::server::detail

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <busbar/binary/type_registry.hpp>
+#include <busbar/model/address_space.hpp>
+#include <busbar/server/environment.hpp>
+#include <busbar/server/limits.hpp>
+
+#include "server/data/data_sources.hpp"
+#include "server/rights/live_values.hpp"
+#include "server/session/counters.hpp"
+
+namespace busbar::server::detail {
+
+class EventItems;
+
+/// What Subscriptions and their items need of the server; as long as that lives.
+struct SubscriptionNeeds {
+    const model::AddressSpace& space;
+    DataSources& sources;
+    const binary::TypeRegistry& types;
+    const ServerLimits& limits;
+    /// The guarded one.
+    const ServerEnvironment& environment;
+    Counters& counters;
+    const LiveValues& live_values;
+    EventItems& event_items;
+
+    [[nodiscard]] DateTime wall_time() const { return environment.wall_clock->now(); }
+};
+
+} // namespace busbar::server::detail
