@@ -27,6 +27,29 @@ constexpr std::array layers = {
     Layer{"controller", " core binary types crypto channel model nodes server controller "},
 };
 
+/// The floors of lib/server, each with those that it stands on; siblings know nothing of each
+/// other.
+constexpr std::array floors = {
+    Layer{"data", " data "},
+    Layer{"image", " data image "},
+    Layer{"rights", " data image rights "},
+    Layer{"users", " data image rights users "},
+    Layer{"session", " data image rights users session "},
+    Layer{"attribute", " data image rights users session attribute "},
+    Layer{"view", " data image rights users session view "},
+    Layer{"method", " data image rights users session method "},
+    Layer{"node_management", " data image rights users session node_management "},
+    Layer{"subscription", " data image rights users session subscription "},
+    Layer{"event", " data image rights users session event "},
+    Layer{"diagnostics", " data image rights users session attribute view method node_management "
+                         "subscription event diagnostics "},
+    Layer{"engine", " data image rights users session attribute view method node_management "
+                    "subscription event diagnostics engine "},
+};
+/// Public headers that only the top floor may include: all that is below works without a Server.
+constexpr std::array<std::string_view, 3> engine_headers = {"config_check.hpp", "connection.hpp",
+                                                            "server.hpp"};
+
 constexpr std::size_t max_file_lines = 700;
 constexpr std::size_t max_function_lines = 70;
 constexpr std::size_t max_columns = 100;
@@ -50,6 +73,25 @@ const Layer* layer_of(std::string_view path)
         return found == layers.end() ? nullptr : &*found;
     }
     return nullptr;
+}
+
+/// The floor that `path` belongs to: lib/server/<floor>/...; null if it is elsewhere.
+const Layer* floor_of(std::string_view path)
+{
+    constexpr std::string_view root = "lib/server/";
+    if (!starts_with(path, root)) {
+        return nullptr;
+    }
+    const std::string_view rest = path.substr(root.size());
+    const std::string_view name = rest.substr(0, rest.find('/'));
+    const auto found = std::find_if(floors.begin(), floors.end(),
+                                    [&](const Layer& floor) { return floor.name == name; });
+    return found == floors.end() ? nullptr : &*found;
+}
+
+bool is_source(std::string_view path)
+{
+    return path.ends_with(".cpp") || path.ends_with(".hpp");
 }
 
 void report(const File& file, std::size_t line, std::string_view what, Findings& findings)
@@ -155,6 +197,38 @@ void check_includes(const File& file, Findings& findings)
     }
 }
 
+void check_floors(const File& file, Findings& findings)
+{
+    const Layer* const floor = floor_of(file.path);
+    if (floor == nullptr) {
+        if (starts_with(file.path, "lib/server/") && is_source(file.path)) {
+            report(file, 0, "a file of the server is on one of its floors", findings);
+        }
+        return;
+    }
+    static const std::regex inside{R"re(#include "server/(\w+)/)re"};
+    static const std::regex outside{R"re(#include <busbar/server/([\w.]+)>)re"};
+    static const std::regex core{R"(\bstruct Core\b)"};
+    for (std::size_t i = 0; i < file.lines.size(); ++i) {
+        std::smatch match;
+        if (std::regex_search(file.lines[i], match, inside)) {
+            const std::string name = match[1];
+            if (floor->may_include.find(" " + name + " ") == std::string_view::npos) {
+                report(file, i, std::string{floor->name} + " must not include " + name, findings);
+            }
+        } else if (std::regex_search(file.lines[i], match, outside)) {
+            const bool is_engine = std::find(engine_headers.begin(), engine_headers.end(),
+                                             match[1].str()) != engine_headers.end();
+            if (is_engine && floor->name != "engine") {
+                report(file, i, std::string{floor->name} + " must not know of the server",
+                       findings);
+            }
+        } else if (std::regex_search(file.lines[i], core) && floor->name != "engine") {
+            report(file, i, "Core is for the engine only", findings);
+        }
+    }
+}
+
 void check_lengths(const File& file, Findings& findings)
 {
     if (file.lines.size() > max_file_lines) {
@@ -205,6 +279,7 @@ Findings check(const File& file)
 {
     Findings findings;
     check_includes(file, findings);
+    check_floors(file, findings);
     check_lengths(file, findings);
     check_calls(file, findings);
     check_traces(file, findings);

@@ -20,6 +20,8 @@ using Findings = std::vector<std::string>;
 
 /// An include of a layer that stands below the file's own, or is not among what it may use.
 void check_includes(const File& file, Findings& findings);
+/// In lib/server an include of a floor above the file's own, or beside it.
+void check_floors(const File& file, Findings& findings);
 /// Files past 700 lines, functions past 70, lines past 100 columns.
 void check_lengths(const File& file, Findings& findings);
 /// Calls that the layer must not make.
