@@ -26,29 +26,80 @@ bool is_same(const std::byte* a, const std::byte* b, std::size_t size)
 
 } // namespace
 
+std::uint32_t ImageWatch::variable_of(std::uint32_t handle)
+{
+    const auto found = known_.find(handle);
+    if (found != known_.end()) {
+        return found->second;
+    }
+    const std::size_t size = (*layout_)[handle].bytes();
+    const std::size_t cost = size + sizeof(Variable) + 8 * sizeof(void*);
+    const bool is_kept = account_->charge(cost);
+    charged_ += is_kept ? cost : 0;
+    const auto index = static_cast<std::uint32_t>(variables_.size());
+    variables_.push_back({handle, 0, seen_.size(), is_kept, true, false, 0});
+    seen_.resize(seen_.size() + (is_kept ? size : 0));
+    known_.emplace(handle, index);
+    return index;
+}
+
 std::uint32_t ImageWatch::add(DataItem& item, std::uint32_t handle)
 {
-    const std::uint32_t size = (*layout_)[handle].bytes();
-    entries_.push_back({&item, handle, static_cast<std::uint32_t>(seen_.size()), size, true, true});
-    seen_.resize(seen_.size() + size);
+    const std::uint32_t variable = variable_of(handle);
+    ++variables_[variable].users;
+    entries_.push_back({&item, variable, true, true});
     return static_cast<std::uint32_t>(entries_.size() - 1);
 }
 
-bool ImageWatch::has_changed(const Entry& entry, const std::byte* now)
+void ImageWatch::remove(std::size_t place)
 {
-    std::byte* const seen = seen_.data() + entry.seen;
-    if (is_same(now, seen, entry.size)) {
-        return false;
+    Entry& entry = entries_[place];
+    entry.item = nullptr;
+    ++holes_;
+    const Variable& variable = variables_[entry.variable];
+    if (--variables_[entry.variable].users == 0 && variable.is_kept) {
+        unused_bytes_ += (*layout_)[variable.handle].bytes();
     }
-    std::memcpy(seen, now, entry.size);
-    return true;
+}
+
+bool ImageWatch::is_wasteful() const
+{
+    constexpr std::size_t few_places = 1'000;
+    constexpr std::size_t few_bytes = 65'536;
+    return (holes_ > few_places && holes_ > entries_.size() / 2) ||
+           (unused_bytes_ > few_bytes && unused_bytes_ > seen_.size() / 2);
+}
+
+/// Looks once in a sample, however many items the variable has. While only new items are sampled,
+/// what the others have not seen yet stays new for them.
+bool ImageWatch::has_changed(Variable& variable, const Sample& sample)
+{
+    if (!variable.is_kept) {
+        return true;
+    }
+    if (variable.round == round_) {
+        return variable.has_changed;
+    }
+    variable.round = round_;
+    if (sample.is_only_new && !variable.is_fresh) {
+        return variable.has_changed = true;
+    }
+    variable.is_fresh = false;
+    const ImagePlace& in_image = (*layout_)[variable.handle];
+    const std::byte* const now = sample.pin.bytes(in_image);
+    std::byte* const seen = seen_.data() + variable.seen;
+    variable.has_changed = !is_same(now, seen, in_image.bytes());
+    if (variable.has_changed) {
+        std::memcpy(seen, now, in_image.bytes());
+    }
+    return variable.has_changed;
 }
 
 void ImageWatch::report(Entry& entry, const Sample& sample)
 {
     ReadSlot slot{sample.status};
     if (sample.pin) {
-        sample.pin.read(entry.handle, slot);
+        sample.pin.read(variables_[entry.variable].handle, slot);
         if (entry.item->range() != nullptr) {
             cut_range(slot, *entry.item->range());
         }
@@ -74,12 +125,12 @@ void ImageWatch::sample(const Sample& sample)
     if (!sample.is_only_new) {
         last_status_ = sample.status;
     }
+    ++round_;
     for (Entry& entry : entries_) {
         if (entry.item == nullptr || (sample.is_only_new && !entry.is_new)) {
             continue;
         }
-        const bool has_new =
-            sample.pin && has_changed(entry, sample.pin.bytes((*layout_)[entry.handle]));
+        const bool has_new = sample.pin && has_changed(variables_[entry.variable], sample);
         if (has_new || is_everything || entry.is_always) {
             report(entry, sample);
         }

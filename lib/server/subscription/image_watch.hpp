@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <unordered_map>
 #include <vector>
 
 #include <busbar/server/process_image.hpp>
@@ -10,20 +11,30 @@
 
 namespace busbar::server::detail {
 
-/// Items of one process image that are sampled together. It keeps the bytes that it saw last and
-/// looks at an item only when they have changed, so that what stands still costs a comparison in
-/// memory that lies in one piece.
+/// Items of one process image that are sampled together. It keeps the bytes that it saw last of
+/// each variable, once for all items of it, and looks at an item only when they have changed, so
+/// that what stands still costs a comparison in memory that lies in one piece.
 class ImageWatch {
 public:
-    explicit ImageWatch(const ImageLayout& layout) : layout_{&layout} {}
+    /// `account` pays for the bytes that are kept. Items of a variable that it cannot pay for are
+    /// looked at each time. Both must outlive this.
+    ImageWatch(const ImageLayout& layout, MemoryAccount& account)
+        : layout_{&layout}, account_{&account}
+    {
+    }
+    ImageWatch(const ImageWatch&) = delete;
+    ImageWatch& operator=(const ImageWatch&) = delete;
+    ~ImageWatch() { account_->release(charged_); }
 
     /// The item's place here. It is sampled next time, whatever its value is.
     [[nodiscard]] std::uint32_t add(DataItem& item, std::uint32_t handle);
-    void remove(std::size_t place) { entries_[place].item = nullptr; }
+    void remove(std::size_t place);
     /// The item at `place` is sampled next time, whatever its value is.
     void sample_always(std::size_t place) { entries_[place].is_always = true; }
     [[nodiscard]] std::size_t size() const { return entries_.size(); }
     [[nodiscard]] DataItem* item(std::size_t place) const { return entries_[place].item; }
+    /// What is kept of items that are gone: time to make it anew.
+    [[nodiscard]] bool is_wasteful() const;
 
     struct Sample {
         /// Empty: no scan can be looked at, and `status` says why.
@@ -38,22 +49,42 @@ public:
     void note_loss();
 
 private:
+    struct Variable {
+        std::uint32_t handle;
+        std::uint32_t users;
+        /// Where its bytes lie in seen_, if they are kept.
+        std::size_t seen;
+        bool is_kept;
+        /// No sample has looked at it yet.
+        bool is_fresh;
+        bool has_changed;
+        /// The sample that has_changed is of.
+        std::uint64_t round;
+    };
     struct Entry {
         DataItem* item;
-        std::uint32_t handle;
-        /// Where its bytes lie in seen_, and how many.
-        std::uint32_t seen;
-        std::uint32_t size;
+        /// Index of its variable.
+        std::uint32_t variable;
         bool is_always;
         bool is_new;
     };
 
-    static void report(Entry& entry, const Sample& sample);
-    [[nodiscard]] bool has_changed(const Entry& entry, const std::byte* now);
+    [[nodiscard]] std::uint32_t variable_of(std::uint32_t handle);
+    void report(Entry& entry, const Sample& sample);
+    [[nodiscard]] bool has_changed(Variable& variable, const Sample& sample);
 
     const ImageLayout* layout_;
+    MemoryAccount* account_;
+    std::size_t charged_{0};
     std::vector<Entry> entries_;
+    std::size_t holes_{0};
+    std::vector<Variable> variables_;
+    /// By handle.
+    std::unordered_map<std::uint32_t, std::uint32_t> known_;
     std::vector<std::byte> seen_;
+    /// Of variables without items.
+    std::size_t unused_bytes_{0};
+    std::uint64_t round_{0};
     StatusCode last_status_;
 };
 

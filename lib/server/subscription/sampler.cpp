@@ -27,9 +27,9 @@ bool can_follow_scans(const SubscriptionNeeds& needs, const ReadPlan& plan)
            plan.source->process_image() != nullptr;
 }
 
-Sampler::Sampler(const SubscriptionNeeds& needs, TimerQueue& timers)
-    : needs_{needs}, timers_{timers}, intervals_{
-                                          !needs.limits.subscriptions.sampling.intervals.empty()}
+Sampler::Sampler(const SubscriptionNeeds& needs, TimerQueue& timers, MemoryAccount& memory)
+    : needs_{needs}, timers_{timers}, memory_{memory},
+      intervals_{!needs.limits.subscriptions.sampling.intervals.empty()}
 {
 }
 

@@ -14,7 +14,8 @@ namespace busbar::server::detail {
 /// The sampling of all data items of a server, in groups of equal intervals.
 class Sampler {
 public:
-    Sampler(const SubscriptionNeeds& needs, TimerQueue& timers);
+    /// `memory` pays for what all items of a variable share.
+    Sampler(const SubscriptionNeeds& needs, TimerQueue& timers, MemoryAccount& memory);
     Sampler(const Sampler&) = delete;
     Sampler& operator=(const Sampler&) = delete;
 
@@ -39,6 +40,7 @@ public:
 
     [[nodiscard]] const SubscriptionNeeds& needs() const { return needs_; }
     [[nodiscard]] TimerQueue& timers() { return timers_; }
+    [[nodiscard]] MemoryAccount& memory() { return memory_; }
     [[nodiscard]] MonitoredHandles& monitored() { return monitored_; }
     [[nodiscard]] bool is_overload(Duration revised, Duration actual) const;
     void remove(SamplingGroup& group);
@@ -72,6 +74,7 @@ private:
 
     const SubscriptionNeeds& needs_;
     TimerQueue& timers_;
+    MemoryAccount& memory_;
     MonitoredHandles monitored_;
     SamplingIntervals intervals_;
     std::map<Duration, std::unique_ptr<SamplingGroup>> groups_;

@@ -58,7 +58,7 @@ void SamplingGroup::take_out(DataItem& item)
 {
     const auto [image, index] = item.place_;
     if (image != DataItem::Place::no_image) {
-        images_[image].watch.remove(index);
+        images_[image].watch->remove(index);
     } else {
         members_[index].item = nullptr;
         ++holes_;
@@ -117,13 +117,11 @@ void SamplingGroup::notice_changes()
     for (std::size_t i = 0; has_lost_role && i < members_.size(); ++i) {
         members_[i].binding = Binding::Unknown;
     }
-    std::size_t places = 0;
-    for (const Image& image : images_) {
-        places += image.watch.size();
-    }
     // A watch does not close up where items were removed; it is made anew.
-    const std::size_t watched = item_count_ - (members_.size() - holes_);
-    if (has_lost_role || (places > 1'000 && places > 2 * watched)) {
+    const bool is_wasteful = std::any_of(images_.begin(), images_.end(), [](const Image& image) {
+        return image.watch->is_wasteful();
+    });
+    if (has_lost_role || is_wasteful) {
         unbind_images();
     }
 }
@@ -131,8 +129,8 @@ void SamplingGroup::notice_changes()
 void SamplingGroup::unbind_images()
 {
     for (const Image& image : images_) {
-        for (std::size_t i = 0; i < image.watch.size(); ++i) {
-            if (DataItem* const item = image.watch.item(i)) {
+        for (std::size_t i = 0; i < image.watch->size(); ++i) {
+            if (DataItem* const item = image.watch->item(i)) {
                 put_in(*item);
             }
         }
@@ -145,13 +143,14 @@ void SamplingGroup::watch(ProcessImage& image, Member& member, std::uint64_t han
     auto found = std::find_if(images_.begin(), images_.end(),
                               [&](const Image& known) { return known.image == &image; });
     if (found == images_.end()) {
-        images_.push_back({&image, ImageWatch{image.layout()}});
+        images_.push_back(
+            {&image, std::make_unique<ImageWatch>(image.layout(), sampler_.memory())});
         found = images_.end() - 1;
     }
     DataItem& item = *std::exchange(member.item, nullptr);
     ++holes_;
     item.place_ = {static_cast<std::uint32_t>(found - images_.begin()),
-                   found->watch.add(item, static_cast<std::uint32_t>(handle))};
+                   found->watch->add(item, static_cast<std::uint32_t>(handle))};
 }
 
 void SamplingGroup::bind(std::size_t first)
@@ -291,7 +290,7 @@ void SamplingGroup::sample_image(Image& image, const ImagePin& pin, bool is_only
     // Part 8, 7.3.2: what used to update the values has stopped.
     const StatusCode status =
         !pin ? no_pin : (image.image->is_running() ? running : status::Uncertain_LastUsableValue);
-    image.watch.sample({pin, status, sampler_.needs().wall_time(), is_only_new});
+    image.watch->sample({pin, status, sampler_.needs().wall_time(), is_only_new});
 }
 
 void SamplingGroup::sample_images(bool is_only_new)
@@ -308,7 +307,7 @@ void SamplingGroup::sample_scan(const ImagePin& pin, TimePoint now, bool has_los
     bind(0);
     for (Image& image : images_) {
         if (has_lost) {
-            image.watch.note_loss();
+            image.watch->note_loss();
         }
         sample_image(image, pin, false);
     }

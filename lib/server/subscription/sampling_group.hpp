@@ -66,7 +66,7 @@ private:
     struct Flight;
     struct Image {
         ProcessImage* image;
-        ImageWatch watch;
+        std::unique_ptr<ImageWatch> watch;
     };
 
     void sample(TimePoint now);

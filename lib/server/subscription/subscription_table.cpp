@@ -24,8 +24,8 @@ std::uint32_t random_id(crypto::Random& random)
 
 Subscriptions::Subscriptions(const SubscriptionNeeds& needs)
     : needs_{needs}, memory_{needs.limits.subscriptions.max_memory, nullptr},
-      sampler_{std::make_unique<Sampler>(needs, timers_)}, last_id_{
-                                                               random_id(*needs.environment.random)}
+      sampler_{std::make_unique<Sampler>(needs, timers_, memory_)}, last_id_{random_id(
+                                                                        *needs.environment.random)}
 {
 }
 
