@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include "server/subscription_fixture.hpp"
 #include "server/view_fixture.hpp"
 #include "support/slow_server.hpp"
 
@@ -100,6 +101,92 @@ TEST_CASE("D2: a connection that goes away takes its turns with it")
         carry(greedy.channel, greedy.connection, fixture.now);
     }
     CHECK(good.status_of<ReadResponse>(SlowFixture::fast()) == status::Good);
+}
+
+namespace {
+
+/// Has the connection go on until the request is answered; how many turns that took.
+std::size_t take_turns(TestClient& client, TimePoint now)
+{
+    carry(client.channel, client.connection, now);
+    std::size_t turns = 1;
+    while (take_answers(client, now) == 0) {
+        REQUIRE(client.connection.next_deadline() <= now);
+        client.connection.handle_deadline(now);
+        ++turns;
+    }
+    return turns;
+}
+
+} // namespace
+
+TEST_CASE("D2: MonitoredItems are made, changed and deleted in turns")
+{
+    constexpr std::size_t items = 1'000;
+    ServerFixture fixture;
+    auto client = fixture.log_in();
+    const std::uint32_t id =
+        client.call<CreateSubscriptionResponse>(SubscriptionFixture::subscription_request())
+            .value()
+            .subscription_id;
+    CreateMonitoredItemsRequest create;
+    create.subscription_id = id;
+    for (std::uint32_t i = 0; i < items; ++i) {
+        create.items_to_create.push_back(
+            SubscriptionFixture::item_request(NodeId{0, id::Server_ServerStatus_State}, i));
+    }
+    prepare(client, create);
+    CHECK(take_turns(client, fixture.now) >= 10);
+    CHECK(fixture.server.monitored_item_count() == items);
+
+    SECTION("changed")
+    {
+        SetMonitoringModeRequest change;
+        change.subscription_id = id;
+        change.monitoring_mode = MonitoringMode::Disabled;
+        for (std::uint32_t i = 1; i <= items; ++i) {
+            change.monitored_item_ids.push_back(i);
+        }
+        prepare(client, change);
+        CHECK(take_turns(client, fixture.now) >= 10);
+    }
+    SECTION("deleted")
+    {
+        DeleteMonitoredItemsRequest remove;
+        remove.subscription_id = id;
+        for (std::uint32_t i = 1; i <= items; ++i) {
+            remove.monitored_item_ids.push_back(i);
+        }
+        prepare(client, remove);
+        CHECK(take_turns(client, fixture.now) >= 10);
+        CHECK(fixture.server.monitored_item_count() == 0);
+    }
+}
+
+TEST_CASE("D2: a Subscription that ends between turns ends what is done to its items")
+{
+    ServerFixture fixture;
+    auto client = fixture.log_in();
+    const std::uint32_t id =
+        client.call<CreateSubscriptionResponse>(SubscriptionFixture::subscription_request())
+            .value()
+            .subscription_id;
+    CreateMonitoredItemsRequest create;
+    create.subscription_id = id;
+    for (std::uint32_t i = 0; i < 1'000; ++i) {
+        create.items_to_create.push_back(
+            SubscriptionFixture::item_request(NodeId{0, id::Server_ServerStatus_State}, i));
+    }
+    prepare(client, create);
+    carry(client.channel, client.connection, fixture.now);
+    CHECK(fixture.server.monitored_item_count() < 1'000);
+    // Nobody asks for what it publishes, so its lifetime ends.
+    while (fixture.server.subscription_count() != 0) {
+        fixture.now += std::chrono::seconds{1};
+        fixture.server.handle_deadline(fixture.now);
+    }
+    CHECK(take_turns(client, fixture.now) == 2); // the second finds out
+    CHECK(fixture.server.monitored_item_count() == 0);
 }
 
 namespace busbar::server::detail {

@@ -134,10 +134,9 @@ struct ViewFixture : model::ModelFixture {
         TranslateBrowsePathsToNodeIdsRequest request;
         request.browse_paths.emplace_back(
             BrowsePath{std::move(start), RelativePath{std::move(elements)}});
-        TranslateBrowsePathsToNodeIdsResponse response;
         ViewContext view = context();
-        REQUIRE(translate_browse_paths(view, request, response) == status::Good);
-        return response.results[0];
+        REQUIRE(check_translate(view, request) == status::Good);
+        return translate_browse_path(view, request.browse_paths[0]);
     }
 };
 

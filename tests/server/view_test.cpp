@@ -89,12 +89,9 @@ TEST_CASE_METHOD(ViewFixture, "Requests with nothing or too much to do are refus
     next_request.continuation_points.resize(3);
     CHECK(browse_next(view, next_request, next_response) == status::Bad_TooManyOperations);
     TranslateBrowsePathsToNodeIdsRequest translate_request;
-    TranslateBrowsePathsToNodeIdsResponse translate_response;
-    CHECK(translate_browse_paths(view, translate_request, translate_response) ==
-          status::Bad_NothingToDo);
+    CHECK(check_translate(view, translate_request) == status::Bad_NothingToDo);
     translate_request.browse_paths.resize(3);
-    CHECK(translate_browse_paths(view, translate_request, translate_response) ==
-          status::Bad_TooManyOperations);
+    CHECK(check_translate(view, translate_request) == status::Bad_TooManyOperations);
 }
 
 TEST_CASE_METHOD(ViewFixture, "A browse goes on where it stopped, whatever the size of its parts")
@@ -325,14 +322,10 @@ TEST_CASE_METHOD(ViewFixture, "Browse paths that branch or go round are bounded"
     round.resize(8'000);
     CHECK(translate(node("hub"), round).status_code == status::Bad_QueryTooComplex);
 
-    TranslateBrowsePathsToNodeIdsRequest request;
-    request.browse_paths.emplace_back(
-        BrowsePath{node("hub"), RelativePath{Array<RelativePathElement>{down, up}}});
-    TranslateBrowsePathsToNodeIdsResponse response;
+    const BrowsePath path{node("hub"), RelativePath{Array<RelativePathElement>{down, up}}};
     ViewContext view = context();
     view.visits_left = 30;
-    REQUIRE(translate_browse_paths(view, request, response) == status::Good);
-    CHECK(response.results[0].status_code == status::Bad_QueryTooComplex);
+    CHECK(translate_browse_path(view, path).status_code == status::Bad_QueryTooComplex);
 }
 
 TEST_CASE_METHOD(ViewFixture, "Registered nodes keep their NodeIds and take no memory")

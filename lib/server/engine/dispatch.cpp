@@ -143,18 +143,17 @@ constexpr auto services = [] {
         function<CloseSessionRequest, CloseSessionResponse, &Core::session_needs, close_session>(
             Need::Known, true),
         function<CancelRequest, CancelResponse, &Core::session_needs, cancel>(Need::Activated),
-        function<AddNodesRequest, AddNodesResponse, &Core::node_management_needs, add_nodes>(
+        operation<AddNodesRequest, make_add_nodes, &Core::node_management_needs>(Need::Activated),
+        operation<AddReferencesRequest, make_add_references, &Core::node_management_needs>(
             Need::Activated),
-        function<AddReferencesRequest, AddReferencesResponse, &Core::node_management_needs,
-                 add_references>(Need::Activated),
-        function<DeleteNodesRequest, DeleteNodesResponse, &Core::node_management_needs,
-                 delete_nodes>(Need::Activated),
-        function<DeleteReferencesRequest, DeleteReferencesResponse, &Core::node_management_needs,
-                 delete_references>(Need::Activated),
+        operation<DeleteNodesRequest, make_delete_nodes, &Core::node_management_needs>(
+            Need::Activated),
+        operation<DeleteReferencesRequest, make_delete_references, &Core::node_management_needs>(
+            Need::Activated),
         operation<BrowseRequest, make_browse, &Core::view_needs>(Need::Activated),
         operation<BrowseNextRequest, make_browse_next, &Core::view_needs>(Need::Activated),
-        function<TranslateBrowsePathsToNodeIdsRequest, TranslateBrowsePathsToNodeIdsResponse,
-                 &Core::view_needs, translate_browse_paths>(Need::Activated),
+        operation<TranslateBrowsePathsToNodeIdsRequest, make_translate_browse_paths,
+                  &Core::view_needs>(Need::Activated),
         function<RegisterNodesRequest, RegisterNodesResponse, &Core::view_needs, register_nodes>(
             Need::Activated),
         function<UnregisterNodesRequest, UnregisterNodesResponse, &Core::view_needs,
@@ -169,16 +168,16 @@ constexpr auto services = [] {
         unsupported<HistoryUpdateRequest>(),
         operation<CallRequest, make_operation<CallOperation, const MethodNeeds>,
                   &Core::method_needs>(Need::Activated),
-        function<CreateMonitoredItemsRequest, CreateMonitoredItemsResponse, &Core::subscriptions,
-                 create_monitored_items>(Need::Activated),
-        function<ModifyMonitoredItemsRequest, ModifyMonitoredItemsResponse, &Core::subscriptions,
-                 modify_monitored_items>(Need::Activated),
-        function<SetMonitoringModeRequest, SetMonitoringModeResponse, &Core::subscriptions,
-                 set_monitoring_mode>(Need::Activated),
+        operation<CreateMonitoredItemsRequest, make_create_monitored_items, &Core::subscriptions>(
+            Need::Activated),
+        operation<ModifyMonitoredItemsRequest, make_modify_monitored_items, &Core::subscriptions>(
+            Need::Activated),
+        operation<SetMonitoringModeRequest, make_set_monitoring_mode, &Core::subscriptions>(
+            Need::Activated),
         function<SetTriggeringRequest, SetTriggeringResponse, &Core::subscriptions, set_triggering>(
             Need::Activated),
-        function<DeleteMonitoredItemsRequest, DeleteMonitoredItemsResponse, &Core::subscriptions,
-                 delete_monitored_items>(Need::Activated),
+        operation<DeleteMonitoredItemsRequest, make_delete_monitored_items, &Core::subscriptions>(
+            Need::Activated),
         function<CreateSubscriptionRequest, CreateSubscriptionResponse, &Core::subscriptions,
                  create_subscription>(Need::Activated),
         function<ModifySubscriptionRequest, ModifySubscriptionResponse, &Core::subscriptions,

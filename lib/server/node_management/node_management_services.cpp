@@ -1,8 +1,11 @@
 #include "node_management_services.hpp"
 
+#include <optional>
+
 #include "add_nodes.hpp"
 #include "references.hpp"
 #include "server/session/session_rights.hpp"
+#include "server/session/sliced_operation.hpp"
 
 namespace busbar::server::detail {
 
@@ -43,58 +46,88 @@ StatusCode delete_one(NodeManagementContext& context, const DeleteNodesItem& ite
     return removed ? status::Good : removed.error();
 }
 
-/// Carries out all of a request's items by `one` and tells clients of what has changed.
-template <typename Items, typename Results>
-StatusCode for_each_item(const NodeManagementNeeds& needs, ServiceContext& context,
-                         const Items& items, Results& results,
-                         typename Results::value_type (*one)(NodeManagementContext&,
-                                                             const typename Items::value_type&))
-{
-    if (!needs.config.has_node_management) {
-        return status::Bad_ServiceUnsupported;
+/// Carries out a request item by item, and tells clients of what has changed after each turn.
+template <typename Request, typename Response, auto Items, auto WorkOne>
+class ManagementOperation final : public SlicedOperation<Request, Response> {
+public:
+    explicit ManagementOperation(const NodeManagementNeeds& needs) : needs_{needs} {}
+
+private:
+    using Result = typename SlicedOperation<Request, Response>::Result;
+
+    [[nodiscard]] std::size_t size() const override { return (this->request().*Items).size(); }
+    [[nodiscard]] StatusCode begin(ServiceContext&) override
+    {
+        if (!needs_.config.has_node_management) {
+            return status::Bad_ServiceUnsupported;
+        }
+        if (size() == 0) {
+            return status::Bad_NothingToDo;
+        }
+        return size() > needs_.config.limits.operations.max_nodes_per_node_management
+                   ? status::Bad_TooManyOperations
+                   : status::Good;
     }
-    if (items.empty()) {
-        return status::Bad_NothingToDo;
+    [[nodiscard]] StatusCode resume(ServiceContext& context) override
+    {
+        management_.emplace(management_context(needs_, *context.session));
+        if (visits_left_) {
+            management_->visits_left = *visits_left_;
+        }
+        return status::Good;
     }
-    if (items.size() > needs.config.limits.operations.max_nodes_per_node_management) {
-        return status::Bad_TooManyOperations;
+    [[nodiscard]] Result work(std::size_t index, Turn& turn) override
+    {
+        const std::size_t before = management_->visits_left;
+        Result result = WorkOne(*management_, (this->request().*Items)[index]);
+        turn.spend(units_of_change + before - management_->visits_left);
+        return result;
     }
-    NodeManagementContext management = management_context(needs, *context.session);
-    results.reserve(items.size());
-    for (const auto& item : items) {
-        results.push_back(one(management, item));
+    void pause(ServiceContext&) override
+    {
+        visits_left_ = management_->visits_left;
+        management_.reset();
+        needs_.observer.model_changed();
     }
-    needs.observer.model_changed();
-    return status::Good;
-}
+
+    /// A node or reference that comes or goes.
+    static constexpr std::size_t units_of_change = 1'000;
+
+    const NodeManagementNeeds& needs_;
+    /// While its turn lasts.
+    std::optional<NodeManagementContext> management_;
+    /// Nothing before the first turn.
+    std::optional<std::size_t> visits_left_;
+};
 
 } // namespace
 
-StatusCode add_nodes(const NodeManagementNeeds& needs, ServiceContext& context,
-                     const AddNodesRequest& request, AddNodesResponse& response)
+std::unique_ptr<Operation> make_add_nodes(const NodeManagementNeeds& needs)
 {
-    return for_each_item(needs, context, request.nodes_to_add, response.results, add_one);
+    return std::make_unique<ManagementOperation<AddNodesRequest, AddNodesResponse,
+                                                &AddNodesRequest::nodes_to_add, add_one>>(needs);
 }
 
-StatusCode add_references(const NodeManagementNeeds& needs, ServiceContext& context,
-                          const AddReferencesRequest& request, AddReferencesResponse& response)
+std::unique_ptr<Operation> make_add_references(const NodeManagementNeeds& needs)
 {
-    return for_each_item(needs, context, request.references_to_add, response.results,
-                         add_reference);
+    return std::make_unique<
+        ManagementOperation<AddReferencesRequest, AddReferencesResponse,
+                            &AddReferencesRequest::references_to_add, add_reference>>(needs);
 }
 
-StatusCode delete_nodes(const NodeManagementNeeds& needs, ServiceContext& context,
-                        const DeleteNodesRequest& request, DeleteNodesResponse& response)
+std::unique_ptr<Operation> make_delete_nodes(const NodeManagementNeeds& needs)
 {
-    return for_each_item(needs, context, request.nodes_to_delete, response.results, delete_one);
+    return std::make_unique<ManagementOperation<DeleteNodesRequest, DeleteNodesResponse,
+                                                &DeleteNodesRequest::nodes_to_delete, delete_one>>(
+        needs);
 }
 
-StatusCode delete_references(const NodeManagementNeeds& needs, ServiceContext& context,
-                             const DeleteReferencesRequest& request,
-                             DeleteReferencesResponse& response)
+std::unique_ptr<Operation> make_delete_references(const NodeManagementNeeds& needs)
 {
-    return for_each_item(needs, context, request.references_to_delete, response.results,
-                         delete_reference);
+    return std::make_unique<
+        ManagementOperation<DeleteReferencesRequest, DeleteReferencesResponse,
+                            &DeleteReferencesRequest::references_to_delete, delete_reference>>(
+        needs);
 }
 
 } // namespace busbar::server::detail

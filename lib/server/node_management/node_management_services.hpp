@@ -9,17 +9,9 @@
 /// Bad_ServiceUnsupported unless ServerConfig::has_node_management is set.
 namespace busbar::server::detail {
 
-[[nodiscard]] StatusCode add_nodes(const NodeManagementNeeds& needs, ServiceContext& context,
-                                   const AddNodesRequest& request, AddNodesResponse& response);
-[[nodiscard]] StatusCode add_references(const NodeManagementNeeds& needs, ServiceContext& context,
-                                        const AddReferencesRequest& request,
-                                        AddReferencesResponse& response);
-[[nodiscard]] StatusCode delete_nodes(const NodeManagementNeeds& needs, ServiceContext& context,
-                                      const DeleteNodesRequest& request,
-                                      DeleteNodesResponse& response);
-[[nodiscard]] StatusCode delete_references(const NodeManagementNeeds& needs,
-                                           ServiceContext& context,
-                                           const DeleteReferencesRequest& request,
-                                           DeleteReferencesResponse& response);
+[[nodiscard]] std::unique_ptr<Operation> make_add_nodes(const NodeManagementNeeds& needs);
+[[nodiscard]] std::unique_ptr<Operation> make_add_references(const NodeManagementNeeds& needs);
+[[nodiscard]] std::unique_ptr<Operation> make_delete_nodes(const NodeManagementNeeds& needs);
+[[nodiscard]] std::unique_ptr<Operation> make_delete_references(const NodeManagementNeeds& needs);
 
 } // namespace busbar::server::detail

@@ -5,6 +5,7 @@
 #include "data_item.hpp"
 #include "sampler.hpp"
 #include "server/session/session.hpp"
+#include "server/session/sliced_operation.hpp"
 #include "subscription.hpp"
 #include "subscription_services.hpp"
 #include "subscription_table.hpp"
@@ -104,82 +105,151 @@ StatusCode remove_link(Subscription& subscription, MonitoredItem& trigger, std::
                : status::Bad_MonitoredItemIdInvalid;
 }
 
-} // namespace
+/// One of the services that go through a list of a Subscription's items.
+template <typename Request, typename Response>
+class ItemsOperation : public SlicedOperation<Request, Response> {
+public:
+    explicit ItemsOperation(Subscriptions& all) : all_{all} {}
 
-StatusCode create_monitored_items(Subscriptions& all, ServiceContext& context,
-                                  const CreateMonitoredItemsRequest& request,
-                                  CreateMonitoredItemsResponse& response)
-{
-    const auto subscription =
-        find_subscription(all, context, request.subscription_id, request.items_to_create.size());
-    if (!subscription) {
-        return subscription.error();
-    }
-    if (!is_known(request.timestamps_to_return)) {
-        return status::Bad_TimestampsToReturnInvalid;
-    }
-    const ItemContext item_context{all, **subscription, context.now};
-    response.results.reserve(request.items_to_create.size());
-    for (const MonitoredItemCreateRequest& item : request.items_to_create) {
-        response.results.push_back(create_one(item_context, item, request.timestamps_to_return));
-    }
-    all.sampler().sample_new(context.now);
-    return status::Good;
-}
+protected:
+    /// Good, or why the request is refused for anything but its Subscription and its size.
+    [[nodiscard]] virtual StatusCode check() const { return status::Good; }
+    [[nodiscard]] Subscription& subscription() const { return *subscription_; }
+    [[nodiscard]] ItemContext item_context() const { return {all_, *subscription_, now_}; }
 
-StatusCode modify_monitored_items(Subscriptions& all, ServiceContext& context,
-                                  const ModifyMonitoredItemsRequest& request,
-                                  ModifyMonitoredItemsResponse& response)
-{
-    const auto subscription =
-        find_subscription(all, context, request.subscription_id, request.items_to_modify.size());
-    if (!subscription) {
-        return subscription.error();
+private:
+    [[nodiscard]] StatusCode begin(ServiceContext& context) override
+    {
+        const auto found =
+            find_subscription(all_, context, this->request().subscription_id, this->size());
+        return found ? check() : found.error();
     }
-    if (!is_known(request.timestamps_to_return)) {
-        return status::Bad_TimestampsToReturnInvalid;
+    [[nodiscard]] StatusCode resume(ServiceContext& context) override
+    {
+        now_ = context.now;
+        subscription_ = all_.find(this->request().subscription_id, *context.session);
+        return subscription_ == nullptr ? status::Bad_SubscriptionIdInvalid : status::Good;
     }
-    const ItemContext item_context{all, **subscription, context.now};
-    response.results.reserve(request.items_to_modify.size());
-    for (const MonitoredItemModifyRequest& change : request.items_to_modify) {
+    void pause(ServiceContext&) override
+    {
+        subscription_ = nullptr;
+        all_.sampler().sample_new(now_);
+    }
+
+    Subscriptions& all_;
+    /// While its turn lasts.
+    Subscription* subscription_{nullptr};
+    TimePoint now_;
+};
+
+class CreateItems final
+    : public ItemsOperation<CreateMonitoredItemsRequest, CreateMonitoredItemsResponse> {
+public:
+    using ItemsOperation::ItemsOperation;
+
+private:
+    [[nodiscard]] std::size_t size() const override { return request().items_to_create.size(); }
+    [[nodiscard]] StatusCode check() const override
+    {
+        return is_known(request().timestamps_to_return) ? status::Good
+                                                        : status::Bad_TimestampsToReturnInvalid;
+    }
+    [[nodiscard]] MonitoredItemCreateResult work(std::size_t index, Turn& turn) override
+    {
+        turn.spend(Turn::units_of_item);
+        return create_one(item_context(), request().items_to_create[index],
+                          request().timestamps_to_return);
+    }
+};
+
+class ModifyItems final
+    : public ItemsOperation<ModifyMonitoredItemsRequest, ModifyMonitoredItemsResponse> {
+public:
+    using ItemsOperation::ItemsOperation;
+
+private:
+    [[nodiscard]] std::size_t size() const override { return request().items_to_modify.size(); }
+    [[nodiscard]] StatusCode check() const override
+    {
+        return is_known(request().timestamps_to_return) ? status::Good
+                                                        : status::Bad_TimestampsToReturnInvalid;
+    }
+    [[nodiscard]] MonitoredItemModifyResult work(std::size_t index, Turn& turn) override
+    {
+        turn.spend(Turn::units_of_item);
+        const MonitoredItemModifyRequest& change = request().items_to_modify[index];
         ItemRevision revision;
-        if (MonitoredItem* item = (*subscription)->find_item(change.monitored_item_id)) {
-            item->modify(item_context, change.requested_parameters, request.timestamps_to_return,
-                         revision);
+        if (MonitoredItem* item = subscription().find_item(change.monitored_item_id)) {
+            item->modify(item_context(), change.requested_parameters,
+                         request().timestamps_to_return, revision);
         } else {
             revision.status = status::Bad_MonitoredItemIdInvalid;
         }
-        response.results.push_back({revision.status, revision.sampling_interval,
-                                    revision.queue_size, std::move(revision.filter_result)});
+        return {revision.status, revision.sampling_interval, revision.queue_size,
+                std::move(revision.filter_result)};
     }
-    all.sampler().sample_new(context.now);
-    return status::Good;
+};
+
+class SetItemsMode final
+    : public ItemsOperation<SetMonitoringModeRequest, SetMonitoringModeResponse> {
+public:
+    using ItemsOperation::ItemsOperation;
+
+private:
+    [[nodiscard]] std::size_t size() const override { return request().monitored_item_ids.size(); }
+    [[nodiscard]] StatusCode check() const override
+    {
+        return is_known(request().monitoring_mode) ? status::Good
+                                                   : status::Bad_MonitoringModeInvalid;
+    }
+    [[nodiscard]] StatusCode work(std::size_t index, Turn& turn) override
+    {
+        turn.spend(Turn::units_of_item);
+        MonitoredItem* const item = subscription().find_item(request().monitored_item_ids[index]);
+        if (item == nullptr) {
+            return status::Bad_MonitoredItemIdInvalid;
+        }
+        item->set_mode(item_context(), request().monitoring_mode);
+        return status::Good;
+    }
+};
+
+class DeleteItems final
+    : public ItemsOperation<DeleteMonitoredItemsRequest, DeleteMonitoredItemsResponse> {
+public:
+    using ItemsOperation::ItemsOperation;
+
+private:
+    [[nodiscard]] std::size_t size() const override { return request().monitored_item_ids.size(); }
+    [[nodiscard]] StatusCode work(std::size_t index, Turn& turn) override
+    {
+        turn.spend(Turn::units_of_item);
+        return subscription().remove_item(request().monitored_item_ids[index])
+                   ? status::Good
+                   : status::Bad_MonitoredItemIdInvalid;
+    }
+};
+
+} // namespace
+
+std::unique_ptr<Operation> make_create_monitored_items(Subscriptions& all)
+{
+    return std::make_unique<CreateItems>(all);
 }
 
-StatusCode set_monitoring_mode(Subscriptions& all, ServiceContext& context,
-                               const SetMonitoringModeRequest& request,
-                               SetMonitoringModeResponse& response)
+std::unique_ptr<Operation> make_modify_monitored_items(Subscriptions& all)
 {
-    const auto subscription =
-        find_subscription(all, context, request.subscription_id, request.monitored_item_ids.size());
-    if (!subscription) {
-        return subscription.error();
-    }
-    if (!is_known(request.monitoring_mode)) {
-        return status::Bad_MonitoringModeInvalid;
-    }
-    const ItemContext item_context{all, **subscription, context.now};
-    response.results.reserve(request.monitored_item_ids.size());
-    for (const std::uint32_t id : request.monitored_item_ids) {
-        MonitoredItem* const item = (*subscription)->find_item(id);
-        if (item != nullptr) {
-            item->set_mode(item_context, request.monitoring_mode);
-        }
-        response.results.push_back(item != nullptr ? status::Good
-                                                   : status::Bad_MonitoredItemIdInvalid);
-    }
-    all.sampler().sample_new(context.now);
-    return status::Good;
+    return std::make_unique<ModifyItems>(all);
+}
+
+std::unique_ptr<Operation> make_set_monitoring_mode(Subscriptions& all)
+{
+    return std::make_unique<SetItemsMode>(all);
+}
+
+std::unique_ptr<Operation> make_delete_monitored_items(Subscriptions& all)
+{
+    return std::make_unique<DeleteItems>(all);
 }
 
 StatusCode set_triggering(Subscriptions& all, ServiceContext& context,
@@ -202,23 +272,6 @@ StatusCode set_triggering(Subscriptions& all, ServiceContext& context,
     const std::size_t most = all.needs().limits.subscriptions.max_triggering_links;
     for (const std::uint32_t id : request.links_to_add) {
         response.add_results.push_back(add_link(**subscription, *trigger, id, most));
-    }
-    return status::Good;
-}
-
-StatusCode delete_monitored_items(Subscriptions& all, ServiceContext& context,
-                                  const DeleteMonitoredItemsRequest& request,
-                                  DeleteMonitoredItemsResponse& response)
-{
-    const auto subscription =
-        find_subscription(all, context, request.subscription_id, request.monitored_item_ids.size());
-    if (!subscription) {
-        return subscription.error();
-    }
-    response.results.reserve(request.monitored_item_ids.size());
-    for (const std::uint32_t id : request.monitored_item_ids) {
-        response.results.push_back(
-            (*subscription)->remove_item(id) ? status::Good : status::Bad_MonitoredItemIdInvalid);
     }
     return status::Good;
 }

@@ -9,20 +9,12 @@ namespace busbar::server::detail {
 
 class Subscriptions;
 
-[[nodiscard]] StatusCode create_monitored_items(Subscriptions& all, ServiceContext& context,
-                                                const CreateMonitoredItemsRequest& request,
-                                                CreateMonitoredItemsResponse& response);
-[[nodiscard]] StatusCode modify_monitored_items(Subscriptions& all, ServiceContext& context,
-                                                const ModifyMonitoredItemsRequest& request,
-                                                ModifyMonitoredItemsResponse& response);
-[[nodiscard]] StatusCode set_monitoring_mode(Subscriptions& all, ServiceContext& context,
-                                             const SetMonitoringModeRequest& request,
-                                             SetMonitoringModeResponse& response);
+[[nodiscard]] std::unique_ptr<Operation> make_create_monitored_items(Subscriptions& all);
+[[nodiscard]] std::unique_ptr<Operation> make_modify_monitored_items(Subscriptions& all);
+[[nodiscard]] std::unique_ptr<Operation> make_set_monitoring_mode(Subscriptions& all);
 [[nodiscard]] StatusCode set_triggering(Subscriptions& all, ServiceContext& context,
                                         const SetTriggeringRequest& request,
                                         SetTriggeringResponse& response);
-[[nodiscard]] StatusCode delete_monitored_items(Subscriptions& all, ServiceContext& context,
-                                                const DeleteMonitoredItemsRequest& request,
-                                                DeleteMonitoredItemsResponse& response);
+[[nodiscard]] std::unique_ptr<Operation> make_delete_monitored_items(Subscriptions& all);
 
 } // namespace busbar::server::detail

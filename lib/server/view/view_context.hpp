@@ -64,9 +64,10 @@ struct ViewContext {
     [[nodiscard]] bool may_go_on() const { return visits_left > pause_at; }
 };
 
-[[nodiscard]] StatusCode translate_browse_paths(ViewContext& context,
-                                                const TranslateBrowsePathsToNodeIdsRequest& request,
-                                                TranslateBrowsePathsToNodeIdsResponse& response);
+/// Good, or why the whole request is refused (Part 4, 5.9.4.3).
+[[nodiscard]] StatusCode check_translate(const ViewContext& context,
+                                         const TranslateBrowsePathsToNodeIdsRequest& request);
+[[nodiscard]] BrowsePathResult translate_browse_path(ViewContext& context, const BrowsePath& path);
 [[nodiscard]] StatusCode register_nodes(ViewContext& context, const RegisterNodesRequest& request,
                                         RegisterNodesResponse& response);
 [[nodiscard]] StatusCode unregister_nodes(ViewContext& context,

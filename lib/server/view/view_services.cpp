@@ -1,9 +1,11 @@
 #include "view_services.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "browse_work.hpp"
 #include "server/session/session_rights.hpp"
+#include "server/session/sliced_operation.hpp"
 #include "view_context.hpp"
 
 namespace busbar::server::detail {
@@ -65,6 +67,51 @@ private:
     std::size_t references_left_{0};
 };
 
+/// TranslateBrowsePathsToNodeIds (Part 4, 5.9.4), path by path.
+class TranslateOperation final : public SlicedOperation<TranslateBrowsePathsToNodeIdsRequest,
+                                                        TranslateBrowsePathsToNodeIdsResponse> {
+public:
+    explicit TranslateOperation(const ViewNeeds& needs) : needs_{needs} {}
+
+private:
+    [[nodiscard]] std::size_t size() const override { return request().browse_paths.size(); }
+    [[nodiscard]] StatusCode begin(ServiceContext& context) override
+    {
+        const ViewContext view = view_context(needs_, context);
+        visits_left_ = view.visits_left;
+        references_left_ = view.references_left;
+        return check_translate(view, request());
+    }
+    [[nodiscard]] StatusCode resume(ServiceContext& context) override
+    {
+        view_.emplace(view_context(needs_, context));
+        view_->visits_left = visits_left_;
+        view_->references_left = references_left_;
+        return status::Good;
+    }
+    [[nodiscard]] BrowsePathResult work(std::size_t index, Turn& turn) override
+    {
+        const std::size_t before = view_->visits_left;
+        BrowsePathResult result = translate_browse_path(*view_, request().browse_paths[index]);
+        turn.spend(units_of_path + before - view_->visits_left);
+        return result;
+    }
+    void pause(ServiceContext&) override
+    {
+        visits_left_ = view_->visits_left;
+        references_left_ = view_->references_left;
+        view_.reset();
+    }
+
+    static constexpr std::size_t units_of_path = 100;
+
+    const ViewNeeds& needs_;
+    /// While its turn lasts.
+    std::optional<ViewContext> view_;
+    std::size_t visits_left_{0};
+    std::size_t references_left_{0};
+};
+
 } // namespace
 
 std::unique_ptr<Operation> make_browse(const ViewNeeds& needs)
@@ -78,12 +125,9 @@ std::unique_ptr<Operation> make_browse_next(const ViewNeeds& needs)
         needs);
 }
 
-StatusCode translate_browse_paths(const ViewNeeds& needs, ServiceContext& context,
-                                  const TranslateBrowsePathsToNodeIdsRequest& request,
-                                  TranslateBrowsePathsToNodeIdsResponse& response)
+std::unique_ptr<Operation> make_translate_browse_paths(const ViewNeeds& needs)
 {
-    ViewContext view = view_context(needs, context);
-    return translate_browse_paths(view, request, response);
+    return std::make_unique<TranslateOperation>(needs);
 }
 
 StatusCode register_nodes(const ViewNeeds& needs, ServiceContext& context,

@@ -158,39 +158,39 @@ Result<Level> follow(ViewContext& context, const BrowsePath& path)
 
 } // namespace
 
-StatusCode translate_browse_paths(ViewContext& context,
-                                  const TranslateBrowsePathsToNodeIdsRequest& request,
-                                  TranslateBrowsePathsToNodeIdsResponse& response)
+StatusCode check_translate(const ViewContext& context,
+                           const TranslateBrowsePathsToNodeIdsRequest& request)
 {
     const std::size_t count = request.browse_paths.size();
     if (count == 0) {
         return status::Bad_NothingToDo;
     }
-    if (count > context.limits.operations.max_nodes_per_translate_browse_paths) {
-        return status::Bad_TooManyOperations;
+    return count > context.limits.operations.max_nodes_per_translate_browse_paths
+               ? status::Bad_TooManyOperations
+               : status::Good;
+}
+
+BrowsePathResult translate_browse_path(ViewContext& context, const BrowsePath& path)
+{
+    BrowsePathResult result;
+    const auto targets = follow(context, path);
+    if (!targets) {
+        result.status_code = targets.error();
+        return result;
     }
-    response.results.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        BrowsePathResult& result = response.results[i];
-        const auto targets = follow(context, request.browse_paths[i]);
-        if (!targets) {
-            result.status_code = targets.error();
-            continue;
-        }
-        if (targets->size() > context.references_left) {
-            result.status_code = status::Bad_QueryTooComplex;
-            continue;
-        }
-        context.references_left -= targets->size();
-        result.targets.reserve(targets->size());
-        for (const NodeIndex target : *targets) {
-            BrowsePathTarget& to = result.targets.emplace_back();
-            to.target_id.node_id = context.space.node_id(target);
-            // The whole path was followed (Part 4, 5.9.4.2).
-            to.remaining_path_index = UINT32_MAX;
-        }
+    if (targets->size() > context.references_left) {
+        result.status_code = status::Bad_QueryTooComplex;
+        return result;
     }
-    return status::Good;
+    context.references_left -= targets->size();
+    result.targets.reserve(targets->size());
+    for (const NodeIndex target : *targets) {
+        BrowsePathTarget& to = result.targets.emplace_back();
+        to.target_id.node_id = context.space.node_id(target);
+        // The whole path was followed (Part 4, 5.9.4.2).
+        to.remaining_path_index = UINT32_MAX;
+    }
+    return result;
 }
 
 } // namespace busbar::server::detail
