@@ -2,15 +2,17 @@
 
 #include <asio/connect.hpp>
 #include <asio/io_context.hpp>
+#include <asio/ip/tcp.hpp>
 
 #include <busbar/channel/endpoint_url.hpp>
 
 #include "link.hpp"
+#include "name_lookup.hpp"
 
 namespace busbar::net {
 
 struct ClientLoop::Impl {
-    using ClientLink = detail::Link<client::Connection>;
+    using ClientLink = detail::SocketLink<client::Connection>;
 
     asio::io_context context;
     std::optional<client::Connection> client;
@@ -37,14 +39,15 @@ Result<void> ClientLoop::connect(client::ConnectionConfig config,
     if (!endpoint) {
         return fail(endpoint.error());
     }
-    std::error_code error;
-    asio::ip::tcp::resolver resolver{impl_->context};
-    const auto addresses = resolver.resolve(endpoint->host, std::to_string(endpoint->port), error);
-    if (error) {
+    std::vector<asio::ip::tcp::endpoint> addresses;
+    for (const asio::ip::address& address : detail::system_lookup(endpoint->host)) {
+        addresses.emplace_back(address, endpoint->port);
+    }
+    if (addresses.empty()) {
         return fail(status::Bad_CommunicationError);
     }
     asio::ip::tcp::socket socket{impl_->context};
-    error = asio::error::would_block;
+    std::error_code error = asio::error::would_block;
     asio::async_connect(
         socket, addresses,
         [&](std::error_code result, const asio::ip::tcp::endpoint&) { error = result; });

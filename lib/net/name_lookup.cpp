@@ -8,6 +8,8 @@
 #include <asio/ip/tcp.hpp>
 #include <asio/post.hpp>
 
+#include <busbar/channel/endpoint_url.hpp>
+
 namespace busbar::net::detail {
 
 std::vector<asio::ip::address> system_lookup(const std::string& host)
@@ -19,7 +21,18 @@ std::vector<asio::ip::address> system_lookup(const std::string& host)
     for (const auto& entry : resolver.resolve(host, "", error)) {
         addresses.push_back(entry.endpoint().address());
     }
-    return addresses;
+    return addresses.empty() ? loopback_addresses(host) : addresses;
+}
+
+std::vector<asio::ip::address> loopback_addresses(std::string_view host)
+{
+    if (host.ends_with('.')) {
+        host.remove_suffix(1);
+    }
+    if (!channel::is_same_host(host, "localhost")) {
+        return {};
+    }
+    return {asio::ip::address_v4::loopback(), asio::ip::address_v6::loopback()};
 }
 
 NameLookup::NameLookup(asio::any_io_executor executor, Lookup lookup)

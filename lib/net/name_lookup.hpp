@@ -4,6 +4,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <asio/any_io_executor.hpp>
@@ -14,7 +15,11 @@ namespace busbar::net::detail {
 /// The addresses of a host; none if it has none. Called on a thread of its own: may block.
 using Lookup = std::function<std::vector<asio::ip::address>(const std::string& host)>;
 
+/// What the system knows; of localhost the loopback addresses where it knows none, as on a machine
+/// without a file of hosts (RFC 6761, 6.3).
 [[nodiscard]] std::vector<asio::ip::address> system_lookup(const std::string& host);
+/// The loopback addresses if `host` is localhost, else none.
+[[nodiscard]] std::vector<asio::ip::address> loopback_addresses(std::string_view host);
 
 /// Finds addresses without holding anybody up. A name server that does not answer blocks
 /// getaddrinfo for as long as it likes, and nothing can cancel that; so its thread is left to

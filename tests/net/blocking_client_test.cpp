@@ -128,6 +128,20 @@ TEST_CASE("a server that says nothing holds nobody up", "[net][client]")
     user.client.close();
 }
 
+TEST_CASE("localhost needs neither a name server nor a file of hosts", "[net][client]")
+{
+    using net::detail::loopback_addresses;
+    for (const char* name : {"localhost", "LocalHost", "localhost."}) {
+        const auto addresses = loopback_addresses(name);
+        REQUIRE(addresses.size() == 2);
+        CHECK(addresses[0].to_string() == "127.0.0.1");
+        CHECK(addresses[1].to_string() == "::1");
+    }
+    for (const char* name : {"", ".", "localhost.example", "plant"}) {
+        CHECK(loopback_addresses(name).empty());
+    }
+}
+
 TEST_CASE("a name server that says nothing holds nobody up", "[net][client]")
 {
     test::ClientSurroundings around;
