@@ -57,7 +57,7 @@ struct ClientChannel::Impl {
     std::uint32_t open_request_id{0}; // 0 while no OPN is on its way
     crypto::Secret nonce;
     ByteString server_nonce; // of the last OpenSecureChannel
-    detail::EventQueue events;
+    detail::PendingEvents events;
 };
 
 } // namespace busbar::channel

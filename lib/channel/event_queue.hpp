@@ -10,7 +10,7 @@
 namespace busbar::channel::detail {
 
 /// Events that wait to be taken. They are one or two, so this allocates once in a channel's life.
-class EventQueue {
+class PendingEvents {
 public:
     [[nodiscard]] bool empty() const { return next_ == events_.size(); }
     void push(Event event) { events_.push_back(std::move(event)); }

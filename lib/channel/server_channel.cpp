@@ -71,7 +71,7 @@ struct ServerChannel::Impl {
     std::uint32_t last_token_id{0};
     ByteString client_nonce;
     bool is_reverse{false};
-    EventQueue events;
+    PendingEvents events;
 };
 
 std::optional<Event> ServerChannel::Impl::next_event()

@@ -42,7 +42,7 @@ std::string_view structure_of(std::span<const std::byte> chunk)
 
 } // namespace
 
-std::optional<std::size_t> Frame::sequence_offset() const
+std::optional<std::size_t> DissectedFrame::sequence_offset() const
 {
     if (!is_plain) {
         return std::nullopt;
@@ -69,10 +69,10 @@ void Dissector::feed(Side from, std::span<const std::byte> bytes)
     stream.bytes.insert(stream.bytes.end(), bytes.begin(), bytes.end());
 }
 
-std::optional<Frame> Dissector::take(Side from)
+std::optional<DissectedFrame> Dissector::take(Side from)
 {
     Stream& stream = streams_[static_cast<std::size_t>(from)];
-    Frame frame;
+    DissectedFrame frame;
     if (!stream.is_broken && stream.bytes.size() < channel::detail::header_size) {
         return std::nullopt;
     }
@@ -99,7 +99,7 @@ std::optional<Frame> Dissector::take(Side from)
     return frame;
 }
 
-void Dissector::describe(Stream& stream, Frame& frame)
+void Dissector::describe(Stream& stream, DissectedFrame& frame)
 {
     frame.type_name = type_names.at(static_cast<std::size_t>(frame.type));
     if (frame.type == MessageType::OPN) {

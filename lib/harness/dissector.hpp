@@ -14,7 +14,7 @@
 namespace busbar::harness::detail {
 
 /// One chunk, or message of the connection protocol, as it was sent.
-struct Frame {
+struct DissectedFrame {
     std::vector<std::byte> bytes;
     channel::detail::MessageType type{channel::detail::MessageType::HEL};
     /// "MSG", ...; empty for bytes that are no frame.
@@ -36,7 +36,7 @@ class Dissector {
 public:
     /// Takes what `from` has sent; take() gives the frames that it completes.
     void feed(Side from, std::span<const std::byte> bytes);
-    [[nodiscard]] std::optional<Frame> take(Side from);
+    [[nodiscard]] std::optional<DissectedFrame> take(Side from);
 
 private:
     /// Past it what is collected is no frame that this library sends.
@@ -48,7 +48,7 @@ private:
         bool is_in_message{false};
         std::string_view structure_name;
     };
-    void describe(Stream& stream, Frame& frame);
+    void describe(Stream& stream, DissectedFrame& frame);
 
     Stream streams_[2];
     bool is_plain_{false};

@@ -83,7 +83,7 @@ void FaultFilter::pass(Link& link, Side from, std::span<const std::byte> bytes)
     }
 }
 
-void FaultFilter::pass(Link& link, Side from, Frame frame)
+void FaultFilter::pass(Link& link, Side from, DissectedFrame frame)
 {
     Stream& stream = streams_[static_cast<std::size_t>(from)];
     renumber(from, frame);
@@ -102,7 +102,7 @@ void FaultFilter::pass(Link& link, Side from, Frame frame)
     }
 }
 
-void FaultFilter::renumber(Side from, Frame& frame)
+void FaultFilter::renumber(Side from, DissectedFrame& frame)
 {
     const auto offset = frame.sequence_offset();
     if (!offset || frame.bytes.size() < *offset + sizeof(std::uint32_t)) {
@@ -116,7 +116,7 @@ void FaultFilter::renumber(Side from, Frame& frame)
     }
 }
 
-void FaultFilter::begin_message(Link& link, Side from, Frame& frame)
+void FaultFilter::begin_message(Link& link, Side from, DissectedFrame& frame)
 {
     Stream& stream = streams_[static_cast<std::size_t>(from)];
     auto& entries = faults_->entries();
@@ -141,7 +141,7 @@ void FaultFilter::begin_message(Link& link, Side from, Frame& frame)
     }
 }
 
-void FaultFilter::meet(Link& link, Side from, Frame& frame, Entry& entry)
+void FaultFilter::meet(Link& link, Side from, DissectedFrame& frame, Entry& entry)
 {
     Stream& stream = streams_[static_cast<std::size_t>(from)];
     const Fault& fault = entry.fault;
@@ -221,7 +221,7 @@ void FaultFilter::send(Link& link, Side from, std::span<std::byte> bytes)
     }
 }
 
-void FaultFilter::answer(Link& link, const Frame& request, StatusCode status)
+void FaultFilter::answer(Link& link, const DissectedFrame& request, StatusCode status)
 {
     ++forged_;
     link.send(Side::Server, make_fault(request.bytes, ++server_number_, status, faults_->now()));

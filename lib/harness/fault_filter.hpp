@@ -31,15 +31,15 @@ private:
         bool is_swallowed{false};
     };
 
-    void pass(Link& link, Side from, Frame frame);
-    void renumber(Side from, Frame& frame);
+    void pass(Link& link, Side from, DissectedFrame frame);
+    void renumber(Side from, DissectedFrame& frame);
     /// Lets the faults act whose message begins with the frame.
-    void begin_message(Link& link, Side from, Frame& frame);
-    void meet(Link& link, Side from, Frame& frame, Entry& entry);
+    void begin_message(Link& link, Side from, DissectedFrame& frame);
+    void meet(Link& link, Side from, DissectedFrame& frame, Entry& entry);
     void end_message(Link& link, Side from);
     void send(Link& link, Side from, std::span<std::byte> bytes);
     [[nodiscard]] Entry* next_at_byte(Side from, std::size_t size);
-    void answer(Link& link, const Frame& request, StatusCode status);
+    void answer(Link& link, const DissectedFrame& request, StatusCode status);
 
     std::shared_ptr<ActingFaults> faults_;
     std::size_t connection_;

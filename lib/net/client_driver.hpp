@@ -80,7 +80,7 @@ public:
     void stop();
 
 private:
-    using ClientLink = Link<ClientLine>;
+    using ClientLink = SocketLink<ClientLine>;
 
     [[nodiscard]] bool poll();
     void carry_out(const client::TransportOrder& order);

@@ -44,13 +44,13 @@ concept Engine = requires(E& engine, std::span<const std::byte> in, TimePoint no
 /// Reading stops while the peer does not take what is to be sent: a peer that asks and never
 /// reads holds one response and the socket's buffers, not more. All calls on the loop's thread.
 template <Engine E>
-class Link : public std::enable_shared_from_this<Link<E>> {
+class SocketLink : public std::enable_shared_from_this<SocketLink<E>> {
 public:
-    using Handler = std::function<void(Link&)>;
+    using Handler = std::function<void(SocketLink&)>;
 
     /// `on_change` is called after the engine was fed or its deadline handled, `on_end` once when
     /// the connection is gone.
-    Link(asio::ip::tcp::socket socket, E& engine, Handler on_change, Handler on_end)
+    SocketLink(asio::ip::tcp::socket socket, E& engine, Handler on_change, Handler on_end)
         : socket_{std::move(socket)}, timer_{socket_.get_executor()}, engine_{&engine},
           on_change_{std::move(on_change)}, on_end_{std::move(on_end)}
     {

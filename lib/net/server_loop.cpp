@@ -87,7 +87,7 @@ private:
 } // namespace
 
 struct ServerLoop::Impl {
-    using ConnectionLink = detail::Link<server::Connection>;
+    using ConnectionLink = detail::SocketLink<server::Connection>;
     struct Client {
         std::unique_ptr<server::Connection> connection;
         std::shared_ptr<ConnectionLink> link;

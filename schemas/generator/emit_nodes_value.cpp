@@ -26,7 +26,7 @@ tl::expected<std::string, Failure> NodeValues::value(const nodeset::Node& node) 
         return std::string{};
     }
     std::size_t fields_left = document_.limits().max_value_fields;
-    nodeset::ValueReader reader{types_, document_.files()[node.file].namespaces, fields_left};
+    nodeset::XmlValueReader reader{types_, document_.files()[node.file].namespaces, fields_left};
     const Variant value = reader.variant(*node.value);
     if (!reader.error().empty()) {
         return tl::make_unexpected(

@@ -30,7 +30,7 @@ public:
     [[nodiscard]] const nodeset::Node* supertype(const NodeId& id) const;
     /// Resolved along HasSubtype (Part 6, 5.1.2).
     [[nodiscard]] Kind kind(const NodeId& id) const { return types_.kind(id); }
-    [[nodiscard]] const nodeset::DataTypes& data_types() const { return types_; }
+    [[nodiscard]] const nodeset::DataTypeTable& data_types() const { return types_; }
     /// The object named "Default Binary" that HasEncoding leads to; null if there is none.
     [[nodiscard]] NodeId binary_encoding(const NodeId& data_type) const
     {
@@ -43,14 +43,14 @@ public:
     /// Structure and Union themselves, which stand for any subtype.
     [[nodiscard]] bool is_open_structure(const NodeId& id) const
     {
-        return nodeset::DataTypes::is_open_structure(id);
+        return nodeset::DataTypeTable::is_open_structure(id);
     }
     /// Names and values of an enumeration or option set: those of its Definition.
     [[nodiscard]] std::vector<nodeset::Field> enumeration_fields(const nodeset::Node& node) const;
 
 private:
     const nodeset::Document& document_;
-    nodeset::DataTypes types_;
+    nodeset::DataTypeTable types_;
     std::unordered_map<NodeId, NodeId> supertypes_;
 };
 

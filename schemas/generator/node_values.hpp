@@ -12,7 +12,7 @@ namespace busbar::generator {
 /// Values of NodeSet2 files in OPC UA Binary.
 class NodeValues {
 public:
-    NodeValues(const nodeset::Document& document, const nodeset::DataTypes& types)
+    NodeValues(const nodeset::Document& document, const nodeset::DataTypeTable& types)
         : document_{document}, types_{types}
     {
     }
@@ -26,7 +26,7 @@ public:
 
 private:
     const nodeset::Document& document_;
-    const nodeset::DataTypes& types_;
+    const nodeset::DataTypeTable& types_;
 };
 
 } // namespace busbar::generator

@@ -22,7 +22,7 @@ public:
     DateTime time{DateTime::from_unix_seconds(1'000)};
 };
 
-struct CountingOwner final : server::detail::CallOwner {
+struct CountingOwner final : server::detail::SourceCallOwner {
     int completed{0};
     void call_completed() override { ++completed; }
 };

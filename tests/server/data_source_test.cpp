@@ -9,8 +9,8 @@ using namespace busbar;
 using namespace busbar::server;
 using namespace std::chrono_literals;
 using busbar::server::detail::DataSources;
-using busbar::server::detail::ReadCall;
-using busbar::server::detail::WriteCall;
+using busbar::server::detail::SourceRead;
+using busbar::server::detail::SourceWrite;
 
 namespace {
 
@@ -51,7 +51,7 @@ public:
     int reads{0};
 };
 
-struct Owner final : server::detail::CallOwner {
+struct Owner final : server::detail::SourceCallOwner {
     int completed{0};
     void call_completed() override { ++completed; }
 };
@@ -65,9 +65,9 @@ struct Fixture {
         sources->add(slow);
         sources->add(fast);
     }
-    std::unique_ptr<ReadCall> ask(std::initializer_list<std::uint32_t> source_of_item)
+    std::unique_ptr<SourceRead> ask(std::initializer_list<std::uint32_t> source_of_item)
     {
-        auto call = std::make_unique<ReadCall>(*sources, source_of_item.size());
+        auto call = std::make_unique<SourceRead>(*sources, source_of_item.size());
         std::size_t i = 0;
         for (const std::uint32_t source : source_of_item) {
             call->ask(i, source, {100 + i, nullptr});
@@ -83,7 +83,7 @@ struct Fixture {
     std::unique_ptr<DataSources> sources;
 };
 
-std::uint64_t number(const ReadCall& call, std::size_t index)
+std::uint64_t number(const SourceRead& call, std::size_t index)
 {
     return call.result(index).value.value_or<std::uint64_t>(0);
 }
@@ -122,7 +122,7 @@ TEST_CASE_METHOD(Fixture, "the items of a call reach each source in one batch an
 
 TEST_CASE_METHOD(Fixture, "answers of the server stand among those of the sources")
 {
-    ReadCall call{*sources, 4};
+    SourceRead call{*sources, 4};
     call.ask(2, 0, {7, nullptr});
     call.answer(0) = DataValue{Variant{std::uint64_t{1}}};
     call.ask(1, 1, {8, nullptr});
@@ -308,7 +308,7 @@ TEST_CASE("a source is not asked for more than it may hold")
     sources.add(source);
     Owner owner;
     const auto send = [&](std::size_t count) {
-        auto call = std::make_unique<ReadCall>(sources, count);
+        auto call = std::make_unique<SourceRead>(sources, count);
         for (std::size_t i = 0; i < count; ++i) {
             call->ask(i, 0, {i, nullptr});
         }
@@ -340,8 +340,8 @@ TEST_CASE_METHOD(Fixture, "a source that was refused is not called")
 
 TEST_CASE_METHOD(Fixture, "one completion may end the calls of others that are queued")
 {
-    struct Killer final : server::detail::CallOwner {
-        std::unique_ptr<ReadCall>* victim{nullptr};
+    struct Killer final : server::detail::SourceCallOwner {
+        std::unique_ptr<SourceRead>* victim{nullptr};
         void call_completed() override { victim->reset(); }
     };
     Killer killer;
@@ -361,7 +361,7 @@ TEST_CASE_METHOD(Fixture, "one completion may end the calls of others that are q
 TEST_CASE_METHOD(Fixture, "a write takes the same way; a read-only source refuses it")
 {
     const DataValue data{Variant{1}};
-    WriteCall call{*sources, 3};
+    SourceWrite call{*sources, 3};
     call.ask(0, 0, {1, nullptr, &data});
     call.ask(1, 1, {2, nullptr, &data});
     call.ask(2, 0, {3, nullptr, &data});

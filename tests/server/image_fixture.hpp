@@ -12,7 +12,7 @@
 namespace busbar::test {
 
 /// Knows that a call is over.
-struct CallEnd final : server::detail::CallOwner {
+struct CallEnd final : server::detail::SourceCallOwner {
     bool done{false};
     void call_completed() override { done = true; }
 };
@@ -53,7 +53,7 @@ public:
     }
     [[nodiscard]] DataValue read(std::uint64_t handle)
     {
-        server::detail::ReadCall call{*sources, 1};
+        server::detail::SourceRead call{*sources, 1};
         call.ask(0, 0, {handle, nullptr});
         CallEnd owner;
         REQUIRE(call.start(owner, TimePoint{}, [](auto&) {}));
@@ -63,13 +63,13 @@ public:
         return copy;
     }
     struct Pending {
-        std::unique_ptr<server::detail::WriteCall> call;
+        std::unique_ptr<server::detail::SourceWrite> call;
         std::unique_ptr<CallEnd> owner;
         [[nodiscard]] StatusCode result(std::size_t index = 0) const { return call->result(index); }
     };
     [[nodiscard]] Pending write(const std::vector<server::WriteItem>& items)
     {
-        Pending pending{std::make_unique<server::detail::WriteCall>(*sources, items.size()),
+        Pending pending{std::make_unique<server::detail::SourceWrite>(*sources, items.size()),
                         std::make_unique<CallEnd>()};
         for (std::size_t i = 0; i < items.size(); ++i) {
             pending.call->ask(i, 0, items[i]);

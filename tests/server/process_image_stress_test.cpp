@@ -187,10 +187,10 @@ TEST_CASE("servers come and go while the task runs")
         server::detail::DataSources sources{&waker};
         sources.add(source);
         const DataValue value{Variant{Array<std::int32_t>(8)}};
-        struct Owner final : server::detail::CallOwner {
+        struct Owner final : server::detail::SourceCallOwner {
             void call_completed() override {}
         } owner;
-        server::detail::WriteCall call{sources, 1};
+        server::detail::SourceWrite call{sources, 1};
         call.ask(0, 0, {machine.input, nullptr, &value});
         given_up += call.start(owner, TimePoint{}, [](auto&) {}) ? 0U : 1U;
     }

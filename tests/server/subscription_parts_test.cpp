@@ -25,7 +25,7 @@ namespace {
 
 /// Every Variable of namespace 0 has the value 1, until it is told otherwise.
 struct FixedValues final : LiveValues {
-    [[nodiscard]] Result<DataValue> find(const NodeId&, const ValueReader&) const override
+    [[nodiscard]] Result<DataValue> find(const NodeId&, const ReadingUser&) const override
     {
         return DataValue{Variant{value}};
     }
@@ -67,11 +67,11 @@ struct SubscriptionParts {
         request.requested_parameters.client_handle = client_handle;
         request.requested_parameters.sampling_interval = 50;
         ItemRevision revision;
-        auto item = DataItem::make({all, *subscription, TimePoint{}}, request,
-                                   TimestampsToReturn::Neither, revision);
+        auto item = ValueItem::make({all, *subscription, TimePoint{}}, request,
+                                    TimestampsToReturn::Neither, revision);
         REQUIRE(item);
         auto& added = subscription->add_item(std::move(item));
-        all.sampler().add(static_cast<DataItem&>(added), TimePoint{});
+        all.sampler().add(static_cast<ValueItem&>(added), TimePoint{});
         all.sampler().sample_new(TimePoint{});
     }
     static server::ServerLimits with_memory(std::size_t most)
@@ -106,7 +106,7 @@ struct SubscriptionParts {
     FixedValues values;
     NoEvents events;
     SubscriptionNeeds needs{space, sources, types, limits, environment, counters, values, events};
-    Subscriptions all{needs};
+    SubscriptionTable all{needs};
     Session session{1'000'000};
     Subscription* subscription{nullptr};
 };

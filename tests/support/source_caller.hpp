@@ -47,7 +47,7 @@ public:
     /// Waits for a source that completes from another thread.
     std::vector<DataValue> read(const std::vector<server::ReadItem>& items)
     {
-        server::detail::ReadCall call{sources_, items.size()};
+        server::detail::SourceRead call{sources_, items.size()};
         ask(call, items);
         Owner owner;
         if (!call.start(owner, TimePoint{}, [](auto&) {})) {
@@ -73,7 +73,7 @@ public:
     std::vector<StatusCode> write(const std::vector<server::WriteItem>& items)
     {
         Owner owner;
-        server::detail::WriteCall call{sources_, items.size()};
+        server::detail::SourceWrite call{sources_, items.size()};
         ask(call, items);
         if (!call.start(owner, TimePoint{}, [](auto&) {})) {
             wait(owner);
@@ -90,7 +90,7 @@ public:
     }
 
 private:
-    struct Owner final : server::detail::CallOwner {
+    struct Owner final : server::detail::SourceCallOwner {
         bool done{false};
         void call_completed() override { done = true; }
     };

@@ -65,7 +65,7 @@ public:
         return asio::async_initiate<CompletionToken, void(Result<Response>)>(
             [](auto handler, std::shared_ptr<Impl> impl, Request body,
                const client::RequestOptions& wishes) {
-                using Operation = detail::CallOperation<Response, Request, decltype(handler)>;
+                using Operation = detail::AwaitedCall<Response, Request, decltype(handler)>;
                 auto operation =
                     make<Operation>(*impl, std::move(handler), std::move(body), wishes);
                 begin_call(std::move(impl), std::move(operation));

@@ -15,7 +15,7 @@
 namespace busbar::server {
 
 namespace detail {
-class Link;
+class PeerLink;
 } // namespace detail
 
 /// What an owner of a connection may want to show or log.
@@ -64,9 +64,9 @@ public:
 
 private:
     friend class Server;
-    explicit Connection(std::unique_ptr<detail::Link> link);
+    explicit Connection(std::unique_ptr<detail::PeerLink> link);
 
-    std::unique_ptr<detail::Link> link_;
+    std::unique_ptr<detail::PeerLink> link_;
 };
 
 } // namespace busbar::server

@@ -53,19 +53,19 @@ BuiltInType guessed_type(const std::vector<const Json*>& values)
 
 } // namespace
 
-std::nullopt_t ValueReader::fail(const Json& found, std::string_view expected)
+std::nullopt_t TextValueReader::fail(const Json& found, std::string_view expected)
 {
     error_ = "expected " + std::string{expected} + ", found " + found.describe();
     return std::nullopt;
 }
 
-void ValueReader::within(const std::string& place)
+void TextValueReader::within(const std::string& place)
 {
     error_ = place + (error_.starts_with('[') || error_.starts_with('.') ? "" : ": ") + error_;
 }
 
 template <typename T>
-bool ValueReader::read_number(const Json& from, const DynamicType& type, T& to)
+bool TextValueReader::read_number(const Json& from, const DynamicType& type, T& to)
 {
     if (read_scalar(from, to)) {
         return true;
@@ -80,7 +80,7 @@ bool ValueReader::read_number(const Json& from, const DynamicType& type, T& to)
 }
 
 template <typename T>
-bool ValueReader::read_one(const Json& from, const ValueType& type, T& to)
+bool TextValueReader::read_one(const Json& from, const ValueType& type, T& to)
 {
     if constexpr (std::is_same_v<T, Variant>) {
         auto value = read_any(from);
@@ -105,7 +105,7 @@ bool ValueReader::read_one(const Json& from, const ValueType& type, T& to)
     }
 }
 
-std::optional<Variant> ValueReader::read(const Json& from, const ValueType& type)
+std::optional<Variant> TextValueReader::read(const Json& from, const ValueType& type)
 {
     if (type.built_in == BuiltInType::Variant && from.kind != Json::Kind::List) {
         return read_any(from);
@@ -129,7 +129,7 @@ std::optional<Variant> ValueReader::read(const Json& from, const ValueType& type
     });
 }
 
-std::optional<Variant> ValueReader::read_any(const Json& from)
+std::optional<Variant> TextValueReader::read_any(const Json& from)
 {
     if (from.kind == Json::Kind::Null) {
         return Variant{};
@@ -141,7 +141,7 @@ std::optional<Variant> ValueReader::read_any(const Json& from)
 }
 
 /// What to_json writes: {"UaType": 6, "Value": [1, 2], "Dimensions": [2, 1]}.
-std::optional<Variant> ValueReader::read_typed(const Json& from)
+std::optional<Variant> TextValueReader::read_typed(const Json& from)
 {
     const Json* const type = from.find("UaType");
     const Json* const value = from.find("Value");
@@ -174,7 +174,8 @@ std::optional<Variant> ValueReader::read_typed(const Json& from)
     return read_array(elements, known);
 }
 
-std::optional<ValueReader::Elements> ValueReader::elements_of(const Json& from, std::int32_t rank)
+std::optional<TextValueReader::Elements> TextValueReader::elements_of(const Json& from,
+                                                                      std::int32_t rank)
 {
     Elements elements;
     const Json* at = &from;
@@ -198,7 +199,7 @@ std::optional<ValueReader::Elements> ValueReader::elements_of(const Json& from, 
     return collect(from, 0, elements) ? std::optional{std::move(elements)} : std::nullopt;
 }
 
-bool ValueReader::collect(const Json& from, std::size_t level, Elements& to)
+bool TextValueReader::collect(const Json& from, std::size_t level, Elements& to)
 {
     if (level == to.dimensions.size()) {
         to.values.push_back(&from);
@@ -217,7 +218,7 @@ bool ValueReader::collect(const Json& from, std::size_t level, Elements& to)
     return true;
 }
 
-std::optional<Variant> ValueReader::read_array(const Elements& from, const ValueType& type)
+std::optional<Variant> TextValueReader::read_array(const Elements& from, const ValueType& type)
 {
     // Elements of an array of Variants may differ; those of a value of any type should not.
     const bool is_guess = type.built_in == BuiltInType::Variant && type.value_rank == -2;
@@ -237,7 +238,7 @@ std::optional<Variant> ValueReader::read_array(const Elements& from, const Value
 }
 
 /// By its fields, of the type that it names or else of `type`, or encoded as to_json leaves it.
-bool ValueReader::read_object(const Json& from, const DynamicType* type, ExtensionObject& to)
+bool TextValueReader::read_object(const Json& from, const DynamicType* type, ExtensionObject& to)
 {
     NodeId id;
     ByteString body;
@@ -271,7 +272,8 @@ bool ValueReader::read_object(const Json& from, const DynamicType* type, Extensi
     return object.has_value();
 }
 
-std::optional<DynamicValue> ValueReader::read_structure(const Json& from, const DynamicType& type)
+std::optional<DynamicValue> TextValueReader::read_structure(const Json& from,
+                                                            const DynamicType& type)
 {
     if (from.kind != Json::Kind::Object || !type.is_structure()) {
         return fail(from, "an object with the fields of " + printable(type.name));
@@ -296,7 +298,7 @@ std::optional<DynamicValue> ValueReader::read_structure(const Json& from, const 
     return value;
 }
 
-bool ValueReader::read_field(const Json& from, std::size_t field, DynamicValue& to)
+bool TextValueReader::read_field(const Json& from, std::size_t field, DynamicValue& to)
 {
     const binary::DynamicField& known = to.type().fields[field];
     if (!known.is_scalar() && from.kind == Json::Kind::Null) {
@@ -325,7 +327,7 @@ bool ValueReader::read_field(const Json& from, std::size_t field, DynamicValue& 
     return is_set.has_value();
 }
 
-bool ValueReader::read_structures(const Json& from, std::size_t field, DynamicValue& to)
+bool TextValueReader::read_structures(const Json& from, std::size_t field, DynamicValue& to)
 {
     const binary::DynamicField& known = to.type().fields[field];
     if (from.kind != Json::Kind::List) {

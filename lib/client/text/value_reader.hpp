@@ -11,10 +11,10 @@
 namespace busbar::client::detail {
 
 /// Makes values of what parse_json read. The first failure stays in error().
-class ValueReader {
+class TextValueReader {
 public:
     /// `types`, which may be null, has the structures that objects name.
-    explicit ValueReader(const binary::DynamicTypes* types) : types_{types} {}
+    explicit TextValueReader(const binary::DynamicTypes* types) : types_{types} {}
 
     /// Nothing, with error(), if `from` is no value of that type.
     [[nodiscard]] std::optional<Variant> read(const Json& from, const ValueType& type);

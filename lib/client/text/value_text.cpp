@@ -89,7 +89,7 @@ tl::expected<Variant, ValueError> parse_value(std::string_view text, const Value
     } else {
         json = {Json::Kind::String, std::string{text}, {}, {}};
     }
-    detail::ValueReader reader{type.types};
+    detail::TextValueReader reader{type.types};
     auto value = reader.read(json, type);
     if (!value) {
         return refuse(reader.error());

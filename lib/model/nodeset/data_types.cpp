@@ -40,7 +40,7 @@ std::string name_key(std::uint16_t name_space, std::string_view name)
 
 } // namespace
 
-DataTypes::DataTypes(const Document& document)
+DataTypeTable::DataTypeTable(const Document& document)
 {
     for (const Node& node : document.nodes()) {
         if (node.node_class == NodeClass::DataType) {
@@ -60,7 +60,7 @@ DataTypes::DataTypes(const Document& document)
     }
 }
 
-void DataTypes::add_references(const Document& document, const Node& node)
+void DataTypeTable::add_references(const Document& document, const Node& node)
 {
     for (const Reference& reference : node.references) {
         const NodeId& source = reference.is_forward ? node.id : reference.target;
@@ -85,7 +85,7 @@ void DataTypes::add_references(const Document& document, const Node& node)
     }
 }
 
-void DataTypes::add(DataType type)
+void DataTypeTable::add(DataType type)
 {
     names_.emplace(name_key(type.name_space, type.name), type.id);
     if (!type.binary_encoding.is_null()) {
@@ -95,36 +95,36 @@ void DataTypes::add(DataType type)
     types_.emplace(std::move(id), std::move(type));
 }
 
-void DataTypes::add_encoding(const NodeId& type, const NodeId& encoding)
+void DataTypeTable::add_encoding(const NodeId& type, const NodeId& encoding)
 {
     encoded_.emplace(encoding, type);
 }
 
-const DataType* DataTypes::find(const NodeId& id) const
+const DataType* DataTypeTable::find(const NodeId& id) const
 {
     const auto found = types_.find(id);
     return found == types_.end() ? nullptr : &found->second;
 }
 
-const DataType* DataTypes::find_encoded(const NodeId& encoding) const
+const DataType* DataTypeTable::find_encoded(const NodeId& encoding) const
 {
     const auto found = encoded_.find(encoding);
     return find(found == encoded_.end() ? encoding : found->second);
 }
 
-const DataType* DataTypes::find_named(std::uint16_t name_space, std::string_view name) const
+const DataType* DataTypeTable::find_named(std::uint16_t name_space, std::string_view name) const
 {
     const auto found = names_.find(name_key(name_space, name));
     return found == names_.end() ? nullptr : find(found->second);
 }
 
-const DataType* DataTypes::supertype(const NodeId& id) const
+const DataType* DataTypeTable::supertype(const NodeId& id) const
 {
     const DataType* const type = find(id);
     return type == nullptr ? nullptr : find(type->supertype);
 }
 
-Kind DataTypes::kind(const NodeId& id) const
+Kind DataTypeTable::kind(const NodeId& id) const
 {
     NodeId at = id;
     for (unsigned level = 0; level < max_levels; ++level) {
@@ -140,13 +140,13 @@ Kind DataTypes::kind(const NodeId& id) const
     return Kind::Unknown;
 }
 
-NodeId DataTypes::binary_encoding(const NodeId& id) const
+NodeId DataTypeTable::binary_encoding(const NodeId& id) const
 {
     const DataType* const type = find(id);
     return type == nullptr ? NodeId{} : type->binary_encoding;
 }
 
-std::vector<const Field*> DataTypes::fields(const NodeId& id) const
+std::vector<const Field*> DataTypeTable::fields(const NodeId& id) const
 {
     std::vector<const DataType*> levels;
     for (const DataType* at = find(id); at != nullptr && levels.size() < max_levels;
@@ -167,7 +167,7 @@ std::vector<const Field*> DataTypes::fields(const NodeId& id) const
     return all;
 }
 
-FieldForm DataTypes::form(const Field& field) const
+FieldForm DataTypeTable::form(const Field& field) const
 {
     const Kind of_type = kind(field.data_type);
     switch (of_type) {
@@ -193,14 +193,14 @@ FieldForm DataTypes::form(const Field& field) const
     }
 }
 
-bool DataTypes::is_union(const NodeId& id) const
+bool DataTypeTable::is_union(const NodeId& id) const
 {
     const DataType* const type = find(id);
     return kind(id) == Kind::Union ||
            (type != nullptr && type->definition && type->definition->is_union);
 }
 
-bool DataTypes::is_open_structure(const NodeId& id)
+bool DataTypeTable::is_open_structure(const NodeId& id)
 {
     return id.is(22) || id.is(12755) || id.is(12756);
 }

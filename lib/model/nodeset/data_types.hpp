@@ -51,10 +51,10 @@ struct FieldForm {
 };
 
 /// The DataTypes of a Document, and others that are known from elsewhere.
-class DataTypes {
+class DataTypeTable {
 public:
-    DataTypes() = default;
-    explicit DataTypes(const Document& document);
+    DataTypeTable() = default;
+    explicit DataTypeTable(const Document& document);
 
     /// Adds a DataType from elsewhere; one that is known already stays.
     void add(DataType type);

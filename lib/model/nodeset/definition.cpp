@@ -45,7 +45,7 @@ void encode_field(binary::Writer& writer, const Field& field)
     encode(writer, field.is_optional || field.allow_sub_types);
 }
 
-void encode_structure(binary::Writer& writer, const DataTypes& types, const DataType& type)
+void encode_structure(binary::Writer& writer, const DataTypeTable& types, const DataType& type)
 {
     const auto fields = types.fields(type.id);
     encode(writer, type.binary_encoding);
@@ -72,7 +72,7 @@ void encode_enumeration(binary::Writer& writer, const Definition& definition)
 
 } // namespace
 
-ExtensionObject definition_of(const DataTypes& types, const DataType& type)
+ExtensionObject definition_of(const DataTypeTable& types, const DataType& type)
 {
     const Kind kind = types.kind(type.id);
     const bool is_structure = (kind == Kind::Structure || kind == Kind::Union) &&

@@ -69,7 +69,7 @@ private:
     model::AddressSpace& space_;
     LoadPlan& plan_;
     Graft graft_;
-    DataTypes types_;
+    DataTypeTable types_;
     std::size_t fields_left_{document_.limits().max_value_fields};
     /// By position in the document.
     std::vector<NodeIndex> indices_;
@@ -165,7 +165,7 @@ void Loader::fill_variable(const Node& node, Record& record)
     if (!node.value) {
         return;
     }
-    ValueReader reader{types_, document_.files()[node.file].namespaces, fields_left_};
+    XmlValueReader reader{types_, document_.files()[node.file].namespaces, fields_left_};
     Variant value = reader.variant(*node.value);
     if (!reader.error().empty()) {
         fail(node, reader.error(), reader.error_line());

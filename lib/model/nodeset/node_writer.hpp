@@ -48,7 +48,7 @@ private:
 
     const model::AddressSpace& space_;
     const model::NodeSetExtras& extras_;
-    DataTypes types_;
+    DataTypeTable types_;
     FileNamespaces local_;
     XmlOut out_;
     ValueWriter values_;

@@ -74,7 +74,7 @@ NodeId default_encoding(const model::AddressSpace& space, model::NodeIndex node)
 }
 
 void add_encodings(const model::AddressSpace& space, model::NodeIndex node, DataType& type,
-                   DataTypes& types)
+                   DataTypeTable& types)
 {
     const model::NodeIndex has_encoding = space.find(id::HasEncoding);
     model::ReferenceCursor cursor = space.references(node);
@@ -106,7 +106,7 @@ std::optional<Definition> definition_from(const ExtensionObject& attribute)
     return std::nullopt;
 }
 
-void add_data_types(const model::AddressSpace& space, DataTypes& types)
+void add_data_types(const model::AddressSpace& space, DataTypeTable& types)
 {
     space.for_each([&](model::NodeIndex node) {
         if (space.node_class(node) != busbar::NodeClass::DataType) {

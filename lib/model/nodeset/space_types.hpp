@@ -7,7 +7,7 @@
 namespace busbar::nodeset {
 
 /// Adds the DataTypes of an AddressSpace, as their attributes and references describe them.
-void add_data_types(const model::AddressSpace& space, DataTypes& types);
+void add_data_types(const model::AddressSpace& space, DataTypeTable& types);
 
 /// The Definition that a DataTypeDefinition attribute stands for, with the fields of supertypes.
 [[nodiscard]] std::optional<Definition> definition_from(const ExtensionObject& attribute);

@@ -45,7 +45,7 @@ bool is_absent(const Element* found)
 
 /// The DataType of an ExtensionObject's TypeId, which names the XML encoding or the DataType; of
 /// namespace 0 Busbar has no nodes for XML encodings.
-const DataType* ValueReader::structure_type(const Element& xml, const Element& structure)
+const DataType* XmlValueReader::structure_type(const Element& xml, const Element& structure)
 {
     NodeId type_id;
     if (const Element* const found = xml.child("TypeId")) {
@@ -65,7 +65,7 @@ const DataType* ValueReader::structure_type(const Element& xml, const Element& s
     return types_.find_named(type_id.namespace_index(), structure.name);
 }
 
-void ValueReader::read(const Element& xml, ExtensionObject& value, unsigned depth)
+void XmlValueReader::read(const Element& xml, ExtensionObject& value, unsigned depth)
 {
     NodeId type_id;
     if (const Element* const found = xml.child("TypeId")) {
@@ -99,8 +99,8 @@ void ValueReader::read(const Element& xml, ExtensionObject& value, unsigned dept
                                          ByteString{std::span{bytes}});
 }
 
-void ValueReader::encode_structure(binary::Writer& writer, const Element& xml, const DataType& type,
-                                   unsigned depth)
+void XmlValueReader::encode_structure(binary::Writer& writer, const Element& xml,
+                                      const DataType& type, unsigned depth)
 {
     if (depth > max_depth) {
         fail(xml, "structures less deep");
@@ -144,8 +144,8 @@ void ValueReader::encode_structure(binary::Writer& writer, const Element& xml, c
 
 /// One bit for each optional field, in their order (Part 6, 5.2.7 and 5.3.6); without an
 /// <EncodingMask> the fields that are there.
-std::uint32_t ValueReader::encoding_mask(const Element& xml,
-                                         const std::vector<const Field*>& fields)
+std::uint32_t XmlValueReader::encoding_mask(const Element& xml,
+                                            const std::vector<const Field*>& fields)
 {
     const auto count =
         std::count_if(fields.begin(), fields.end(), [](const Field* f) { return f->is_optional; });
@@ -171,8 +171,8 @@ std::uint32_t ValueReader::encoding_mask(const Element& xml,
 
 /// The <SwitchField> and the field it names (Part 6, 5.2.8 and 5.3.7); without it the one field
 /// that is there.
-void ValueReader::encode_union(binary::Writer& writer, const Element& xml,
-                               const std::vector<const Field*>& fields, unsigned depth)
+void XmlValueReader::encode_union(binary::Writer& writer, const Element& xml,
+                                  const std::vector<const Field*>& fields, unsigned depth)
 {
     std::uint32_t chosen = 0;
     if (xml.child("SwitchField") != nullptr) {
@@ -194,8 +194,8 @@ void ValueReader::encode_union(binary::Writer& writer, const Element& xml,
     }
 }
 
-void ValueReader::encode_field(binary::Writer& writer, const Element* found, const Field& field,
-                               unsigned depth)
+void XmlValueReader::encode_field(binary::Writer& writer, const Element* found, const Field& field,
+                                  unsigned depth)
 {
     if (field.value_rank < 0) {
         if (is_absent(found)) {
@@ -226,8 +226,8 @@ void ValueReader::encode_field(binary::Writer& writer, const Element* found, con
 }
 
 /// The dimensions as an array of Int32 and the elements (Part 6, 5.2.5).
-void ValueReader::encode_matrix(binary::Writer& writer, const Element& xml, const Field& field,
-                                unsigned depth)
+void XmlValueReader::encode_matrix(binary::Writer& writer, const Element& xml, const Field& field,
+                                   unsigned depth)
 {
     const Element* const sizes = xml.child("Dimensions");
     const Element* const elements = xml.child("Elements");
@@ -253,8 +253,8 @@ void ValueReader::encode_matrix(binary::Writer& writer, const Element& xml, cons
     }
 }
 
-void ValueReader::encode_scalar(binary::Writer& writer, const Element& xml, const Field& field,
-                                unsigned depth)
+void XmlValueReader::encode_scalar(binary::Writer& writer, const Element& xml, const Field& field,
+                                   unsigned depth)
 {
     const FieldForm form = types_.form(field);
     switch (form.form) {
@@ -273,8 +273,8 @@ void ValueReader::encode_scalar(binary::Writer& writer, const Element& xml, cons
     }
 }
 
-void ValueReader::encode_built_in(binary::Writer& writer, const Element& xml, BuiltInType type,
-                                  unsigned depth)
+void XmlValueReader::encode_built_in(binary::Writer& writer, const Element& xml, BuiltInType type,
+                                     unsigned depth)
 {
     Element zero;
     const bool is_number = type <= BuiltInType::Double;
@@ -301,7 +301,8 @@ void ValueReader::encode_built_in(binary::Writer& writer, const Element& xml, Bu
 }
 
 /// "Name_3", "3" or "Name" (Part 6, 5.3.3).
-void ValueReader::encode_enumeration(binary::Writer& writer, const Element& xml, const NodeId& type)
+void XmlValueReader::encode_enumeration(binary::Writer& writer, const Element& xml,
+                                        const NodeId& type)
 {
     std::int32_t value = 0;
     const std::string_view text = trimmed(xml.text);

@@ -46,7 +46,7 @@ std::string without_blanks(std::string_view text)
 
 } // namespace
 
-void ValueReader::fail(const Element& xml, const std::string& expected)
+void XmlValueReader::fail(const Element& xml, const std::string& expected)
 {
     if (error_.empty()) {
         error_ = "found <" + printable(xml.name, 80) + "> " + quoted(xml.text) + ", expected " +
@@ -55,7 +55,7 @@ void ValueReader::fail(const Element& xml, const std::string& expected)
     }
 }
 
-std::uint16_t ValueReader::mapped(const Element& xml, std::uint16_t namespace_index)
+std::uint16_t XmlValueReader::mapped(const Element& xml, std::uint16_t namespace_index)
 {
     if (namespace_index < namespaces_.size()) {
         return namespaces_[namespace_index];
@@ -67,34 +67,34 @@ std::uint16_t ValueReader::mapped(const Element& xml, std::uint16_t namespace_in
 
 template <typename T>
 requires(std::is_arithmetic_v<T> &&
-         !std::is_same_v<T, bool>) void ValueReader::read(const Element& xml, T& value, unsigned)
+         !std::is_same_v<T, bool>) void XmlValueReader::read(const Element& xml, T& value, unsigned)
 {
     if (!parse_number(trimmed(xml.text), value)) {
         fail(xml, "a number in the range of its type");
     }
 }
 
-template void ValueReader::read(const Element&, std::int32_t&, unsigned);
-template void ValueReader::read(const Element&, std::uint32_t&, unsigned);
+template void XmlValueReader::read(const Element&, std::int32_t&, unsigned);
+template void XmlValueReader::read(const Element&, std::uint32_t&, unsigned);
 
-void ValueReader::read(const Element& xml, bool& value, unsigned)
+void XmlValueReader::read(const Element& xml, bool& value, unsigned)
 {
     if (!to_bool(trimmed(xml.text), value)) {
         fail(xml, "true or false");
     }
 }
 
-void ValueReader::read(const Element& xml, String& value, unsigned)
+void XmlValueReader::read(const Element& xml, String& value, unsigned)
 {
     value = xml.is_nil ? String{} : String{xml.text};
 }
 
-void ValueReader::read(const Element& xml, XmlElement& value, unsigned)
+void XmlValueReader::read(const Element& xml, XmlElement& value, unsigned)
 {
     value = xml.is_nil ? XmlElement{} : XmlElement{String{xml.raw}};
 }
 
-void ValueReader::read(const Element& xml, DateTime& value, unsigned)
+void XmlValueReader::read(const Element& xml, DateTime& value, unsigned)
 {
     if (const auto time = parse_date_time(trimmed(xml.text))) {
         value = *time;
@@ -103,7 +103,7 @@ void ValueReader::read(const Element& xml, DateTime& value, unsigned)
     }
 }
 
-void ValueReader::read(const Element& xml, Guid& value, unsigned)
+void XmlValueReader::read(const Element& xml, Guid& value, unsigned)
 {
     const Element* const text = xml.child("String");
     const auto guid = Guid::parse(trimmed(text == nullptr ? xml.text : text->text));
@@ -114,7 +114,7 @@ void ValueReader::read(const Element& xml, Guid& value, unsigned)
     value = *guid;
 }
 
-void ValueReader::read(const Element& xml, ByteString& value, unsigned)
+void XmlValueReader::read(const Element& xml, ByteString& value, unsigned)
 {
     if (xml.is_nil) {
         return;
@@ -127,7 +127,7 @@ void ValueReader::read(const Element& xml, ByteString& value, unsigned)
     value = ByteString{std::span{*bytes}};
 }
 
-void ValueReader::read(const Element& xml, NodeId& value, unsigned)
+void XmlValueReader::read(const Element& xml, NodeId& value, unsigned)
 {
     const Element* const identifier = xml.child("Identifier");
     const auto text = identifier == nullptr ? std::string_view{} : trimmed(identifier->text);
@@ -144,7 +144,7 @@ void ValueReader::read(const Element& xml, NodeId& value, unsigned)
 }
 
 /// "svr=1;nsu=urn:x;i=5" (Part 6, 5.3.1.11); a namespace URI stays one.
-void ValueReader::read(const Element& xml, ExpandedNodeId& value, unsigned)
+void XmlValueReader::read(const Element& xml, ExpandedNodeId& value, unsigned)
 {
     const Element* const identifier = xml.child("Identifier");
     auto text = identifier == nullptr ? std::string_view{} : trimmed(identifier->text);
@@ -177,24 +177,24 @@ void ValueReader::read(const Element& xml, ExpandedNodeId& value, unsigned)
     }
 }
 
-void ValueReader::read(const Element& xml, StatusCode& value, unsigned depth)
+void XmlValueReader::read(const Element& xml, StatusCode& value, unsigned depth)
 {
     value = StatusCode{read_child<std::uint32_t>(xml, "Code", depth)};
 }
 
-void ValueReader::read(const Element& xml, QualifiedName& value, unsigned depth)
+void XmlValueReader::read(const Element& xml, QualifiedName& value, unsigned depth)
 {
     value.namespace_index = mapped(xml, read_child<std::uint16_t>(xml, "NamespaceIndex", depth));
     value.name = read_child<String>(xml, "Name", depth);
 }
 
-void ValueReader::read(const Element& xml, busbar::LocalizedText& value, unsigned depth)
+void XmlValueReader::read(const Element& xml, busbar::LocalizedText& value, unsigned depth)
 {
     value.locale = read_child<String>(xml, "Locale", depth);
     value.text = read_child<String>(xml, "Text", depth);
 }
 
-void ValueReader::read(const Element& xml, DataValue& value, unsigned depth)
+void XmlValueReader::read(const Element& xml, DataValue& value, unsigned depth)
 {
     read(xml, value.value, depth);
     value.status = read_child<StatusCode>(xml, "StatusCode", depth);
@@ -204,7 +204,7 @@ void ValueReader::read(const Element& xml, DataValue& value, unsigned depth)
     value.server_picoseconds = read_child<std::uint16_t>(xml, "ServerPicoseconds", depth);
 }
 
-void ValueReader::read(const Element& xml, Variant& value, unsigned depth)
+void XmlValueReader::read(const Element& xml, Variant& value, unsigned depth)
 {
     const Element* const inner = xml.child("Value");
     if (inner != nullptr && !inner->children.empty()) {
@@ -213,7 +213,7 @@ void ValueReader::read(const Element& xml, Variant& value, unsigned depth)
 }
 
 template <typename T>
-Variant ValueReader::values(const Element& xml, bool is_list, unsigned depth)
+Variant XmlValueReader::values(const Element& xml, bool is_list, unsigned depth)
 {
     if (!is_list) {
         T value{};
@@ -234,8 +234,8 @@ Variant ValueReader::values(const Element& xml, bool is_list, unsigned depth)
     return Variant{std::move(all)};
 }
 
-Variant ValueReader::of_type(const Element& xml, std::string_view name, bool is_list,
-                             unsigned depth)
+Variant XmlValueReader::of_type(const Element& xml, std::string_view name, bool is_list,
+                                unsigned depth)
 {
     for (std::uint8_t i = 1; i < static_cast<std::uint8_t>(BuiltInType::DiagnosticInfo); ++i) {
         if (name == busbar::name(BuiltInType{i})) {
@@ -248,7 +248,7 @@ Variant ValueReader::of_type(const Element& xml, std::string_view name, bool is_
     return {};
 }
 
-Variant ValueReader::variant(const Element& xml, unsigned depth)
+Variant XmlValueReader::variant(const Element& xml, unsigned depth)
 {
     if (depth > max_depth) {
         fail(xml, "values less deep");
@@ -267,7 +267,7 @@ Variant ValueReader::variant(const Element& xml, unsigned depth)
 }
 
 /// <Dimensions> and <Elements> (Part 6, 5.3.1.17).
-Variant ValueReader::matrix(const Element& xml, unsigned depth)
+Variant XmlValueReader::matrix(const Element& xml, unsigned depth)
 {
     const Element* const sizes = xml.child("Dimensions");
     const Element* const elements = xml.child("Elements");

@@ -15,12 +15,12 @@ namespace busbar::nodeset {
 ///
 /// Structures are encoded in OPC UA Binary by the definitions that `types` has. One that it does
 /// not know stays the XML it is.
-class ValueReader {
+class XmlValueReader {
 public:
     /// `namespaces` has the index in the result for each namespace index in the text. `fields_left`
     /// counts down the fields of structures: types may nest so that few bytes stand for very many.
-    ValueReader(const DataTypes& types, const std::vector<std::uint16_t>& namespaces,
-                std::size_t& fields_left)
+    XmlValueReader(const DataTypeTable& types, const std::vector<std::uint16_t>& namespaces,
+                   std::size_t& fields_left)
         : types_{types}, namespaces_{namespaces}, fields_left_{fields_left}
     {
     }
@@ -89,7 +89,7 @@ private:
     [[nodiscard]] std::uint32_t encoding_mask(const Element& xml,
                                               const std::vector<const Field*>& fields);
 
-    const DataTypes& types_;
+    const DataTypeTable& types_;
     const std::vector<std::uint16_t>& namespaces_;
     std::size_t& fields_left_;
     std::string error_;

@@ -51,7 +51,7 @@ private:
 /// Writes values in their XML form (Part 6, 5.3), as ValueReader reads them.
 class ValueWriter {
 public:
-    ValueWriter(const DataTypes& types, FileNamespaces& namespaces, XmlOut& out)
+    ValueWriter(const DataTypeTable& types, FileNamespaces& namespaces, XmlOut& out)
         : types_{types}, namespaces_{namespaces}, out_{out}
     {
     }
@@ -107,7 +107,7 @@ private:
     void matrix_field(binary::Reader& reader, const Field& field, std::string_view element_name);
     void scalar(binary::Reader& reader, std::string_view name, const Field& field);
 
-    const DataTypes& types_;
+    const DataTypeTable& types_;
     FileNamespaces& namespaces_;
     XmlOut& out_;
     unsigned depth_{0};

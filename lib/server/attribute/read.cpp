@@ -10,7 +10,7 @@ void ReadOperation::start(ServiceContext& context)
     if (refusal.is_bad()) {
         return fault(refusal);
     }
-    const ValueReader reader{context.session->user, is_encrypted(*context.session)};
+    const ReadingUser reader{context.session->user, is_encrypted(*context.session)};
     const auto live_value = [&](const NodeId& node) {
         return needs_.live_values.find(node, reader);
     };

@@ -11,7 +11,7 @@
 namespace busbar::server::detail {
 
 /// Read (Part 4, 5.11.2).
-class ReadOperation final : public OperationOf<ReadRequest>, private CallOwner {
+class ReadOperation final : public OperationOf<ReadRequest>, private SourceCallOwner {
 public:
     explicit ReadOperation(const AttributeNeeds& needs) : needs_{needs} {}
 

@@ -85,7 +85,7 @@ Result<NumericRange*> ReadJob::keep_range(std::size_t index, const String& text)
     return &ranges_->emplace_back(Range{*range, index, true}).range;
 }
 
-bool ReadJob::start(CallOwner& owner, TimePoint now)
+bool ReadJob::start(SourceCallOwner& owner, TimePoint now)
 {
     call_.kept_for_sources() = ranges_;
     return call_.start(owner, now, [&](ReadPart& part) { part.max_age = max_age_; });

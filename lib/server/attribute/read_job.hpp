@@ -30,7 +30,7 @@ public:
     ReadJob(const ReadContext& context, const ReadRequest& request);
 
     /// True if the results are there, else `owner` is told.
-    [[nodiscard]] bool start(CallOwner& owner, TimePoint now);
+    [[nodiscard]] bool start(SourceCallOwner& owner, TimePoint now);
     [[nodiscard]] TimePoint next_deadline() const { return call_.next_deadline(); }
     /// Answers Bad_Timeout for sources that are late; true if nothing is waited for any more.
     [[nodiscard]] bool handle_deadline(TimePoint now) { return call_.handle_deadline(now); }
@@ -52,7 +52,7 @@ private:
     /// Null if there is no range.
     [[nodiscard]] Result<NumericRange*> keep_range(std::size_t index, const String& text);
 
-    ReadCall call_;
+    SourceRead call_;
     Timestamps timestamps_;
     std::chrono::milliseconds max_age_;
     std::shared_ptr<std::vector<Range>> ranges_;

@@ -11,7 +11,7 @@
 namespace busbar::server::detail {
 
 /// Write (Part 4, 5.11.4).
-class WriteOperation final : public OperationOf<WriteRequest>, private CallOwner {
+class WriteOperation final : public OperationOf<WriteRequest>, private SourceCallOwner {
 public:
     explicit WriteOperation(const AttributeNeeds& needs) : needs_{needs} {}
     ~WriteOperation() override;

@@ -265,7 +265,7 @@ const DataValue* WriteJob::to_byte_array(const DataValue& data)
     return memory_->converted.emplace_back(std::move(converted)).get();
 }
 
-bool WriteJob::start(CallOwner& owner, TimePoint now)
+bool WriteJob::start(SourceCallOwner& owner, TimePoint now)
 {
     call_.kept_for_sources() = memory_;
     return call_.start(owner, now, [](WritePart&) {});

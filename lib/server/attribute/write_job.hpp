@@ -41,7 +41,7 @@ public:
     WriteJob(const WriteContext& context, const WriteRequest& request);
 
     /// True if the results are there, else `owner` is told.
-    [[nodiscard]] bool start(CallOwner& owner, TimePoint now);
+    [[nodiscard]] bool start(SourceCallOwner& owner, TimePoint now);
     [[nodiscard]] TimePoint next_deadline() const { return call_.next_deadline(); }
     /// Answers Bad_Timeout for sources that are late; true if nothing is waited for any more.
     [[nodiscard]] bool handle_deadline(TimePoint now) { return call_.handle_deadline(now); }
@@ -76,7 +76,7 @@ private:
     [[nodiscard]] Result<const NumericRange*> keep_range(std::size_t index, const String& text);
     [[nodiscard]] const DataValue* to_byte_array(const DataValue& data);
 
-    WriteCall call_;
+    SourceWrite call_;
     std::shared_ptr<Memory> memory_;
 };
 

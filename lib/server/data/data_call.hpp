@@ -11,18 +11,18 @@
 
 namespace busbar::server::detail {
 
-/// Who waits for a BatchCall that did not end at once; lives on the server's thread.
-class CallOwner {
+/// Who waits for a SourceCall that did not end at once; lives on the server's thread.
+class SourceCallOwner {
 public:
-    CallOwner() = default;
-    CallOwner(const CallOwner&) = delete;
-    CallOwner& operator=(const CallOwner&) = delete;
+    SourceCallOwner() = default;
+    SourceCallOwner(const SourceCallOwner&) = delete;
+    SourceCallOwner& operator=(const SourceCallOwner&) = delete;
 
     /// Every operation has its result. The call may be destroyed from here.
     virtual void call_completed() = 0;
 
 protected:
-    ~CallOwner() = default;
+    ~SourceCallOwner() = default;
 };
 
 struct ReadTraits {
@@ -63,19 +63,19 @@ struct WriteTraits {
 /// the answers as soon as waiting() is false. Lives on the server's thread; destroying it leaves
 /// the batches to their sources.
 template <typename Traits>
-class BatchCall final : private PartOwner {
+class SourceCall final : private PartOwner {
 public:
     using Item = typename Traits::Item;
     using Answer = typename Traits::Answer;
     using Part = typename Traits::Part;
 
-    BatchCall(DataSources& sources, std::size_t count)
+    SourceCall(DataSources& sources, std::size_t count)
         : sources_{&sources}, block_{std::make_shared<Block>(count)}, place_(count),
           groups_(sources.size())
     {
         block_->items.reserve(count);
     }
-    ~BatchCall() { abandon(); }
+    ~SourceCall() { abandon(); }
 
     [[nodiscard]] std::size_t size() const { return place_.size(); }
 
@@ -103,7 +103,7 @@ public:
     /// Gives every source its batch; `prepare(part)` sees each before. True if all are answered;
     /// else `owner` is told later, once.
     template <typename Prepare>
-    [[nodiscard]] bool start(CallOwner& owner, TimePoint now, Prepare prepare)
+    [[nodiscard]] bool start(SourceCallOwner& owner, TimePoint now, Prepare prepare)
     {
         now_ = now;
         group();
@@ -318,7 +318,7 @@ private:
     }
 
     DataSources* sources_;
-    CallOwner* owner_{nullptr};
+    SourceCallOwner* owner_{nullptr};
     std::shared_ptr<Block> block_;
     /// Where the answer of an operation lies: in the block's answers, or behind them in failures_.
     std::vector<std::uint32_t> place_;
@@ -332,7 +332,7 @@ private:
     TimePoint now_;
 };
 
-using ReadCall = BatchCall<ReadTraits>;
-using WriteCall = BatchCall<WriteTraits>;
+using SourceRead = SourceCall<ReadTraits>;
+using SourceWrite = SourceCall<WriteTraits>;
 
 } // namespace busbar::server::detail

@@ -94,7 +94,7 @@ constexpr std::array summary_counters{
 
 /// The structures; fails for a node that is none of them.
 Result<Variant> structure_value(const DiagnosticsNeeds& needs, std::uint32_t id,
-                                const ValueReader& reader)
+                                const ReadingUser& reader)
 {
     switch (id) {
     case id::Server_ServerDiagnostics_ServerDiagnosticsSummary:
@@ -122,7 +122,7 @@ Result<Variant> structure_value(const DiagnosticsNeeds& needs, std::uint32_t id,
 } // namespace
 
 Result<Variant> diagnostic_value(const DiagnosticsNeeds& needs, std::uint32_t id,
-                                 const ValueReader& reader)
+                                 const ReadingUser& reader)
 {
     const auto* const counter =
         std::find_if(summary_counters.begin(), summary_counters.end(),

@@ -10,6 +10,6 @@ namespace busbar::server::detail {
 /// The value of a Variable below Server.ServerDiagnostics, i=2274; Bad_NodeIdUnknown for any other
 /// node, Bad_NotReadable while diagnostics are off.
 [[nodiscard]] Result<Variant> diagnostic_value(const DiagnosticsNeeds& needs, std::uint32_t id,
-                                               const ValueReader& reader);
+                                               const ReadingUser& reader);
 
 } // namespace busbar::server::detail

@@ -34,7 +34,7 @@ struct DiagnosticsNeeds {
     const ServerLife& life;
     const Counters& counters;
     const SessionTable& sessions;
-    const Subscriptions& subscriptions;
+    const SubscriptionTable& subscriptions;
     /// Index of the ApplicationUri in the NamespaceArray.
     std::uint16_t own_namespace;
 

@@ -252,7 +252,7 @@ constexpr auto live_values = [] {
 
 } // namespace
 
-DataValue ServerObject::session_value(const NodeId& node, const ValueReader& reader) const
+DataValue ServerObject::session_value(const NodeId& node, const ReadingUser& reader) const
 {
     const model::NodeIndex index = needs_.space.find(node);
     auto value = session_nodes_.value(needs_.space.variable(index).handle, reader);
@@ -260,7 +260,7 @@ DataValue ServerObject::session_value(const NodeId& node, const ValueReader& rea
                  : DataValue{value.error()};
 }
 
-Result<DataValue> ServerObject::find(const NodeId& node, const ValueReader& reader) const
+Result<DataValue> ServerObject::find(const NodeId& node, const ReadingUser& reader) const
 {
     if (node.namespace_index() != 0) {
         return session_value(node, reader);

@@ -17,11 +17,11 @@ public:
     }
 
     [[nodiscard]] Result<DataValue> find(const NodeId& node,
-                                         const ValueReader& reader) const override;
+                                         const ReadingUser& reader) const override;
 
 private:
     /// Of a Variable of SessionNodes; the refusal is the value's status.
-    [[nodiscard]] DataValue session_value(const NodeId& node, const ValueReader& reader) const;
+    [[nodiscard]] DataValue session_value(const NodeId& node, const ReadingUser& reader) const;
 
     const DiagnosticsNeeds& needs_;
     const SessionNodes& session_nodes_;

@@ -19,7 +19,7 @@ namespace {
 
 /// A handle is the entry's number, the part of the Object and the field of that part; field 0 is
 /// all of it.
-enum class Section : std::uint8_t { Diagnostics, Security, Subscriptions };
+enum class Section : std::uint8_t { Diagnostics, Security, SubscriptionTable };
 
 std::uint64_t handle_of(std::uint32_t number, Section section, std::size_t field)
 {
@@ -131,7 +131,7 @@ void SessionNodes::add(const Session& session)
         SectionType{Section::Security, "SessionSecurityDiagnostics",
                     id::SessionDiagnosticsObjectType_SessionSecurityDiagnostics,
                     id::SessionSecurityDiagnosticsType, security_field_names()},
-        SectionType{Section::Subscriptions,
+        SectionType{Section::SubscriptionTable,
                     "SubscriptionDiagnosticsArray",
                     id::SessionDiagnosticsObjectType_SubscriptionDiagnosticsArray,
                     id::SubscriptionDiagnosticsArrayType,
@@ -170,7 +170,7 @@ void SessionNodes::take_flag()
     }
 }
 
-Result<Variant> SessionNodes::value(std::uint64_t handle, const ValueReader& reader) const
+Result<Variant> SessionNodes::value(std::uint64_t handle, const ReadingUser& reader) const
 {
     const auto found = entries_.find(static_cast<std::uint32_t>(handle >> 16U));
     if (found == entries_.end()) {

@@ -27,7 +27,7 @@ public:
 
     /// The value of a Variable of one of the Objects, by the handle it was given; Bad_NodeIdUnknown
     /// for any other. Not every reader may see the security diagnostics.
-    [[nodiscard]] Result<Variant> value(std::uint64_t handle, const ValueReader& reader) const;
+    [[nodiscard]] Result<Variant> value(std::uint64_t handle, const ReadingUser& reader) const;
 
 private:
     struct Entry {

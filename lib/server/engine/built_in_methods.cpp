@@ -16,7 +16,7 @@ std::uint32_t subscription_id(std::span<const Variant> inputs)
     return inputs.empty() ? 0 : inputs[0].value_or<std::uint32_t>(0);
 }
 
-CallResult call_get_monitored_items(const Subscriptions& all, const Session& session,
+CallResult call_get_monitored_items(const SubscriptionTable& all, const Session& session,
                                     std::uint32_t id, std::size_t& item_count)
 {
     auto handles = get_monitored_items(all, session, id);

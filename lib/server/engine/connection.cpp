@@ -1,10 +1,10 @@
 #include <busbar/server/connection.hpp>
 
-#include "link.hpp"
+#include "peer_link.hpp"
 
 namespace busbar::server {
 
-Connection::Connection(std::unique_ptr<detail::Link> link) : link_{std::move(link)} {}
+Connection::Connection(std::unique_ptr<detail::PeerLink> link) : link_{std::move(link)} {}
 Connection::Connection(Connection&&) noexcept = default;
 Connection& Connection::operator=(Connection&&) noexcept = default;
 Connection::~Connection() = default;

@@ -8,7 +8,7 @@
 #include <busbar/core/text.hpp>
 #include <busbar/types/registry.hpp>
 
-#include "link.hpp"
+#include "peer_link.hpp"
 #include "server/attribute/semantic_changes.hpp"
 #include "server/subscription/sampler.hpp"
 
@@ -82,18 +82,18 @@ void Core::watch_certificate(TimePoint now)
     certificate_check = now + Ticks{next.ticks - today.ticks};
 }
 
-Link* Core::find_link(std::uint64_t link_id) const
+PeerLink* Core::find_link(std::uint64_t link_id) const
 {
     const auto found =
         std::lower_bound(links.begin(), links.end(), link_id,
-                         [](const Link* link, std::uint64_t id) { return link->id() < id; });
+                         [](const PeerLink* link, std::uint64_t id) { return link->id() < id; });
     return found != links.end() && (*found)->id() == link_id ? *found : nullptr;
 }
 
 void Core::sweep()
 {
     while (!to_sweep.empty()) {
-        Link* link = to_sweep.back();
+        PeerLink* link = to_sweep.back();
         to_sweep.pop_back();
         link->sweep();
     }
@@ -119,7 +119,7 @@ void Core::close_session(Session& session, StatusCode status, bool deletes_subsc
 
 void Core::session_activated(Session& session)
 {
-    Subscriptions::session_moved(session);
+    SubscriptionTable::session_moved(session);
     session_nodes.add(session);
 }
 
@@ -132,7 +132,7 @@ std::uint32_t Core::cancel(const Session& session, std::uint32_t request_handle)
 {
     std::uint32_t count = 0;
     // The session may have brought requests from an earlier channel with it.
-    for (Link* link : links) {
+    for (PeerLink* link : links) {
         count += link->cancel(session, request_handle);
     }
     return count;

@@ -17,7 +17,7 @@
 #include "server/diagnostics/server_object.hpp"
 #include "server/diagnostics/session_nodes.hpp"
 #include "server/event/events.hpp"
-#include "server/event/model_changes.hpp"
+#include "server/event/model_change_events.hpp"
 #include "server/method/method_needs.hpp"
 #include "server/node_management/node_management_needs.hpp"
 #include "server/session/session_needs.hpp"
@@ -28,7 +28,7 @@
 
 namespace busbar::server::detail {
 
-class Link;
+class PeerLink;
 
 /// All that one server consists of, and the ports by which its parts reach each other. Nobody below
 /// knows it.
@@ -64,7 +64,7 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     /// Outlives the items that take part in it.
     Events events;
     EventItemMaker event_items{events};
-    ModelChanges model_changes;
+    ModelChangeEvents model_changes;
     ClientNodes client_nodes;
     channel::AssemblyBudget assembly;
     SessionTable sessions;
@@ -77,7 +77,7 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     SessionNodes session_nodes{diagnostics_needs};
     ServerObject server_object{diagnostics_needs, session_nodes};
     const SubscriptionNeeds subscription_needs;
-    Subscriptions subscriptions{subscription_needs};
+    SubscriptionTable subscriptions{subscription_needs};
     SubscriptionMethods built_in_methods{subscriptions};
     const SessionNeeds session_needs;
     const AttributeNeeds attribute_needs;
@@ -89,9 +89,9 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     /// When the server's certificate is looked at again.
     TimePoint certificate_check{no_deadline};
     /// All connections, oldest first, which is by id.
-    std::vector<Link*> links;
+    std::vector<PeerLink*> links;
     /// Those with operations that have answered and can be destroyed, each once.
-    std::vector<Link*> to_sweep;
+    std::vector<PeerLink*> to_sweep;
     /// Ids of connections with news for whoever drives them.
     std::deque<std::uint64_t> changed;
     std::uint64_t next_link_id{1};
@@ -105,7 +105,7 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     /// Only so many lines a minute: what peers cause must not fill a disk (Part 2, 5.1.2.3).
     void log(LogLevel level, std::string_view source, std::string_view text);
     /// Null if it has gone.
-    [[nodiscard]] Link* find_link(std::uint64_t link_id) const;
+    [[nodiscard]] PeerLink* find_link(std::uint64_t link_id) const;
     /// To be called at the end of whatever is called from outside.
     void sweep();
     /// Says what the operator should know of the server's own certificate (see

@@ -13,7 +13,7 @@
 #include <busbar/types/query.hpp>
 #include <busbar/types/subscription.hpp>
 
-#include "link.hpp"
+#include "peer_link.hpp"
 #include "server/attribute/read.hpp"
 #include "server/attribute/write.hpp"
 #include "server/method/call.hpp"
@@ -36,7 +36,7 @@ struct Incoming {
     Reply reply;
     /// Where the parameters begin in the message, behind the header.
     std::size_t offset;
-    Link& link;
+    PeerLink& link;
 };
 
 /// What a service needs of the session that the request names.
@@ -90,7 +90,7 @@ void run_function(Core& core, ServiceContext& context, Incoming& incoming)
 template <typename Request, auto Make, auto Needs>
 void run_operation(Core& core, ServiceContext& context, Incoming& incoming)
 {
-    Link& link = incoming.link;
+    PeerLink& link = incoming.link;
     if (!link.has_place_for_operation()) {
         core.sweep(); // no operation is running, and some may have answered meanwhile
     }
@@ -103,7 +103,7 @@ void run_operation(Core& core, ServiceContext& context, Incoming& incoming)
 }
 
 template <typename T, typename Needs>
-std::unique_ptr<Operation> make_operation(Needs& needs)
+std::unique_ptr<ServiceOperation> make_operation(Needs& needs)
 {
     return std::make_unique<T>(needs);
 }
@@ -184,9 +184,9 @@ constexpr auto services = [] {
                  modify_subscription>(Need::Activated),
         function<SetPublishingModeRequest, SetPublishingModeResponse, &Core::subscriptions,
                  set_publishing_mode>(Need::Activated),
-        operation<PublishRequest, make_operation<PublishOperation, Subscriptions>,
+        operation<PublishRequest, make_operation<PublishOperation, SubscriptionTable>,
                   &Core::subscriptions>(Need::Activated),
-        operation<RepublishRequest, make_operation<RepublishOperation, Subscriptions>,
+        operation<RepublishRequest, make_operation<RepublishOperation, SubscriptionTable>,
                   &Core::subscriptions>(Need::Activated),
         function<TransferSubscriptionsRequest, TransferSubscriptionsResponse, &Core::subscriptions,
                  transfer_subscriptions>(Need::Activated),
@@ -216,8 +216,8 @@ tl::unexpected<Refusal> refuse_session(StatusCode status, std::string found, std
 }
 
 /// The session that the request belongs to, if the service may be used with it.
-Checked<Session*> find_session(Core& core, const Link& link, const RequestHeader& header, Need need,
-                               TimePoint now)
+Checked<Session*> find_session(Core& core, const PeerLink& link, const RequestHeader& header,
+                               Need need, TimePoint now)
 {
     if (need == Need::Nothing) {
         return nullptr;
@@ -266,7 +266,7 @@ bool is_response(const Core& core, const NodeId& encoding_id)
     return type != nullptr && type->name.ends_with("Response");
 }
 
-void run(const Service* service, Core& core, Link& link, Incoming& incoming, TimePoint now)
+void run(const Service* service, Core& core, PeerLink& link, Incoming& incoming, TimePoint now)
 {
     if (service == nullptr || service->run == nullptr) {
         const std::uint32_t id = service != nullptr ? service->encoding_id : 0;
@@ -294,7 +294,7 @@ void run(const Service* service, Core& core, Link& link, Incoming& incoming, Tim
 
 } // namespace
 
-void dispatch(Core& core, Link& link, std::vector<std::byte> message, std::uint32_t request_id,
+void dispatch(Core& core, PeerLink& link, std::vector<std::byte> message, std::uint32_t request_id,
               TimePoint now)
 {
     Incoming incoming{std::move(message), {}, {request_id, 0, 0}, 0, link};

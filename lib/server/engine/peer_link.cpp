@@ -1,4 +1,4 @@
-#include "link.hpp"
+#include "peer_link.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -76,9 +76,9 @@ void PeerLog::write(LogLevel level, std::string_view source, std::string_view te
     core_.log(level, source, std::string{address_} + ": " + std::string{text});
 }
 
-class Link::Running {
+class PeerLink::Running {
 public:
-    Running(Link& link, TimePoint now) : link_{link}
+    Running(PeerLink& link, TimePoint now) : link_{link}
     {
         link_.is_running_ = true;
         link_.now_ = now;
@@ -92,10 +92,10 @@ public:
     }
 
 private:
-    Link& link_;
+    PeerLink& link_;
 };
 
-Link::Link(Core& core, std::string_view peer_address, TimePoint now)
+PeerLink::PeerLink(Core& core, std::string_view peer_address, TimePoint now)
     : core_{core}, id_{core.next_link_id++}, peer_address_{printable(peer_address)},
       log_{core, peer_address_}, channel_{channel_config(core), channel_environment(core, log_),
                                           now},
@@ -105,7 +105,7 @@ Link::Link(Core& core, std::string_view peer_address, TimePoint now)
     trust_peer();
 }
 
-Link::~Link()
+PeerLink::~PeerLink()
 {
     handle_closed(status::Good, {});
     if (waits_for_sweep_) {
@@ -114,13 +114,13 @@ Link::~Link()
     std::erase(core_.links, this);
 }
 
-Result<void> Link::reverse_hello(std::string_view endpoint_url)
+Result<void> PeerLink::reverse_hello(std::string_view endpoint_url)
 {
     session_check_ = no_deadline; // until the client has a use for the connection
     return channel_.reverse_hello(core_.config.application_uri, endpoint_url);
 }
 
-Result<void> Link::feed(std::span<const std::byte> in, TimePoint now)
+Result<void> PeerLink::feed(std::span<const std::byte> in, TimePoint now)
 {
     const Running running{*this, now};
     if (session_check_ == no_deadline) {
@@ -131,7 +131,7 @@ Result<void> Link::feed(std::span<const std::byte> in, TimePoint now)
     return fed;
 }
 
-std::optional<ConnectionEvent> Link::next_event()
+std::optional<ConnectionEvent> PeerLink::next_event()
 {
     if (events_.empty()) {
         return std::nullopt;
@@ -141,12 +141,12 @@ std::optional<ConnectionEvent> Link::next_event()
     return event;
 }
 
-std::span<const std::byte> Link::output() const
+std::span<const std::byte> PeerLink::output() const
 {
     return has_given_up_ ? std::span<const std::byte>{} : channel_.output();
 }
 
-void Link::consume(std::size_t size)
+void PeerLink::consume(std::size_t size)
 {
     const Running running{*this, now_};
     channel_.consume(size);
@@ -159,7 +159,7 @@ void Link::consume(std::size_t size)
     }
 }
 
-TimePoint Link::next_deadline() const
+TimePoint PeerLink::next_deadline() const
 {
     TimePoint first = no_deadline;
     if (!output().empty()) {
@@ -178,7 +178,7 @@ TimePoint Link::next_deadline() const
     return first;
 }
 
-void Link::handle_deadline(TimePoint now)
+void PeerLink::handle_deadline(TimePoint now)
 {
     const Running running{*this, now};
     check_silence(now);
@@ -188,7 +188,7 @@ void Link::handle_deadline(TimePoint now)
     channel_.handle_deadline(now);
     // By index: what an operation does may not add others, but it may end all of them.
     for (std::size_t i = 0; i < operations_.size(); ++i) {
-        Operation& operation = *operations_[i];
+        ServiceOperation& operation = *operations_[i];
         if (!operation.is_finished() && operation.client_deadline() <= now) {
             operation.fault(status::Bad_Timeout); // Part 4, 7.32 timeoutHint
         } else if (!operation.is_finished() && operation.next_deadline() <= now) {
@@ -204,7 +204,7 @@ void Link::handle_deadline(TimePoint now)
     work(now);
 }
 
-void Link::check_silence(TimePoint now)
+void PeerLink::check_silence(TimePoint now)
 {
     if (output().empty() || has_progressed_ || send_check_ == no_deadline) {
         has_progressed_ = false;
@@ -215,7 +215,7 @@ void Link::check_silence(TimePoint now)
     }
 }
 
-void Link::work(TimePoint now)
+void PeerLink::work(TimePoint now)
 {
     turn_ = Turn{Turn::units};
     give_turns(now);
@@ -235,16 +235,16 @@ void Link::work(TimePoint now)
 }
 
 /// A peer that does not take its answers is not worked for.
-bool Link::has_room() const
+bool PeerLink::has_room() const
 {
     return channel_.output().size() <= core_.limits().max_send_queue / 2;
 }
 
 /// Operations that were not done in their first turn go on before anything else begins.
-void Link::give_turns(TimePoint now)
+void PeerLink::give_turns(TimePoint now)
 {
     for (std::size_t i = 0; i < operations_.size() && !turn_.is_over() && has_room(); ++i) {
-        Operation& operation = *operations_[i];
+        ServiceOperation& operation = *operations_[i];
         if (operation.wants_turn()) {
             ServiceContext context{*this, operation.session(), now};
             serve([&] { operation.take_turn(context); });
@@ -252,7 +252,7 @@ void Link::give_turns(TimePoint now)
     }
 }
 
-void Link::handle(channel::Event event, TimePoint now)
+void PeerLink::handle(channel::Event event, TimePoint now)
 {
     switch (event.kind) {
     case channel::Event::Kind::Opened:
@@ -273,7 +273,7 @@ void Link::handle(channel::Event event, TimePoint now)
 
 /// A request that takes more memory than there is ends its connection, and nothing else: how far
 /// it came nobody knows.
-void Link::serve(FunctionRef<void()> service)
+void PeerLink::serve(FunctionRef<void()> service)
 {
     const StatusCode thrown = busbar::detail::guarded(log_, "a service", [&] { service(); });
     if (thrown.is_bad()) {
@@ -281,7 +281,7 @@ void Link::serve(FunctionRef<void()> service)
     }
 }
 
-void Link::handle_closed(StatusCode status, std::string reason)
+void PeerLink::handle_closed(StatusCode status, std::string reason)
 {
     if (std::exchange(has_ended_, true)) {
         return;
@@ -295,13 +295,13 @@ void Link::handle_closed(StatusCode status, std::string reason)
     events_.push_back({ConnectionEvent::Kind::Closed, status, std::move(reason)});
 }
 
-bool Link::has_activated_session() const
+bool PeerLink::has_activated_session() const
 {
     return std::any_of(sessions_.begin(), sessions_.end(),
                        [](const Session* session) { return session->is_activated; });
 }
 
-void Link::bind(Session& session)
+void PeerLink::bind(Session& session)
 {
     if (session.peer != this) {
         if (session.peer != nullptr) {
@@ -313,20 +313,20 @@ void Link::bind(Session& session)
     trust_peer();
 }
 
-void Link::unbind(Session& session)
+void PeerLink::unbind(Session& session)
 {
     session.peer = nullptr;
     std::erase(sessions_, &session);
     trust_peer();
 }
 
-void Link::trust_peer()
+void PeerLink::trust_peer()
 {
     constexpr auto all = std::numeric_limits<std::uint32_t>::max();
     channel_.limit_messages(has_activated_session() ? all : core_.limits().max_sessionless_message);
 }
 
-ResponseHeader Link::response_header(const Reply& reply, StatusCode status) const
+ResponseHeader PeerLink::response_header(const Reply& reply, StatusCode status) const
 {
     ResponseHeader header;
     header.timestamp = core_.environment.wall_clock->now();
@@ -335,8 +335,8 @@ ResponseHeader Link::response_header(const Reply& reply, StatusCode status) cons
     return header;
 }
 
-void Link::respond(const Reply& reply, std::uint32_t encoding_id,
-                   FunctionRef<void(binary::Writer&)> encode_response)
+void PeerLink::respond(const Reply& reply, std::uint32_t encoding_id,
+                       FunctionRef<void(binary::Writer&)> encode_response)
 {
     const StatusCode thrown = core_.guards.request().answer(this, reply.request_id, status::Good);
     if (thrown.is_bad()) {
@@ -358,7 +358,7 @@ void Link::respond(const Reply& reply, std::uint32_t encoding_id,
     mark();
 }
 
-void Link::fault(const Reply& reply, StatusCode status)
+void PeerLink::fault(const Reply& reply, StatusCode status)
 {
     const StatusCode answer = core_.guards.request().answer(this, reply.request_id, status);
     // It fails only if the channel is gone, or so small that there is nothing to say.
@@ -370,13 +370,13 @@ void Link::fault(const Reply& reply, StatusCode status)
     mark();
 }
 
-void Link::count_fault(Session* session, std::uint32_t encoding_id, StatusCode status)
+void PeerLink::count_fault(Session* session, std::uint32_t encoding_id, StatusCode status)
 {
     core_.counters.count_fault(session, encoding_id, status);
 }
 
-void Link::start(std::unique_ptr<Operation> operation, std::vector<std::byte> message,
-                 std::size_t offset, const Question& question, ServiceContext& context)
+void PeerLink::start(std::unique_ptr<ServiceOperation> operation, std::vector<std::byte> message,
+                     std::size_t offset, const Question& question, ServiceContext& context)
 {
     const StatusCode bad =
         operation->decode(std::move(message), offset, core_.types, core_.limits().decode);
@@ -385,7 +385,7 @@ void Link::start(std::unique_ptr<Operation> operation, std::vector<std::byte> me
     }
     operation->open(question, context);
     operations_.push_back(std::move(operation));
-    Operation& started = *operations_.back();
+    ServiceOperation& started = *operations_.back();
     started.start(context);
     if (core_.guards.request().is_noted()) {
         started.fault(status::Bad_InternalError);
@@ -398,12 +398,12 @@ void Link::start(std::unique_ptr<Operation> operation, std::vector<std::byte> me
     }
 }
 
-bool Link::has_place_for_operation() const
+bool PeerLink::has_place_for_operation() const
 {
     return operations_.size() < core_.limits().max_pending_requests;
 }
 
-void Link::end_operations(const Session* session, StatusCode status)
+void PeerLink::end_operations(const Session* session, StatusCode status)
 {
     for (const auto& operation : operations_) {
         if (!operation->is_finished() && (session == nullptr || operation->session() == session)) {
@@ -412,7 +412,7 @@ void Link::end_operations(const Session* session, StatusCode status)
     }
 }
 
-std::uint32_t Link::cancel(const Session& session, std::uint32_t request_handle)
+std::uint32_t PeerLink::cancel(const Session& session, std::uint32_t request_handle)
 {
     std::uint32_t count = 0;
     for (const auto& operation : operations_) {
@@ -425,7 +425,7 @@ std::uint32_t Link::cancel(const Session& session, std::uint32_t request_handle)
     return count;
 }
 
-void Link::close(StatusCode status, std::string_view reason)
+void PeerLink::close(StatusCode status, std::string_view reason)
 {
     if (!is_closed()) {
         channel_.close(status, reason);
@@ -434,33 +434,33 @@ void Link::close(StatusCode status, std::string_view reason)
     mark();
 }
 
-void Link::close(const Refusal& refusal)
+void PeerLink::close(const Refusal& refusal)
 {
     explain(log_, "connection", refusal);
     close(refusal.status, refusal.check);
 }
 
-void Link::wants_sweep()
+void PeerLink::wants_sweep()
 {
     if (!std::exchange(waits_for_sweep_, true)) {
         core_.to_sweep.push_back(this);
     }
 }
 
-void Link::sweep()
+void PeerLink::sweep()
 {
     waits_for_sweep_ = false;
     std::erase_if(operations_, [](const auto& operation) { return operation->is_finished(); });
 }
 
-void Link::check_send_queue()
+void PeerLink::check_send_queue()
 {
     if (!is_closed() && channel_.output().size() > core_.limits().max_send_queue) {
         close(takes_too_little(core_.limits()));
     }
 }
 
-void Link::mark()
+void PeerLink::mark()
 {
     if (!is_running_ && !std::exchange(is_marked_, true)) {
         core_.changed.push_back(id_);

@@ -30,11 +30,11 @@ private:
 };
 
 /// The inside of a Connection: its channel and the operations that wait on it.
-class Link final : public Peer {
+class PeerLink final : public Peer {
 public:
     /// Adds itself to `core`.
-    Link(Core& core, std::string_view peer_address, TimePoint now);
-    ~Link();
+    PeerLink(Core& core, std::string_view peer_address, TimePoint now);
+    ~PeerLink();
 
     // The engine, see Connection.
 
@@ -82,7 +82,7 @@ public:
     void recycle(std::vector<std::byte> message) { channel_.recycle(std::move(message)); }
     /// Takes the operation with its message, decodes the parameters that begin at `offset` and
     /// starts it.
-    void start(std::unique_ptr<Operation> operation, std::vector<std::byte> message,
+    void start(std::unique_ptr<ServiceOperation> operation, std::vector<std::byte> message,
                std::size_t offset, const Question& question, ServiceContext& context);
 
     // For the server.
@@ -118,7 +118,7 @@ private:
     std::string peer_address_;
     PeerLog log_;
     channel::ServerChannel channel_;
-    std::vector<std::unique_ptr<Operation>> operations_;
+    std::vector<std::unique_ptr<ServiceOperation>> operations_;
     std::vector<Session*> sessions_;
     std::vector<ConnectionEvent> events_;
     Turn turn_;

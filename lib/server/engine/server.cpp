@@ -7,7 +7,7 @@
 
 #include "config_check.hpp"
 #include "core.hpp"
-#include "link.hpp"
+#include "peer_link.hpp"
 #include "server/event/namespace_nodes.hpp"
 #include "server/session/user_expiry.hpp"
 #include "server/subscription/sampler.hpp"
@@ -116,7 +116,7 @@ Result<Connection> Server::connect(std::string_view peer_address, TimePoint now)
         impl_->log(LogLevel::Warning, "connection", printable(peer_address) + ": " + text(refusal));
         return fail(status::Bad_TcpServerTooBusy);
     }
-    return Connection{std::make_unique<detail::Link>(*impl_, peer_address, now)};
+    return Connection{std::make_unique<detail::PeerLink>(*impl_, peer_address, now)};
 }
 
 std::string Server::Impl::find_obstacle(std::string_view peer_address)
@@ -125,8 +125,9 @@ std::string Server::Impl::find_obstacle(std::string_view peer_address)
         return "the server is stopping";
     }
     const auto from_there =
-        std::count_if(links.begin(), links.end(),
-                      [&](const detail::Link* link) { return link->address() == peer_address; });
+        std::count_if(links.begin(), links.end(), [&](const detail::PeerLink* link) {
+            return link->address() == peer_address;
+        });
     if (static_cast<std::size_t>(from_there) >= limits().max_connections_per_address) {
         return std::to_string(from_there) +
                " connections from this address, the limit max_connections_per_address";
@@ -140,8 +141,9 @@ std::string Server::Impl::find_obstacle(std::string_view peer_address)
 
 bool Server::Impl::make_place()
 {
-    const auto open = static_cast<std::size_t>(std::count_if(
-        links.begin(), links.end(), [](const detail::Link* link) { return !link->is_closed(); }));
+    const auto open = static_cast<std::size_t>(
+        std::count_if(links.begin(), links.end(),
+                      [](const detail::PeerLink* link) { return !link->is_closed(); }));
     if (open < limits().max_connections) {
         return links.size() < 2 * limits().max_connections;
     }
@@ -149,7 +151,7 @@ bool Server::Impl::make_place()
                             "all connections are taken and this one is the oldest without an "
                             "activated session",
                             "Part 4, 5.6.2.1", "Raise max_connections if all of them are needed"};
-    for (detail::Link* link : links) { // the oldest first
+    for (detail::PeerLink* link : links) { // the oldest first
         if (!link->is_closed() && !link->has_activated_session()) {
             link->close(displaced);
             sweep();
@@ -218,7 +220,7 @@ std::optional<std::uint64_t> Server::next_changed()
     while (!impl_->changed.empty()) {
         const std::uint64_t id = impl_->changed.front();
         impl_->changed.pop_front();
-        detail::Link* link = impl_->find_link(id);
+        detail::PeerLink* link = impl_->find_link(id);
         if (link != nullptr && link->take_mark()) {
             return id;
         }
@@ -238,7 +240,7 @@ void Server::begin_shutdown(TimePoint now, std::string_view reason)
     impl_->life.shutdown_time = {impl_->environment.wall_clock->now().ticks +
                                  delay.count() * (DateTime::ticks_per_second / 1000)};
     impl_->shutdown_deadline = now + delay;
-    for (detail::Link* link : impl_->links) {
+    for (detail::PeerLink* link : impl_->links) {
         link->end_operations(nullptr, status::Bad_Shutdown);
     }
     impl_->sweep();
@@ -259,7 +261,7 @@ void Server::Impl::finish_shutdown()
     while (detail::Session* session = sessions.any()) {
         close_session(*session, status::Bad_Shutdown, false);
     }
-    for (detail::Link* link : links) {
+    for (detail::PeerLink* link : links) {
         link->close(status::Bad_Shutdown, "the server stops");
     }
 }
@@ -267,7 +269,7 @@ void Server::Impl::finish_shutdown()
 bool Server::is_stopped() const
 {
     return impl_->is_shutting_down() &&
-           std::all_of(impl_->links.begin(), impl_->links.end(), [](const detail::Link* link) {
+           std::all_of(impl_->links.begin(), impl_->links.end(), [](const detail::PeerLink* link) {
                return link->is_closed() && link->output().empty();
            });
 }

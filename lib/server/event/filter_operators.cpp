@@ -201,8 +201,8 @@ Variant sized(std::uint64_t bits, bool is_signed)
 }
 
 /// Of the size of the larger operand; signed only if both of that size are.
-template <typename Operation>
-Variant bitwise(FilterOperands operands, Operation operation)
+template <typename ServiceOperation>
+Variant bitwise(FilterOperands operands, ServiceOperation operation)
 {
     const Integer a = integer_of(*operands[0]);
     const Integer b = integer_of(*operands[1]);

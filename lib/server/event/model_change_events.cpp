@@ -1,4 +1,4 @@
-#include "model_changes.hpp"
+#include "model_change_events.hpp"
 
 #include <charconv>
 
@@ -76,18 +76,18 @@ Event change_event(const model::ModelChanges& taken)
 
 } // namespace
 
-void ModelChanges::begin()
+void ModelChangeEvents::begin()
 {
     describe_namespaces();
     static_cast<void>(space_.take_changes());
 }
 
-bool ModelChanges::is_pending() const
+bool ModelChangeEvents::is_pending() const
 {
     return space_.has_changes() || namespaces_ != space_.namespace_count();
 }
 
-void ModelChanges::announce()
+void ModelChangeEvents::announce()
 {
     describe_namespaces();
     if (!space_.has_changes()) {
@@ -99,7 +99,7 @@ void ModelChanges::announce()
     static_cast<void>(events_.raise(change_event(taken)));
 }
 
-void ModelChanges::announce_semantics(const NodeId& node)
+void ModelChangeEvents::announce_semantics(const NodeId& node)
 {
     const model::AddressSpace& space = space_;
     const model::NodeIndex found = space.find(node);
@@ -116,7 +116,7 @@ void ModelChanges::announce_semantics(const NodeId& node)
     static_cast<void>(events_.raise(std::move(event)));
 }
 
-void ModelChanges::describe_namespaces()
+void ModelChangeEvents::describe_namespaces()
 {
     for (; namespaces_ < space_.namespace_count(); ++namespaces_) {
         const auto index = static_cast<std::uint16_t>(namespaces_);

@@ -13,11 +13,11 @@ class Events;
 
 /// Tells clients of nodes and references that were added and removed, by whomever (Part 3, 9.32),
 /// and keeps Server.Namespaces up to date.
-class ModelChanges {
+class ModelChangeEvents {
 public:
     /// `own_namespace` is the index of the ApplicationUri in the NamespaceArray.
-    ModelChanges(model::AddressSpace& space, Events& events, LogSink& log,
-                 std::uint16_t own_namespace)
+    ModelChangeEvents(model::AddressSpace& space, Events& events, LogSink& log,
+                      std::uint16_t own_namespace)
         : space_{space}, events_{events}, log_{log}, own_namespace_{own_namespace}
     {
     }

@@ -10,7 +10,7 @@
 namespace busbar::server::detail {
 
 /// Call (Part 4, 5.12.2).
-class CallOperation final : public OperationOf<CallRequest>, private CallOwner {
+class CallOperation final : public OperationOf<CallRequest>, private SourceCallOwner {
 public:
     explicit CallOperation(const MethodNeeds& needs) : needs_{needs} {}
     ~CallOperation() override;

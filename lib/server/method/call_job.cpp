@@ -156,7 +156,7 @@ Result<const MethodSignature*> CallJob::signature(model::NodeIndex method)
     return &signatures_.emplace(method, std::move(*read)).first->second;
 }
 
-bool CallJob::start(CallOwner& owner, TimePoint now)
+bool CallJob::start(SourceCallOwner& owner, TimePoint now)
 {
     call_.kept_for_sources() = memory_;
     return call_.start(owner, now, [this](CallPart& part) { part.caller = &memory_->caller; });

@@ -28,7 +28,7 @@ public:
     CallJob(const MethodNeeds& needs, const ServiceContext& context, const CallRequest& request);
 
     /// True if the results are there, else `owner` is told.
-    [[nodiscard]] bool start(CallOwner& owner, TimePoint now);
+    [[nodiscard]] bool start(SourceCallOwner& owner, TimePoint now);
     [[nodiscard]] TimePoint next_deadline() const { return call_.next_deadline(); }
     /// Answers Bad_Timeout for sources that are late; true if nothing is waited for any more.
     [[nodiscard]] bool handle_deadline(TimePoint now) { return call_.handle_deadline(now); }
@@ -57,7 +57,7 @@ private:
     [[nodiscard]] Result<const MethodSignature*> signature(model::NodeIndex method);
 
     const MethodNeeds& needs_;
-    MethodBatchCall call_;
+    SourceMethodCall call_;
     std::shared_ptr<Memory> memory_;
     std::unordered_map<model::NodeIndex, MethodSignature> signatures_;
     /// Of the Methods that a source was asked for, null for others.

@@ -29,6 +29,6 @@ struct CallTraits {
 };
 
 /// The Methods of one Call on their way to their sources and back.
-using MethodBatchCall = BatchCall<CallTraits>;
+using SourceMethodCall = SourceCall<CallTraits>;
 
 } // namespace busbar::server::detail

@@ -102,27 +102,27 @@ private:
 
 } // namespace
 
-std::unique_ptr<Operation> make_add_nodes(const NodeManagementNeeds& needs)
+std::unique_ptr<ServiceOperation> make_add_nodes(const NodeManagementNeeds& needs)
 {
     return std::make_unique<ManagementOperation<AddNodesRequest, AddNodesResponse,
                                                 &AddNodesRequest::nodes_to_add, add_one>>(needs);
 }
 
-std::unique_ptr<Operation> make_add_references(const NodeManagementNeeds& needs)
+std::unique_ptr<ServiceOperation> make_add_references(const NodeManagementNeeds& needs)
 {
     return std::make_unique<
         ManagementOperation<AddReferencesRequest, AddReferencesResponse,
                             &AddReferencesRequest::references_to_add, add_reference>>(needs);
 }
 
-std::unique_ptr<Operation> make_delete_nodes(const NodeManagementNeeds& needs)
+std::unique_ptr<ServiceOperation> make_delete_nodes(const NodeManagementNeeds& needs)
 {
     return std::make_unique<ManagementOperation<DeleteNodesRequest, DeleteNodesResponse,
                                                 &DeleteNodesRequest::nodes_to_delete, delete_one>>(
         needs);
 }
 
-std::unique_ptr<Operation> make_delete_references(const NodeManagementNeeds& needs)
+std::unique_ptr<ServiceOperation> make_delete_references(const NodeManagementNeeds& needs)
 {
     return std::make_unique<
         ManagementOperation<DeleteReferencesRequest, DeleteReferencesResponse,

@@ -9,9 +9,11 @@
 /// Bad_ServiceUnsupported unless ServerConfig::has_node_management is set.
 namespace busbar::server::detail {
 
-[[nodiscard]] std::unique_ptr<Operation> make_add_nodes(const NodeManagementNeeds& needs);
-[[nodiscard]] std::unique_ptr<Operation> make_add_references(const NodeManagementNeeds& needs);
-[[nodiscard]] std::unique_ptr<Operation> make_delete_nodes(const NodeManagementNeeds& needs);
-[[nodiscard]] std::unique_ptr<Operation> make_delete_references(const NodeManagementNeeds& needs);
+[[nodiscard]] std::unique_ptr<ServiceOperation> make_add_nodes(const NodeManagementNeeds& needs);
+[[nodiscard]] std::unique_ptr<ServiceOperation>
+make_add_references(const NodeManagementNeeds& needs);
+[[nodiscard]] std::unique_ptr<ServiceOperation> make_delete_nodes(const NodeManagementNeeds& needs);
+[[nodiscard]] std::unique_ptr<ServiceOperation>
+make_delete_references(const NodeManagementNeeds& needs);
 
 } // namespace busbar::server::detail

@@ -12,7 +12,7 @@ namespace busbar::server::detail {
 inline constexpr std::uint32_t live_values_source = model::no_source - 1;
 
 /// Who wants a value of the server itself.
-struct ValueReader {
+struct ReadingUser {
     const UserIdentity& user;
     /// Over a channel that nobody else can read.
     bool is_encrypted{false};
@@ -35,7 +35,7 @@ public:
     /// The present value with its source timestamp; Bad_NodeIdUnknown for a Variable whose value
     /// the address space or a data source has.
     [[nodiscard]] virtual Result<DataValue> find(const NodeId& node,
-                                                 const ValueReader& reader) const = 0;
+                                                 const ReadingUser& reader) const = 0;
 
 protected:
     ~LiveValues() = default;

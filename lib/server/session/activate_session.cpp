@@ -343,7 +343,7 @@ void ActivateSession::accept(UserIdentity user, TimePoint now)
 
 } // namespace
 
-std::unique_ptr<Operation> make_activate_session(const SessionNeeds& needs)
+std::unique_ptr<ServiceOperation> make_activate_session(const SessionNeeds& needs)
 {
     return std::make_unique<ActivateSession>(needs);
 }

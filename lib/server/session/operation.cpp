@@ -6,7 +6,7 @@
 
 namespace busbar::server::detail {
 
-Peer& Operation::finish()
+Peer& ServiceOperation::finish()
 {
     Peer& peer = *std::exchange(peer_, nullptr);
     if (session_ != nullptr) {
@@ -18,7 +18,7 @@ Peer& Operation::finish()
     return peer;
 }
 
-void Operation::respond(std::uint32_t encoding_id, FunctionRef<void(binary::Writer&)> encode)
+void ServiceOperation::respond(std::uint32_t encoding_id, FunctionRef<void(binary::Writer&)> encode)
 {
     if (!is_finished()) {
         const Reply reply{request_id_, request_handle_,
@@ -31,7 +31,7 @@ void Operation::respond(std::uint32_t encoding_id, FunctionRef<void(binary::Writ
     }
 }
 
-void Operation::fault(StatusCode status)
+void ServiceOperation::fault(StatusCode status)
 {
     if (!is_finished()) {
         peer_->count_fault(session_, encoding_id_, status);
@@ -39,21 +39,21 @@ void Operation::fault(StatusCode status)
     }
 }
 
-void Operation::deadline_changed()
+void ServiceOperation::deadline_changed()
 {
     if (!is_finished()) {
         peer_->mark();
     }
 }
 
-std::size_t Operation::response_limit() const
+std::size_t ServiceOperation::response_limit() const
 {
     const std::size_t of_session = session_ != nullptr ? session_->max_response_message_size : 0;
     const std::size_t of_channel = peer_ != nullptr ? peer_->max_response_size() : 0;
     return of_session == 0 ? of_channel : std::min(of_session, of_channel);
 }
 
-bool Operation::charge(std::size_t bytes)
+bool ServiceOperation::charge(std::size_t bytes)
 {
     if (session_ != nullptr && !session_->charge(bytes)) {
         return false;
@@ -62,8 +62,9 @@ bool Operation::charge(std::size_t bytes)
     return true;
 }
 
-StatusCode Operation::decode(std::vector<std::byte> message, std::size_t offset,
-                             const binary::TypeRegistry& types, const binary::DecodeLimits& limits)
+StatusCode ServiceOperation::decode(std::vector<std::byte> message, std::size_t offset,
+                                    const binary::TypeRegistry& types,
+                                    const binary::DecodeLimits& limits)
 {
     message_ = std::move(message);
     binary::Reader reader{std::span{message_}.subspan(offset), binary::Strings::Borrow, &types,
@@ -75,7 +76,7 @@ StatusCode Operation::decode(std::vector<std::byte> message, std::size_t offset,
     return reader.ok() ? StatusCode{} : reader.status();
 }
 
-void Operation::open(const Question& question, ServiceContext& context)
+void ServiceOperation::open(const Question& question, ServiceContext& context)
 {
     peer_ = &context.peer;
     session_ = context.session;

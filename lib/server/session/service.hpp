@@ -40,12 +40,12 @@ struct ServiceContext {
 /// destroy it unanswered (end of the connection); answers that come after that are dropped, and
 /// whatever it waits for must stop referring to it when it is destroyed. That is never from within
 /// one of its own members.
-class Operation {
+class ServiceOperation {
 public:
-    Operation() = default;
-    Operation(const Operation&) = delete;
-    Operation& operator=(const Operation&) = delete;
-    virtual ~Operation() = default;
+    ServiceOperation() = default;
+    ServiceOperation(const ServiceOperation&) = delete;
+    ServiceOperation& operator=(const ServiceOperation&) = delete;
+    virtual ~ServiceOperation() = default;
 
     /// Begins, once. Answers by respond() or fault(), exactly once, from here or from later calls.
     /// `context` is gone when it returns. The session may be gone as soon as
@@ -121,7 +121,7 @@ private:
 
 /// An Operation with its request, of which the header is left empty.
 template <typename Request>
-class OperationOf : public Operation {
+class OperationOf : public ServiceOperation {
 protected:
     [[nodiscard]] const Request& request() const { return request_; }
     [[nodiscard]] Request take_request() { return std::move(request_); }

@@ -23,7 +23,7 @@ namespace busbar::server::detail {
                                         const CreateSessionRequest& request,
                                         CreateSessionResponse& response);
 /// An Operation because the answer to a failed login is held back.
-[[nodiscard]] std::unique_ptr<Operation> make_activate_session(const SessionNeeds& needs);
+[[nodiscard]] std::unique_ptr<ServiceOperation> make_activate_session(const SessionNeeds& needs);
 [[nodiscard]] StatusCode close_session(const SessionNeeds& needs, ServiceContext& context,
                                        const CloseSessionRequest& request,
                                        CloseSessionResponse& response);

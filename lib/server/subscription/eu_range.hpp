@@ -29,7 +29,7 @@ protected:
 
 /// Asks a data source for the value of an EURange. Nobody waits for it: as long as the source does
 /// not answer nothing happens. Destroying it ends that.
-class EuRangeRead final : private CallOwner {
+class EuRangeRead final : private SourceCallOwner {
 public:
     EuRangeRead(EuRangeUser& user, DataSources& sources) : user_{&user}, call_{sources, 1} {}
 
@@ -40,7 +40,7 @@ private:
     void call_completed() override;
 
     EuRangeUser* user_;
-    ReadCall call_;
+    SourceRead call_;
 };
 
 } // namespace busbar::server::detail

@@ -43,7 +43,7 @@ std::uint32_t ImageWatch::variable_of(std::uint32_t handle)
     return index;
 }
 
-std::uint32_t ImageWatch::add(DataItem& item, std::uint32_t handle)
+std::uint32_t ImageWatch::add(ValueItem& item, std::uint32_t handle)
 {
     const std::uint32_t variable = variable_of(handle);
     ++variables_[variable].users;

@@ -7,7 +7,7 @@
 
 #include <busbar/server/process_image.hpp>
 
-#include "data_item.hpp"
+#include "value_item.hpp"
 
 namespace busbar::server::detail {
 
@@ -27,12 +27,12 @@ public:
     ~ImageWatch() { account_->release(charged_); }
 
     /// The item's place here. It is sampled next time, whatever its value is.
-    [[nodiscard]] std::uint32_t add(DataItem& item, std::uint32_t handle);
+    [[nodiscard]] std::uint32_t add(ValueItem& item, std::uint32_t handle);
     void remove(std::size_t place);
     /// The item at `place` is sampled next time, whatever its value is.
     void sample_always(std::size_t place) { entries_[place].is_always = true; }
     [[nodiscard]] std::size_t size() const { return entries_.size(); }
-    [[nodiscard]] DataItem* item(std::size_t place) const { return entries_[place].item; }
+    [[nodiscard]] ValueItem* item(std::size_t place) const { return entries_[place].item; }
     /// What is kept of items that are gone: time to make it anew.
     [[nodiscard]] bool is_wasteful() const;
 
@@ -45,7 +45,7 @@ public:
         bool is_only_new;
     };
     void sample(const Sample& sample);
-    /// Scans were lost: what comes next tells of it (see DataItem::note_loss).
+    /// Scans were lost: what comes next tells of it (see ValueItem::note_loss).
     void note_loss();
 
 private:
@@ -62,7 +62,7 @@ private:
         std::uint64_t round;
     };
     struct Entry {
-        DataItem* item;
+        ValueItem* item;
         /// Index of its variable.
         std::uint32_t variable;
         bool is_always;

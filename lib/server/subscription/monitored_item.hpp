@@ -12,11 +12,11 @@
 namespace busbar::server::detail {
 
 class Subscription;
-class Subscriptions;
+class SubscriptionTable;
 
 /// What an item is created, changed and sampled with.
 struct ItemContext {
-    Subscriptions& all;
+    SubscriptionTable& all;
     Subscription& subscription;
     TimePoint now;
 };

@@ -2,13 +2,13 @@
 
 #include <busbar/core/attribute_id.hpp>
 
-#include "data_item.hpp"
 #include "sampler.hpp"
 #include "server/session/session.hpp"
 #include "server/session/sliced_operation.hpp"
 #include "subscription.hpp"
 #include "subscription_services.hpp"
 #include "subscription_table.hpp"
+#include "value_item.hpp"
 
 namespace busbar::server::detail {
 
@@ -26,7 +26,7 @@ bool is_known(TimestampsToReturn timestamps)
 
 /// The session's Subscription, whose client has shown with this that it is there; else why the
 /// request is refused, which has `count` operations.
-Result<Subscription*> find_subscription(Subscriptions& all, const ServiceContext& context,
+Result<Subscription*> find_subscription(SubscriptionTable& all, const ServiceContext& context,
                                         std::uint32_t id, std::size_t count)
 {
     Subscription* const subscription = all.find(id, *context.session);
@@ -63,7 +63,7 @@ std::unique_ptr<MonitoredItem> make_item(const ItemContext& context,
     if (attribute == AttributeId::EventNotifier) {
         return context.all.needs().event_items.make(context, request, revision);
     }
-    return DataItem::make(context, request, timestamps, revision);
+    return ValueItem::make(context, request, timestamps, revision);
 }
 
 MonitoredItemCreateResult create_one(const ItemContext& context,
@@ -83,7 +83,7 @@ MonitoredItemCreateResult create_one(const ItemContext& context,
     result.revised_sampling_interval = revision.sampling_interval;
     result.revised_queue_size = revision.queue_size;
     if (item.kind() == MonitoredItem::Kind::Data && item.mode() != MonitoringMode::Disabled) {
-        context.all.sampler().add(static_cast<DataItem&>(item), context.now);
+        context.all.sampler().add(static_cast<ValueItem&>(item), context.now);
     }
     return result;
 }
@@ -109,7 +109,7 @@ StatusCode remove_link(Subscription& subscription, MonitoredItem& trigger, std::
 template <typename Request, typename Response>
 class ItemsOperation : public SlicedOperation<Request, Response> {
 public:
-    explicit ItemsOperation(Subscriptions& all) : all_{all} {}
+    explicit ItemsOperation(SubscriptionTable& all) : all_{all} {}
 
 protected:
     /// Good, or why the request is refused for anything but its Subscription and its size.
@@ -136,7 +136,7 @@ private:
         all_.sampler().sample_new(now_);
     }
 
-    Subscriptions& all_;
+    SubscriptionTable& all_;
     /// While its turn lasts.
     Subscription* subscription_{nullptr};
     TimePoint now_;
@@ -232,27 +232,27 @@ private:
 
 } // namespace
 
-std::unique_ptr<Operation> make_create_monitored_items(Subscriptions& all)
+std::unique_ptr<ServiceOperation> make_create_monitored_items(SubscriptionTable& all)
 {
     return std::make_unique<CreateItems>(all);
 }
 
-std::unique_ptr<Operation> make_modify_monitored_items(Subscriptions& all)
+std::unique_ptr<ServiceOperation> make_modify_monitored_items(SubscriptionTable& all)
 {
     return std::make_unique<ModifyItems>(all);
 }
 
-std::unique_ptr<Operation> make_set_monitoring_mode(Subscriptions& all)
+std::unique_ptr<ServiceOperation> make_set_monitoring_mode(SubscriptionTable& all)
 {
     return std::make_unique<SetItemsMode>(all);
 }
 
-std::unique_ptr<Operation> make_delete_monitored_items(Subscriptions& all)
+std::unique_ptr<ServiceOperation> make_delete_monitored_items(SubscriptionTable& all)
 {
     return std::make_unique<DeleteItems>(all);
 }
 
-StatusCode set_triggering(Subscriptions& all, ServiceContext& context,
+StatusCode set_triggering(SubscriptionTable& all, ServiceContext& context,
                           const SetTriggeringRequest& request, SetTriggeringResponse& response)
 {
     const auto subscription =

@@ -7,14 +7,14 @@
 /// The MonitoredItem service set (Part 4, 5.13). All need an activated session.
 namespace busbar::server::detail {
 
-class Subscriptions;
+class SubscriptionTable;
 
-[[nodiscard]] std::unique_ptr<Operation> make_create_monitored_items(Subscriptions& all);
-[[nodiscard]] std::unique_ptr<Operation> make_modify_monitored_items(Subscriptions& all);
-[[nodiscard]] std::unique_ptr<Operation> make_set_monitoring_mode(Subscriptions& all);
-[[nodiscard]] StatusCode set_triggering(Subscriptions& all, ServiceContext& context,
+[[nodiscard]] std::unique_ptr<ServiceOperation> make_create_monitored_items(SubscriptionTable& all);
+[[nodiscard]] std::unique_ptr<ServiceOperation> make_modify_monitored_items(SubscriptionTable& all);
+[[nodiscard]] std::unique_ptr<ServiceOperation> make_set_monitoring_mode(SubscriptionTable& all);
+[[nodiscard]] StatusCode set_triggering(SubscriptionTable& all, ServiceContext& context,
                                         const SetTriggeringRequest& request,
                                         SetTriggeringResponse& response);
-[[nodiscard]] std::unique_ptr<Operation> make_delete_monitored_items(Subscriptions& all);
+[[nodiscard]] std::unique_ptr<ServiceOperation> make_delete_monitored_items(SubscriptionTable& all);
 
 } // namespace busbar::server::detail

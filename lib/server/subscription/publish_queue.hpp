@@ -14,13 +14,13 @@ namespace busbar::server::detail {
 
 class PublishPart;
 class Subscription;
-class Subscriptions;
+class SubscriptionTable;
 
 /// Publish (Part 4, 5.14.5): waits in the queue of its session until a Subscription has something
 /// to send.
 class PublishOperation final : public OperationOf<PublishRequest> {
 public:
-    explicit PublishOperation(Subscriptions& all) : all_{all} {}
+    explicit PublishOperation(SubscriptionTable& all) : all_{all} {}
     ~PublishOperation() override;
 
     void start(ServiceContext& context) override;
@@ -44,7 +44,7 @@ private:
     void acknowledge(const Session& session);
     void encode_results(binary::Writer& writer) const;
 
-    Subscriptions& all_;
+    SubscriptionTable& all_;
     /// Whose queue it is in.
     PublishPart* part_{nullptr};
     std::vector<StatusCode> results_;

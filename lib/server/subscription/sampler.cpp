@@ -12,7 +12,7 @@ ReadPlan plan_sample(const SubscriptionNeeds& needs, const Subscription& subscri
                      const ReadValueId& id)
 {
     const UserIdentity& user = subscription.user();
-    const ValueReader reader{user, subscription.is_encrypted()};
+    const ReadingUser reader{user, subscription.is_encrypted()};
     const auto live_value = [&](const NodeId& node) {
         return needs.live_values.find(node, reader);
     };
@@ -47,7 +47,7 @@ SamplingGroup& Sampler::follow(ProcessImage& image)
     return *followed_.back().group;
 }
 
-SamplingGroup& Sampler::group_of(const DataItem& item)
+SamplingGroup& Sampler::group_of(const ValueItem& item)
 {
     if (item.interval() == Duration::zero()) {
         const ReadPlan plan = plan_sample(needs_, item.subscription(), item.value_id());
@@ -65,7 +65,7 @@ SamplingGroup& Sampler::group_of(const DataItem& item)
     return *group;
 }
 
-void Sampler::add(DataItem& item, TimePoint now)
+void Sampler::add(ValueItem& item, TimePoint now)
 {
     SamplingGroup& group = group_of(item);
     group.add(item, now);
@@ -209,17 +209,17 @@ Duration Sampler::smallest_actual_interval() const
     return smallest;
 }
 
-void remove_from_group(DataItem& item)
+void remove_from_group(ValueItem& item)
 {
     SamplingGroup::of(item)->remove(item);
 }
 
-void rebind_in_group(DataItem& item)
+void rebind_in_group(ValueItem& item)
 {
     SamplingGroup::of(item)->rebind(item);
 }
 
-void node_changed_in_group(DataItem& item)
+void node_changed_in_group(ValueItem& item)
 {
     SamplingGroup::of(item)->node_changed(item);
 }

@@ -20,7 +20,7 @@ public:
     Sampler& operator=(const Sampler&) = delete;
 
     /// Samples the item from now on; the first time when sample_new() is called.
-    void add(DataItem& item, TimePoint now);
+    void add(ValueItem& item, TimePoint now);
     /// First samples of the items that were added meanwhile, together. The sources are told before.
     void sample_new(TimePoint now);
     /// Tells the sources what is monitored otherwise than before.
@@ -66,7 +66,7 @@ private:
         Sampler& sampler;
     };
 
-    [[nodiscard]] SamplingGroup& group_of(const DataItem& item);
+    [[nodiscard]] SamplingGroup& group_of(const ValueItem& item);
     [[nodiscard]] SamplingGroup& follow(ProcessImage& image);
     static ImagePin take_scans(Followed& one, TimePoint now);
     static void take_scan(Followed& one, const ImagePin& pin, TimePoint now);

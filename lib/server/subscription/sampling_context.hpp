@@ -1,6 +1,6 @@
 #pragma once
 
-#include "data_item.hpp"
+#include "value_item.hpp"
 
 namespace busbar::server::detail {
 
@@ -12,10 +12,10 @@ namespace busbar::server::detail {
 
 // For items that are in a group.
 
-void remove_from_group(DataItem& item);
+void remove_from_group(ValueItem& item);
 /// What the item was bound to is looked up again.
-void rebind_in_group(DataItem& item);
+void rebind_in_group(ValueItem& item);
 /// The same in the middle of a change of the node.
-void node_changed_in_group(DataItem& item);
+void node_changed_in_group(ValueItem& item);
 
 } // namespace busbar::server::detail

@@ -11,7 +11,7 @@
 
 namespace busbar::server::detail {
 
-struct SamplingGroup::Flight final : CallOwner {
+struct SamplingGroup::Flight final : SourceCallOwner {
     Flight(SamplingGroup& g, std::size_t f, std::size_t count, bool late)
         : group{g}, first{f}, is_late{late}, call{g.sampler_.needs().sources, count}
     {
@@ -24,7 +24,7 @@ struct SamplingGroup::Flight final : CallOwner {
     bool is_late;
     /// Ranges that sources were given.
     std::vector<std::shared_ptr<const NumericRange>> ranges;
-    ReadCall call;
+    SourceRead call;
 };
 
 SamplingGroup::SamplingGroup(Sampler& sampler, Duration interval)
@@ -37,7 +37,7 @@ SamplingGroup::~SamplingGroup()
     sampler_.timers().cancel(*this);
 }
 
-void SamplingGroup::add(DataItem& item, TimePoint now)
+void SamplingGroup::add(ValueItem& item, TimePoint now)
 {
     item.group_ = this;
     put_in(item);
@@ -48,16 +48,16 @@ void SamplingGroup::add(DataItem& item, TimePoint now)
     }
 }
 
-void SamplingGroup::put_in(DataItem& item)
+void SamplingGroup::put_in(ValueItem& item)
 {
-    item.place_ = {DataItem::Place::no_image, static_cast<std::uint32_t>(members_.size())};
+    item.place_ = {ValueItem::Place::no_image, static_cast<std::uint32_t>(members_.size())};
     members_.push_back({&item});
 }
 
-void SamplingGroup::take_out(DataItem& item)
+void SamplingGroup::take_out(ValueItem& item)
 {
     const auto [image, index] = item.place_;
-    if (image != DataItem::Place::no_image) {
+    if (image != ValueItem::Place::no_image) {
         images_[image].watch->remove(index);
     } else {
         members_[index].item = nullptr;
@@ -65,7 +65,7 @@ void SamplingGroup::take_out(DataItem& item)
     }
 }
 
-void SamplingGroup::remove(DataItem& item)
+void SamplingGroup::remove(ValueItem& item)
 {
     take_out(item);
     item.stop();
@@ -74,15 +74,15 @@ void SamplingGroup::remove(DataItem& item)
     sampler_.monitored().change(item.use_, {});
 }
 
-void SamplingGroup::rebind(DataItem& item)
+void SamplingGroup::rebind(ValueItem& item)
 {
     take_out(item);
     put_in(item);
 }
 
-void SamplingGroup::node_changed(DataItem& item)
+void SamplingGroup::node_changed(ValueItem& item)
 {
-    if (item.place_.image != DataItem::Place::no_image) {
+    if (item.place_.image != ValueItem::Place::no_image) {
         rebind(item);
     } else {
         members_[item.place_.index].binding = Binding::Unknown;
@@ -130,7 +130,7 @@ void SamplingGroup::unbind_images()
 {
     for (const Image& image : images_) {
         for (std::size_t i = 0; i < image.watch->size(); ++i) {
-            if (DataItem* const item = image.watch->item(i)) {
+            if (ValueItem* const item = image.watch->item(i)) {
                 put_in(*item);
             }
         }
@@ -147,7 +147,7 @@ void SamplingGroup::watch(ProcessImage& image, Member& member, std::uint64_t han
             {&image, std::make_unique<ImageWatch>(image.layout(), sampler_.memory())});
         found = images_.end() - 1;
     }
-    DataItem& item = *std::exchange(member.item, nullptr);
+    ValueItem& item = *std::exchange(member.item, nullptr);
     ++holes_;
     item.place_ = {static_cast<std::uint32_t>(found - images_.begin()),
                    found->watch->add(item, static_cast<std::uint32_t>(handle))};
@@ -162,7 +162,7 @@ void SamplingGroup::bind(std::size_t first)
     }
 }
 
-void SamplingGroup::note_source(DataItem& item, const ReadPlan& plan)
+void SamplingGroup::note_source(ValueItem& item, const ReadPlan& plan)
 {
     MonitoredHandles::Use use;
     if (plan.source != nullptr) {
@@ -175,7 +175,7 @@ void SamplingGroup::note_source(DataItem& item, const ReadPlan& plan)
 /// to the address space may move them.
 void SamplingGroup::bind_one(std::size_t index)
 {
-    DataItem& item = *members_[index].item;
+    ValueItem& item = *members_[index].item;
     const model::AddressSpace& space = sampler_.needs().space;
     const ReadPlan plan = plan_sample(sampler_.needs(), item.subscription(), item.value_id());
     note_source(item, plan);
@@ -199,7 +199,7 @@ void SamplingGroup::bind_one(std::size_t index)
 
 void SamplingGroup::ask_unbound(Flight& flight, std::size_t index)
 {
-    DataItem& item = *members_[index].item;
+    ValueItem& item = *members_[index].item;
     ReadPlan plan = plan_sample(sampler_.needs(), item.subscription(), item.value_id());
     note_source(item, plan);
     if (plan.source == nullptr) {

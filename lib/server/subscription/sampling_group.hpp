@@ -3,10 +3,10 @@
 #include <memory>
 #include <vector>
 
-#include "data_item.hpp"
 #include "image_watch.hpp"
 #include "server/data/data_call.hpp"
 #include "timer_queue.hpp"
+#include "value_item.hpp"
 
 namespace busbar::server::detail {
 
@@ -28,14 +28,14 @@ public:
     [[nodiscard]] Duration actual_interval() const { return actual_interval_; }
     [[nodiscard]] bool empty() const { return item_count_ == 0; }
     /// The group that the item is in; null if it is in none.
-    [[nodiscard]] static SamplingGroup* of(const DataItem& item) { return item.group_; }
+    [[nodiscard]] static SamplingGroup* of(const ValueItem& item) { return item.group_; }
 
-    void add(DataItem& item, TimePoint now);
-    void remove(DataItem& item);
+    void add(ValueItem& item, TimePoint now);
+    void remove(ValueItem& item);
     /// What the item was bound to is looked up again.
-    void rebind(DataItem& item);
+    void rebind(ValueItem& item);
     /// The same, to be called from the item's NodeWatch.
-    void node_changed(DataItem& item);
+    void node_changed(ValueItem& item);
     /// Finds out where the values of what was added since the last sample come from.
     void bind_new();
     /// Samples it; behind bind_new().
@@ -56,7 +56,7 @@ private:
         Source,
     };
     struct Member {
-        DataItem* item;
+        ValueItem* item;
         std::uint64_t handle{0};
         std::uint32_t source{model::no_source};
         Binding binding{Binding::Unknown};
@@ -87,9 +87,9 @@ private:
     void bind_one(std::size_t member);
     void watch(ProcessImage& image, Member& member, std::uint64_t handle);
     /// Keeps account of what the item monitors, for the source.
-    void note_source(DataItem& item, const ReadPlan& plan);
-    void put_in(DataItem& item);
-    void take_out(DataItem& item);
+    void note_source(ValueItem& item, const ReadPlan& plan);
+    void put_in(ValueItem& item);
+    void take_out(ValueItem& item);
     void compact();
     [[nodiscard]] bool is_full_of_holes() const;
     void arm();

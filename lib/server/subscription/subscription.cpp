@@ -20,7 +20,7 @@ SubscriptionOwner owner_of(const Session& session)
 
 } // namespace
 
-Subscription::Subscription(Subscriptions& all, std::uint32_t id, Session& session)
+Subscription::Subscription(SubscriptionTable& all, std::uint32_t id, Session& session)
     : all_{all}, id_{id}, session_{&session},
       memory_{all.needs().limits.subscriptions.max_subscription_memory, &all.memory()},
       retransmission_{all.needs().limits.subscriptions.max_retransmission_messages, memory_}

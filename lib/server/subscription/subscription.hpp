@@ -22,7 +22,7 @@
 namespace busbar::server::detail {
 
 class Session;
-class Subscriptions;
+class SubscriptionTable;
 
 /// What a client asks of a Subscription, as it was revised (Part 4, 5.14.2.2).
 struct SubscriptionParameters {
@@ -57,7 +57,7 @@ class Subscription final : public Timer {
 public:
     using State = SubscriptionState;
 
-    Subscription(Subscriptions& all, std::uint32_t id, Session& session);
+    Subscription(SubscriptionTable& all, std::uint32_t id, Session& session);
     Subscription(const Subscription&) = delete;
     Subscription& operator=(const Subscription&) = delete;
     ~Subscription() override;
@@ -136,7 +136,7 @@ public:
     [[nodiscard]] std::vector<std::uint32_t> item_ids() const;
     /// Queues the last value of each data item that reports and has none queued.
     void resend_data(TimePoint now);
-    /// See DataItem::announce_change.
+    /// See ValueItem::announce_change.
     void announce_change(const std::unordered_set<NodeId>& variables, std::uint32_t status_bits);
     [[nodiscard]] ReadyList& ready(MonitoredItem::Kind kind)
     {
@@ -161,7 +161,7 @@ private:
     void delete_items();
     [[nodiscard]] ItemContext context(TimePoint now) { return {all_, *this, now}; }
 
-    Subscriptions& all_;
+    SubscriptionTable& all_;
     std::uint32_t id_;
     Session* session_;
     /// While there is no session.

@@ -2,9 +2,9 @@
 
 #include <busbar/core/attribute_id.hpp>
 
-#include "data_item.hpp"
 #include "subscription.hpp"
 #include "subscription_table.hpp"
+#include "value_item.hpp"
 
 namespace busbar::server::detail {
 
@@ -75,7 +75,7 @@ void Subscription::announce_change(const std::unordered_set<NodeId>& variables,
         if (item->kind() != MonitoredItem::Kind::Data) {
             continue;
         }
-        auto& data = static_cast<DataItem&>(*item);
+        auto& data = static_cast<ValueItem&>(*item);
         if (data.value_id().attribute_id == value_attribute &&
             variables.contains(data.value_id().node_id)) {
             data.announce_change(status_bits);

@@ -9,7 +9,7 @@ namespace busbar::server::detail {
 namespace {
 
 /// The Subscription, if it is the session's.
-Result<Subscription*> find(const Subscriptions& all, const Session& session, std::uint32_t id)
+Result<Subscription*> find(const SubscriptionTable& all, const Session& session, std::uint32_t id)
 {
     Subscription* const found = all.find(id);
     if (found == nullptr) {
@@ -21,7 +21,7 @@ Result<Subscription*> find(const Subscriptions& all, const Session& session, std
     return found;
 }
 
-StatusCode delete_one(Subscriptions& all, ServiceContext& context, std::uint32_t id)
+StatusCode delete_one(SubscriptionTable& all, ServiceContext& context, std::uint32_t id)
 {
     Subscription* const subscription = all.find(id);
     if (subscription == nullptr) {
@@ -47,7 +47,7 @@ StatusCode check_count(const ServerLimits& limits, std::size_t count)
                                                                   : status::Good;
 }
 
-StatusCode create_subscription(Subscriptions& all, ServiceContext& context,
+StatusCode create_subscription(SubscriptionTable& all, ServiceContext& context,
                                const CreateSubscriptionRequest& request,
                                CreateSubscriptionResponse& response)
 {
@@ -67,7 +67,7 @@ StatusCode create_subscription(Subscriptions& all, ServiceContext& context,
     return status::Good;
 }
 
-StatusCode modify_subscription(Subscriptions& all, ServiceContext& context,
+StatusCode modify_subscription(SubscriptionTable& all, ServiceContext& context,
                                const ModifySubscriptionRequest& request,
                                ModifySubscriptionResponse& response)
 {
@@ -87,7 +87,7 @@ StatusCode modify_subscription(Subscriptions& all, ServiceContext& context,
     return status::Good;
 }
 
-StatusCode set_publishing_mode(Subscriptions& all, ServiceContext& context,
+StatusCode set_publishing_mode(SubscriptionTable& all, ServiceContext& context,
                                const SetPublishingModeRequest& request,
                                SetPublishingModeResponse& response)
 {
@@ -110,7 +110,7 @@ StatusCode set_publishing_mode(Subscriptions& all, ServiceContext& context,
     return status::Good;
 }
 
-StatusCode delete_subscriptions(Subscriptions& all, ServiceContext& context,
+StatusCode delete_subscriptions(SubscriptionTable& all, ServiceContext& context,
                                 const DeleteSubscriptionsRequest& request,
                                 DeleteSubscriptionsResponse& response)
 {
@@ -143,7 +143,8 @@ void RepublishOperation::start(ServiceContext& context)
     respond<RepublishResponse>([&](binary::Writer& writer) { writer.bytes(*message); });
 }
 
-Result<MonitoredItemHandles> get_monitored_items(const Subscriptions& all, const Session& session,
+Result<MonitoredItemHandles> get_monitored_items(const SubscriptionTable& all,
+                                                 const Session& session,
                                                  std::uint32_t subscription_id)
 {
     const auto subscription = find(all, session, subscription_id);
@@ -160,8 +161,8 @@ Result<MonitoredItemHandles> get_monitored_items(const Subscriptions& all, const
     return handles;
 }
 
-StatusCode resend_data(Subscriptions& all, const Session& session, std::uint32_t subscription_id,
-                       TimePoint now)
+StatusCode resend_data(SubscriptionTable& all, const Session& session,
+                       std::uint32_t subscription_id, TimePoint now)
 {
     const auto subscription = find(all, session, subscription_id);
     if (!subscription) {

@@ -8,33 +8,33 @@
 /// The Subscription service set (Part 4, 5.14) but for Publish. All need an activated session.
 namespace busbar::server::detail {
 
-class Subscriptions;
+class SubscriptionTable;
 
-[[nodiscard]] StatusCode create_subscription(Subscriptions& all, ServiceContext& context,
+[[nodiscard]] StatusCode create_subscription(SubscriptionTable& all, ServiceContext& context,
                                              const CreateSubscriptionRequest& request,
                                              CreateSubscriptionResponse& response);
-[[nodiscard]] StatusCode modify_subscription(Subscriptions& all, ServiceContext& context,
+[[nodiscard]] StatusCode modify_subscription(SubscriptionTable& all, ServiceContext& context,
                                              const ModifySubscriptionRequest& request,
                                              ModifySubscriptionResponse& response);
-[[nodiscard]] StatusCode set_publishing_mode(Subscriptions& all, ServiceContext& context,
+[[nodiscard]] StatusCode set_publishing_mode(SubscriptionTable& all, ServiceContext& context,
                                              const SetPublishingModeRequest& request,
                                              SetPublishingModeResponse& response);
-[[nodiscard]] StatusCode transfer_subscriptions(Subscriptions& all, ServiceContext& context,
+[[nodiscard]] StatusCode transfer_subscriptions(SubscriptionTable& all, ServiceContext& context,
                                                 const TransferSubscriptionsRequest& request,
                                                 TransferSubscriptionsResponse& response);
-[[nodiscard]] StatusCode delete_subscriptions(Subscriptions& all, ServiceContext& context,
+[[nodiscard]] StatusCode delete_subscriptions(SubscriptionTable& all, ServiceContext& context,
                                               const DeleteSubscriptionsRequest& request,
                                               DeleteSubscriptionsResponse& response);
 
 /// Republish (Part 4, 5.14.6): answers with the bytes that were sent.
 class RepublishOperation final : public OperationOf<RepublishRequest> {
 public:
-    explicit RepublishOperation(Subscriptions& all) : all_{all} {}
+    explicit RepublishOperation(SubscriptionTable& all) : all_{all} {}
 
     void start(ServiceContext& context) override;
 
 private:
-    Subscriptions& all_;
+    SubscriptionTable& all_;
 };
 
 /// Good, or why a request with so many operations is refused.
@@ -47,11 +47,11 @@ struct MonitoredItemHandles {
     Array<std::uint32_t> client_handles;
 };
 /// Bad_SubscriptionIdInvalid, or Bad_UserAccessDenied for a Subscription of another session.
-[[nodiscard]] Result<MonitoredItemHandles> get_monitored_items(const Subscriptions& all,
+[[nodiscard]] Result<MonitoredItemHandles> get_monitored_items(const SubscriptionTable& all,
                                                                const Session& session,
                                                                std::uint32_t subscription_id);
 /// The same.
-[[nodiscard]] StatusCode resend_data(Subscriptions& all, const Session& session,
+[[nodiscard]] StatusCode resend_data(SubscriptionTable& all, const Session& session,
                                      std::uint32_t subscription_id, TimePoint now);
 
 } // namespace busbar::server::detail

@@ -22,20 +22,20 @@ std::uint32_t random_id(crypto::Random& random)
 
 } // namespace
 
-Subscriptions::Subscriptions(const SubscriptionNeeds& needs)
+SubscriptionTable::SubscriptionTable(const SubscriptionNeeds& needs)
     : needs_{needs}, memory_{needs.limits.subscriptions.max_memory, nullptr},
       sampler_{std::make_unique<Sampler>(needs, timers_, memory_)}, last_id_{random_id(
                                                                         *needs.environment.random)}
 {
 }
 
-Subscriptions::~Subscriptions()
+SubscriptionTable::~SubscriptionTable()
 {
     subscriptions_.clear();
     sampler_->tell_sources();
 }
 
-std::uint32_t Subscriptions::new_id()
+std::uint32_t SubscriptionTable::new_id()
 {
     do {
         ++last_id_;
@@ -43,9 +43,9 @@ std::uint32_t Subscriptions::new_id()
     return last_id_;
 }
 
-Result<Subscription*> Subscriptions::create(Session& session,
-                                            const SubscriptionParameters& parameters,
-                                            bool publishing_enabled, TimePoint now)
+Result<Subscription*> SubscriptionTable::create(Session& session,
+                                                const SubscriptionParameters& parameters,
+                                                bool publishing_enabled, TimePoint now)
 {
     const SubscriptionLimits& limits = needs_.limits.subscriptions;
     PublishPart& part = PublishPart::of(session);
@@ -66,19 +66,19 @@ Result<Subscription*> Subscriptions::create(Session& session,
     return &made;
 }
 
-Subscription* Subscriptions::find(std::uint32_t id) const
+Subscription* SubscriptionTable::find(std::uint32_t id) const
 {
     const auto found = subscriptions_.find(id);
     return found == subscriptions_.end() ? nullptr : found->second.get();
 }
 
-Subscription* Subscriptions::find(std::uint32_t id, const Session& session) const
+Subscription* SubscriptionTable::find(std::uint32_t id, const Session& session) const
 {
     Subscription* const found = find(id);
     return found != nullptr && found->session() == &session ? found : nullptr;
 }
 
-void Subscriptions::remove(Subscription& subscription)
+void SubscriptionTable::remove(Subscription& subscription)
 {
     if (Session* const session = subscription.session(); session != nullptr) {
         PublishPart::of(*session).remove(subscription);
@@ -86,7 +86,7 @@ void Subscriptions::remove(Subscription& subscription)
     subscriptions_.erase(subscription.id());
 }
 
-void Subscriptions::session_ends(Session& session, bool deletes_subscriptions)
+void SubscriptionTable::session_ends(Session& session, bool deletes_subscriptions)
 {
     const auto own = PublishPart::of(session).subscriptions(); // a copy
     for (Subscription* subscription : own) {
@@ -99,29 +99,29 @@ void Subscriptions::session_ends(Session& session, bool deletes_subscriptions)
     }
 }
 
-void Subscriptions::session_moved(Session& session)
+void SubscriptionTable::session_moved(Session& session)
 {
     if (session.publishing != nullptr) {
         PublishPart::of(session).refuse_others(*session.peer);
     }
 }
 
-void Subscriptions::user_changed(Session& session, TimePoint now)
+void SubscriptionTable::user_changed(Session& session, TimePoint now)
 {
     for (Subscription* subscription : PublishPart::of(session).subscriptions()) {
         subscription->user_changed(now);
     }
 }
 
-void Subscriptions::access_changed(TimePoint now)
+void SubscriptionTable::access_changed(TimePoint now)
 {
     for (const auto& [id, subscription] : subscriptions_) {
         subscription->user_changed(now);
     }
 }
 
-void Subscriptions::announce_change(const std::unordered_set<NodeId>& variables,
-                                    std::uint32_t status_bits)
+void SubscriptionTable::announce_change(const std::unordered_set<NodeId>& variables,
+                                        std::uint32_t status_bits)
 {
     for (const auto& [id, subscription] : subscriptions_) {
         subscription->announce_change(variables, status_bits);

@@ -21,12 +21,12 @@ class Session;
 class Subscription;
 
 /// All Subscriptions of a server, with what they share: timers, sampling and memory.
-class Subscriptions {
+class SubscriptionTable {
 public:
-    explicit Subscriptions(const SubscriptionNeeds& needs);
-    Subscriptions(const Subscriptions&) = delete;
-    Subscriptions& operator=(const Subscriptions&) = delete;
-    ~Subscriptions();
+    explicit SubscriptionTable(const SubscriptionNeeds& needs);
+    SubscriptionTable(const SubscriptionTable&) = delete;
+    SubscriptionTable& operator=(const SubscriptionTable&) = delete;
+    ~SubscriptionTable();
 
     /// Bad_TooManySubscriptions if the session, or the server, has as many as it may have.
     [[nodiscard]] Result<Subscription*> create(Session& session,
@@ -48,7 +48,7 @@ public:
     /// See Server::announce_access_change.
     void access_changed(TimePoint now);
 
-    /// Tells all items of the Variables' values; see DataItem::announce_change.
+    /// Tells all items of the Variables' values; see ValueItem::announce_change.
     void announce_change(const std::unordered_set<NodeId>& variables, std::uint32_t status_bits);
 
     [[nodiscard]] TimePoint next_deadline() const { return timers_.next_deadline(); }

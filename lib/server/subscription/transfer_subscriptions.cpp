@@ -52,7 +52,7 @@ StatusCode transfer(const SubscriptionLimits& limits, const ServiceContext& cont
 
 } // namespace
 
-StatusCode transfer_subscriptions(Subscriptions& all, ServiceContext& context,
+StatusCode transfer_subscriptions(SubscriptionTable& all, ServiceContext& context,
                                   const TransferSubscriptionsRequest& request,
                                   TransferSubscriptionsResponse& response)
 {

@@ -1,4 +1,4 @@
-#include "data_item.hpp"
+#include "value_item.hpp"
 
 #include <algorithm>
 #include <array>
@@ -54,8 +54,8 @@ double minimum_sampling_interval(const model::AddressSpace& space, const ReadVal
 
 } // namespace
 
-DataItem::DataItem(const ItemContext& context, const MonitoredItemCreateRequest& request,
-                   TimestampsToReturn timestamps)
+ValueItem::ValueItem(const ItemContext& context, const MonitoredItemCreateRequest& request,
+                     TimestampsToReturn timestamps)
     : MonitoredItem{context.subscription, Kind::Data, request.requested_parameters.client_handle,
                     request.monitoring_mode},
       value_id_{request.item_to_monitor},
@@ -63,12 +63,12 @@ DataItem::DataItem(const ItemContext& context, const MonitoredItemCreateRequest&
 {
 }
 
-const SubscriptionNeeds& DataItem::needs() const
+const SubscriptionNeeds& ValueItem::needs() const
 {
     return all_->needs();
 }
 
-DataItem::~DataItem()
+ValueItem::~ValueItem()
 {
     if (group_ != nullptr) {
         remove_from_group(*this);
@@ -78,16 +78,16 @@ DataItem::~DataItem()
     subscription().memory().release(charged_);
 }
 
-void DataItem::node_changed(model::NodeIndex /*node*/, bool /*is_removed*/)
+void ValueItem::node_changed(model::NodeIndex /*node*/, bool /*is_removed*/)
 {
     node_changed_in_group(*this);
 }
 
-std::unique_ptr<DataItem> DataItem::make(const ItemContext& context,
-                                         const MonitoredItemCreateRequest& request,
-                                         TimestampsToReturn timestamps, ItemRevision& revision)
+std::unique_ptr<ValueItem> ValueItem::make(const ItemContext& context,
+                                           const MonitoredItemCreateRequest& request,
+                                           TimestampsToReturn timestamps, ItemRevision& revision)
 {
-    std::unique_ptr<DataItem> item{new DataItem{context, request, timestamps}};
+    std::unique_ptr<ValueItem> item{new ValueItem{context, request, timestamps}};
     ReadPlan plan;
     revision.status = item->check_target(context, plan);
     if (revision.status.is_bad()) {
@@ -101,7 +101,7 @@ std::unique_ptr<DataItem> DataItem::make(const ItemContext& context,
     }
     item->filter_ = *filter;
     item->filter_text_ = parameters.filter;
-    const std::size_t cost = sizeof(DataItem) + 2 * sizeof(void*) * 8 +
+    const std::size_t cost = sizeof(ValueItem) + 2 * sizeof(void*) * 8 +
                              MonitoredHandles::bytes_per_item + model::node_watch_memory +
                              item->value_id_.index_range.size();
     if (!context.subscription.memory().charge(cost)) {
@@ -113,7 +113,7 @@ std::unique_ptr<DataItem> DataItem::make(const ItemContext& context,
     return item;
 }
 
-StatusCode DataItem::check_target(const ItemContext& context, ReadPlan& plan)
+StatusCode ValueItem::check_target(const ItemContext& context, ReadPlan& plan)
 {
     plan = plan_sample(needs(), context.subscription, value_id_);
     const StatusCode status = plan.answer.status;
@@ -136,7 +136,7 @@ StatusCode DataItem::check_target(const ItemContext& context, ReadPlan& plan)
     return status::Good;
 }
 
-Result<ChangeFilter> DataItem::make_filter(const ExtensionObject& filter)
+Result<ChangeFilter> ValueItem::make_filter(const ExtensionObject& filter)
 {
     const model::NodeIndex node = needs().space.find(value_id_.node_id);
     if (!filter.is_null() && !is_value_of_variable(needs().space, value_id_, node)) {
@@ -150,7 +150,7 @@ Result<ChangeFilter> DataItem::make_filter(const ExtensionObject& filter)
 }
 
 /// Until a source has said what it is, a range without width, so that all changes are reported.
-std::optional<Range> DataItem::look_up_eu_range(model::NodeIndex variable)
+std::optional<Range> ValueItem::look_up_eu_range(model::NodeIndex variable)
 {
     const model::AddressSpace& space = needs().space;
     const model::NodeIndex property = find_eu_range(space, variable);
@@ -172,7 +172,7 @@ std::optional<Range> DataItem::look_up_eu_range(model::NodeIndex variable)
     return range != nullptr ? std::optional{*range} : std::nullopt;
 }
 
-void DataItem::eu_range_came(const std::optional<Range>& range)
+void ValueItem::eu_range_came(const std::optional<Range>& range)
 {
     eu_range_ = range;
     const auto done = std::move(eu_range_read_);
@@ -185,8 +185,8 @@ void DataItem::eu_range_came(const std::optional<Range>& range)
     }
 }
 
-void DataItem::revise(const ItemContext& context, const MonitoringParameters& parameters,
-                      TimestampsToReturn timestamps, const ReadPlan& plan, ItemRevision& revision)
+void ValueItem::revise(const ItemContext& context, const MonitoringParameters& parameters,
+                       TimestampsToReturn timestamps, const ReadPlan& plan, ItemRevision& revision)
 {
     const SubscriptionLimits& limits = needs().limits.subscriptions;
     timestamps_ = timestamps;
@@ -200,14 +200,14 @@ void DataItem::revise(const ItemContext& context, const MonitoringParameters& pa
     count_interval();
 }
 
-void DataItem::count_interval()
+void ValueItem::count_interval()
 {
     all_->sampler().intervals().change(counted_,
                                        {true, mode() == MonitoringMode::Disabled, interval_});
 }
 
-void DataItem::modify(const ItemContext& context, const MonitoringParameters& parameters,
-                      TimestampsToReturn timestamps, ItemRevision& revision)
+void ValueItem::modify(const ItemContext& context, const MonitoringParameters& parameters,
+                       TimestampsToReturn timestamps, ItemRevision& revision)
 {
     auto filter = make_filter(parameters.filter);
     if (!filter) {
@@ -226,7 +226,7 @@ void DataItem::modify(const ItemContext& context, const MonitoringParameters& pa
     }
 }
 
-void DataItem::mode_changed(const ItemContext& context, MonitoringMode before)
+void ValueItem::mode_changed(const ItemContext& context, MonitoringMode before)
 {
     count_interval();
     if (mode() == MonitoringMode::Disabled) {
@@ -236,7 +236,7 @@ void DataItem::mode_changed(const ItemContext& context, MonitoringMode before)
     }
 }
 
-void DataItem::user_changed(const ItemContext&)
+void ValueItem::user_changed(const ItemContext&)
 {
     const ReadPlan plan = plan_sample(needs(), subscription(), value_id_);
     if (plan.source == nullptr && plan.answer.status.is_bad()) {
@@ -249,7 +249,7 @@ void DataItem::user_changed(const ItemContext&)
     }
 }
 
-void DataItem::resend(const ItemContext&)
+void ValueItem::resend(const ItemContext&)
 {
     if (queue_.size() == 0 && queue_.newest() != nullptr) {
         queue_.repeat();
@@ -257,7 +257,7 @@ void DataItem::resend(const ItemContext&)
     }
 }
 
-void DataItem::announce_change(std::uint32_t status_bits)
+void ValueItem::announce_change(std::uint32_t status_bits)
 {
     pending_bits_ |= status_bits;
     // An EURange that has become unusable leaves the deadband as it was.
@@ -269,7 +269,7 @@ void DataItem::announce_change(std::uint32_t status_bits)
     }
 }
 
-void DataItem::sample(const ReadSlot& slot, StatusCode status, DateTime server_time)
+void ValueItem::sample(const ReadSlot& slot, StatusCode status, DateTime server_time)
 {
     const Variant& value = slot.shared != nullptr ? *slot.shared : slot.value;
     const DataValue* const last = queue_.newest();
@@ -284,7 +284,7 @@ void DataItem::sample(const ReadSlot& slot, StatusCode status, DateTime server_t
     notify();
 }
 
-void DataItem::note_loss()
+void ValueItem::note_loss()
 {
     has_lost_ = queue_.capacity() > 1 && queue_.newest() != nullptr;
     if (has_lost_) {
@@ -292,13 +292,13 @@ void DataItem::note_loss()
     }
 }
 
-void DataItem::clear()
+void ValueItem::clear()
 {
     queue_.clear();
     has_lost_ = false;
 }
 
-std::size_t DataItem::notification_size() const
+std::size_t ValueItem::notification_size() const
 {
     // Handle, mask, status, timestamps and a scalar.
     constexpr std::size_t most_flat = 64;
@@ -306,7 +306,7 @@ std::size_t DataItem::notification_size() const
     return held_bytes(value) == 0 ? most_flat : most_flat + binary::encoded_size(value);
 }
 
-void DataItem::take_notification(binary::Writer& writer, std::size_t most)
+void ValueItem::take_notification(binary::Writer& writer, std::size_t most)
 {
     const DataValue& oldest = queue_.oldest();
     writer.number(client_handle());

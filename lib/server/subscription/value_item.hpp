@@ -21,15 +21,15 @@ class SamplingGroup;
 
 /// An item of an attribute, mostly a Variable's Value: samples come from its SamplingGroup, pass
 /// the filter and wait in a queue.
-class DataItem final : public MonitoredItem, private EuRangeUser, private model::NodeWatch {
+class ValueItem final : public MonitoredItem, private EuRangeUser, private model::NodeWatch {
 public:
     /// Null, with the reason in `revision.status`, if there can be no such item. It is sampled from
     /// add_to_sampler() on.
-    [[nodiscard]] static std::unique_ptr<DataItem> make(const ItemContext& context,
-                                                        const MonitoredItemCreateRequest& request,
-                                                        TimestampsToReturn timestamps,
-                                                        ItemRevision& revision);
-    ~DataItem() override;
+    [[nodiscard]] static std::unique_ptr<ValueItem> make(const ItemContext& context,
+                                                         const MonitoredItemCreateRequest& request,
+                                                         TimestampsToReturn timestamps,
+                                                         ItemRevision& revision);
+    ~ValueItem() override;
 
     [[nodiscard]] std::size_t queued() const override { return queue_.size(); }
     [[nodiscard]] std::size_t notification_size() const override;
@@ -65,8 +65,8 @@ public:
 private:
     friend class SamplingGroup;
 
-    DataItem(const ItemContext& context, const MonitoredItemCreateRequest& request,
-             TimestampsToReturn timestamps);
+    ValueItem(const ItemContext& context, const MonitoredItemCreateRequest& request,
+              TimestampsToReturn timestamps);
 
     [[nodiscard]] const SubscriptionNeeds& needs() const;
     void clear() override;
@@ -90,7 +90,7 @@ private:
     ExtensionObject filter_text_;
     /// Null unless a source is asked for the EURange.
     std::unique_ptr<EuRangeRead> eu_range_read_;
-    Subscriptions* all_;
+    SubscriptionTable* all_;
     std::optional<Range> eu_range_;
     Duration interval_{0};
     SamplingIntervals::Use counted_;

@@ -114,18 +114,18 @@ private:
 
 } // namespace
 
-std::unique_ptr<Operation> make_browse(const ViewNeeds& needs)
+std::unique_ptr<ServiceOperation> make_browse(const ViewNeeds& needs)
 {
     return std::make_unique<BrowseOperation<BrowseRequest, BrowseResponse, BrowseWork>>(needs);
 }
 
-std::unique_ptr<Operation> make_browse_next(const ViewNeeds& needs)
+std::unique_ptr<ServiceOperation> make_browse_next(const ViewNeeds& needs)
 {
     return std::make_unique<BrowseOperation<BrowseNextRequest, BrowseNextResponse, BrowseNextWork>>(
         needs);
 }
 
-std::unique_ptr<Operation> make_translate_browse_paths(const ViewNeeds& needs)
+std::unique_ptr<ServiceOperation> make_translate_browse_paths(const ViewNeeds& needs)
 {
     return std::make_unique<TranslateOperation>(needs);
 }

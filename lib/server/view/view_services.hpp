@@ -9,9 +9,9 @@
 namespace busbar::server::detail {
 
 /// Operations, as they may take several turns.
-[[nodiscard]] std::unique_ptr<Operation> make_browse(const ViewNeeds& needs);
-[[nodiscard]] std::unique_ptr<Operation> make_browse_next(const ViewNeeds& needs);
-[[nodiscard]] std::unique_ptr<Operation> make_translate_browse_paths(const ViewNeeds& needs);
+[[nodiscard]] std::unique_ptr<ServiceOperation> make_browse(const ViewNeeds& needs);
+[[nodiscard]] std::unique_ptr<ServiceOperation> make_browse_next(const ViewNeeds& needs);
+[[nodiscard]] std::unique_ptr<ServiceOperation> make_translate_browse_paths(const ViewNeeds& needs);
 [[nodiscard]] StatusCode register_nodes(const ViewNeeds& needs, ServiceContext& context,
                                         const RegisterNodesRequest& request,
                                         RegisterNodesResponse& response);

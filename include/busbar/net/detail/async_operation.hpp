@@ -91,10 +91,10 @@ private:
 
 /// A request whose response is waited for.
 template <typename Response, typename Request, typename Handler>
-class CallOperation final : public HandledOperation<Handler, Result<Response>> {
+class AwaitedCall final : public HandledOperation<Handler, Result<Response>> {
 public:
-    CallOperation(const asio::any_io_executor& executor, Handler handler, Request request,
-                  const client::RequestOptions& options)
+    AwaitedCall(const asio::any_io_executor& executor, Handler handler, Request request,
+                const client::RequestOptions& options)
         : HandledOperation<Handler, Result<Response>>{executor, std::move(handler)},
           request_{std::move(request)}, options_{options}
     {
@@ -105,7 +105,7 @@ public:
         client_ = &client;
         id_ = client.template call<Response>(
             std::move(request_),
-            [self = std::static_pointer_cast<CallOperation>(this->shared_from_this())](
+            [self = std::static_pointer_cast<AwaitedCall>(this->shared_from_this())](
                 Result<Response> response) { self->complete(std::move(response)); },
             options_);
     }
