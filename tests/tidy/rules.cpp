@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <optional>
 #include <regex>
 
@@ -273,6 +274,39 @@ void check_traces(const File& file, Findings& findings)
     if (is_header && (file.lines.empty() || file.lines[0] != "#pragma once")) {
         report(file, 0, "a header begins with #pragma once", findings);
     }
+}
+
+std::vector<std::string> defined_types(const File& file)
+{
+    static const std::regex definition{
+        R"(^(?:class|struct|enum class) (?:BUSBAR_API )?(\w+)(?: final)?(?: : [^;]*)?(?: \{.*)?$)"};
+    std::vector<std::string> names;
+    for (const std::string& line : file.lines) {
+        std::smatch match;
+        if (std::regex_match(line, match, definition)) {
+            names.push_back(match[1]);
+        }
+    }
+    return names;
+}
+
+Findings find_twins(const std::vector<File>& headers)
+{
+    // Both ends of a connection, in a namespace each; and what a NodeSet file says of a text or a
+    // reference before it is one.
+    constexpr std::string_view may_have_twins =
+        " Connection ConnectionEvent LocalizedText Reference ";
+    std::map<std::string, std::string> homes;
+    Findings findings;
+    for (const File& file : headers) {
+        for (const std::string& name : defined_types(file)) {
+            const auto [home, is_new] = homes.emplace(name, file.path);
+            if (!is_new && may_have_twins.find(" " + name + " ") == std::string_view::npos) {
+                findings.push_back(file.path + ": " + name + " is also in " + home->second);
+            }
+        }
+    }
+    return findings;
 }
 
 Findings check(const File& file)

@@ -29,7 +29,12 @@ void check_calls(const File& file, Findings& findings);
 /// Absolute paths of somebody's machine, and headers that can be included twice.
 void check_traces(const File& file, Findings& findings);
 
-/// All rules.
+/// The types that a header of the library defines, forward declarations and nested ones left out.
+[[nodiscard]] std::vector<std::string> defined_types(const File& file);
+/// Types of that name that more than one of the headers defines, but for a few that may.
+[[nodiscard]] Findings find_twins(const std::vector<File>& headers);
+
+/// All rules that one file can break.
 [[nodiscard]] Findings check(const File& file);
 
 } // namespace busbar::tidy

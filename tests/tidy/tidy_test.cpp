@@ -54,6 +54,28 @@ TEST_CASE("the sources keep the house rules", "[tidy]")
     CHECK(files > 40);
 }
 
+TEST_CASE("a name of a type means one thing in the library", "[tidy]")
+{
+    const std::filesystem::path root{BUSBAR_SOURCE_DIR};
+    std::vector<tidy::File> headers;
+    for (const char* folder : {"lib", "include"}) {
+        for (const auto& entry : std::filesystem::recursive_directory_iterator{root / folder}) {
+            if (entry.path().extension() == ".hpp") {
+                headers.push_back(read(entry.path(), root));
+            }
+        }
+    }
+    CHECK(headers.size() > 100);
+    CHECK(text_of(tidy::find_twins(headers)) == "");
+
+    CHECK(tidy::find_twins({make_file("lib/a/x.hpp", "class Link final : public Peer {\n"),
+                            make_file("lib/b/y.hpp", "struct Link {\n")})
+              .size() == 1);
+    CHECK(tidy::find_twins({make_file("lib/a/x.hpp", "class Link;\nstruct Link::Impl {\n"),
+                            make_file("lib/b/y.hpp", "class BUSBAR_API Link {\n")})
+              .empty());
+}
+
 TEST_CASE("every layer has a README of at most 40 lines", "[tidy]")
 {
     const std::filesystem::path root{BUSBAR_SOURCE_DIR};
