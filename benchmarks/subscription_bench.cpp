@@ -130,7 +130,7 @@ private:
             static_cast<void>(client_->feed(connection_->output(), now_));
             connection_->consume(connection_->output().size());
             while (auto event = client_->next_event()) {
-                if (event->kind == channel::Event::Kind::Message) {
+                if (event->kind == channel::ChannelEvent::Kind::Message) {
                     take(*event);
                 }
             }
@@ -157,7 +157,7 @@ private:
         }));
         talk();
     }
-    void take(const channel::Event& event)
+    void take(const channel::ChannelEvent& event)
     {
         binary::Reader reader{event.body, binary::Strings::Borrow, &types_};
         NodeId type;

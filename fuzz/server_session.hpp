@@ -45,7 +45,7 @@ struct ServerSession {
             while (connection.next_event()) {
             }
             while (auto event = client->next_event()) {
-                if (event->kind == channel::Event::Kind::Message) {
+                if (event->kind == channel::ChannelEvent::Kind::Message) {
                     responses.push_back(std::move(event->body));
                 }
             }

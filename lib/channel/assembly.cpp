@@ -26,7 +26,7 @@ constexpr std::size_t max_recycled_size = 1U << 20U;
 
 } // namespace
 
-Result<std::optional<Event>> Assembly::add(char flag, const SymmetricContent& content)
+Result<std::optional<ChannelEvent>> Assembly::add(char flag, const SymmetricContent& content)
 {
     // The chunks of a message come in one piece: a sender finishes it before the next begins.
     if (chunks_ != 0 && content.request_id != request_id_) {
@@ -47,15 +47,17 @@ Result<std::optional<Event>> Assembly::add(char flag, const SymmetricContent& co
         request_id_ = content.request_id;
         return std::nullopt;
     }
-    Event event{Event::Kind::Message, content.request_id, std::exchange(message_, {}), {}, {}};
+    ChannelEvent event{
+        ChannelEvent::Kind::Message, content.request_id, std::exchange(message_, {}), {}, {}};
     drop();
     return event;
 }
 
-Event Assembly::give_up(const SymmetricContent& content)
+ChannelEvent Assembly::give_up(const SymmetricContent& content)
 {
     drop();
-    Event event{Event::Kind::Aborted, content.request_id, {}, status::Bad_DecodingError, {}};
+    ChannelEvent event{
+        ChannelEvent::Kind::Aborted, content.request_id, {}, status::Bad_DecodingError, {}};
     const auto message = parse_error(content.body);
     if (message && message->error.is_bad()) {
         event.status = message->error;

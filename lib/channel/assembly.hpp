@@ -30,7 +30,8 @@ public:
     /// Adds a verified chunk. The event when it ends a message: Message, or Aborted with the
     /// sender's status. Bad_TcpMessageTypeInvalid for a chunk of another message in between,
     /// Bad_TcpMessageTooLarge past a limit, Bad_TcpNotEnoughResources past the budget.
-    [[nodiscard]] Result<std::optional<Event>> add(char flag, const SymmetricContent& content);
+    [[nodiscard]] Result<std::optional<ChannelEvent>> add(char flag,
+                                                          const SymmetricContent& content);
     /// What a message may have from now on, the one that has begun included; never more than the
     /// limits that it was made with.
     void limit_messages(std::uint32_t size) { max_message_size_ = std::min(size, most_); }
@@ -41,7 +42,7 @@ public:
     [[nodiscard]] std::size_t capacity() const { return message_.capacity(); }
 
 private:
-    [[nodiscard]] Event give_up(const SymmetricContent& content);
+    [[nodiscard]] ChannelEvent give_up(const SymmetricContent& content);
     [[nodiscard]] bool charge(std::size_t size);
     void drop();
 

@@ -16,12 +16,12 @@ void ClientChannel::Impl::say_hello()
     Hello hello = conversation.sizes();
     hello.endpoint_url = String{config.endpoint_url};
     write_hello(conversation.output(), hello);
-    state = ClientState::Acknowledge;
+    state = ClientChannelState::Acknowledge;
 }
 
-std::optional<Event> ClientChannel::Impl::next_event()
+std::optional<ChannelEvent> ClientChannel::Impl::next_event()
 {
-    while (events.empty() && state != ClientState::Closed) {
+    while (events.empty() && state != ClientChannelState::Closed) {
         const auto frame = conversation.next_frame();
         if (!frame) {
             give_up(protocol_refusal(frame.error()));
@@ -41,16 +41,17 @@ Checked<void> ClientChannel::Impl::handle(const Frame& frame)
         handle_error(frame);
         return {};
     }
-    if (state == ClientState::ReverseHello && type == MessageType::RHE) {
+    if (state == ClientChannelState::ReverseHello && type == MessageType::RHE) {
         return handle_reverse_hello(frame);
     }
-    if (state == ClientState::Acknowledge && type == MessageType::ACK) {
+    if (state == ClientChannelState::Acknowledge && type == MessageType::ACK) {
         return handle_acknowledge(frame);
     }
-    if ((state == ClientState::Opening || state == ClientState::Open) && type == MessageType::OPN) {
+    if ((state == ClientChannelState::Opening || state == ClientChannelState::Open) &&
+        type == MessageType::OPN) {
         return handle_open(frame);
     }
-    if (state == ClientState::Open && type == MessageType::MSG) {
+    if (state == ClientChannelState::Open && type == MessageType::MSG) {
         return handle_message(frame);
     }
     return refuse(protocol_refusal(status::Bad_TcpMessageTypeInvalid));
@@ -92,7 +93,7 @@ Checked<void> ClientChannel::Impl::handle_acknowledge(const Frame& frame)
                        "Part 6, 7.1.2.4", "The server's OPC UA stack is at fault"});
     }
     conversation.negotiate(*acknowledge);
-    state = ClientState::Opening;
+    state = ClientChannelState::Opening;
     if (const auto sent = request_token(SecurityTokenRequestType::Issue); !sent) {
         return refuse({sent.error(), "OpenSecureChannel request", "it could not be secured",
                        "Part 6, 6.7.4", "Check this application's certificate and key"});
@@ -136,9 +137,9 @@ void ClientChannel::Impl::give_up(const Refusal& refusal)
 {
     const StatusCode status = refusal.status;
     explain(*conversation.environment().log, "channel", refusal);
-    if (state == ClientState::Open) {
+    if (state == ClientChannelState::Open) {
         send_close();
-    } else if (state == ClientState::ReverseHello) {
+    } else if (state == ClientChannelState::ReverseHello) {
         write_error(conversation.output(), status, name(status)); // Part 6, 7.1.2.6
     }
     end(status, text(refusal));
@@ -146,8 +147,8 @@ void ClientChannel::Impl::give_up(const Refusal& refusal)
 
 void ClientChannel::Impl::end(StatusCode status, std::string reason)
 {
-    state = ClientState::Closed;
-    events.push({Event::Kind::Closed, 0, {}, status, std::move(reason)});
+    state = ClientChannelState::Closed;
+    events.push({ChannelEvent::Kind::Closed, 0, {}, status, std::move(reason)});
 }
 
 ClientChannel::ClientChannel(ClientChannelConfig config, const ChannelEnvironment& environment,
@@ -166,7 +167,7 @@ ClientChannel::ClientChannel(ClientChannelConfig config, const ChannelEnvironmen
         impl_->end(status::Bad_ConfigurationError,
                    "the policy needs both certificates and a validator");
     } else if (impl_->config.is_reverse) {
-        impl_->state = ClientState::ReverseHello;
+        impl_->state = ClientChannelState::ReverseHello;
     } else {
         impl_->say_hello();
     }
@@ -177,7 +178,7 @@ ClientChannel::~ClientChannel() = default;
 
 Result<void> ClientChannel::feed(std::span<const std::byte> in, TimePoint now)
 {
-    if (impl_->state == ClientState::Closed) {
+    if (impl_->state == ClientChannelState::Closed) {
         return fail(status::Bad_SecureChannelClosed);
     }
     impl_->now = now;
@@ -185,7 +186,7 @@ Result<void> ClientChannel::feed(std::span<const std::byte> in, TimePoint now)
     return {};
 }
 
-std::optional<Event> ClientChannel::next_event()
+std::optional<ChannelEvent> ClientChannel::next_event()
 {
     return impl_->next_event();
 }
@@ -202,10 +203,10 @@ void ClientChannel::consume(std::size_t size)
 
 TimePoint ClientChannel::next_deadline() const
 {
-    if (impl_->state == ClientState::Closed) {
+    if (impl_->state == ClientChannelState::Closed) {
         return no_deadline;
     }
-    if (impl_->state != ClientState::Open) {
+    if (impl_->state != ClientChannelState::Open) {
         return impl_->handshake_deadline;
     }
     return impl_->open_request_id != 0 ? impl_->conversation.expires_at()
@@ -218,7 +219,7 @@ void ClientChannel::handle_deadline(TimePoint now)
     if (now < next_deadline()) {
         return;
     }
-    if (impl_->state == ClientState::Open && impl_->open_request_id == 0) {
+    if (impl_->state == ClientChannelState::Open && impl_->open_request_id == 0) {
         const auto sent = impl_->request_token(SecurityTokenRequestType::Renew);
         if (!sent) {
             impl_->give_up({sent.error(),
@@ -238,7 +239,7 @@ void ClientChannel::handle_deadline(TimePoint now)
 
 Result<std::uint32_t> ClientChannel::send(FunctionRef<void(binary::Writer&)> encode)
 {
-    if (impl_->state != ClientState::Open) {
+    if (impl_->state != ClientChannelState::Open) {
         return fail(status::Bad_SecureChannelClosed);
     }
     const std::uint32_t before = impl_->last_request_id;
@@ -253,10 +254,10 @@ Result<std::uint32_t> ClientChannel::send(FunctionRef<void(binary::Writer&)> enc
 
 void ClientChannel::close()
 {
-    if (impl_->state == ClientState::Open) {
+    if (impl_->state == ClientChannelState::Open) {
         impl_->send_close();
     }
-    if (impl_->state != ClientState::Closed) {
+    if (impl_->state != ClientChannelState::Closed) {
         impl_->end({}, {});
     }
 }
@@ -273,12 +274,12 @@ std::size_t ClientChannel::memory_in_use() const
 
 bool ClientChannel::is_open() const
 {
-    return impl_->state == ClientState::Open;
+    return impl_->state == ClientChannelState::Open;
 }
 
 bool ClientChannel::is_closed() const
 {
-    return impl_->state == ClientState::Closed;
+    return impl_->state == ClientChannelState::Closed;
 }
 
 std::uint32_t ClientChannel::channel_id() const

@@ -15,14 +15,14 @@ namespace busbar::channel {
 
 namespace detail {
 
-enum class ClientState : std::uint8_t { ReverseHello, Acknowledge, Opening, Open, Closed };
+enum class ClientChannelState : std::uint8_t { ReverseHello, Acknowledge, Opening, Open, Closed };
 
 } // namespace detail
 
 /// The inside of a ClientChannel: client_channel.cpp has the connection, client_open.cpp how a
 /// SecurityToken is asked for and taken.
 struct ClientChannel::Impl {
-    using State = detail::ClientState;
+    using State = detail::ClientChannelState;
 
     Impl(ClientChannelConfig c, const ChannelEnvironment& environment, TimePoint start)
         : config{std::move(c)}, conversation{config.limits, environment, detail::Role::Client},
@@ -32,7 +32,7 @@ struct ClientChannel::Impl {
     }
 
     void say_hello();
-    [[nodiscard]] std::optional<Event> next_event();
+    [[nodiscard]] std::optional<ChannelEvent> next_event();
     [[nodiscard]] Checked<void> handle(const detail::Frame& frame);
     [[nodiscard]] Checked<void> handle_reverse_hello(const detail::Frame& frame);
     void handle_error(const detail::Frame& frame);

@@ -130,7 +130,7 @@ Checked<void> ClientChannel::Impl::handle_open(const Frame& frame)
     }
     open_request_id = 0;
     const bool is_new = std::exchange(state, State::Open) == State::Opening;
-    events.push({is_new ? Event::Kind::Opened : Event::Kind::Renewed, 0, {}, {}, {}});
+    events.push({is_new ? ChannelEvent::Kind::Opened : ChannelEvent::Kind::Renewed, 0, {}, {}, {}});
     return {};
 }
 

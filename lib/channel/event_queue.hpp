@@ -13,13 +13,13 @@ namespace busbar::channel::detail {
 class PendingEvents {
 public:
     [[nodiscard]] bool empty() const { return next_ == events_.size(); }
-    void push(Event event) { events_.push_back(std::move(event)); }
-    [[nodiscard]] std::optional<Event> pop()
+    void push(ChannelEvent event) { events_.push_back(std::move(event)); }
+    [[nodiscard]] std::optional<ChannelEvent> pop()
     {
         if (empty()) {
             return std::nullopt;
         }
-        std::optional<Event> event{std::move(events_[next_])};
+        std::optional<ChannelEvent> event{std::move(events_[next_])};
         ++next_;
         if (empty()) {
             events_.clear();
@@ -29,7 +29,7 @@ public:
     }
 
 private:
-    std::vector<Event> events_;
+    std::vector<ChannelEvent> events_;
     std::size_t next_{0};
 };
 

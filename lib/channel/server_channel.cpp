@@ -51,7 +51,7 @@ struct ServerChannel::Impl {
     {
     }
 
-    [[nodiscard]] std::optional<Event> next_event();
+    [[nodiscard]] std::optional<ChannelEvent> next_event();
     [[nodiscard]] Checked<void> handle(const Frame& frame);
     [[nodiscard]] Checked<void> handle_hello(const Frame& frame);
     [[nodiscard]] Checked<void> handle_open(const Frame& frame);
@@ -74,7 +74,7 @@ struct ServerChannel::Impl {
     PendingEvents events;
 };
 
-std::optional<Event> ServerChannel::Impl::next_event()
+std::optional<ChannelEvent> ServerChannel::Impl::next_event()
 {
     while (events.empty() && state != State::Closed) {
         const auto frame = conversation.next_frame();
@@ -192,7 +192,7 @@ Result<void> ServerChannel::Impl::issue(const OpenSecureChannelRequest& request,
     client_nonce = request.client_nonce;
     conversation.offer(*std::move(token));
     const bool is_new = std::exchange(state, State::Open) == State::Opening;
-    events.push({is_new ? Event::Kind::Opened : Event::Kind::Renewed, 0, {}, {}, {}});
+    events.push({is_new ? ChannelEvent::Kind::Opened : ChannelEvent::Kind::Renewed, 0, {}, {}, {}});
     return {};
 }
 
@@ -214,7 +214,7 @@ Checked<void> ServerChannel::Impl::handle_message(const Frame& frame)
         return refuse(protocol_refusal(event.error()));
     }
     // A client that gave up a request leaves nothing to do (Part 6, 6.7.3).
-    if (*event && (*event)->kind == Event::Kind::Message) {
+    if (*event && (*event)->kind == ChannelEvent::Kind::Message) {
         events.push(**std::move(event));
     }
     return {};
@@ -237,7 +237,7 @@ void ServerChannel::Impl::fail_with(StatusCode told_status, StatusCode status,
 void ServerChannel::Impl::end(StatusCode status, std::string reason)
 {
     state = State::Closed;
-    events.push({Event::Kind::Closed, 0, {}, status, std::move(reason)});
+    events.push({ChannelEvent::Kind::Closed, 0, {}, status, std::move(reason)});
 }
 
 ServerChannel::ServerChannel(ServerChannelConfig config, const ChannelEnvironment& environment,
@@ -275,7 +275,7 @@ Result<void> ServerChannel::feed(std::span<const std::byte> in, TimePoint now)
     return {};
 }
 
-std::optional<Event> ServerChannel::next_event()
+std::optional<ChannelEvent> ServerChannel::next_event()
 {
     return impl_->next_event();
 }

@@ -32,9 +32,9 @@ struct Connection::Impl {
     send(FunctionRef<void(binary::Writer&, const RequestHeader&)> encode, Duration timeout = {});
     template <typename Request>
     [[nodiscard]] Result<void> send(Request& request);
-    void handle(channel::Event event);
+    void handle(channel::ChannelEvent event);
     void handle_opened();
-    void handle_response(channel::Event event);
+    void handle_response(channel::ChannelEvent event);
     void create_session();
     void session_created(const ConnectionEvent& event);
     void activate_session(State next);
@@ -87,19 +87,19 @@ Result<void> Connection::Impl::send(Request& request)
     return sent ? Result<void>{} : fail(sent.error());
 }
 
-void Connection::Impl::handle(channel::Event event)
+void Connection::Impl::handle(channel::ChannelEvent event)
 {
     switch (event.kind) {
-    case channel::Event::Kind::Opened:
+    case channel::ChannelEvent::Kind::Opened:
         handle_opened();
         break;
-    case channel::Event::Kind::Renewed:
+    case channel::ChannelEvent::Kind::Renewed:
         break;
-    case channel::Event::Kind::Message:
-    case channel::Event::Kind::Aborted:
+    case channel::ChannelEvent::Kind::Message:
+    case channel::ChannelEvent::Kind::Aborted:
         handle_response(std::move(event));
         break;
-    case channel::Event::Kind::Closed:
+    case channel::ChannelEvent::Kind::Closed:
         end(event.status);
         break;
     }
@@ -117,7 +117,7 @@ void Connection::Impl::handle_opened()
     }
 }
 
-void Connection::Impl::handle_response(channel::Event event)
+void Connection::Impl::handle_response(channel::ChannelEvent event)
 {
     if (!pending.remove(event.request_id)) {
         return; // it came too late, or nobody asked

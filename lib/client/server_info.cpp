@@ -14,26 +14,26 @@ constexpr std::string_view namespace0_uri = "http://opcfoundation.org/UA/";
 
 struct Limit {
     std::uint32_t node;
-    std::uint32_t OperationLimits::*member;
+    std::uint32_t ServerOperationLimits::*member;
 };
 
 constexpr std::array limits{
     Limit{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerRead,
-          &OperationLimits::max_nodes_per_read},
+          &ServerOperationLimits::max_nodes_per_read},
     Limit{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerWrite,
-          &OperationLimits::max_nodes_per_write},
+          &ServerOperationLimits::max_nodes_per_write},
     Limit{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerMethodCall,
-          &OperationLimits::max_nodes_per_method_call},
+          &ServerOperationLimits::max_nodes_per_method_call},
     Limit{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerBrowse,
-          &OperationLimits::max_nodes_per_browse},
+          &ServerOperationLimits::max_nodes_per_browse},
     Limit{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerRegisterNodes,
-          &OperationLimits::max_nodes_per_register_nodes},
+          &ServerOperationLimits::max_nodes_per_register_nodes},
     Limit{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerTranslateBrowsePathsToNodeIds,
-          &OperationLimits::max_nodes_per_translate_browse_paths},
+          &ServerOperationLimits::max_nodes_per_translate_browse_paths},
     Limit{id::Server_ServerCapabilities_OperationLimits_MaxNodesPerNodeManagement,
-          &OperationLimits::max_nodes_per_node_management},
+          &ServerOperationLimits::max_nodes_per_node_management},
     Limit{id::Server_ServerCapabilities_OperationLimits_MaxMonitoredItemsPerCall,
-          &OperationLimits::max_monitored_items_per_call},
+          &ServerOperationLimits::max_monitored_items_per_call},
 };
 /// The two arrays, then the limits.
 constexpr std::size_t first_limit = 2;

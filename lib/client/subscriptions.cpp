@@ -8,7 +8,7 @@ struct Subscriptions::Impl : detail::SubscriptionEngine {
     using SubscriptionEngine::SubscriptionEngine;
 };
 
-Subscriptions::Subscriptions(Requester& requester, SubscriptionLimits limits)
+Subscriptions::Subscriptions(Requester& requester, SubscriberLimits limits)
     : impl_{std::make_unique<Impl>(requester, limits)}
 {
 }

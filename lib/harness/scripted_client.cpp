@@ -84,13 +84,13 @@ void ScriptedClient::update()
 {
     while (auto event = channel_->next_event()) {
         switch (event->kind) {
-        case channel::Event::Kind::Opened:
+        case channel::ChannelEvent::Kind::Opened:
             is_open_ = true;
             break;
-        case channel::Event::Kind::Message:
+        case channel::ChannelEvent::Kind::Message:
             messages_.push_back(std::move(event->body));
             break;
-        case channel::Event::Kind::Closed:
+        case channel::ChannelEvent::Kind::Closed:
             closed_by_ = event->status;
             break;
         default:

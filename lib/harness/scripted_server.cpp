@@ -83,7 +83,7 @@ private:
     void update()
     {
         while (auto event = channel_.next_event()) {
-            if (event->kind == channel::Event::Kind::Message) {
+            if (event->kind == channel::ChannelEvent::Kind::Message) {
                 handle(event->request_id, event->body);
             }
         }

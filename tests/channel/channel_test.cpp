@@ -4,8 +4,8 @@
 
 using namespace busbar;
 using namespace busbar::test;
-using channel::Event;
-using Kind = Event::Kind;
+using channel::ChannelEvent;
+using Kind = ChannelEvent::Kind;
 
 namespace {
 
@@ -35,13 +35,13 @@ void exchange(ChannelPair& pair, const ByteString& body)
     const auto id = pair.client.send(write);
     REQUIRE(id);
     pair.run();
-    const Event* request = ChannelPair::find(pair.server_events, Kind::Message);
+    const ChannelEvent* request = ChannelPair::find(pair.server_events, Kind::Message);
     REQUIRE(request != nullptr);
     CHECK(request->request_id == *id);
     CHECK(ByteString{request->body} == body);
     REQUIRE(pair.server.send(*id, write));
     pair.run();
-    const Event* response = ChannelPair::find(pair.client_events, Kind::Message);
+    const ChannelEvent* response = ChannelPair::find(pair.client_events, Kind::Message);
     REQUIRE(response != nullptr);
     CHECK(response->request_id == *id);
     CHECK(ByteString{response->body} == body);
@@ -87,7 +87,7 @@ TEST_CASE("bytes may come one at a time", "[channel]")
     const auto body = bytes(2'000);
     REQUIRE(pair.client.send([&](binary::Writer& writer) { writer.bytes(body.span()); }));
     pair.run(1);
-    const Event* request = ChannelPair::find(pair.server_events, Kind::Message);
+    const ChannelEvent* request = ChannelPair::find(pair.server_events, Kind::Message);
     REQUIRE(request != nullptr);
     CHECK(ByteString{request->body} == body);
 }
@@ -144,8 +144,9 @@ TEST_CASE("a SecurityToken is renewed before it expires", "[channel]")
         REQUIRE(pair.client.is_open());
         exchange(pair, bytes(100));
     }
-    const auto renewals = std::count_if(pair.server_events.begin(), pair.server_events.end(),
-                                        [](const Event& e) { return e.kind == Kind::Renewed; });
+    const auto renewals =
+        std::count_if(pair.server_events.begin(), pair.server_events.end(),
+                      [](const ChannelEvent& e) { return e.kind == Kind::Renewed; });
     CHECK(renewals == 5);
 }
 
@@ -186,7 +187,7 @@ TEST_CASE("CloseSecureChannel ends both sides without an error", "[channel]")
     pair.run();
     pair.client.close();
     pair.run();
-    const Event* closed = ChannelPair::find(pair.server_events, Kind::Closed);
+    const ChannelEvent* closed = ChannelPair::find(pair.server_events, Kind::Closed);
     REQUIRE(closed != nullptr);
     CHECK(closed->status == StatusCode{});
     CHECK(pair.server.output().empty());

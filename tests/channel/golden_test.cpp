@@ -184,7 +184,7 @@ TEST_CASE("a golden abort", "[channel][vectors]")
     Assembly assembly{{}, nullptr};
     const auto event = assembly.add(header->chunk, *content);
     REQUIRE((event && *event));
-    CHECK((*event)->kind == channel::Event::Kind::Aborted);
+    CHECK((*event)->kind == channel::ChannelEvent::Kind::Aborted);
     CHECK((*event)->request_id == 88);
     CHECK((*event)->status == status::Bad_RequestTooLarge);
     CHECK((*event)->reason == "too large");

@@ -8,7 +8,7 @@
 
 using namespace busbar;
 using namespace busbar::test;
-using Kind = channel::Event::Kind;
+using Kind = channel::ChannelEvent::Kind;
 
 namespace {
 

@@ -8,7 +8,7 @@
 using namespace busbar;
 using namespace busbar::test;
 using namespace busbar::channel::detail;
-using Kind = channel::Event::Kind;
+using Kind = channel::ChannelEvent::Kind;
 using Bytes = std::vector<std::byte>;
 
 namespace {
@@ -76,7 +76,7 @@ struct Client {
     crypto::InsecureAcceptAnyCertificate validator;
     TimePoint now{};
     std::uint32_t sequence{0};
-    std::vector<channel::Event> events;
+    std::vector<channel::ChannelEvent> events;
     channel::ClientChannel engine;
 
 private:

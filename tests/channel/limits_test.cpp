@@ -5,7 +5,7 @@
 
 using namespace busbar;
 using namespace busbar::test;
-using Kind = channel::Event::Kind;
+using Kind = channel::ChannelEvent::Kind;
 using Bytes = std::vector<std::byte>;
 
 namespace {

@@ -4,7 +4,7 @@
 
 using namespace busbar;
 using namespace busbar::test;
-using Kind = channel::Event::Kind;
+using Kind = channel::ChannelEvent::Kind;
 using Bytes = std::vector<std::byte>;
 using std::chrono::seconds;
 
@@ -32,7 +32,7 @@ void feed(ChannelPair& pair, const Bytes& bytes)
     }
 }
 
-std::size_t messages(const std::vector<channel::Event>& events)
+std::size_t messages(const std::vector<channel::ChannelEvent>& events)
 {
     return static_cast<std::size_t>(std::count_if(
         events.begin(), events.end(), [](const auto& e) { return e.kind == Kind::Message; }));

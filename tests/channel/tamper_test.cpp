@@ -8,7 +8,7 @@ using namespace busbar::channel::detail;
 using channel::ClientChannel;
 using channel::SecuritySetting;
 using channel::ServerChannel;
-using Kind = channel::Event::Kind;
+using Kind = channel::ChannelEvent::Kind;
 
 namespace {
 

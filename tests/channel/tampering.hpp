@@ -48,7 +48,7 @@ struct Subject {
         engine.handle_deadline(now);
         poll();
     }
-    [[nodiscard]] std::size_t count(channel::Event::Kind kind) const
+    [[nodiscard]] std::size_t count(channel::ChannelEvent::Kind kind) const
     {
         return static_cast<std::size_t>(std::count_if(
             events.begin(), events.end(), [&](const auto& event) { return event.kind == kind; }));
@@ -64,7 +64,7 @@ struct Subject {
     FixedWallClock wall_clock;
     LogBook log;
     crypto::InsecureAcceptAnyCertificate validator;
-    std::vector<channel::Event> events;
+    std::vector<channel::ChannelEvent> events;
     Engine engine;
 
 private:

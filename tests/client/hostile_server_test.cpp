@@ -113,7 +113,7 @@ TEST_CASE("what a server says about itself is bounded, and may be missing")
     INFO(fixture.log.text);
     CHECK(fixture.is_ready());
     CHECK(fixture.client.server().namespaces == expected);
-    CHECK(fixture.client.server().operation_limits == client::OperationLimits{});
+    CHECK(fixture.client.server().operation_limits == client::ServerOperationLimits{});
     CHECK(too_many <= 1);
 }
 

@@ -40,7 +40,7 @@ std::size_t take_answers(TestClient& client, TimePoint now)
     carry(client.connection, client.channel, now);
     std::size_t count = 0;
     while (auto event = client.channel.next_event()) {
-        count += event->kind == channel::Event::Kind::Message ? 1U : 0U;
+        count += event->kind == channel::ChannelEvent::Kind::Message ? 1U : 0U;
     }
     return count;
 }

@@ -27,16 +27,16 @@ void ClientPort::update()
 {
     while (auto event = channel_.next_event()) {
         switch (event->kind) {
-        case channel::Event::Kind::Opened:
+        case channel::ChannelEvent::Kind::Opened:
             owner_.channel_opened();
             break;
-        case channel::Event::Kind::Message:
-        case channel::Event::Kind::Aborted:
+        case channel::ChannelEvent::Kind::Message:
+        case channel::ChannelEvent::Kind::Aborted:
             answer(*event);
             break;
-        case channel::Event::Kind::Renewed:
+        case channel::ChannelEvent::Kind::Renewed:
             break;
-        case channel::Event::Kind::Closed:
+        case channel::ChannelEvent::Kind::Closed:
             close(true);
             break;
         }
@@ -57,13 +57,13 @@ void ClientPort::send(FunctionRef<void(binary::Writer&)> encode, Handler handler
     link_->flush(Side::Client);
 }
 
-void ClientPort::answer(const channel::Event& event)
+void ClientPort::answer(const channel::ChannelEvent& event)
 {
     auto found = pending_.extract(event.request_id);
     if (found.empty()) {
         return;
     }
-    if (event.kind == channel::Event::Kind::Aborted) {
+    if (event.kind == channel::ChannelEvent::Kind::Aborted) {
         found.mapped()(fail(event.status));
     } else {
         found.mapped()(std::span<const std::byte>{event.body});

@@ -61,7 +61,7 @@ private:
     using Handler = std::function<void(Result<std::span<const std::byte>>)>;
 
     void send(FunctionRef<void(binary::Writer&)> encode, Handler handler);
-    void answer(const channel::Event& event);
+    void answer(const channel::ChannelEvent& event);
     void end();
 
     Scheduler& scheduler_;

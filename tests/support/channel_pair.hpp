@@ -63,7 +63,8 @@ public:
     }
     /// The newest event of that kind, or null.
     template <typename Events>
-    [[nodiscard]] static const channel::Event* find(const Events& events, channel::Event::Kind kind)
+    [[nodiscard]] static const channel::ChannelEvent* find(const Events& events,
+                                                           channel::ChannelEvent::Kind kind)
     {
         const auto found = std::find_if(events.rbegin(), events.rend(),
                                         [&](const auto& e) { return e.kind == kind; });
@@ -75,14 +76,14 @@ public:
     LogBook log;
     crypto::InsecureAcceptAnyCertificate validator;
     TimePoint now{};
-    std::vector<channel::Event> server_events;
-    std::vector<channel::Event> client_events;
+    std::vector<channel::ChannelEvent> server_events;
+    std::vector<channel::ChannelEvent> client_events;
     channel::ServerChannel server;
     channel::ClientChannel client;
 
 private:
     template <typename Engine>
-    static void collect(Engine& engine, std::vector<channel::Event>& events)
+    static void collect(Engine& engine, std::vector<channel::ChannelEvent>& events)
     {
         while (auto event = engine.next_event()) {
             events.push_back(*std::move(event));

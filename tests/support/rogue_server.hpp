@@ -69,7 +69,7 @@ public:
     {
         auto fed = channel_.feed(in, now);
         while (auto event = channel_.next_event()) {
-            if (event->kind == channel::Event::Kind::Message) {
+            if (event->kind == channel::ChannelEvent::Kind::Message) {
                 answer(*event);
             }
         }
@@ -102,7 +102,7 @@ private:
         config.channel_id = 5;
         return config;
     }
-    void answer(const channel::Event& event)
+    void answer(const channel::ChannelEvent& event)
     {
         static const binary::TypeRegistry types{binary::namespace0_types()};
         binary::Reader reader{event.body, binary::Strings::Own, &types};

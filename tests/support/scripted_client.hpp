@@ -13,7 +13,7 @@ namespace busbar::test {
 class FixedValidator final : public crypto::CertificateValidator {
 public:
     [[nodiscard]] Checked<void> validate(const crypto::CertificateChain&,
-                                        const crypto::ValidationContext&) override
+                                         const crypto::ValidationContext&) override
     {
         if (answer.is_bad()) {
             return refuse({answer, "the validator's check", "what the test wants", "a test", {}});
@@ -131,7 +131,7 @@ public:
     channel::AssemblyBudget budget{1U << 20U};
     TimePoint now{};
     std::uint32_t sequence{0};
-    std::vector<channel::Event> events;
+    std::vector<channel::ChannelEvent> events;
     channel::ServerChannel server;
 
 private:

@@ -229,12 +229,12 @@ public:
     std::uint32_t last_handle{0};
     std::uint32_t timeout_hint{0};
     std::uint32_t handle_of_answer{0};
-    std::deque<channel::Event> messages;
+    std::deque<channel::ChannelEvent> messages;
 
 private:
-    void keep(channel::Event event)
+    void keep(channel::ChannelEvent event)
     {
-        if (event.kind == channel::Event::Kind::Message) {
+        if (event.kind == channel::ChannelEvent::Kind::Message) {
             messages.push_back(std::move(event));
         }
     }

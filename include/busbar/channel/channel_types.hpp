@@ -80,7 +80,7 @@ struct ChannelEnvironment {
 };
 
 /// What happened on a channel.
-struct Event {
+struct ChannelEvent {
     enum class Kind : std::uint8_t {
         Opened,  // the channel is there
         Renewed, // it has a new SecurityToken

@@ -40,7 +40,7 @@ public:
     ~ClientChannel();
 
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
-    [[nodiscard]] std::optional<Event> next_event();
+    [[nodiscard]] std::optional<ChannelEvent> next_event();
     [[nodiscard]] std::span<const std::byte> output() const;
     void consume(std::size_t size);
     [[nodiscard]] TimePoint next_deadline() const;

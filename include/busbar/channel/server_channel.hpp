@@ -49,7 +49,7 @@ public:
     /// there is none: that is when the bytes are worked on. An owner whose peer does not read, so
     /// that output() grows, stops feeding.
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
-    [[nodiscard]] std::optional<Event> next_event();
+    [[nodiscard]] std::optional<ChannelEvent> next_event();
     /// Bytes for the peer, valid until the next call of any other member but consume().
     [[nodiscard]] std::span<const std::byte> output() const;
     void consume(std::size_t size);

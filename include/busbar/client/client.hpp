@@ -59,7 +59,7 @@ struct ClientConfig {
     /// in responses and notifications are objects of their C++ types. Found by their namespace URI
     /// in the server's NamespaceArray, whatever the index is there.
     std::vector<binary::TypeRegistry::Table> types;
-    SubscriptionLimits subscriptions;
+    SubscriberLimits subscriptions;
     /// Requests that may wait or be under way together; past it Bad_TooManyOperations.
     std::size_t max_requests{10'000};
     /// Entries that are kept of the server's NamespaceArray and of its ServerArray.

@@ -18,7 +18,7 @@ namespace busbar::client {
 
 /// How much one request may carry; 0 is as much as fits (Part 5, 6.3.11). A service with more work
 /// to do sends several requests.
-struct OperationLimits {
+struct ServerOperationLimits {
     std::uint32_t max_nodes_per_read{0};
     std::uint32_t max_nodes_per_write{0};
     std::uint32_t max_nodes_per_method_call{0};
@@ -28,7 +28,7 @@ struct OperationLimits {
     std::uint32_t max_nodes_per_node_management{0};
     std::uint32_t max_monitored_items_per_call{0};
 
-    friend bool operator==(const OperationLimits&, const OperationLimits&) = default;
+    friend bool operator==(const ServerOperationLimits&, const ServerOperationLimits&) = default;
 };
 
 /// What a client knows of the server its session is with; read again with every new session.
@@ -36,7 +36,7 @@ struct ServerInfo {
     /// Server_NamespaceArray and Server_ServerArray (Part 5, 6.3.1). Own their strings.
     std::vector<std::string> namespaces;
     std::vector<std::string> servers;
-    OperationLimits operation_limits;
+    ServerOperationLimits operation_limits;
     /// Grows by one whenever something above has changed.
     std::uint64_t revision{0};
 

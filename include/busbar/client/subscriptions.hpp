@@ -112,7 +112,7 @@ struct SubscriptionHandlers {
 };
 
 /// Limits of what one client keeps; past them Bad_TooManySubscriptions, Bad_TooManyMonitoredItems.
-struct SubscriptionLimits {
+struct SubscriberLimits {
     std::size_t max_subscriptions{100};
     std::size_t max_items{1'000'000};
     /// Publish requests under way, and how many the user's Subscriptions add to that (Part 4,
@@ -132,7 +132,7 @@ struct SubscriptionLimits {
 /// requests are made here alone: a Subscription that answers one and is not known here is deleted.
 class BUSBAR_API Subscriptions {
 public:
-    explicit Subscriptions(Requester& requester, SubscriptionLimits limits = {});
+    explicit Subscriptions(Requester& requester, SubscriberLimits limits = {});
     Subscriptions(const Subscriptions&) = delete;
     Subscriptions& operator=(const Subscriptions&) = delete;
     ~Subscriptions();

@@ -12,7 +12,7 @@ struct BrowseService {
     using Response = BrowseResponse;
     static constexpr bool is_repeatable = true;
 
-    static std::uint32_t limit(const OperationLimits& limits)
+    static std::uint32_t limit(const ServerOperationLimits& limits)
     {
         return limits.max_nodes_per_browse;
     }
@@ -39,7 +39,7 @@ struct BrowseNextService {
     /// A continuation point is used up by the first try.
     static constexpr bool is_repeatable = false;
 
-    static std::uint32_t limit(const OperationLimits& limits)
+    static std::uint32_t limit(const ServerOperationLimits& limits)
     {
         return limits.max_nodes_per_browse;
     }

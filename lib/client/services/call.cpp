@@ -12,7 +12,7 @@ struct CallService {
     using Response = CallResponse;
     static constexpr bool is_repeatable = false;
 
-    static std::uint32_t limit(const OperationLimits& limits)
+    static std::uint32_t limit(const ServerOperationLimits& limits)
     {
         return limits.max_nodes_per_method_call;
     }

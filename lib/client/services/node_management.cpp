@@ -15,7 +15,7 @@ struct NodeManagementService {
     using Response = ResponseType;
     static constexpr bool is_repeatable = false;
 
-    static std::uint32_t limit(const OperationLimits& limits)
+    static std::uint32_t limit(const ServerOperationLimits& limits)
     {
         return limits.max_nodes_per_node_management;
     }

@@ -12,7 +12,10 @@ struct ReadService {
     using Response = ReadResponse;
     static constexpr bool is_repeatable = true;
 
-    static std::uint32_t limit(const OperationLimits& limits) { return limits.max_nodes_per_read; }
+    static std::uint32_t limit(const ServerOperationLimits& limits)
+    {
+        return limits.max_nodes_per_read;
+    }
     [[nodiscard]] ReadRequest request(std::span<const ReadValueId> items) const
     {
         ReadRequest request;

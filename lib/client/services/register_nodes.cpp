@@ -13,7 +13,7 @@ struct RegisterService {
     /// What was registered twice would have to be unregistered twice.
     static constexpr bool is_repeatable = false;
 
-    static std::uint32_t limit(const OperationLimits& limits)
+    static std::uint32_t limit(const ServerOperationLimits& limits)
     {
         return limits.max_nodes_per_register_nodes;
     }
@@ -35,7 +35,7 @@ struct UnregisterService {
     using Response = UnregisterNodesResponse;
     static constexpr bool is_repeatable = true;
 
-    static std::uint32_t limit(const OperationLimits& limits)
+    static std::uint32_t limit(const ServerOperationLimits& limits)
     {
         return limits.max_nodes_per_register_nodes;
     }

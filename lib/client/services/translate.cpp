@@ -12,7 +12,7 @@ struct TranslateService {
     using Response = TranslateBrowsePathsToNodeIdsResponse;
     static constexpr bool is_repeatable = true;
 
-    static std::uint32_t limit(const OperationLimits& limits)
+    static std::uint32_t limit(const ServerOperationLimits& limits)
     {
         return limits.max_nodes_per_translate_browse_paths;
     }

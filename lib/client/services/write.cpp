@@ -13,7 +13,10 @@ struct WriteService {
     /// The same value once more changes nothing.
     static constexpr bool is_repeatable = true;
 
-    static std::uint32_t limit(const OperationLimits& limits) { return limits.max_nodes_per_write; }
+    static std::uint32_t limit(const ServerOperationLimits& limits)
+    {
+        return limits.max_nodes_per_write;
+    }
     [[nodiscard]] static WriteRequest request(std::span<const WriteValue> items)
     {
         WriteRequest request;

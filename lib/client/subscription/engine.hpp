@@ -16,7 +16,7 @@ namespace busbar::client::detail {
 /// it likes: after one was called, a WatchedSubscription has to be looked up again.
 class SubscriptionEngine {
 public:
-    SubscriptionEngine(Requester& requester, const SubscriptionLimits& limits);
+    SubscriptionEngine(Requester& requester, const SubscriberLimits& limits);
     ~SubscriptionEngine();
     SubscriptionEngine(const SubscriptionEngine&) = delete;
     SubscriptionEngine& operator=(const SubscriptionEngine&) = delete;
@@ -191,7 +191,7 @@ private:
                                                      const ReadResponse& response);
 
     Requester& requester_;
-    SubscriptionLimits limits_;
+    SubscriberLimits limits_;
     ItemTable items_;
     std::map<SubscriptionHandle, WatchedSubscription> subscriptions_;
     std::unordered_map<std::uint32_t, SubscriptionHandle> by_server_id_;

@@ -4,7 +4,7 @@
 
 namespace busbar::client::detail {
 
-SubscriptionEngine::SubscriptionEngine(Requester& requester, const SubscriptionLimits& limits)
+SubscriptionEngine::SubscriptionEngine(Requester& requester, const SubscriberLimits& limits)
     : requester_{requester}, limits_{limits}, self_{std::make_shared<SubscriptionEngine*>(this)},
       max_publishes_{std::max<std::size_t>(limits.max_publish_requests, 1)},
       max_batch_{ItemTable::capacity}

@@ -252,21 +252,21 @@ void PeerLink::give_turns(TimePoint now)
     }
 }
 
-void PeerLink::handle(channel::Event event, TimePoint now)
+void PeerLink::handle(channel::ChannelEvent event, TimePoint now)
 {
     switch (event.kind) {
-    case channel::Event::Kind::Opened:
+    case channel::ChannelEvent::Kind::Opened:
         events_.push_back({ConnectionEvent::Kind::Opened, {}, {}});
         break;
-    case channel::Event::Kind::Message:
+    case channel::ChannelEvent::Kind::Message:
         turn_.spend(Turn::units_of_request + event.body.size());
         serve([&] { dispatch(core_, *this, std::move(event.body), event.request_id, now); });
         break;
-    case channel::Event::Kind::Closed:
+    case channel::ChannelEvent::Kind::Closed:
         handle_closed(event.status, std::move(event.reason));
         break;
-    case channel::Event::Kind::Renewed:
-    case channel::Event::Kind::Aborted:
+    case channel::ChannelEvent::Kind::Renewed:
+    case channel::ChannelEvent::Kind::Aborted:
         break;
     }
 }

@@ -107,7 +107,7 @@ private:
     [[nodiscard]] bool has_room() const;
     void work(TimePoint now);
     void give_turns(TimePoint now);
-    void handle(channel::Event event, TimePoint now);
+    void handle(channel::ChannelEvent event, TimePoint now);
     void serve(FunctionRef<void()> service);
     void handle_closed(StatusCode status, std::string reason);
     void check_silence(TimePoint now);
