@@ -4,12 +4,9 @@
 #include <chrono>
 #include <utility>
 
-#include <asio/socket_base.hpp>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
-#include <sys/socket.h>
-
 #include <busbar/core/detail/guarded.hpp>
+
+#include "keep_alive.hpp"
 
 namespace busbar::net::detail {
 
@@ -17,24 +14,6 @@ namespace {
 
 /// A client that kept a connection for so long did not refuse it; it only had no use for it.
 constexpr Duration long_enough = std::chrono::seconds{2};
-
-/// Nothing may be said on the connection for days; TCP is to notice all the same that it is dead:
-/// after a minute of silence, and six questions that nobody answers. Where that fails, the system's
-/// own times hold.
-void keep_alive(asio::ip::tcp::socket& socket)
-{
-    std::error_code ignored;
-    socket.set_option(asio::socket_base::keep_alive{true}, ignored);
-#if defined(TCP_KEEPIDLE) && defined(TCP_KEEPINTVL) && defined(TCP_KEEPCNT)
-    const auto set = [&](int option, int value) {
-        static_cast<void>(
-            ::setsockopt(socket.native_handle(), IPPROTO_TCP, option, &value, sizeof value));
-    };
-    set(TCP_KEEPIDLE, 60);
-    set(TCP_KEEPINTVL, 10);
-    set(TCP_KEEPCNT, 6);
-#endif
-}
 
 } // namespace
 

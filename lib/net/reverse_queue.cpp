@@ -15,6 +15,7 @@
 #include "channel/frame.hpp"
 #include "channel/output_buffer.hpp"
 #include "clock.hpp"
+#include "keep_alive.hpp"
 
 namespace busbar::net::detail {
 
@@ -185,6 +186,7 @@ void ReverseQueue::greet(const std::shared_ptr<Caller>& caller)
 void ReverseQueue::hold(const std::shared_ptr<Caller>& caller)
 {
     caller->is_held = true;
+    keep_alive(caller->socket);
     limit(caller, limits_.hold_time);
     // It has nothing to say before it gets a Hello: whatever comes, it is of no use any more.
     caller->socket.async_wait(tcp::socket::wait_read,
@@ -202,11 +204,12 @@ void ReverseQueue::serve(Ticket ticket)
     if (client == clients_.end() || !client->second.handler) {
         return;
     }
-    const auto found = std::find_if(callers_.begin(), callers_.end(), [&](const auto& caller) {
+    // The newest: of an older one the server may have gone without a word.
+    const auto found = std::find_if(callers_.rbegin(), callers_.rend(), [&](const auto& caller) {
         return caller->is_held &&
                client->second.server.is_met_by(caller->server_uri, caller->endpoint_url);
     });
-    if (found != callers_.end()) {
+    if (found != callers_.rend()) {
         hand_over(std::shared_ptr{*found}, client->second);
     }
 }

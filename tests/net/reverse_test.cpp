@@ -116,6 +116,8 @@ public:
         return error ? std::optional{error->error} : std::nullopt;
     }
 
+    [[nodiscard]] bool has_news() const { return socket_.available() != 0; }
+
 private:
     Door* door_;
     tcp::socket socket_{door_->context};
@@ -324,6 +326,27 @@ TEST_CASE("what waits is bounded in number and time", "[net][reverse]")
         third.say_hello("urn:stranger", "");
         CHECK(third.refusal() == status::Bad_TcpEndpointUrlInvalid);
     }
+}
+
+TEST_CASE("A6: a spare connection is kept for long, and the newest is used first", "[net][reverse]")
+{
+    const net::ReverseListenerLimits limits;
+    CHECK(limits.hold_time >= 1h);
+    Door door{limits};
+    Stranger older{door};
+    older.say_hello(test::machine_uri, "opc.tcp://localhost:4840");
+    Stranger newer{door};
+    newer.say_hello(test::machine_uri, "opc.tcp://localhost:4840");
+    Stranger last{door};
+    last.say_hello("urn:stranger", "");
+    // When it is refused, those who came before it are held.
+    CHECK(last.refusal() == status::Bad_TcpEndpointUrlInvalid);
+    door.client.connect(10s, [](const Result<void>&) {});
+    while (!older.has_news() && !newer.has_news()) {
+        REQUIRE(door.context.run_one() != 0);
+    }
+    CHECK(newer.has_news());
+    CHECK_FALSE(older.has_news());
 }
 
 TEST_CASE("a client may expect a URL, an application, or both", "[net][reverse]")

@@ -14,8 +14,10 @@ struct ReverseListenerLimits {
     std::size_t max_waiting{32};
     /// For the ReverseHello to come (Part 6, 7.1.3: never more than two minutes).
     Duration hello_timeout{std::chrono::seconds{5}};
-    /// How long a connection is kept for a client that does not need it yet.
-    Duration hold_time{std::chrono::seconds{20}};
+    /// How long a connection is kept for a client that does not need it yet. The server makes each
+    /// that is closed anew, so that a short time keeps both sides busy; meanwhile keep-alive of TCP
+    /// finds out, within two minutes, that the server has gone.
+    Duration hold_time{std::chrono::hours{1}};
 };
 
 } // namespace busbar::net
