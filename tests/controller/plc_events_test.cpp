@@ -1,9 +1,15 @@
 #include <catch2/catch.hpp>
 
+#include <atomic>
+#include <string>
+#include <thread>
+
 #include <busbar/controller/plc_events.hpp>
 #include <busbar/controller/plc_nodes.hpp>
+#include <busbar/controller/plc_task.hpp>
 
 #include "support/allocation_count.hpp"
+#include "support/source_caller.hpp"
 
 using namespace busbar;
 using namespace busbar::controller;
@@ -130,5 +136,54 @@ TEST_CASE("A8: the thread that scans neither allocates nor frees for its events"
     CHECK(raised > 50);
     CHECK(queue->dropped() > 0);
     CHECK(calls == 0);
+    queue->close();
+}
+
+TEST_CASE("A8: a running task neither allocates nor frees, whatever clients do")
+{
+    PlcConfig config = waves();
+    PlcVariable& recipe = config.variables.emplace_back();
+    recipe.name = "Recipe";
+    recipe.type = BuiltInType::String;
+    recipe.capacity = 200;
+    const auto plc = std::move(Plc::create(config).value());
+    model::AddressSpace space;
+    const auto folder = publish_variables(space, *plc, {});
+    REQUIRE(folder);
+    const FixedClock clock;
+    const auto queue = std::make_shared<server::EventQueue>(clock, nullptr, 8);
+    const auto events = PlcEvents::create(space, *folder, *plc, queue);
+    REQUIRE(events);
+
+    std::atomic<std::size_t> calls{0}; // of the task's thread, from its begin on
+    PlcTask task{*plc, clock, 1ms};
+    task.after_scan([&](DateTime time) {
+        events->raise(time);
+        calls = test::calls_of_thread();
+    });
+    server::ImageSource source{plc->image()};
+    test::SourceCaller caller{source};
+    const std::uint32_t handle = *plc->find("Recipe");
+    const DataValue text{Variant{String{std::string(200, '!')}}};
+    plc->image()->follow_scans(true);
+    task.start();
+    while (!plc->image()->is_running()) { // a Write before the first scan is refused
+        std::this_thread::yield();
+    }
+    int raised = 0;
+    for (int writes = 0; writes < 50 || raised < 10; ++writes) {
+        REQUIRE(caller.write({{handle, nullptr, &text}}) == std::vector{StatusCode{status::Good}});
+        REQUIRE(caller.read({handle})[0].value == text.value);
+        while (plc->image()->next_scan()) {
+        }
+        server::Event event;
+        while (queue->next(event)) {
+            ++raised;
+        }
+    }
+    task.stop();
+    plc->image()->follow_scans(false);
+    CHECK(calls == 0);
+    CHECK(test::calls_of_thread() != 0); // here it is counted
     queue->close();
 }

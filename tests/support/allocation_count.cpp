@@ -9,10 +9,12 @@ namespace {
 std::atomic<std::size_t> count{0};
 std::atomic<std::size_t> bytes{0};
 std::atomic<std::size_t> frees{0};
+thread_local std::size_t calls{0};
 
 void* allocate(std::size_t size)
 {
     ++count;
+    ++calls;
     bytes += size;
     return std::malloc(size == 0 ? 1 : size);
 }
@@ -29,6 +31,7 @@ void* allocate_or_end(std::size_t size)
 void release(void* memory)
 {
     frees += memory != nullptr ? 1 : 0;
+    calls += memory != nullptr ? 1 : 0;
     std::free(memory);
 }
 
@@ -42,6 +45,11 @@ std::size_t busbar::test::allocation_count()
 std::size_t busbar::test::free_count()
 {
     return frees;
+}
+
+std::size_t busbar::test::calls_of_thread()
+{
+    return calls;
 }
 
 std::size_t busbar::test::allocated_bytes()

@@ -8,6 +8,8 @@ namespace busbar::test {
 [[nodiscard]] std::size_t allocation_count();
 /// How often operator delete got something.
 [[nodiscard]] std::size_t free_count();
+/// How often the calling thread called either of them.
+[[nodiscard]] std::size_t calls_of_thread();
 /// How many bytes it was asked for, all calls together.
 [[nodiscard]] std::size_t allocated_bytes();
 
