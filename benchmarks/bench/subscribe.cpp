@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <limits>
-#include <unistd.h>
 
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/types/monitored_item.hpp>
 #include <busbar/types/subscription.hpp>
 
 #include "load.hpp"
+#include "process.hpp"
 
 namespace busbar::bench {
 
@@ -33,32 +32,6 @@ NodeId numbered(std::string text, std::size_t number)
         text.replace(at, 2, std::to_string(number));
     }
     return NodeId::parse(text).value_or(NodeId{});
-}
-
-/// Seconds of processor time that a process has had.
-double processor_time(int pid)
-{
-    std::ifstream file{"/proc/" + std::to_string(pid) + "/stat"};
-    std::string text;
-    std::getline(file, text);
-    double user = 0;
-    double system = 0;
-    const std::size_t name_end = text.rfind(')');
-    if (name_end == std::string::npos ||
-        std::sscanf(text.c_str() + name_end,
-                    ") %*c %*d %*d %*d %*d %*d %*u %*u %*u %*u %*u %lf %lf", &user, &system) != 2) {
-        return 0;
-    }
-    return (user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK));
-}
-
-double resident_megabytes(int pid)
-{
-    std::ifstream file{"/proc/" + std::to_string(pid) + "/statm"};
-    double total = 0;
-    double resident = 0;
-    file >> total >> resident;
-    return resident * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1e6;
 }
 
 /// One subscription with its items, and the account of what came.
@@ -262,7 +235,7 @@ Result<void> Subscriber::measure()
     row_.notifications_per_second = static_cast<double>(notifications_) / seconds;
     row_.mean_interval_ms /= static_cast<double>(std::max<std::size_t>(row_.publishes, 1));
     row_.cpu_percent = (processor_time(options_->server_pid) - processor) / seconds * 100;
-    row_.resident_mb = resident_megabytes(options_->server_pid);
+    row_.resident_mb = memory_of(options_->server_pid).now_mb;
     return {};
 }
 
