@@ -1,0 +1,87 @@
+#include "own_server.hpp"
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <busbar/crypto/random.hpp>
+#include <busbar/net/server_loop.hpp>
+#include <busbar/net/system.hpp>
+
+namespace busbar::bench {
+
+namespace {
+
+/// Serves until it is told to stop, and writes the port to `pipe`, or 0 if there is none.
+int serve(int pipe)
+{
+    NullLog log;
+    net::SystemWallClock wall_clock;
+    crypto::SystemRandom random;
+    net::ServerLoop loop{log};
+    const std::uint16_t port = loop.listen("127.0.0.1", 0).value_or(0);
+    server::ServerConfig config;
+    config.endpoint_url = "opc.tcp://127.0.0.1:" + std::to_string(port);
+    config.endpoints = {{}};
+    config.endpoints[0].allows_anonymous = true;
+    config.endpoints[0].allows_user_name = false;
+    config.shutdown_delay = std::chrono::milliseconds{0};
+    server::ServerEnvironment environment;
+    environment.random = &random;
+    environment.wall_clock = &wall_clock;
+    environment.log = &log;
+    environment.waker = &loop.waker();
+    auto server = server::Server::create(std::move(config), environment);
+    const std::uint16_t told = server ? port : 0;
+    if (::write(pipe, &told, sizeof told) != sizeof told || told == 0) {
+        return 1;
+    }
+    loop.stop_on_signals();
+    loop.run(*server);
+    return 0;
+}
+
+} // namespace
+
+Result<std::unique_ptr<OwnServer>> OwnServer::start()
+{
+    std::array<int, 2> pipe{};
+    if (::pipe(pipe.data()) != 0) {
+        return fail(status::Bad_CommunicationError);
+    }
+    const pid_t process = ::fork();
+    if (process == 0) {
+        ::close(pipe[0]);
+        ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+        ::_exit(serve(pipe[1]));
+    }
+    ::close(pipe[1]);
+    std::uint16_t port = 0;
+    const bool is_told = process > 0 && ::read(pipe[0], &port, sizeof port) == sizeof port;
+    ::close(pipe[0]);
+    if (process <= 0) {
+        return fail(status::Bad_CommunicationError);
+    }
+    std::unique_ptr<OwnServer> server{new OwnServer{process, port}};
+    if (!is_told || port == 0) {
+        return fail(status::Bad_CommunicationError);
+    }
+    return server;
+}
+
+OwnServer::OwnServer(pid_t process, int port)
+    : process_{process}, url_{"opc.tcp://127.0.0.1:" + std::to_string(port)}
+{
+}
+
+OwnServer::~OwnServer()
+{
+    ::kill(process_, SIGKILL);
+    ::waitpid(process_, nullptr, 0);
+}
+
+} // namespace busbar::bench

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <sys/types.h>
+
+#include <busbar/core/result.hpp>
+
+namespace busbar::bench {
+
+/// A server of this library with nothing but namespace 0, without security, in a process of its
+/// own: what it takes of memory and time is its alone.
+class OwnServer {
+public:
+    /// Before this process has threads. Bad_CommunicationError if there is no port or process.
+    [[nodiscard]] static Result<std::unique_ptr<OwnServer>> start();
+    OwnServer(const OwnServer&) = delete;
+    OwnServer& operator=(const OwnServer&) = delete;
+    /// Ends the process.
+    ~OwnServer();
+
+    [[nodiscard]] const std::string& url() const { return url_; }
+    [[nodiscard]] pid_t process() const { return process_; }
+
+private:
+    OwnServer(pid_t process, int port);
+
+    pid_t process_;
+    std::string url_;
+};
+
+} // namespace busbar::bench
