@@ -94,9 +94,11 @@ channel::ChannelEnvironment Load::environment()
     return {&random_, &wall_clock_, &log_, &validator_, identity_ ? &*identity_ : nullptr};
 }
 
-Result<void> Load::open(net::ClientLoop& loop, bool wants_session)
+Result<void> Load::open(net::ClientLoop& loop, bool wants_session,
+                        std::chrono::milliseconds request_timeout)
 {
     client::ConnectionConfig config;
+    config.request_timeout = request_timeout;
     config.channel.endpoint_url = options_.url;
     config.channel.limits.max_message_size = 64U << 20U;
     config.application_uri = "urn:busbar:bench";

@@ -57,9 +57,14 @@ public:
     [[nodiscard]] Result<std::vector<Row>> run();
     /// The subscriptions of the options, each on a connection of its own.
     [[nodiscard]] Result<std::vector<SubscribeRow>> run_subscriptions();
+    /// A connection of its own, with a session on the endpoint or without one on an open channel.
+    /// From any thread once prepare() has returned.
+    [[nodiscard]] Result<void> open(net::ClientLoop& loop, bool wants_session,
+                                    std::chrono::milliseconds request_timeout = default_timeout);
+
+    static constexpr std::chrono::milliseconds default_timeout{10'000};
 
 private:
-    [[nodiscard]] Result<void> open(net::ClientLoop& loop, bool wants_session);
     [[nodiscard]] Result<Row> connect_load();
     [[nodiscard]] Result<Row> read_load(net::ClientLoop& loop, std::size_t count);
     [[nodiscard]] Result<Row> write_load(net::ClientLoop& loop, std::size_t count);

@@ -1,9 +1,12 @@
 #include <cstdio>
+#include <memory>
 
 #include <CLI/CLI.hpp>
 #include <malloc.h>
 
+#include "hostile.hpp"
 #include "load.hpp"
+#include "own_server.hpp"
 #include "report.hpp"
 
 using namespace busbar;
@@ -29,13 +32,46 @@ int run_subscriptions(bench::Load& load, const bench::Options& options)
     return 0;
 }
 
-} // namespace
-
-int main(int argc, char** argv)
+int run_loads(const bench::Options& options)
 {
-    bench::Options options;
-    CLI::App app{"Measures an OPC UA server: connect, read and write of N values, requests in "
-                 "flight."};
+    bench::Load load{options};
+    const auto prepared = load.prepare();
+    if (prepared && !options.subscribe.item_counts.empty()) {
+        return run_subscriptions(load, options);
+    }
+    const auto rows = prepared ? load.run() : fail(prepared.error());
+    if (!rows) {
+        return complain(options, rows.error());
+    }
+    bench::print(options, *rows);
+    return 0;
+}
+
+/// Against the server of the options, or one of our own.
+int run_hostile(bench::Options options, bench::HostileOptions hostile, bool has_url)
+{
+    std::unique_ptr<bench::OwnServer> own;
+    if (!has_url) {
+        auto started = bench::OwnServer::start();
+        if (!started) {
+            return complain(options, started.error());
+        }
+        own = *std::move(started);
+        options.url = own->url();
+        hostile.server_process = own->process();
+    }
+    bench::Load load{options};
+    const auto prepared = load.prepare();
+    const auto rows = prepared ? bench::attack(load, hostile) : fail(prepared.error());
+    if (!rows) {
+        return complain(options, rows.error());
+    }
+    bench::print(options, hostile, *rows);
+    return 0;
+}
+
+void add_server(CLI::App& app, bench::Options& options)
+{
     app.add_option("url", options.url, "endpoint")->capture_default_str();
     app.add_option("--policy", options.policy,
                    "None, Basic256Sha256, Aes128_Sha256_RsaOaep, "
@@ -46,6 +82,15 @@ int main(int argc, char** argv)
         ->capture_default_str();
     app.add_option("--user", options.user, "user name; anonymous without");
     app.add_option("--password", options.password, "password of the user");
+    app.add_option("--seconds", options.seconds, "time for each load or attack")
+        ->capture_default_str();
+    app.add_option("--server-pid", options.subscribe.server_pid,
+                   "process whose memory is printed, and of subscriptions its processor time");
+    app.add_flag("--json", options.json, "print JSON");
+}
+
+void add_loads(CLI::App& app, bench::Options& options)
+{
     app.add_option("--node", options.node, "NodeId of the variables, {} stands for their number")
         ->capture_default_str();
     app.add_option("--read", options.read_counts, "values per Read")->delimiter(',');
@@ -53,8 +98,6 @@ int main(int argc, char** argv)
     app.add_option("--in-flight", options.in_flight, "requests under way")->delimiter(',');
     app.add_option("--connects", options.connects, "connections to open; 0 for none")
         ->capture_default_str();
-    app.add_option("--seconds", options.seconds, "time for each load")->capture_default_str();
-    app.add_flag("--json", options.json, "print JSON");
     bench::SubscribeOptions& subscribe = options.subscribe;
     app.add_option("--subscribe", subscribe.item_counts,
                    "instead of all that: monitored items, half of them changing in every scan")
@@ -69,23 +112,48 @@ int main(int argc, char** argv)
         ->capture_default_str();
     app.add_option("--queue", subscribe.queue_size, "values that an item may hold")
         ->capture_default_str();
-    app.add_option("--server-pid", subscribe.server_pid,
-                   "process whose processor time and memory are printed");
+}
+
+CLI::App* add_hostile(CLI::App& app, bench::HostileOptions& options)
+{
+    CLI::App* const hostile = app.add_subcommand(
+        "hostile", "Attacks a server, without a URL one of its own, while a good client reads.");
+    hostile->fallthrough();
+    hostile
+        ->add_option("--bomb", options.bomb_size,
+                     "bytes of the request that becomes many times as large")
+        ->capture_default_str();
+    hostile->add_option("--connections", options.connections, "that ask for Browses")
+        ->check(CLI::Range(1, 1'000))
+        ->capture_default_str();
+    hostile->add_option("--nodes", options.nodes, "nodes of one Browse")->capture_default_str();
+    hostile->add_option("--browses", options.in_flight, "Browses under way on each connection")
+        ->check(CLI::Range(1, 10'000))
+        ->capture_default_str();
+    return hostile;
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    bench::Options options;
+    bench::HostileOptions hostile_options;
+    CLI::App app{"Measures an OPC UA server: connect, read and write of N values, requests in "
+                 "flight."};
+    add_server(app, options);
+    add_loads(app, options);
+    const CLI::App* const hostile = add_hostile(app, hostile_options);
     CLI11_PARSE(app, argc, argv);
-    subscribe.seconds = options.seconds;
+    options.subscribe.seconds = options.seconds;
+    hostile_options.seconds = options.seconds;
+    hostile_options.server_process = options.subscribe.server_pid;
 
     // Messages of some 100 kB come and go all the time: keep their pages.
     ::mallopt(M_MMAP_THRESHOLD, 64 << 20);
     ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
-    bench::Load load{options};
-    const auto prepared = load.prepare();
-    if (prepared && !subscribe.item_counts.empty()) {
-        return run_subscriptions(load, options);
+    if (hostile->parsed()) {
+        return run_hostile(options, hostile_options, app.get_option("url")->count() != 0);
     }
-    const auto rows = prepared ? load.run() : fail(prepared.error());
-    if (!rows) {
-        return complain(options, rows.error());
-    }
-    bench::print(options, *rows);
-    return 0;
+    return run_loads(options);
 }

@@ -38,7 +38,57 @@ void print_json(const Options& options, const std::vector<Row>& rows)
     std::printf("\n]}\n");
 }
 
+void print_table(const std::vector<HostileRow>& rows, bool has_memory)
+{
+    std::printf("%-26s %9s %9s %8s %7s %11s %11s %11s", "attack", "answered", "refused", "reads",
+                "failed", "median us", "p90 us", "worst us");
+    std::printf(has_memory ? " %10s %10s\n" : "\n", "peak MB", "left MB");
+    for (const HostileRow& row : rows) {
+        std::printf("%-26s %9zu %9zu %8zu %7zu %11.1f %11.1f %11.1f", row.attack.c_str(),
+                    row.answered, row.refused, row.reads, row.failed, row.median_us, row.p90_us,
+                    row.worst_us);
+        if (has_memory) {
+            std::printf(" %+10.1f %+10.1f", row.peak_growth_mb(), row.growth_mb());
+        }
+        std::printf("\n");
+    }
+}
+
+void print_json(const std::vector<HostileRow>& rows, bool has_memory)
+{
+    const char* separator = "";
+    for (const HostileRow& row : rows) {
+        std::printf(
+            "%s\n  {\"attack\": \"%s\", \"answered\": %zu, \"refused\": %zu, \"reads\": %zu, "
+            "\"failed\": %zu, \"median_us\": %.2f, \"p90_us\": %.2f, \"worst_us\": %.2f",
+            separator, row.attack.c_str(), row.answered, row.refused, row.reads, row.failed,
+            row.median_us, row.p90_us, row.worst_us);
+        if (has_memory) {
+            std::printf(", \"peak_growth_mb\": %.2f, \"growth_mb\": %.2f", row.peak_growth_mb(),
+                        row.growth_mb());
+        }
+        std::printf("}");
+        separator = ",";
+    }
+    std::printf("\n]}\n");
+}
+
 } // namespace
+
+void print(const Options& options, const HostileOptions& hostile,
+           const std::vector<HostileRow>& rows)
+{
+    const bool has_memory = hostile.server_process != 0;
+    if (options.json) {
+        std::printf("{\"url\": \"%s\", \"policy\": \"%s\", \"mode\": \"%s\", \"rows\": [",
+                    options.url.c_str(), options.policy.c_str(), options.mode.c_str());
+        print_json(rows, has_memory);
+    } else {
+        std::printf("%s  %s %s\n", options.url.c_str(), options.policy.c_str(),
+                    options.mode.c_str());
+        print_table(rows, has_memory);
+    }
+}
 
 void print(const Options& options, const std::vector<Row>& rows)
 {

@@ -1,0 +1,269 @@
+#include "hostile.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <functional>
+#include <thread>
+#include <utility>
+
+#include <busbar/core/attribute_id.hpp>
+#include <busbar/types/attribute.hpp>
+#include <busbar/types/common.hpp>
+#include <busbar/types/discovery.hpp>
+#include <busbar/types/ids.hpp>
+#include <busbar/types/view.hpp>
+
+namespace busbar::bench {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Longer than anybody waits: what is late is to be measured, not given up.
+constexpr std::chrono::milliseconds patience{30'000};
+/// Between two Reads of the good client, and two attempts of one that is refused.
+constexpr std::chrono::milliseconds pause{1};
+/// Of a bomb's size, for all but what explodes.
+constexpr std::size_t room_for_headers = 64U << 10U;
+
+struct Tally {
+    std::atomic<bool> is_over{false};
+    std::atomic<std::size_t> answered{0};
+    std::atomic<std::size_t> refused{0};
+};
+
+/// One parameter, an array of arrays of DiagnosticInfo: each takes one byte and becomes an object
+/// of some hundred.
+ByteString bomb(std::size_t size)
+{
+    constexpr std::size_t in_one = 65'000;
+    constexpr auto array_of = [](BuiltInType type) {
+        return static_cast<std::uint8_t>(0x80U | static_cast<std::uint8_t>(type));
+    };
+    binary::VectorSink sink;
+    binary::Writer writer{sink};
+    writer.length(1);
+    encode(writer, QualifiedName{0, "parameter"});
+    writer.number(array_of(BuiltInType::Variant));
+    const std::size_t arrays = std::max<std::size_t>(size / in_one, 1);
+    writer.length(arrays);
+    const std::vector<std::byte> infos(std::min(size, in_one));
+    for (std::size_t i = 0; i < arrays; ++i) {
+        writer.number(array_of(BuiltInType::DiagnosticInfo));
+        writer.length(infos.size());
+        writer.bytes(infos);
+    }
+    const auto bytes = sink.take(writer.written());
+    return ByteString{bytes};
+}
+
+/// Whether the server answered; Bad_RequestTooLarge or the like if the request was never sent.
+Result<bool> send_bomb(net::ClientLoop& loop, GetEndpointsRequest& request)
+{
+    const auto sent =
+        loop.client().send_encoded([&](binary::Writer& writer, const RequestHeader& header) {
+            auto additional = std::move(request.request_header.additional_header);
+            request.request_header = header;
+            request.request_header.additional_header = std::move(additional);
+            encode(writer, NodeId{0, GetEndpointsRequest::binary_encoding_id});
+            encode(writer, request);
+        });
+    if (!sent) {
+        return fail(sent.error());
+    }
+    const auto event = loop.wait(patience);
+    return event && event->kind == client::ConnectionEvent::Kind::Response &&
+           event->status.is_good();
+}
+
+/// Who has no session sends the largest bomb that the server says it takes, again and again.
+void bomb_without_session(Load& load, std::size_t size, Tally& tally)
+{
+    GetEndpointsRequest request;
+    const auto load_bomb = [&] {
+        request.request_header.additional_header = ExtensionObject::from_binary(
+            NodeId{0, AdditionalParametersType::binary_encoding_id}, bomb(size));
+    };
+    size = size > 2 * room_for_headers ? size - room_for_headers : size;
+    load_bomb();
+    while (!tally.is_over) {
+        net::ClientLoop loop;
+        if (!load.open(loop, false, patience)) {
+            ++tally.refused;
+            std::this_thread::sleep_for(pause);
+            continue;
+        }
+        const auto answered = send_bomb(loop, request);
+        if (answered) {
+            ++(*answered ? tally.answered : tally.refused);
+        } else if (size > 1'000) {
+            size /= 2;
+            load_bomb();
+        } else {
+            ++tally.refused;
+            return;
+        }
+        loop.close();
+    }
+}
+
+/// What costs a server most for its size: of all instances of a type none is to be told.
+BrowseRequest dear_browse(std::size_t nodes)
+{
+    BrowseDescription one;
+    one.node_id = NodeId{0, id::PropertyType};
+    one.browse_direction = BrowseDirection::Inverse;
+    one.include_subtypes = true;
+    one.node_class_mask = static_cast<std::uint32_t>(NodeClass::ReferenceType);
+    BrowseRequest request;
+    request.nodes_to_browse.resize(nodes);
+    std::fill(request.nodes_to_browse.begin(), request.nodes_to_browse.end(), one);
+    return request;
+}
+
+/// Keeps Browses under way on one connection until it ends or the attack is over.
+void browse_on(net::ClientLoop& loop, const HostileOptions& options, Tally& tally)
+{
+    BrowseRequest request = dear_browse(options.nodes);
+    std::size_t open = 0;
+    while (!tally.is_over) {
+        for (; open < options.in_flight && loop.client().send(request); ++open) {
+        }
+        if (open == 0) { // not even one could be sent
+            ++tally.refused;
+            return;
+        }
+        const auto event = loop.wait(100ms);
+        if (event && event->kind != client::ConnectionEvent::Kind::Response) {
+            tally.refused += open;
+            return;
+        }
+        if (event) {
+            --open;
+            ++(event->status.is_good() ? tally.answered : tally.refused);
+        }
+    }
+    loop.close();
+}
+
+void browse_for_ever(Load& load, const HostileOptions& options, Tally& tally)
+{
+    while (!tally.is_over) {
+        net::ClientLoop loop;
+        if (load.open(loop, true, patience)) {
+            browse_on(loop, options, tally);
+        } else {
+            ++tally.refused;
+            std::this_thread::sleep_for(pause);
+        }
+    }
+}
+
+/// A client that wants one value, soon.
+class GoodClient {
+public:
+    explicit GoodClient(Load& load) : load_{&load}
+    {
+        request_.timestamps_to_return = TimestampsToReturn::Neither;
+        ReadValueId& item = request_.nodes_to_read.emplace_back();
+        item.node_id = NodeId{0, id::Server_ServerStatus_State};
+        item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
+    }
+
+    [[nodiscard]] Result<void> connect()
+    {
+        loop_ = std::make_unique<net::ClientLoop>();
+        return load_->open(*loop_, true, patience);
+    }
+    /// Reads for so long, and at least once; fails when there is no connection any more.
+    [[nodiscard]] Result<void> read_for(double seconds, HostileRow& row)
+    {
+        std::vector<double> times;
+        const TimePoint begin = clock_now();
+        do {
+            const TimePoint start = clock_now();
+            const auto event = loop_->call(request_);
+            times.push_back(elapsed_us(start));
+            if (!event || event->status.is_bad()) {
+                ++row.failed;
+                if (const auto connected = connect(); !connected) {
+                    return connected;
+                }
+            }
+            std::this_thread::sleep_for(pause);
+        } while (elapsed_us(begin) < seconds * 1e6);
+        std::sort(times.begin(), times.end());
+        row.reads = times.size();
+        row.median_us = times[times.size() / 2];
+        row.p90_us = times[times.size() * 9 / 10];
+        row.worst_us = times.back();
+        return {};
+    }
+    void leave() { loop_->close(); }
+
+private:
+    Load* load_;
+    std::unique_ptr<net::ClientLoop> loop_;
+    ReadRequest request_;
+};
+
+/// The good client reads while `attackers` threads do `what`.
+Result<HostileRow> play(Load& load, const HostileOptions& options, std::string name,
+                        std::size_t attackers, const std::function<void(Tally&)>& what)
+{
+    HostileRow row;
+    row.attack = std::move(name);
+    GoodClient client{load};
+    if (const auto connected = client.connect(); !connected) {
+        return fail(connected.error());
+    }
+    forget_peak(options.server_process);
+    row.before = memory_of(options.server_process);
+    Tally tally;
+    std::vector<std::thread> threads;
+    for (std::size_t i = 0; i < attackers; ++i) {
+        threads.emplace_back([&] { what(tally); });
+    }
+    const auto read = client.read_for(options.seconds, row);
+    tally.is_over = true;
+    for (std::thread& thread : threads) {
+        thread.join();
+    }
+    row.after = memory_of(options.server_process);
+    row.answered = tally.answered;
+    row.refused = tally.refused;
+    if (!read) {
+        return fail(read.error());
+    }
+    client.leave();
+    return row;
+}
+
+} // namespace
+
+Result<std::vector<HostileRow>> attack(Load& load, const HostileOptions& options)
+{
+    struct Attack {
+        std::string name;
+        std::size_t attackers;
+        std::function<void(Tally&)> what;
+    };
+    const std::vector<Attack> attacks = {
+        {"none", 0, {}},
+        {"decode bomb before login", 1,
+         [&](Tally& tally) { bomb_without_session(load, options.bomb_size, tally); }},
+        {"Browses of " + std::to_string(options.connections) + " connections", options.connections,
+         [&](Tally& tally) { browse_for_ever(load, options, tally); }},
+    };
+    std::vector<HostileRow> rows;
+    for (const Attack& one : attacks) {
+        auto row = play(load, options, one.name, one.attackers, one.what);
+        if (!row) {
+            return fail(row.error());
+        }
+        rows.push_back(*std::move(row));
+    }
+    return rows;
+}
+
+} // namespace busbar::bench

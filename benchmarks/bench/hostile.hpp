@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+#include "load.hpp"
+#include "process.hpp"
+
+namespace busbar::bench {
+
+/// What is done to a server while a client that means well reads from it.
+struct HostileOptions {
+    /// Bytes of a request with a header that becomes many times as large when it is decoded; less
+    /// where the server says that it takes less.
+    std::size_t bomb_size{16U << 20U};
+    /// Connections with a session each that ask for Browses, how many nodes in one, and how many
+    /// Browses each has under way.
+    std::size_t connections{20};
+    std::size_t nodes{100};
+    std::size_t in_flight{50};
+    double seconds{1};
+    /// Whose memory is read; 0 for nobody's.
+    pid_t server_process{0};
+};
+
+/// One attack, and what the good client saw meanwhile.
+struct HostileRow {
+    std::string attack;
+    /// Requests that were answered as asked, and those that were refused, with or without a word.
+    std::size_t answered{0};
+    std::size_t refused{0};
+    /// Of the good client: Reads, and those without a good answer.
+    std::size_t reads{0};
+    std::size_t failed{0};
+    double median_us{0};
+    double p90_us{0};
+    double worst_us{0};
+    /// Of the server.
+    Memory before;
+    Memory after;
+
+    [[nodiscard]] double growth_mb() const { return after.now_mb - before.now_mb; }
+    [[nodiscard]] double peak_growth_mb() const { return after.peak_mb - before.now_mb; }
+};
+
+/// First nothing, then each attack for the time of the options. Fails where the good client gets
+/// no connection, before, while or after the server is attacked.
+[[nodiscard]] Result<std::vector<HostileRow>> attack(Load& load, const HostileOptions& options);
+
+} // namespace busbar::bench
