@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <malloc.h>
 
+#include "growth.hpp"
 #include "hostile.hpp"
 #include "load.hpp"
 #include "own_server.hpp"
@@ -70,6 +71,19 @@ int run_hostile(bench::Options options, bench::HostileOptions hostile, bool has_
     return 0;
 }
 
+/// Needs no server: the figures are those of this library.
+int run_growth(const bench::GrowthOptions& growth, bool json)
+{
+    const auto series = bench::measure_growth(growth);
+    if (!series) {
+        std::fprintf(stderr, "busbar-bench: growth: %s\n",
+                     std::string{name(series.error())}.c_str());
+        return 1;
+    }
+    bench::print(*series, json);
+    return 0;
+}
+
 void add_server(CLI::App& app, bench::Options& options)
 {
     app.add_option("url", options.url, "endpoint")->capture_default_str();
@@ -133,17 +147,34 @@ CLI::App* add_hostile(CLI::App& app, bench::HostileOptions& options)
     return hostile;
 }
 
+CLI::App* add_growth(CLI::App& app, bench::GrowthOptions& options)
+{
+    CLI::App* const growth = app.add_subcommand(
+        "growth", "What one Read costs in this library, and creating one more of each, beside ever "
+                  "more sessions, items and variables.");
+    growth->fallthrough();
+    growth->add_option("--sessions", options.sessions, "how many, ascending")->delimiter(',');
+    growth->add_option("--items", options.items, "how many, ascending")->delimiter(',');
+    growth->add_option("--variables", options.variables, "how many, ascending")->delimiter(',');
+    growth->add_option("--reads", options.reads, "Reads for a figure")
+        ->check(CLI::Range(1, 1'000'000))
+        ->capture_default_str();
+    return growth;
+}
+
 } // namespace
 
 int main(int argc, char** argv)
 {
     bench::Options options;
     bench::HostileOptions hostile_options;
+    bench::GrowthOptions growth_options;
     CLI::App app{"Measures an OPC UA server: connect, read and write of N values, requests in "
                  "flight."};
     add_server(app, options);
     add_loads(app, options);
     const CLI::App* const hostile = add_hostile(app, hostile_options);
+    const CLI::App* const growth = add_growth(app, growth_options);
     CLI11_PARSE(app, argc, argv);
     options.subscribe.seconds = options.seconds;
     hostile_options.seconds = options.seconds;
@@ -155,5 +186,5 @@ int main(int argc, char** argv)
     if (hostile->parsed()) {
         return run_hostile(options, hostile_options, app.get_option("url")->count() != 0);
     }
-    return run_loads(options);
+    return growth->parsed() ? run_growth(growth_options, options.json) : run_loads(options);
 }

@@ -1,0 +1,241 @@
+#include "growth.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include <malloc.h>
+
+#include <busbar/core/attribute_id.hpp>
+#include <busbar/types/attribute.hpp>
+#include <busbar/types/monitored_item.hpp>
+#include <busbar/types/subscription.hpp>
+
+#include "memory_server.hpp"
+
+namespace busbar::bench {
+
+namespace {
+
+constexpr int rounds = 5;
+constexpr std::size_t parts = 16;
+constexpr std::size_t items_per_request = 1'000;
+/// Longer than a measurement: nothing is sampled or published meanwhile.
+constexpr double one_hour_ms = 3'600'000;
+
+/// Microseconds of the server for a Read of one of the variables, all over them.
+Result<double> read_cost(MemoryServer& server, Guest& guest, std::size_t variables,
+                         std::size_t reads)
+{
+    // A prime, so that neighbours are not read one after the other.
+    constexpr std::size_t stride = 104'729;
+    ReadRequest request;
+    request.timestamps_to_return = TimestampsToReturn::Neither;
+    ReadValueId& item = request.nodes_to_read.emplace_back();
+    item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
+    double best = std::numeric_limits<double>::max();
+    std::size_t place = 0; // goes on from round to round: no cache has seen the node before
+    for (int round = 0; round < rounds; ++round) {
+        static_cast<void>(server.take_time_us());
+        for (std::size_t i = 0; i < reads; ++i) {
+            place = (place + stride) % variables;
+            item.node_id = server.node(place);
+            const auto response = guest.call<ReadResponse>(request);
+            if (!response || response->results.size() != 1 ||
+                response->results[0].status.is_bad()) {
+                return fail(response ? StatusCode{status::Bad_NoData} : response.error());
+            }
+        }
+        best = std::min(best, server.take_time_us() / static_cast<double>(reads));
+    }
+    return best;
+}
+
+/// Makes all from `first` to `last` part by part. The cost of one is the median of the parts: now
+/// and then one of them has a table grow, which is not what each costs.
+template <typename Create>
+Result<double> create_cost(MemoryServer& server, std::size_t first, std::size_t last, Create create)
+{
+    const std::size_t size = (last - first + parts - 1) / parts;
+    std::vector<double> costs;
+    while (first < last) {
+        const std::size_t next = std::min(first + size, last);
+        static_cast<void>(server.take_time_us());
+        if (const Result<void> created = create(first, next); !created) {
+            return fail(created.error());
+        }
+        costs.push_back(server.take_time_us() / static_cast<double>(next - first));
+        first = next;
+    }
+    const auto middle = costs.begin() + static_cast<std::ptrdiff_t>((costs.size() - 1) / 2);
+    std::nth_element(costs.begin(), middle, costs.end());
+    return *middle;
+}
+
+/// `create` makes those from the first to before the last that it is told.
+template <typename Create>
+Result<void> measure(Series& series, const std::vector<std::size_t>& counts, MemoryServer& server,
+                     Create create, const std::function<Result<double>()>& read)
+{
+    std::size_t before = 0;
+    for (const std::size_t count : counts) {
+        if (count <= before) {
+            return fail(status::Bad_InvalidArgument);
+        }
+        const auto create_us = create_cost(server, before, count, create);
+        const auto read_us = create_us ? read() : fail(create_us.error());
+        if (!read_us) {
+            return fail(read_us.error());
+        }
+        series.points.push_back({count, *create_us, *read_us});
+        before = count;
+    }
+    return {};
+}
+
+Result<Series> sessions(const GrowthOptions& options)
+{
+    Series series{"sessions", {}};
+    MemoryServer server;
+    server.add_variables(1);
+    auto reader = server.admit();
+    if (!reader) {
+        return fail(reader.error());
+    }
+    std::vector<std::unique_ptr<Guest>> others;
+    const auto create = [&](std::size_t first, std::size_t last) -> Result<void> {
+        for (std::size_t i = first; i < last; ++i) {
+            auto guest = server.admit();
+            if (!guest) {
+                return fail(guest.error());
+            }
+            others.push_back(*std::move(guest));
+        }
+        return {};
+    };
+    const auto done = measure(series, options.sessions, server, create,
+                              [&] { return read_cost(server, **reader, 1, options.reads); });
+    return done ? Result<Series>{std::move(series)} : fail(done.error());
+}
+
+/// Monitors the variables from `first` to before `last`.
+Result<void> monitor(MemoryServer& server, Guest& guest, std::uint32_t subscription,
+                     std::size_t first, std::size_t last)
+{
+    CreateMonitoredItemsRequest request;
+    request.subscription_id = subscription;
+    for (std::size_t i = first; i < last; ++i) {
+        MonitoredItemCreateRequest& item = request.items_to_create.emplace_back();
+        item.item_to_monitor.node_id = server.node(i);
+        item.item_to_monitor.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
+        item.monitoring_mode = MonitoringMode::Reporting;
+        item.requested_parameters.client_handle = static_cast<std::uint32_t>(i);
+        item.requested_parameters.sampling_interval = one_hour_ms;
+        item.requested_parameters.queue_size = 1;
+    }
+    const auto response = guest.call<CreateMonitoredItemsResponse>(request);
+    if (!response) {
+        return fail(response.error());
+    }
+    const auto bad = std::find_if(response->results.begin(), response->results.end(),
+                                  [](const auto& one) { return one.status_code.is_bad(); });
+    return bad == response->results.end() ? Result<void>{} : fail(bad->status_code);
+}
+
+Result<Series> items(const GrowthOptions& options)
+{
+    Series series{"items", {}};
+    if (options.items.empty()) {
+        return series;
+    }
+    MemoryServer server;
+    server.add_variables(options.items.back());
+    auto reader = server.admit();
+    auto owner = server.admit();
+    if (!reader || !owner) {
+        return fail(reader ? owner.error() : reader.error());
+    }
+    CreateSubscriptionRequest request;
+    request.requested_publishing_interval = one_hour_ms;
+    request.requested_lifetime_count = 1'000;
+    request.requested_max_keep_alive_count = 100;
+    request.publishing_enabled = true;
+    const auto subscription = (*owner)->call<CreateSubscriptionResponse>(request);
+    if (!subscription) {
+        return fail(subscription.error());
+    }
+    const auto create = [&](std::size_t first, std::size_t last) -> Result<void> {
+        for (; first < last; first += items_per_request) {
+            const auto made = monitor(server, **owner, subscription->subscription_id, first,
+                                      std::min(first + items_per_request, last));
+            if (!made) {
+                return made;
+            }
+        }
+        return {};
+    };
+    const auto done = measure(series, options.items, server, create, [&] {
+        return read_cost(server, **reader, options.items.back(), options.reads);
+    });
+    return done ? Result<Series>{std::move(series)} : fail(done.error());
+}
+
+Result<Series> variables(const GrowthOptions& options)
+{
+    Series series{"variables", {}};
+    MemoryServer server;
+    auto reader = server.admit();
+    if (!reader) {
+        return fail(reader.error());
+    }
+    std::size_t there = 0;
+    const auto create = [&](std::size_t, std::size_t last) -> Result<void> {
+        server.add_variables(last);
+        there = last;
+        return {};
+    };
+    const auto done = measure(series, options.variables, server, create,
+                              [&] { return read_cost(server, **reader, there, options.reads); });
+    return done ? Result<Series>{std::move(series)} : fail(done.error());
+}
+
+std::size_t most(const std::vector<std::size_t>& counts)
+{
+    return counts.empty() ? 0 : counts.back();
+}
+
+/// Has the process own, roughly, what the largest server needs, and keep it: what the system takes
+/// to give a page for the first time would look like a step.
+void take_memory(const GrowthOptions& options)
+{
+    constexpr std::size_t block = 1U << 20U;
+    const std::size_t bytes =
+        std::max({most(options.sessions) * 200'000, most(options.items) * 2'000,
+                  most(options.variables) * 400});
+    ::mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+    std::vector<std::vector<std::byte>> blocks;
+    for (std::size_t taken = 0; taken < bytes; taken += block) {
+        blocks.emplace_back(block);
+    }
+}
+
+} // namespace
+
+Result<std::vector<Series>> measure_growth(const GrowthOptions& options)
+{
+    take_memory(options);
+    std::vector<Series> all;
+    for (const auto measured : {sessions, items, variables}) {
+        auto series = measured(options);
+        if (!series) {
+            return fail(series.error());
+        }
+        all.push_back(*std::move(series));
+    }
+    return all;
+}
+
+} // namespace busbar::bench
