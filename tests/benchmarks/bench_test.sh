@@ -1,0 +1,48 @@
+#!/bin/sh
+# Runs the commands of busbar-bench that need no other server, and looks at what they print; not at
+# how long anything took.
+# usage: bench_test.sh BUSBAR_BENCH SOURCE_DIR CMAKE
+set -eu
+bench=$1 source=$2 cmake=$3
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+
+# has TEXT FILE
+has() {
+    grep -q -- "$1" "$2" || { echo "not found: $1, in:"; cat "$2"; exit 1; }
+}
+# refuses COMMAND...: fails, and says why in refused.txt.
+refuses() {
+    if "$@" 2> refused.txt; then
+        echo "does not fail: $*"
+        exit 1
+    fi
+}
+is_json() { "$cmake" -D FILE="$work/$1" -P "$source/tests/programs/check_json.cmake"; }
+
+"$bench" hostile --seconds 0.2 --connections 3 --bomb 1000000 > hostile.txt
+has "^none " hostile.txt
+has "^decode bomb before login " hostile.txt
+has "^Browses of 3 connections " hostile.txt
+"$bench" hostile --seconds 0.2 --connections 3 --bomb 1000000 --json > hostile.json
+is_json hostile.json
+has '"attack": "Browses of 3 connections"' hostile.json
+has '"failed": 0, ' hostile.json
+has '"peak_growth_mb": ' hostile.json
+
+"$bench" growth --sessions 1,2 --items 5,10 --variables 10,20 --reads 5 > growth.txt
+has "^sessions " growth.txt
+has "^items " growth.txt
+has "^variables " growth.txt
+has "step" growth.txt
+"$bench" growth --sessions 1,2 --items 5,10 --variables 10,20 --reads 5 --json > growth.json
+is_json growth.json
+has '"of": "items", "count": 10, ' growth.json
+
+# A server that is not there, and sizes that do not grow.
+refuses "$bench" hostile opc.tcp://127.0.0.1:1
+has "opc.tcp://127.0.0.1:1: Bad_" refused.txt
+refuses "$bench" growth --sessions 2,2
+has "growth: Bad_InvalidArgument" refused.txt
