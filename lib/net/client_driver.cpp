@@ -61,7 +61,7 @@ void ClientLine::handle_deadline(TimePoint now)
     }
 }
 
-ClientDriver::ClientDriver(asio::any_io_executor executor, client::ClientConfig config,
+ClientDriver::ClientDriver(const asio::any_io_executor& executor, client::ClientConfig config,
                            const channel::ChannelEnvironment& environment, Lookup lookup)
     : executor_{executor}, log_{environment.log}, connect_timeout_{config.connect_timeout},
       is_reverse_{config.is_reverse}, expected_{config.server_uri, config.endpoint_url},

@@ -57,7 +57,7 @@ class ClientDriver : public std::enable_shared_from_this<ClientDriver> {
 public:
     /// `environment` must outlive the object; it needs a log. stop() must be called before the last
     /// owner goes.
-    ClientDriver(asio::any_io_executor executor, client::ClientConfig config,
+    ClientDriver(const asio::any_io_executor& executor, client::ClientConfig config,
                  const channel::ChannelEnvironment& environment, Lookup lookup = system_lookup);
     ClientDriver(const ClientDriver&) = delete;
     ClientDriver& operator=(const ClientDriver&) = delete;

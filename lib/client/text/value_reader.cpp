@@ -84,8 +84,9 @@ bool TextValueReader::read_one(const Json& from, const ValueType& type, T& to)
 {
     if constexpr (std::is_same_v<T, Variant>) {
         auto value = read_any(from);
-        to = value ? *std::move(value) : Variant{};
-        return value.has_value();
+        const bool is_read = value.has_value();
+        to = is_read ? *std::move(value) : Variant{};
+        return is_read;
     } else if constexpr (std::is_same_v<T, ExtensionObject>) {
         return read_object(from, type.type, to);
     } else if constexpr (std::is_same_v<T, DataValue> || std::is_same_v<T, DiagnosticInfo>) {
@@ -268,8 +269,9 @@ bool TextValueReader::read_object(const Json& from, const DynamicType* type, Ext
     if (value && !object) {
         static_cast<void>(fail(from, "a type with an encoding"));
     }
-    to = object ? *std::move(object) : ExtensionObject{};
-    return object.has_value();
+    const bool is_made = object.has_value();
+    to = is_made ? *std::move(object) : ExtensionObject{};
+    return is_made;
 }
 
 std::optional<DynamicValue> TextValueReader::read_structure(const Json& from,

@@ -21,7 +21,7 @@ public:
     SamplingGroup(Sampler& sampler, Duration interval);
     SamplingGroup(const SamplingGroup&) = delete;
     SamplingGroup& operator=(const SamplingGroup&) = delete;
-    ~SamplingGroup();
+    ~SamplingGroup() override;
 
     [[nodiscard]] Duration interval() const { return interval_; }
     /// Between the last two samples; zero before the second.
