@@ -251,7 +251,7 @@ void ReverseQueue::drop(const std::shared_ptr<Caller>& caller)
     }
     callers_.remove(caller);
     std::error_code ignored;
-    caller->timer.cancel();
+    detail::stop(caller->timer);
     caller->socket.shutdown(tcp::socket::shutdown_both, ignored);
     caller->socket.close(ignored);
 }
