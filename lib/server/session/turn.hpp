@@ -12,8 +12,8 @@ namespace busbar::server::detail {
 /// nanoseconds: a byte that is decoded or encoded, a reference that is looked at.
 class Turn {
 public:
-    /// Some hundred microseconds.
-    static constexpr std::size_t units = 100'000;
+    /// Less than a millisecond: twenty greedy connections keep another waiting for some ten.
+    static constexpr std::size_t units = 50'000;
     static constexpr std::size_t units_of_request = 1'000;
     /// A ReferenceDescription that is made.
     static constexpr std::size_t units_of_reference = 50;
