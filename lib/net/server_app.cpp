@@ -1,0 +1,170 @@
+#include <busbar/net/server_app.hpp>
+
+#include <cstdio>
+#include <optional>
+
+#include <busbar/channel/endpoint_url.hpp>
+#include <busbar/net/server_loop.hpp>
+#include <busbar/server/config_check.hpp>
+#include <busbar/server/memory_source.hpp>
+#include <busbar/types/ids.hpp>
+
+namespace busbar::net {
+
+struct ServerApp::Impl {
+    explicit Impl(std::string url) : endpoint_url{std::move(url)} {}
+
+    [[nodiscard]] bool is_good() const { return status.has_value(); }
+    void fail_with(Refusal refusal)
+    {
+        if (is_good()) {
+            status = refuse(std::move(refusal));
+        }
+    }
+    void open(ApplicationSettings settings);
+    void listen();
+
+    std::string endpoint_url;
+    Checked<void> status;
+    StderrLog log;
+    std::unique_ptr<Application> application;
+    ServerLoop loop{log};
+    server::PasswordUsers users;
+    /// Before the server, which has its index.
+    std::optional<server::MemorySource> memory;
+    std::uint32_t memory_index{0};
+    std::optional<server::Server> server;
+};
+
+void ServerApp::Impl::open(ApplicationSettings settings)
+{
+    auto opened = Application::open(std::move(settings), log);
+    if (!opened) {
+        return fail_with(opened.error());
+    }
+    application = *std::move(opened);
+    server::ServerConfig config = application->server_config(endpoint_url);
+    const server::ServerEnvironment environment = application->server_environment(loop, &users);
+    if (const auto checked = server::check_config(config, environment); !checked) {
+        return fail_with(checked.error());
+    }
+    auto made = server::Server::create(std::move(config), environment);
+    if (!made) {
+        return fail_with({made.error(), "server", "cannot be made", {}, {}});
+    }
+    server.emplace(*std::move(made));
+    memory.emplace(application->wall_clock());
+    memory_index = server->add_source(*memory);
+}
+
+void ServerApp::Impl::listen()
+{
+    const auto url = channel::EndpointUrl::parse(endpoint_url);
+    if (!url) {
+        return fail_with({url.error(), "endpoint URL", "is none: " + endpoint_url, "Part 6, 7.2",
+                          "Write opc.tcp://host:port"});
+    }
+    if (const auto listening = loop.listen("", url->port); !listening) {
+        fail_with({listening.error(),
+                   "port",
+                   std::to_string(url->port) + " cannot be listened on",
+                   {},
+                   "Choose another, or stop who has it"});
+    }
+}
+
+ServerApp::ServerApp(ApplicationSettings settings, std::string endpoint_url)
+    : impl_{std::make_unique<Impl>(std::move(endpoint_url))}
+{
+    impl_->open(std::move(settings));
+}
+
+ServerApp::~ServerApp() = default;
+
+void ServerApp::add_user(std::string_view name, const char* password)
+{
+    if (!impl_->is_good()) {
+        return;
+    }
+    const auto added =
+        impl_->users.add(name, password != nullptr ? password : "", impl_->application->random());
+    if (!added) {
+        impl_->fail_with(added.error());
+    }
+}
+
+std::uint16_t ServerApp::add_namespace(std::string_view uri)
+{
+    if (!impl_->is_good()) {
+        return 0;
+    }
+    const auto added = impl_->server->address_space().add_namespace(uri);
+    if (!added) {
+        impl_->fail_with(
+            {added.error(), "namespace", "cannot be added: " + std::string{uri}, {}, {}});
+    }
+    return added.value_or(0);
+}
+
+std::uint64_t ServerApp::add_variable(const QualifiedName& name, const Variant& value,
+                                      Access access)
+{
+    if (!impl_->is_good()) {
+        return 0;
+    }
+    model::AddressSpace& space = impl_->server->address_space();
+    model::NewNode node;
+    node.id = NodeId{name.namespace_index, name.name};
+    node.browse_name = name;
+    node.parent = space.find(id::ObjectsFolder);
+    model::NewVariable variable;
+    variable.data_type = NodeId{0, static_cast<std::uint32_t>(value.type())};
+    variable.value_rank = value.is_array() ? 1 : -1;
+    variable.access_level = static_cast<std::uint8_t>(access);
+    variable.source = impl_->memory_index;
+    variable.handle = impl_->memory->add(value);
+    const auto added = space.add_variable(node, variable);
+    if (!added) {
+        impl_->fail_with(
+            {added.error(), "variable", "cannot be added: " + name.name.str(), {}, {}});
+    }
+    return variable.handle;
+}
+
+void ServerApp::set(std::uint64_t variable, Variant value)
+{
+    if (impl_->is_good()) {
+        impl_->memory->set(variable, std::move(value));
+    }
+}
+
+const Checked<void>& ServerApp::status() const
+{
+    return impl_->status;
+}
+
+server::Server* ServerApp::server()
+{
+    return impl_->server ? &*impl_->server : nullptr;
+}
+
+server::PasswordUsers& ServerApp::users()
+{
+    return impl_->users;
+}
+
+int ServerApp::run()
+{
+    if (impl_->is_good()) {
+        impl_->listen();
+    }
+    if (!impl_->is_good()) {
+        std::fprintf(stderr, "%s\n", text(impl_->status.error()).c_str());
+        return 1;
+    }
+    impl_->loop.stop_on_signals();
+    impl_->loop.run(*impl_->server);
+    return 0;
+}
+
+} // namespace busbar::net
