@@ -46,6 +46,11 @@ public:
             return;
         }
         client_->run();
+        // The server's connection goes on where its turn ended.
+        while (client_->connection.next_deadline() <= time) {
+            client_->connection.handle_deadline(time);
+            client_->run();
+        }
         for (auto& message : std::exchange(client_->messages, {})) {
             const auto found = by_message_.find(message.request_id);
             if (found != by_message_.end()) {

@@ -166,6 +166,7 @@ TEST_CASE("Subscriptions that lost their session live on until somebody deletes 
     parts.add_item(7);
     CHECK(parts.all.item_count() == 1);
     parts.all.session_ends(parts.session, false);
+    parts.session.publishing.reset(); // as the session takes it along
     CHECK(parts.all.size() == 1);
     CHECK(parts.subscription->session() == nullptr);
     CHECK(parts.all.find(parts.subscription->id(), parts.session) == nullptr);
