@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include <busbar/client/connection.hpp>
 #include <busbar/types/subscription.hpp>
 
 #include "client_fixture.hpp"
@@ -231,4 +232,23 @@ TEST_CASE("nothing is told to a client that has no connection")
     plant.run();
     CHECK(plant.client.state() == ClientState::Closed);
     CHECK(plant.urls.empty());
+}
+
+TEST_CASE("D1: what was asked for may be answered by elements of a few bytes each", "[client]")
+{
+    ReadResponse response;
+    response.results.resize(65'536);
+    for (DataValue& result : response.results) {
+        result.value = true;
+    }
+    binary::VectorSink sink;
+    binary::Writer writer{sink};
+    encode(writer, NodeId{0, ReadResponse::binary_encoding_id});
+    encode(writer, response);
+    client::ConnectionEvent event;
+    event.kind = client::ConnectionEvent::Kind::Response;
+    event.body = sink.take(writer.written());
+    const auto decoded = event.response<ReadResponse>();
+    REQUIRE(decoded);
+    CHECK(decoded->results.size() == 65'536);
 }

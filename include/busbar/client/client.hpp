@@ -12,6 +12,7 @@
 #include <busbar/channel/channel_types.hpp>
 #include <busbar/client/endpoint_choice.hpp>
 #include <busbar/client/requester.hpp>
+#include <busbar/client/response_limits.hpp>
 #include <busbar/client/subscriptions.hpp>
 #include <busbar/client/user_identity.hpp>
 #include <busbar/core/api.hpp>
@@ -52,9 +53,8 @@ struct ClientConfig {
     ReconnectPolicy reconnect;
     Duration channel_lifetime{std::chrono::hours{1}};
     channel::TransportLimits transport;
-    /// Of a response: what was asked for may be answered by elements of a few bytes each, say
-    /// 65,536 Booleans without timestamps.
-    binary::DecodeLimits decode{.free_memory = 4U << 20U};
+    /// Of a response.
+    binary::DecodeLimits decode{response_limits};
     /// Generated structures beside those of namespace 0, a table for each namespace: values of them
     /// in responses and notifications are objects of their C++ types. Found by their namespace URI
     /// in the server's NamespaceArray, whatever the index is there.

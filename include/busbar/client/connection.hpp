@@ -12,6 +12,7 @@
 
 #include <busbar/channel/client_channel.hpp>
 #include <busbar/client/response.hpp>
+#include <busbar/client/response_limits.hpp>
 #include <busbar/client/user_identity.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/types/common.hpp>
@@ -49,7 +50,7 @@ struct ConnectionConfig {
     /// False for FindServers and GetEndpoints, which need no session.
     bool wants_session{true};
     /// What responses may contain.
-    binary::DecodeLimits limits{};
+    binary::DecodeLimits limits{response_limits};
 };
 
 /// What happened on a client.
@@ -71,7 +72,7 @@ struct ConnectionEvent {
     /// the ServiceResult if that is bad. `types` has the structures of namespace 0 and others, by
     /// the server's namespace indexes.
     template <typename T>
-    [[nodiscard]] Result<T> response(const binary::DecodeLimits& limits = {},
+    [[nodiscard]] Result<T> response(const binary::DecodeLimits& limits = response_limits,
                                      const binary::TypeRegistry& types = standard_types()) const;
 };
 
