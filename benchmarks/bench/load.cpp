@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <busbar/client/response_limits.hpp>
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/crypto/self_signed.hpp>
 #include <busbar/types/attribute.hpp>
@@ -20,7 +21,7 @@ constexpr std::size_t frame_size = 80;
 
 binary::DecodeLimits generous()
 {
-    binary::DecodeLimits limits;
+    binary::DecodeLimits limits = client::response_limits;
     limits.max_array_length = 1'000'000;
     return limits;
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include <busbar/client/response_limits.hpp>
 #include <busbar/types/ids.hpp>
 
 namespace busbar::bench {
@@ -138,7 +139,7 @@ Guest::Guest(MemoryServer& host, server::Connection connection, client::Connecti
 
 binary::DecodeLimits Guest::generous()
 {
-    binary::DecodeLimits limits;
+    binary::DecodeLimits limits = client::response_limits;
     limits.max_array_length = 1'000'000;
     return limits;
 }

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <limits>
 
+#include <busbar/client/response_limits.hpp>
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/types/monitored_item.hpp>
 #include <busbar/types/subscription.hpp>
@@ -20,7 +21,7 @@ constexpr std::size_t publishes_under_way = 4;
 
 binary::DecodeLimits generous()
 {
-    binary::DecodeLimits limits;
+    binary::DecodeLimits limits = client::response_limits;
     limits.max_array_length = 1'000'000;
     return limits;
 }
