@@ -12,9 +12,9 @@ namespace busbar::server::detail {
 /// nanoseconds: a byte that is decoded or encoded, a reference that is looked at.
 class Turn {
 public:
-    /// Less than a millisecond: twenty greedy connections keep another waiting for some ten.
-    static constexpr std::size_t units = 50'000;
-    static constexpr std::size_t units_of_request = 1'000;
+    /// Less than a millisecond: twenty greedy connections keep another waiting for less than 20.
+    static constexpr std::size_t units = 40'000;
+    static constexpr std::size_t units_of_request = 200;
     /// A ReferenceDescription that is made.
     static constexpr std::size_t units_of_reference = 50;
     /// A MonitoredItem that is made or changed.
