@@ -8,6 +8,7 @@
 #include <string>
 
 #include <busbar/client/connection.hpp>
+#include <busbar/client/response_limits.hpp>
 #include <busbar/crypto/random.hpp>
 #include <busbar/server/server.hpp>
 #include <busbar/types/ids.hpp>
@@ -46,7 +47,7 @@ T expect(Result<T> result)
 
 binary::DecodeLimits generous()
 {
-    binary::DecodeLimits limits;
+    binary::DecodeLimits limits = client::response_limits;
     limits.max_array_length = 1'000'000;
     return limits;
 }
