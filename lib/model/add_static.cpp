@@ -3,7 +3,7 @@
 #include <busbar/binary/codec.hpp>
 
 #include "graft.hpp"
-#include "namespace_map.hpp"
+#include "structure_bodies.hpp"
 
 namespace busbar::model {
 
@@ -160,15 +160,14 @@ bool StaticCopy::has_other_namespaces() const
 /// types, which may be among these nodes: they must have been linked.
 void StaticCopy::map_values()
 {
-    DataTypes compiled;
-    const detail::StructureTypes types{space_, compiled};
+    const detail::StructureBodies bodies{space_};
     for (std::size_t i = 0; i < from_.nodes.size(); ++i) {
         const StaticNode& node = from_.nodes[i];
         const auto node_class = NodeClass{node.node_class};
         if ((node_class == NodeClass::Variable || node_class == NodeClass::VariableType) &&
             node.details != no_details && from_.variables[node.details].value.size != 0) {
             detail::Extra& extra = graft_.record(graft_.created()[i]).make_extra();
-            detail::map_namespaces(extra.value, namespaces_, &types);
+            detail::map_namespaces(extra.value, namespaces_, &bodies);
         }
     }
 }

@@ -1,7 +1,6 @@
 #include "namespace_map.hpp"
 
 #include <busbar/binary/codec.hpp>
-#include <busbar/binary/dynamic_value.hpp>
 #include <busbar/types/data_types.hpp>
 
 namespace busbar::model::detail {
@@ -15,8 +14,8 @@ constexpr std::uint32_t structure_definition_encoding = 122;
 /// The overloads call each other: a Variant may hold any of the others.
 class NamespaceMap {
 public:
-    NamespaceMap(std::span<const std::uint16_t> map, const StructureTypes* types)
-        : map_{map}, types_{types}
+    NamespaceMap(std::span<const std::uint16_t> map, const BodyMap* bodies)
+        : map_{map}, bodies_{bodies}
     {
     }
 
@@ -45,8 +44,6 @@ private:
     void apply(QualifiedName& name) const { name.namespace_index = at(name.namespace_index); }
     void apply(DataValue& value) const { apply(value.value); }
     void apply(ExtensionObject& object) const;
-    void apply(binary::DynamicValue& structure) const;
-    void apply_to_body(ExtensionObject& object) const;
     void apply(Argument& argument) const { apply(argument.data_type); }
     void apply(RolePermissionType& permission) const { apply(permission.role_id); }
     void apply(StructureDefinition& definition) const
@@ -87,7 +84,7 @@ private:
     }
 
     std::span<const std::uint16_t> map_;
-    const StructureTypes* types_;
+    const BodyMap* bodies_;
 };
 
 void NamespaceMap::apply(ExtensionObject& object) const
@@ -114,7 +111,9 @@ void NamespaceMap::apply(ExtensionObject& object) const
     apply(id);
     if (object.body() == ExtensionObject::Body::Binary) {
         object = ExtensionObject::from_binary(std::move(id), object.binary());
-        apply_to_body(object);
+        if (bodies_ != nullptr) {
+            bodies_->map(object, map_);
+        }
     } else if (object.body() == ExtensionObject::Body::Xml) {
         object = ExtensionObject::from_xml(std::move(id), object.xml());
     } else if (object.body() == ExtensionObject::Body::None) {
@@ -122,50 +121,11 @@ void NamespaceMap::apply(ExtensionObject& object) const
     }
 }
 
-/// `object` has the encoding's new id already.
-void NamespaceMap::apply_to_body(ExtensionObject& object) const
-{
-    if (types_ == nullptr) {
-        return;
-    }
-    auto structure = binary::decode_dynamic(object, types_->types.of(types_->space));
-    if (!structure) {
-        return;
-    }
-    apply(*structure);
-    if (auto mapped = binary::to_extension_object(*structure)) {
-        object = std::move(*mapped);
-    }
-}
-
-/// What a field holds still fits when it is mapped, so that setting it does not fail.
-void NamespaceMap::apply(binary::DynamicValue& structure) const
-{
-    const auto replace = [&](std::size_t field, const auto& held, auto map_content) {
-        auto content = held;
-        map_content(content);
-        static_cast<void>(structure.set(field, std::move(content)));
-    };
-    for (std::size_t i = 0; i < structure.type().fields.size(); ++i) {
-        if (const auto* const value = structure.value(i)) {
-            replace(i, *value, [&](Variant& content) { apply(content); });
-        } else if (const auto* const inner = structure.structure(i)) {
-            replace(i, *inner, [&](binary::DynamicValue& content) { apply(content); });
-        } else if (const auto* const all = structure.structures(i)) {
-            replace(i, *all, [&](binary::DynamicArray& content) {
-                for (binary::DynamicValue& each : content.values) {
-                    apply(each);
-                }
-            });
-        }
-    }
-}
-
 } // namespace
 
-void map_namespaces(Variant& value, std::span<const std::uint16_t> map, const StructureTypes* types)
+void map_namespaces(Variant& value, std::span<const std::uint16_t> map, const BodyMap* bodies)
 {
-    NamespaceMap{map, types}.apply(value);
+    NamespaceMap{map, bodies}.apply(value);
 }
 
 } // namespace busbar::model::detail

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <busbar/binary/dynamic_value.hpp>
+#include <busbar/model/data_types.hpp>
+
+#include "namespace_map.hpp"
+
+namespace busbar::model::detail {
+
+/// Reads bodies by the DataTypeDefinitions of an address space, whose NodeIds are those that the
+/// values have once they are mapped. They are compiled for the first body only; a body whose
+/// definition is not known stays as it is.
+class StructureBodies final : public BodyMap {
+public:
+    /// `space` must outlive this.
+    explicit StructureBodies(const AddressSpace& space) : space_{space} {}
+
+    void map(ExtensionObject& object, std::span<const std::uint16_t> map) const override;
+
+private:
+    void map(binary::DynamicValue& structure, std::span<const std::uint16_t> map) const;
+
+    const AddressSpace& space_;
+    mutable DataTypes types_;
+};
+
+} // namespace busbar::model::detail
