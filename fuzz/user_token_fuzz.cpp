@@ -9,6 +9,7 @@
 #include <busbar/types/session.hpp>
 
 #include "fuzz_script.hpp"
+#include "server/users/issued_token.hpp"
 #include "server/users/user_policies.hpp"
 #include "server/users/user_token.hpp"
 #include "support/identity.hpp"
@@ -63,7 +64,8 @@ struct Fixture {
     bool log_in(const server::EndpointConfig& endpoint, const ExtensionObject& token,
                 const SignatureData& signature)
     {
-        const server::detail::LoginContext context{config, endpoint, &users, nonce, test::today};
+        const server::detail::LoginContext context{
+            config, endpoint, &users, nonce, test::today, server::detail::log_in_issued};
         return server::detail::log_in(context, token, signature).has_value();
     }
 };

@@ -11,6 +11,7 @@
 #include "peer_link.hpp"
 #include "server/attribute/semantic_changes.hpp"
 #include "server/subscription/sampler.hpp"
+#include "server/users/issued_token.hpp"
 
 namespace busbar::server::detail {
 
@@ -37,7 +38,8 @@ Core::Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space
       subscription_needs{address_space, sources,  types,         config.limits,
                          environment,   counters, server_object, event_items},
       session_needs{config, environment,     guards,   rationed_log, sessions,
-                    logins, password_checks, counters, *this,        own},
+                    logins, password_checks, counters, *this,        own,
+                    log_in_issued},
       attribute_needs{
           address_space,           sources,       data_types, config.limits, environment.access,
           *environment.wall_clock, server_object, *this},

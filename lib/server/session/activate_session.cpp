@@ -208,7 +208,7 @@ LoginStep ActivateSession::begin_user() const
                                     "there is no endpoint with the security of the channel")}}};
     }
     return begin_log_in({needs_.config, *endpoint, needs_.environment.users,
-                         session.server_nonce.span(), needs_.wall_time()},
+                         session.server_nonce.span(), needs_.wall_time(), needs_.log_in_issued},
                         request().user_identity_token, request().user_token_signature);
 }
 

@@ -9,6 +9,7 @@
 #include "server/users/guards.hpp"
 #include "server/users/login_guard.hpp"
 #include "server/users/password_checks.hpp"
+#include "server/users/user_token.hpp"
 #include "session_table.hpp"
 
 namespace busbar::server::detail {
@@ -50,6 +51,8 @@ struct SessionNeeds {
     SessionKeeper& keeper;
     /// Index of the ApplicationUri in the NamespaceArray.
     std::uint16_t own_namespace;
+    /// Null in a server without issued tokens.
+    IssuedLogin* log_in_issued{nullptr};
 
     [[nodiscard]] const ServerLimits& limits() const { return config.limits; }
     [[nodiscard]] DateTime wall_time() const { return environment.wall_clock->now(); }

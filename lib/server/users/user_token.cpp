@@ -7,6 +7,7 @@
 #include <busbar/types/session.hpp>
 
 #include "signed_nonce.hpp"
+#include "token_checks.hpp"
 #include "user_policies.hpp"
 
 namespace busbar::server::detail {
@@ -18,53 +19,6 @@ constexpr std::size_t max_password_size = 256;
 /// What is checked instead of a password that could not be read.
 constexpr std::string_view stand_in = "not the password of anyone";
 
-constexpr std::string_view name_of(UserTokenType type)
-{
-    switch (type) {
-    case UserTokenType::Anonymous:
-        return "anonymous users";
-    case UserTokenType::UserName:
-        return "user names";
-    case UserTokenType::Certificate:
-        return "user certificates";
-    case UserTokenType::IssuedToken:
-        return "issued tokens";
-    }
-    return {};
-}
-
-/// The client does not ask for what this endpoint offers: nobody is guessing.
-LoginFailure misuse(StatusCode status, std::string found, std::string remedy)
-{
-    return {status,
-            {status, "user token policy", std::move(found), "Part 4, 7.40.1", std::move(remedy)}};
-}
-
-LoginFailure guess(StatusCode status, std::string_view check, std::string found,
-                   std::string_view rule, std::string remedy = {})
-{
-    return {status, {status, check, std::move(found), rule, std::move(remedy)}, true};
-}
-
-/// Whether the endpoint accepts the kind of token, and the token names the policy for it.
-std::optional<LoginFailure> check_policy(const LoginContext& context, UserTokenType type,
-                                         const String& policy)
-{
-    if (!accepts(context.endpoint, context.users, type)) {
-        return misuse(status::Bad_IdentityTokenRejected,
-                      std::string{name_of(type)} + " are not accepted at this endpoint",
-                      "If they are to be, allow them in the configuration of the endpoint");
-    }
-    const std::string expected = policy_id(context.endpoint, type);
-    if (policy.view() != expected) {
-        return misuse(status::Bad_IdentityTokenInvalid,
-                      "the token is of policy \"" + printable(policy.view()) + "\" and not \"" +
-                          expected + "\"",
-                      "The client has to read the endpoints again");
-    }
-    return std::nullopt;
-}
-
 Login log_in_anonymous(const LoginContext& context, const String& policy)
 {
     // Who leaves out the token leaves out the policy (Part 4, 5.7.3.2).
@@ -75,29 +29,6 @@ Login log_in_anonymous(const LoginContext& context, const String& policy)
     UserIdentity user = context.users != nullptr ? context.users->anonymous() : anonymous_reader();
     user.token_type = UserTokenType::Anonymous;
     return user;
-}
-
-/// True if the secret of a token is encrypted, or not, as the endpoint wants it; which anyone can
-/// see.
-bool has_right_encryption(const LoginContext& context, const String& algorithm)
-{
-    const crypto::SecurityPolicy& policy = password_policy(context.endpoint);
-    return policy.is_none() ? algorithm.empty()
-                            : algorithm.view() == policy.encryption_uri && context.config.identity;
-}
-
-/// The secret of a token as it was before encryption; nothing if it cannot be read, is not for this
-/// session or too long.
-std::optional<crypto::Secret> open_secret(const LoginContext& context, const ByteString& data,
-                                          std::size_t max_size)
-{
-    const crypto::SecurityPolicy& policy = password_policy(context.endpoint);
-    if (policy.is_none()) {
-        return data.size() <= max_size ? std::optional{crypto::Secret{data.span()}} : std::nullopt;
-    }
-    auto secret = crypto::decrypt_secret(policy, context.config.identity->key, data.span(),
-                                         context.server_nonce, max_size);
-    return secret ? std::optional{*std::move(secret)} : std::nullopt;
 }
 
 LoginStep begin_user(const LoginContext& context, const UserNameIdentityToken& token)
@@ -155,16 +86,6 @@ std::optional<LoginFailure> check_certificate_user(const LoginContext& context,
     return std::nullopt;
 }
 
-UserIdentity identity_of(UserTokenType type, std::string name, UserRights rights)
-{
-    UserIdentity user;
-    user.token_type = type;
-    user.name = std::move(name);
-    user.access_level_mask = rights.access_level_mask;
-    user.roles = std::move(rights.roles);
-    return user;
-}
-
 Login log_in_certificate(const LoginContext& context, const X509IdentityToken& token,
                          const SignatureData& signature)
 {
@@ -195,45 +116,6 @@ Login log_in_certificate(const LoginContext& context, const X509IdentityToken& t
     return user;
 }
 
-Login log_in_issued(const LoginContext& context, const IssuedIdentityToken& token)
-{
-    if (auto failure = check_policy(context, UserTokenType::IssuedToken, token.policy_id)) {
-        return tl::unexpected{*std::move(failure)};
-    }
-    if (!has_right_encryption(context, token.encryption_algorithm)) {
-        return tl::unexpected{misuse(status::Bad_IdentityTokenInvalid,
-                                     "the token is not encrypted as the endpoint says", {})};
-    }
-    const auto secret = open_secret(context, token.token_data, crypto::max_jwt_size);
-    if (!secret) {
-        return tl::unexpected{guess(status::Bad_IdentityTokenRejected, "issued token",
-                                    "it is not encrypted for this session", "Part 4, 7.40.6")};
-    }
-    const crypto::JwtRules* const rules = context.users->token_rules();
-    if (rules == nullptr) {
-        return tl::unexpected{
-            misuse(status::Bad_IdentityTokenRejected, "there are no rules any more", {})};
-    }
-    auto claims =
-        crypto::verify_jwt(secret->text(), *rules, context.config.application_uri, context.now);
-    if (!claims) {
-        const StatusCode status = claims.error().status;
-        return tl::unexpected{LoginFailure{status, std::move(claims.error()), true}};
-    }
-    auto rights = context.users->token_user(*claims);
-    if (!rights) {
-        return tl::unexpected{guess(status::Bad_IdentityTokenRejected, "issued token",
-                                    "\"" + printable(claims->subject) + "\" is no user here",
-                                    "Part 4, 7.40.6", "Add it to the users")};
-    }
-    UserIdentity user =
-        identity_of(UserTokenType::IssuedToken, std::move(claims->subject), *std::move(rights));
-    user.issuer = std::move(claims->issuer);
-    const auto skew = rules->clock_skew.count();
-    user.valid_until = {claims->expires.ticks + skew * DateTime::ticks_per_second};
-    return user;
-}
-
 } // namespace
 
 LoginStep begin_log_in(const LoginContext& context, const ExtensionObject& token,
@@ -251,8 +133,9 @@ LoginStep begin_log_in(const LoginContext& context, const ExtensionObject& token
     if (const auto* certificate = token.get_if<X509IdentityToken>()) {
         return log_in_certificate(context, *certificate, signature);
     }
-    if (const auto* issued = token.get_if<IssuedIdentityToken>()) {
-        return log_in_issued(context, *issued);
+    const auto* issued = token.get_if<IssuedIdentityToken>();
+    if (issued != nullptr && context.log_in_issued != nullptr) {
+        return context.log_in_issued(context, *issued);
     }
     return Login{
         tl::unexpected{misuse(status::Bad_IdentityTokenInvalid, "it is no UserIdentityToken", {})}};

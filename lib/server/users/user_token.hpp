@@ -11,10 +11,25 @@
 #include <busbar/server/access_control.hpp>
 #include <busbar/server/server_config.hpp>
 #include <busbar/types/common.hpp>
+#include <busbar/types/session.hpp>
 
 #include "password_checks.hpp"
 
 namespace busbar::server::detail {
+
+/// Why a login failed: what the client may know, and all of it for the log.
+struct LoginFailure {
+    StatusCode answer;
+    Refusal refusal;
+    /// Somebody may be guessing: the failure counts, and is to be answered slowly.
+    bool is_guess{false};
+};
+
+using Login = tl::expected<UserIdentity, LoginFailure>;
+
+struct LoginContext;
+/// log_in_issued() of issued_token.hpp, in a server that has it.
+using IssuedLogin = Login(const LoginContext& context, const IssuedIdentityToken& token);
 
 /// What log_in needs besides the token.
 struct LoginContext {
@@ -26,17 +41,9 @@ struct LoginContext {
     /// The last one that the session was given.
     std::span<const std::byte> server_nonce;
     DateTime now;
+    /// Null where issued tokens are none.
+    IssuedLogin* log_in_issued{nullptr};
 };
-
-/// Why a login failed: what the client may know, and all of it for the log.
-struct LoginFailure {
-    StatusCode answer;
-    Refusal refusal;
-    /// Somebody may be guessing: the failure counts, and is to be answered slowly.
-    bool is_guess{false};
-};
-
-using Login = tl::expected<UserIdentity, LoginFailure>;
 
 /// A login whose password is to be checked: check->run(), which takes its time, then end_log_in().
 using LoginStep = std::variant<Login, std::shared_ptr<PasswordCheck>>;

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <busbar/types/session.hpp>
+
+#include "user_token.hpp"
+
+namespace busbar::server::detail {
+
+/// The user that an IssuedIdentityToken with a JSON Web Token stands for (Part 4, 7.40.6; Part 6,
+/// 6.5.2). Failures as those of begin_log_in.
+[[nodiscard]] Login log_in_issued(const LoginContext& context, const IssuedIdentityToken& token);
+
+} // namespace busbar::server::detail
