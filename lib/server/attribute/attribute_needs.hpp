@@ -1,13 +1,14 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 
 #include <busbar/core/function_ref.hpp>
 #include <busbar/model/address_space.hpp>
-#include <busbar/model/data_types.hpp>
 #include <busbar/server/limits.hpp>
 #include <busbar/types/attribute.hpp>
 
+#include "definition_checks.hpp"
 #include "server/data/data_sources.hpp"
 #include "server/rights/live_values.hpp"
 
@@ -34,7 +35,7 @@ protected:
 struct AttributeNeeds {
     model::AddressSpace& space;
     DataSources& sources;
-    model::DataTypes& data_types;
+    std::unique_ptr<DefinitionChecks> definitions;
     const ServerLimits& limits;
     /// May be null.
     const AccessControl* access;

@@ -24,7 +24,7 @@ void WriteOperation::start(ServiceContext& context)
     }
     job_.emplace(WriteContext{needs_.space, needs_.sources,
                               rights_of(*context.session, needs_.space, needs_.access),
-                              &needs_.data_types, needs_.limits.decode},
+                              *needs_.definitions},
                  request());
     const bool is_complete = job_->start(*this, context.now);
     needs_.observer.kept_values_written();

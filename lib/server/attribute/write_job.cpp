@@ -66,61 +66,6 @@ StatusCode check_type(const model::AddressSpace& space, const model::VariableAtt
     return fits ? status::Good : status::Bad_TypeMismatch;
 }
 
-/// A structure that is known from its DataTypeDefinition only has not been decoded yet. What a
-/// client may write by its type is still refused if it is no value of that type, or if a text or
-/// array in it is longer than its field allows.
-StatusCode check_structures(const WriteContext& context, const Variant& value)
-{
-    const bool may_hold_structures = value.type() == BuiltInType::ExtensionObject ||
-                                     value.type() == BuiltInType::Variant ||
-                                     value.type() == BuiltInType::DataValue;
-    return context.data_types != nullptr && may_hold_structures
-               ? binary::check_dynamic(value, context.data_types->of(context.space),
-                                       binary::dynamic_decode_limits(context.limits))
-               : status::Good;
-}
-
-bool has_value(const binary::DynamicType& enumeration, std::int32_t value)
-{
-    const auto& values = enumeration.values;
-    const auto index = static_cast<std::size_t>(value);
-    if (value >= 0 && index < values.size() && values[index].value == value) {
-        return true; // numbered from 0, as most are
-    }
-    return std::any_of(values.begin(), values.end(),
-                       [&](const auto& each) { return each.value == value; });
-}
-
-/// The enumeration's own values or those of the supertype that has them; null if none are known.
-const binary::DynamicType* enumeration_of(const WriteContext& context, model::NodeIndex data_type)
-{
-    if (context.data_types == nullptr || !context.space.is_subtype_of(data_type, id::Enumeration)) {
-        return nullptr;
-    }
-    const auto* type = context.data_types->of(context.space).find(context.space.node_id(data_type));
-    while (type != nullptr && type->values.empty()) {
-        type = type->base;
-    }
-    return type;
-}
-
-/// Part 4, 5.11.4.4: Bad_OutOfRange for a value that the Variable's enumeration does not have.
-StatusCode check_enumeration(const WriteContext& context, const model::VariableAttributes& variable,
-                             const Variant& value)
-{
-    const auto* const enumeration =
-        value.type() == BuiltInType::Int32 ? enumeration_of(context, variable.data_type) : nullptr;
-    if (enumeration == nullptr) {
-        return status::Good;
-    }
-    const auto is_known = [&](std::int32_t each) { return has_value(*enumeration, each); };
-    const auto* const one = value.get_if<std::int32_t>();
-    const auto* const all = value.array_if<std::int32_t>();
-    const bool is_valid = (one == nullptr || is_known(*one)) &&
-                          (all == nullptr || std::all_of(all->begin(), all->end(), is_known));
-    return is_valid ? status::Good : status::Bad_OutOfRange;
-}
-
 /// Part 4, 5.11.4.2: a ByteString is taken where an array of Byte is expected.
 bool stands_for_byte_array(const model::AddressSpace& space,
                            const model::VariableAttributes& variable, const Variant& value)
@@ -214,10 +159,7 @@ std::optional<StatusCode> WriteJob::plan_value(const WriteContext& context, std:
     if (mismatch.is_bad()) {
         return mismatch;
     }
-    if (const auto bad = check_enumeration(context, variable, data->value); bad.is_bad()) {
-        return bad;
-    }
-    if (const auto bad = check_structures(context, data->value); bad.is_bad()) {
+    if (const auto bad = context.definitions.check(variable.data_type, data->value); bad.is_bad()) {
         return bad;
     }
     if (variable.source == model::no_source) {

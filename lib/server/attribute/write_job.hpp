@@ -5,12 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include <busbar/binary/reader.hpp>
 #include <busbar/binary/writer.hpp>
 #include <busbar/model/address_space.hpp>
-#include <busbar/model/data_types.hpp>
 #include <busbar/types/attribute.hpp>
 
+#include "definition_checks.hpp"
 #include "server/data/data_call.hpp"
 #include "server/rights/node_rights.hpp"
 
@@ -21,10 +20,7 @@ struct WriteContext {
     model::AddressSpace& space;
     DataSources& sources;
     NodeRights rights;
-    /// Null: bodies of structures without generated type, and numbers that an enumeration does not
-    /// have, are taken as they come.
-    model::DataTypes* data_types{nullptr};
-    binary::DecodeLimits limits{};
+    DefinitionChecks& definitions;
 };
 
 /// Good, or why the whole request is refused (Part 4, 5.11.4.3).

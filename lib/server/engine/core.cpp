@@ -41,7 +41,9 @@ Core::Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space
                     logins, password_checks, counters, *this,        own,
                     log_in_issued},
       attribute_needs{
-          address_space,           sources,       data_types, config.limits, environment.access,
+          address_space, sources,
+          std::make_unique<DataTypeChecks>(address_space, config.limits.decode), config.limits,
+          environment.access,
           *environment.wall_clock, server_object, *this},
       view_needs{address_space, config.limits, *environment.random, environment.access},
       method_needs{address_space,      sources,      types,           config.limits,

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <busbar/crypto/certificate_notices.hpp>
-#include <busbar/model/data_types.hpp>
 #include <busbar/server/server.hpp>
 #include <busbar/types/enumerations.hpp>
 
@@ -57,7 +56,6 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     std::uint16_t own_namespace;
     ServerLife life;
     model::AddressSpace address_space;
-    model::DataTypes data_types;
     binary::TypeRegistry types;
     Counters counters;
     DataSources sources;

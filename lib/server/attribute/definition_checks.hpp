@@ -1,0 +1,51 @@
+#pragma once
+
+#include <busbar/binary/reader.hpp>
+#include <busbar/model/address_space.hpp>
+#include <busbar/model/data_types.hpp>
+
+namespace busbar::server::detail {
+
+/// What DataTypeDefinitions say of the values that clients write. As it is here all are right.
+class DefinitionChecks {
+public:
+    DefinitionChecks() = default;
+    DefinitionChecks(const DefinitionChecks&) = delete;
+    DefinitionChecks& operator=(const DefinitionChecks&) = delete;
+    virtual ~DefinitionChecks() = default;
+
+    /// The value of a Variable of that DataType. A structure that is known from its
+    /// DataTypeDefinition only has not been decoded yet; what a client may write by its type is
+    /// still refused if it is no value of that type, or if a text or array in it is longer than its
+    /// field allows. Bad_OutOfRange for a value that the enumeration does not have (Part 4,
+    /// 5.11.4.4).
+    [[nodiscard]] virtual StatusCode check(model::NodeIndex data_type, const Variant& value)
+    {
+        static_cast<void>(data_type);
+        static_cast<void>(value);
+        return {};
+    }
+};
+
+/// Looks at the DataTypes of an address space, which are compiled when a type was added.
+class DataTypeChecks final : public DefinitionChecks {
+public:
+    /// `space` must outlive this.
+    DataTypeChecks(const model::AddressSpace& space, const binary::DecodeLimits& limits)
+        : space_{space}, limits_{limits}
+    {
+    }
+
+    [[nodiscard]] StatusCode check(model::NodeIndex data_type, const Variant& value) override;
+
+private:
+    [[nodiscard]] StatusCode check_structures(const Variant& value);
+    [[nodiscard]] StatusCode check_enumeration(model::NodeIndex data_type, const Variant& value);
+    [[nodiscard]] const binary::DynamicType* enumeration_of(model::NodeIndex data_type);
+
+    const model::AddressSpace& space_;
+    binary::DecodeLimits limits_;
+    model::DataTypes data_types_;
+};
+
+} // namespace busbar::server::detail
