@@ -105,7 +105,7 @@ struct SubscriptionParts {
     Counters counters;
     FixedValues values;
     NoEvents events;
-    SubscriptionNeeds needs{space, sources, types, limits, environment, counters, values, events};
+    SubscriptionNeeds needs{space, sources, types, limits, environment, counters, values, &events};
     SubscriptionTable all{needs};
     Session session{1'000'000};
     Subscription* subscription{nullptr};
@@ -155,7 +155,7 @@ TEST_CASE("where nobody makes event items there are none")
     SubscriptionParts parts;
     MonitoredItemCreateRequest request;
     ItemRevision revision;
-    CHECK(parts.needs.event_items.make({parts.all, *parts.subscription, {}}, request, revision) ==
+    CHECK(parts.needs.event_items->make({parts.all, *parts.subscription, {}}, request, revision) ==
           nullptr);
     CHECK(revision.status == status::Bad_NotSupported);
 }

@@ -17,6 +17,7 @@
 #include <busbar/server/data_source.hpp>
 #include <busbar/server/environment.hpp>
 #include <busbar/server/event.hpp>
+#include <busbar/server/modules.hpp>
 #include <busbar/server/namespace_metadata.hpp>
 #include <busbar/server/server_config.hpp>
 #include <busbar/server/waker.hpp>
@@ -36,6 +37,11 @@ public:
     /// certificate that does not name the ApplicationUri, a plain password that was not allowed, an
     /// URL that is none.
     [[nodiscard]] static Result<Server> create(ServerConfig config,
+                                               const ServerEnvironment& environment,
+                                               model::AddressSpace address_space = {});
+    /// A server that has these modules, instead of all. Bad_ConfigurationError also if `config`
+    /// asks for what one of the others has.
+    [[nodiscard]] static Result<Server> create(ModuleTable modules, ServerConfig config,
                                                const ServerEnvironment& environment,
                                                model::AddressSpace address_space = {});
     Server(Server&&) noexcept;
@@ -58,9 +64,10 @@ public:
     /// The same with a source, not null, that the server keeps alive until it is destroyed.
     std::uint32_t add_source(std::shared_ptr<DataSource> source);
 
-    /// Raises an event from any thread that knows the server is there; see EventQueue::raise.
+    /// Raises an event from any thread that knows the server is there; see EventQueue::raise. False
+    /// without modules::events.
     bool raise_event(Event event);
-    /// For threads that may outlive the server.
+    /// For threads that may outlive the server. Null without modules::events.
     [[nodiscard]] std::shared_ptr<EventQueue> event_queue() const;
 
     /// A connection for a peer that has connected, or that was connected to (see

@@ -1,3 +1,5 @@
+#include "diagnostic_values.hpp"
+
 #include <algorithm>
 #include <array>
 #include <set>
@@ -5,7 +7,6 @@
 #include <busbar/types/ids.hpp>
 
 #include "describe.hpp"
-#include "diagnostic_values.hpp"
 #include "server/session/session.hpp"
 #include "server/subscription/sampler.hpp"
 #include "server/subscription/subscription.hpp"
@@ -119,8 +120,7 @@ Result<Variant> structure_value(const DiagnosticsNeeds& needs, std::uint32_t id,
     }
 }
 
-} // namespace
-
+/// Fails for a node that is none of these.
 Result<Variant> diagnostic_value(const DiagnosticsNeeds& needs, std::uint32_t id,
                                  const ReadingUser& reader)
 {
@@ -135,6 +135,33 @@ Result<Variant> diagnostic_value(const DiagnosticsNeeds& needs, std::uint32_t id
         return fail(status::Bad_NotReadable); // Part 5, 6.3.3
     }
     return value;
+}
+
+} // namespace
+
+DataValue DiagnosticValues::session_value(const NodeId& node, const ReadingUser& reader) const
+{
+    const model::NodeIndex index = needs_.space.find(node);
+    auto value = session_nodes_.value(needs_.space.variable(index).handle, reader);
+    return value ? DataValue{std::move(*value), status::Good, needs_.wall_clock.now()}
+                 : DataValue{value.error()};
+}
+
+Result<DataValue> DiagnosticValues::find(const NodeId& node, const ReadingUser& reader) const
+{
+    if (node.namespace_index() != 0) {
+        return session_value(node, reader);
+    }
+    if (!node.is_numeric()) {
+        return fail(status::Bad_NodeIdUnknown);
+    }
+    auto value = diagnostic_value(needs_, node.numeric(), reader);
+    if (!value && value.error() != status::Bad_NodeIdUnknown) {
+        return DataValue{value.error()};
+    }
+    return std::move(value).map([&](Variant present) {
+        return DataValue{std::move(present), status::Good, needs_.wall_clock.now()};
+    });
 }
 
 } // namespace busbar::server::detail

@@ -1,15 +1,30 @@
 #pragma once
 
-#include <cstdint>
-
 #include "diagnostics_needs.hpp"
 #include "server/rights/live_values.hpp"
+#include "session_nodes.hpp"
 
 namespace busbar::server::detail {
 
-/// The value of a Variable below Server.ServerDiagnostics, i=2274; Bad_NodeIdUnknown for any other
-/// node, Bad_NotReadable while diagnostics are off.
-[[nodiscard]] Result<Variant> diagnostic_value(const DiagnosticsNeeds& needs, std::uint32_t id,
-                                               const ReadingUser& reader);
+/// The present values of Variables below Server.ServerDiagnostics, i=2274, and of the Objects of
+/// sessions (Part 5, 6.3.3 to 6.3.5). Bad_NotReadable while diagnostics are off; some are not for
+/// every reader. Takes constant time, but for arrays.
+class DiagnosticValues final : public LiveValues {
+public:
+    DiagnosticValues(const DiagnosticsNeeds& needs, const SessionNodes& session_nodes)
+        : needs_{needs}, session_nodes_{session_nodes}
+    {
+    }
+
+    [[nodiscard]] Result<DataValue> find(const NodeId& node,
+                                         const ReadingUser& reader) const override;
+
+private:
+    /// Of a Variable of SessionNodes; the refusal is the value's status.
+    [[nodiscard]] DataValue session_value(const NodeId& node, const ReadingUser& reader) const;
+
+    const DiagnosticsNeeds& needs_;
+    const SessionNodes& session_nodes_;
+};
 
 } // namespace busbar::server::detail

@@ -6,8 +6,6 @@
 #include <busbar/types/data_types.hpp>
 #include <busbar/types/ids.hpp>
 
-#include "diagnostic_values.hpp"
-
 namespace busbar::server::detail {
 
 namespace {
@@ -252,35 +250,20 @@ constexpr auto live_values = [] {
 
 } // namespace
 
-DataValue ServerObject::session_value(const NodeId& node, const ReadingUser& reader) const
-{
-    const model::NodeIndex index = needs_.space.find(node);
-    auto value = session_nodes_.value(needs_.space.variable(index).handle, reader);
-    return value ? DataValue{std::move(*value), status::Good, wall_time(needs_)}
-                 : DataValue{value.error()};
-}
-
 Result<DataValue> ServerObject::find(const NodeId& node, const ReadingUser& reader) const
 {
-    if (node.namespace_index() != 0) {
-        return session_value(node, reader);
+    if (node.namespace_index() == 0 && node.is_numeric()) {
+        const auto* const found = std::lower_bound(
+            live_values.begin(), live_values.end(), node.numeric(),
+            [](const LiveValue& value, std::uint32_t number) { return value.id < number; });
+        if (found != live_values.end() && found->id == node.numeric()) {
+            return DataValue{found->make(needs_), status::Good, wall_time(needs_)};
+        }
     }
-    if (!node.is_numeric()) {
+    if (others_ == nullptr) {
         return fail(status::Bad_NodeIdUnknown);
     }
-    const auto* const found = std::lower_bound(
-        live_values.begin(), live_values.end(), node.numeric(),
-        [](const LiveValue& value, std::uint32_t number) { return value.id < number; });
-    if (found != live_values.end() && found->id == node.numeric()) {
-        return DataValue{found->make(needs_), status::Good, wall_time(needs_)};
-    }
-    auto diagnostic = diagnostic_value(needs_, node.numeric(), reader);
-    if (!diagnostic && diagnostic.error() != status::Bad_NodeIdUnknown) {
-        return DataValue{diagnostic.error()};
-    }
-    return std::move(diagnostic).map([&](Variant value) {
-        return DataValue{std::move(value), status::Good, wall_time(needs_)};
-    });
+    return others_->find(node, reader);
 }
 
 } // namespace busbar::server::detail

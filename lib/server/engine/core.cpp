@@ -6,12 +6,15 @@
 
 #include <busbar/channel/endpoint_url.hpp>
 #include <busbar/core/text.hpp>
-#include <busbar/types/registry.hpp>
+#include <busbar/types/data_types.hpp>
+#include <busbar/types/session.hpp>
+#include <busbar/types/subscription.hpp>
 
+#include "base_services.hpp"
 #include "peer_link.hpp"
 #include "server/attribute/semantic_changes.hpp"
 #include "server/subscription/sampler.hpp"
-#include "server/users/issued_token.hpp"
+#include "type_table.hpp"
 
 namespace busbar::server::detail {
 
@@ -29,28 +32,36 @@ std::uint32_t random_channel_id(crypto::Random& random)
 Core::Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space, std::uint16_t own)
     : config{std::move(c)}, guards{e, rationed_log}, environment{guards.environment()},
       own_namespace{own}, life{e.wall_clock->now()}, address_space{std::move(space)},
-      types{binary::namespace0_types()}, sources{e.waker, guards.report().log},
-      events{environment, address_space, config.limits.events},
-      model_changes{address_space, events, rationed_log, own}, assembly{config.limits.max_assembly},
+      sources{e.waker, guards.report().log}, assembly{config.limits.max_assembly},
       logins{config.limits}, diagnostics_needs{address_space, config,   *environment.wall_clock,
                                                life,          counters, sessions,
                                                subscriptions, own},
       subscription_needs{address_space, sources,  types,         config.limits,
-                         environment,   counters, server_object, event_items},
-      session_needs{config, environment,     guards,   rationed_log, sessions,
-                    logins, password_checks, counters, *this,        own,
-                    log_in_issued},
-      attribute_needs{
-          address_space, sources,
-          std::make_unique<DataTypeChecks>(address_space, config.limits.decode), config.limits,
-          environment.access,
-          *environment.wall_clock, server_object, *this},
+                         environment,   counters, server_object, nullptr},
+      session_needs{config,          environment, guards, rationed_log, sessions, logins,
+                    password_checks, counters,    *this,  own,          nullptr},
+      attribute_needs{address_space,
+                      sources,
+                      std::make_unique<DefinitionChecks>(),
+                      config.limits,
+                      environment.access,
+                      *environment.wall_clock,
+                      server_object,
+                      *this},
       view_needs{address_space, config.limits, *environment.random, environment.access},
-      method_needs{address_space,      sources,      types,           config.limits,
-                   environment.access, rationed_log, built_in_methods},
-      node_management_needs{address_space, config, environment.access, client_nodes, *this, own},
       certificate_watch{*environment.log}, next_channel_id{random_channel_id(*e.random)}
 {
+    add_base_services(services);
+}
+
+void Core::add(ModuleTable modules)
+{
+    for (const Module* module : modules) {
+        module->add_to(*this);
+    }
+    // Last, since a table of all types, where there is one, has these too.
+    types.add(0, type_table<AnonymousIdentityToken, UserNameIdentityToken, X509IdentityToken,
+                            DataChangeFilter, Argument, EnumValueType, EUInformation, Range>());
 }
 
 void Core::log(LogLevel level, std::string_view source, std::string_view text)
@@ -117,14 +128,14 @@ void Core::close_session(Session& session, StatusCode status, bool deletes_subsc
     subscriptions.session_ends(session, deletes_subscriptions);
     log(LogLevel::Info, "session",
         "\"" + printable(session.name) + "\" ended: " + std::string{name(status)});
-    session_nodes.remove(session);
+    diagnostics->remove(session);
     sessions.remove(session);
 }
 
 void Core::session_activated(Session& session)
 {
     SubscriptionTable::session_moved(session);
-    session_nodes.add(session);
+    diagnostics->add(session);
 }
 
 void Core::user_changed(Session& session, TimePoint now)
@@ -145,7 +156,7 @@ std::uint32_t Core::cancel(const Session& session, std::uint32_t request_handle)
 void Core::kept_values_written()
 {
     counters.take_flag(address_space);
-    session_nodes.take_flag();
+    diagnostics->take_flag();
 }
 
 /// Goes once through all items, however many were written.
@@ -160,13 +171,13 @@ void Core::written(const WriteRequest& request, FunctionRef<StatusCode(std::size
     }
     subscriptions.announce_change(variables, ValueQueue::semantics_changed_bit);
     for (const NodeId& variable : variables) {
-        model_changes.announce_semantics(variable);
+        events->announce_semantics(variable);
     }
 }
 
 void Core::model_changed()
 {
-    model_changes.announce();
+    events->announce_model_changes();
 }
 
 } // namespace busbar::server::detail

@@ -2,21 +2,19 @@
 
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <busbar/crypto/certificate_notices.hpp>
+#include <busbar/server/modules.hpp>
 #include <busbar/server/server.hpp>
 #include <busbar/types/enumerations.hpp>
 
-#include "built_in_methods.hpp"
-#include "event_item.hpp"
+#include "parts.hpp"
 #include "server/attribute/attribute_needs.hpp"
 #include "server/data/data_sources.hpp"
 #include "server/diagnostics/server_object.hpp"
-#include "server/diagnostics/session_nodes.hpp"
-#include "server/event/events.hpp"
-#include "server/event/model_change_events.hpp"
 #include "server/method/method_needs.hpp"
 #include "server/node_management/node_management_needs.hpp"
 #include "server/session/session_needs.hpp"
@@ -24,6 +22,7 @@
 #include "server/subscription/subscription_table.hpp"
 #include "server/users/guards.hpp"
 #include "server/view/view_context.hpp"
+#include "service_table.hpp"
 
 namespace busbar::server::detail {
 
@@ -48,6 +47,9 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     Core& operator=(const Core&) = delete;
     virtual ~Core() = default;
 
+    /// What the server is to have beyond what every one has; once, before anything else.
+    void add(ModuleTable modules);
+
     ServerConfig config;
     Rationed rationed_log{*this};
     Guards guards;
@@ -59,11 +61,9 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     binary::TypeRegistry types;
     Counters counters;
     DataSources sources;
+    ServiceTable services;
     /// Outlives the items that take part in it.
-    Events events;
-    EventItemMaker event_items{events};
-    ModelChangeEvents model_changes;
-    ClientNodes client_nodes;
+    std::unique_ptr<EventPart> events{std::make_unique<EventPart>()};
     channel::AssemblyBudget assembly;
     SessionTable sessions;
     LoginGuard logins;
@@ -72,16 +72,18 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     // What each service set gets of all this.
 
     const DiagnosticsNeeds diagnostics_needs;
-    SessionNodes session_nodes{diagnostics_needs};
-    ServerObject server_object{diagnostics_needs, session_nodes};
-    const SubscriptionNeeds subscription_needs;
+    ServerObject server_object{diagnostics_needs};
+    SubscriptionNeeds subscription_needs;
     SubscriptionTable subscriptions{subscription_needs};
-    SubscriptionMethods built_in_methods{subscriptions};
-    const SessionNeeds session_needs;
-    const AttributeNeeds attribute_needs;
+    SessionNeeds session_needs;
+    AttributeNeeds attribute_needs;
     const ViewNeeds view_needs;
-    const MethodNeeds method_needs;
-    const NodeManagementNeeds node_management_needs;
+
+    // What modules have added.
+
+    std::unique_ptr<DiagnosticsPart> diagnostics{std::make_unique<DiagnosticsPart>()};
+    std::unique_ptr<ModulePart> methods;
+    std::unique_ptr<ModulePart> node_management;
 
     crypto::CertificateWatch certificate_watch;
     /// When the server's certificate is looked at again.
@@ -106,6 +108,8 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     [[nodiscard]] PeerLink* find_link(std::uint64_t link_id) const;
     /// To be called at the end of whatever is called from outside.
     void sweep();
+    /// Who hears of what node management does.
+    [[nodiscard]] ModelObserver& model_observer() { return *this; }
     /// Says what the operator should know of the server's own certificate (see
     /// certificate_notices).
     void watch_certificate(TimePoint now);

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include <busbar/core/text.hpp>
-#include <busbar/types/ids.hpp>
 
 #include "config_check.hpp"
 #include "core.hpp"
@@ -11,19 +10,20 @@
 #include "server/event/namespace_nodes.hpp"
 #include "server/session/user_expiry.hpp"
 #include "server/subscription/sampler.hpp"
+#include "server/users/user_policies.hpp"
 
 namespace busbar::server {
 
 struct Server::Impl : detail::Core {
     using Core::Core;
 
+    /// What the configuration asks for and no module has; nothing if all is there.
+    [[nodiscard]] std::string find_missing_module() const;
     /// Why a peer cannot be taken; nothing if it can.
     [[nodiscard]] std::string find_obstacle(std::string_view peer_address);
     /// Makes place by closing the oldest connection that has no session (Part 4, 5.6.2.1).
     [[nodiscard]] bool make_place();
     void expire_sessions(TimePoint now);
-    /// On until a client switches them off, where the address space has them.
-    void enable_diagnostics();
     void finish_shutdown();
 };
 
@@ -36,7 +36,8 @@ std::vector<EndpointConfig> secure_endpoints()
     return endpoints;
 }
 
-Result<Server> Server::create(ServerConfig config, const ServerEnvironment& environment,
+Result<Server> Server::create(ModuleTable modules, ServerConfig config,
+                              const ServerEnvironment& environment,
                               model::AddressSpace address_space)
 {
     if (const auto checked = check_config(config, environment); !checked) {
@@ -51,8 +52,11 @@ Result<Server> Server::create(ServerConfig config, const ServerEnvironment& envi
     }
     auto impl =
         std::make_unique<Impl>(std::move(config), environment, std::move(address_space), *own);
-    impl->enable_diagnostics();
-    impl->model_changes.begin();
+    impl->add(modules);
+    if (std::string reason = impl->find_missing_module(); !reason.empty()) {
+        environment.log->write(LogLevel::Error, "server", reason);
+        return fail(status::Bad_ConfigurationError);
+    }
     return Server{std::move(impl)};
 }
 
@@ -99,12 +103,13 @@ std::uint32_t Server::add_source(std::shared_ptr<DataSource> source)
 
 bool Server::raise_event(Event event)
 {
-    return impl_->events.queue()->raise(std::move(event));
+    const auto queue = impl_->events->queue();
+    return queue != nullptr && queue->raise(std::move(event));
 }
 
 std::shared_ptr<EventQueue> Server::event_queue() const
 {
-    return impl_->events.queue();
+    return impl_->events->queue();
 }
 
 Result<Connection> Server::connect(std::string_view peer_address, TimePoint now)
@@ -117,6 +122,21 @@ Result<Connection> Server::connect(std::string_view peer_address, TimePoint now)
         return fail(status::Bad_TcpServerTooBusy);
     }
     return Connection{std::make_unique<detail::PeerLink>(*impl_, peer_address, now)};
+}
+
+std::string Server::Impl::find_missing_module() const
+{
+    if (config.has_node_management && node_management == nullptr) {
+        return "has_node_management needs modules::node_management";
+    }
+    const bool has_issued = std::any_of(
+        config.endpoints.begin(), config.endpoints.end(), [&](const EndpointConfig& endpoint) {
+            return detail::accepts(endpoint, environment.users, UserTokenType::IssuedToken);
+        });
+    if (has_issued && session_needs.log_in_issued == nullptr) {
+        return "an endpoint that allows issued tokens needs modules::issued_tokens";
+    }
+    return {};
 }
 
 std::string Server::Impl::find_obstacle(std::string_view peer_address)
@@ -163,7 +183,7 @@ bool Server::Impl::make_place()
 
 TimePoint Server::next_deadline() const
 {
-    if (impl_->model_changes.is_pending()) {
+    if (impl_->events->has_model_changes()) {
         return TimePoint{}; // long past
     }
     const detail::Session* first = impl_->sessions.next_due();
@@ -182,7 +202,7 @@ void Server::handle_deadline(TimePoint now)
     if (impl_->certificate_check <= now) {
         impl_->watch_certificate(now);
     }
-    impl_->model_changes.announce();
+    impl_->events->announce_model_changes();
     impl_->expire_sessions(now);
     impl_->subscriptions.handle_deadline(now);
     if (impl_->shutdown_deadline <= now) {
@@ -209,8 +229,8 @@ void Server::handle_completions(TimePoint now)
 {
     impl_->sources.handle_completions();
     impl_->password_checks.drain(now);
-    impl_->model_changes.announce();
-    impl_->events.handle_raised();
+    impl_->events->announce_model_changes();
+    impl_->events->handle_raised();
     impl_->subscriptions.sampler().handle_scans(now);
     impl_->sweep();
 }
@@ -246,15 +266,6 @@ void Server::begin_shutdown(TimePoint now, std::string_view reason)
     impl_->sweep();
 }
 
-void Server::Impl::enable_diagnostics()
-{
-    const model::NodeIndex flag = address_space.find(id::Server_ServerDiagnostics_EnabledFlag);
-    if (flag != model::no_node) {
-        static_cast<void>(address_space.set_value(flag, true));
-    }
-    counters.take_flag(address_space);
-}
-
 void Server::Impl::finish_shutdown()
 {
     shutdown_deadline = no_deadline;
@@ -277,7 +288,7 @@ bool Server::is_stopped() const
 void Server::announce_semantics_change(const NodeId& variable)
 {
     impl_->subscriptions.announce_change({variable}, detail::ValueQueue::semantics_changed_bit);
-    impl_->model_changes.announce_semantics(variable);
+    impl_->events->announce_semantics(variable);
 }
 
 void Server::announce_structure_change(const NodeId& variable)

@@ -61,7 +61,9 @@ std::unique_ptr<MonitoredItem> make_item(const ItemContext& context,
     }
     const auto attribute = static_cast<AttributeId>(request.item_to_monitor.attribute_id);
     if (attribute == AttributeId::EventNotifier) {
-        return context.all.needs().event_items.make(context, request, revision);
+        EventItems* const events = context.all.needs().event_items;
+        revision.status = status::Bad_NotSupported;
+        return events != nullptr ? events->make(context, request, revision) : nullptr;
     }
     return ValueItem::make(context, request, timestamps, revision);
 }

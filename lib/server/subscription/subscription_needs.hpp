@@ -23,7 +23,8 @@ struct SubscriptionNeeds {
     const ServerEnvironment& environment;
     Counters& counters;
     const LiveValues& live_values;
-    EventItems& event_items;
+    /// Null in a server without events.
+    EventItems* event_items{nullptr};
 
     [[nodiscard]] DateTime wall_time() const { return environment.wall_clock->now(); }
 };

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include <busbar/core/api.hpp>
+
+/// Parts of a server that not every one needs, and tables of them for Server::create. What no table
+/// of a program names is not linked into it, where the linker leaves out what is not used
+/// (-Wl,--gc-sections); benchmarks/size shows what that comes to.
+///
+/// Every server has Discovery, sessions with anonymous users, passwords and certificates, Read,
+/// Write, Browse and its kin, Subscriptions with items of values, and the Server object with status
+/// and capabilities.
+namespace busbar::server {
+
+namespace detail {
+struct Core;
+} // namespace detail
+
+/// One such part: one of those in `modules`, whose members are the server's own business.
+struct Module {
+    /// As in `modules`, for messages.
+    std::string_view name;
+    void (*add_to)(detail::Core& core);
+};
+
+/// In any order, none of them twice. Looked at while a server is made.
+using ModuleTable = std::span<const Module* const>;
+
+namespace modules {
+
+/// Call (Part 4, 5.12); GetMonitoredItems and ResendData of the Server object (Part 5, 9.1 and
+/// 9.2).
+extern BUSBAR_API const Module methods;
+/// SetTriggering (Part 4, 5.13.5).
+extern BUSBAR_API const Module triggering;
+/// TransferSubscriptions (Part 4, 5.14.7).
+extern BUSBAR_API const Module transfer;
+/// Items of events with their filters (Part 4, 7.22.3), Server::raise_event, and events of nodes
+/// that come and go. Without it a node's events answer Bad_NotSupported.
+extern BUSBAR_API const Module events;
+/// ServerDiagnostics and the nodes of sessions (Part 5, 6.3.3 to 6.3.5).
+extern BUSBAR_API const Module diagnostics;
+/// AddNodes and its kin (Part 4, 5.8); see ServerConfig::has_node_management.
+extern BUSBAR_API const Module node_management;
+/// Users with JSON Web Tokens (Part 6, 6.5.2); see EndpointConfig::allows_issued.
+extern BUSBAR_API const Module issued_tokens;
+/// Written values are looked at by their DataTypeDefinitions: structures without a generated type,
+/// and numbers of enumerations. Without it they are taken as they come.
+extern BUSBAR_API const Module definition_checks;
+/// All structures of namespace 0 in values that clients send. Without it those that the other parts
+/// need are known, and what Server::types() was given; others stay as they were encoded.
+extern BUSBAR_API const Module all_types;
+
+} // namespace modules
+
+/// Nothing more: for Micro Embedded Device 2017 (Part 7, 6.6.67).
+[[nodiscard]] BUSBAR_API ModuleTable micro_modules();
+/// Methods, triggering and definition checks, for Embedded 2017 UA Server (Part 7, 6.6.69).
+[[nodiscard]] BUSBAR_API ModuleTable embedded_modules();
+/// Those and transfer, events and diagnostics, for Standard 2017 UA Server (Part 7, 6.6.71).
+[[nodiscard]] BUSBAR_API ModuleTable standard_modules();
+/// All.
+[[nodiscard]] BUSBAR_API ModuleTable full_modules();
+
+} // namespace busbar::server

@@ -1,0 +1,11 @@
+#pragma once
+
+namespace busbar::server::detail {
+
+class ServiceTable;
+
+/// Adds what every server carries out: Discovery, Session, Attribute, View and Subscription
+/// services.
+void add_base_services(ServiceTable& services);
+
+} // namespace busbar::server::detail

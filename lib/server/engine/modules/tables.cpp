@@ -1,0 +1,40 @@
+#include <array>
+
+#include <busbar/server/modules.hpp>
+
+namespace busbar::server {
+
+// Each has a function of its own: a program has what the tables that it calls name.
+
+ModuleTable micro_modules()
+{
+    return {};
+}
+
+ModuleTable embedded_modules()
+{
+    static constexpr std::array table{&modules::methods, &modules::triggering,
+                                      &modules::definition_checks};
+    return table;
+}
+
+ModuleTable standard_modules()
+{
+    static constexpr std::array table{
+        &modules::methods,  &modules::triggering, &modules::definition_checks,
+        &modules::transfer, &modules::events,     &modules::diagnostics};
+    return table;
+}
+
+ModuleTable full_modules()
+{
+    // All types first, which are found at once then.
+    static constexpr std::array table{
+        &modules::all_types,       &modules::methods,       &modules::triggering,
+        &modules::transfer,        &modules::events,        &modules::diagnostics,
+        &modules::node_management, &modules::issued_tokens, &modules::definition_checks,
+    };
+    return table;
+}
+
+} // namespace busbar::server

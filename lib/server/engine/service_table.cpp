@@ -1,0 +1,97 @@
+#include "service_table.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <busbar/types/discovery.hpp>
+#include <busbar/types/history.hpp>
+#include <busbar/types/method.hpp>
+#include <busbar/types/monitored_item.hpp>
+#include <busbar/types/node_management.hpp>
+#include <busbar/types/query.hpp>
+#include <busbar/types/secure_channel.hpp>
+#include <busbar/types/session.hpp>
+#include <busbar/types/subscription.hpp>
+#include <busbar/types/view.hpp>
+
+namespace busbar::server::detail {
+
+namespace {
+
+template <typename... T>
+constexpr auto sorted_ids()
+{
+    std::array ids{T::binary_encoding_id...};
+    std::sort(ids.begin(), ids.end());
+    return ids;
+}
+
+constexpr auto requests =
+    sorted_ids<FindServersRequest, GetEndpointsRequest, RegisterServerRequest,
+               RegisterServer2Request, FindServersOnNetworkRequest, CreateSessionRequest,
+               ActivateSessionRequest, CloseSessionRequest, CancelRequest, AddNodesRequest,
+               AddReferencesRequest, DeleteNodesRequest, DeleteReferencesRequest, BrowseRequest,
+               BrowseNextRequest, TranslateBrowsePathsToNodeIdsRequest, RegisterNodesRequest,
+               UnregisterNodesRequest, QueryFirstRequest, QueryNextRequest, ReadRequest,
+               WriteRequest, HistoryReadRequest, HistoryUpdateRequest, CallRequest,
+               CreateMonitoredItemsRequest, ModifyMonitoredItemsRequest, SetMonitoringModeRequest,
+               SetTriggeringRequest, DeleteMonitoredItemsRequest, CreateSubscriptionRequest,
+               ModifySubscriptionRequest, SetPublishingModeRequest, PublishRequest,
+               RepublishRequest, TransferSubscriptionsRequest, DeleteSubscriptionsRequest>();
+
+constexpr auto responses =
+    sorted_ids<ServiceFault, OpenSecureChannelResponse, CloseSecureChannelResponse,
+               FindServersResponse, GetEndpointsResponse, RegisterServerResponse,
+               RegisterServer2Response, FindServersOnNetworkResponse, CreateSessionResponse,
+               ActivateSessionResponse, CloseSessionResponse, CancelResponse, AddNodesResponse,
+               AddReferencesResponse, DeleteNodesResponse, DeleteReferencesResponse, BrowseResponse,
+               BrowseNextResponse, TranslateBrowsePathsToNodeIdsResponse, RegisterNodesResponse,
+               UnregisterNodesResponse, QueryFirstResponse, QueryNextResponse, ReadResponse,
+               WriteResponse, HistoryReadResponse, HistoryUpdateResponse, CallResponse,
+               CreateMonitoredItemsResponse, ModifyMonitoredItemsResponse,
+               SetMonitoringModeResponse, SetTriggeringResponse, DeleteMonitoredItemsResponse,
+               CreateSubscriptionResponse, ModifySubscriptionResponse, SetPublishingModeResponse,
+               PublishResponse, RepublishResponse, TransferSubscriptionsResponse,
+               DeleteSubscriptionsResponse>();
+
+bool is_number(const NodeId& id)
+{
+    return id.namespace_index() == 0 && id.is_numeric();
+}
+
+} // namespace
+
+ServiceTable::ServiceTable()
+{
+    services_.reserve(requests.size());
+    for (const std::uint32_t id : requests) {
+        services_.push_back({id, Need::Nothing, true, nullptr});
+    }
+}
+
+void ServiceTable::add(std::span<const Service> services)
+{
+    for (const Service& service : services) {
+        const auto known = std::lower_bound(requests.begin(), requests.end(), service.encoding_id);
+        services_[static_cast<std::size_t>(known - requests.begin())] = service;
+    }
+}
+
+const Service* ServiceTable::find(const NodeId& encoding_id) const
+{
+    if (!is_number(encoding_id)) {
+        return nullptr;
+    }
+    const auto known = std::lower_bound(requests.begin(), requests.end(), encoding_id.numeric());
+    return known != requests.end() && *known == encoding_id.numeric()
+               ? &services_[static_cast<std::size_t>(known - requests.begin())]
+               : nullptr;
+}
+
+bool is_response(const NodeId& encoding_id)
+{
+    return is_number(encoding_id) &&
+           std::binary_search(responses.begin(), responses.end(), encoding_id.numeric());
+}
+
+} // namespace busbar::server::detail

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <busbar/core/node_id.hpp>
+#include <busbar/types/common.hpp>
+
+#include "server/session/service.hpp"
+
+namespace busbar::server::detail {
+
+struct Core;
+class PeerLink;
+
+/// A request on its way to its service.
+struct Incoming {
+    std::vector<std::byte> message;
+    RequestHeader header;
+    Reply reply;
+    /// Where the parameters begin in the message, behind the header.
+    std::size_t offset;
+    PeerLink& link;
+};
+
+/// What a service needs of the session that the request names.
+enum class Need : std::uint8_t {
+    Nothing,   // the token is not looked at
+    Known,     // a session; the service itself checks the rest
+    Activated, // an activated session of this channel
+};
+
+struct Service {
+    std::uint32_t encoding_id;
+    Need need;
+    /// Also works while the server shuts down.
+    bool is_for_shutdown;
+    /// Null: known, but not supported.
+    void (*run)(Core& core, ServiceContext& context, Incoming& incoming);
+};
+
+/// The services of one server by the encoding ids of their requests. Knows every request of Part 4
+/// and carries out what was added.
+class ServiceTable {
+public:
+    ServiceTable();
+
+    /// All of them requests of Part 4.
+    void add(std::span<const Service> services);
+    /// Null for what is no request of Part 4.
+    [[nodiscard]] const Service* find(const NodeId& encoding_id) const;
+
+private:
+    /// One for each request of Part 4, in the order of their ids.
+    std::vector<Service> services_;
+};
+
+/// The encoding id of a response of Part 4, which no server gets.
+[[nodiscard]] bool is_response(const NodeId& encoding_id);
+
+} // namespace busbar::server::detail
