@@ -1,14 +1,16 @@
 #!/bin/sh
-# Lets the example client meet the example server, who do not know each other at first.
-# usage: first_test.sh FIRST_SERVER FIRST_CLIENT
+# Lets the example client meet an example server, who do not know each other at first.
+# usage: first_test.sh SERVER FIRST_CLIENT FOLDER
+# FOLDER: where the server has its certificates.
 set -eu
-server=$1 client=$2
+server=$1 client=$2 folder=$3
 
 work=$(mktemp -d)
 trap 'kill "$serving" "$watching" 2>/dev/null || true; wait; rm -rf "$work"' EXIT
 serving="" watching=""
 cd "$work"
-export FIRST_SERVER_PASSWORD="a pass phrase" FIRST_CLIENT_PASSWORD="a pass phrase"
+export FIRST_SERVER_PASSWORD="a pass phrase" POLL_SERVER_PASSWORD="a pass phrase"
+export FIRST_CLIENT_PASSWORD="a pass phrase"
 
 # wait_for COMMAND...: until it succeeds.
 wait_for() {
@@ -32,7 +34,7 @@ trust() {
 port=$((20000 + $$ % 20000))
 "$server" "$port" > server.log 2>&1 &
 serving=$!
-wait_for test -d first_server_pki/rejected
+wait_for test -d "$folder/rejected"
 
 # The client does not know the server and stops.
 if "$client" "opc.tcp://localhost:$port" 1 > client.log 2>&1; then
@@ -45,7 +47,7 @@ trust first_client_pki
 # Now the server does not know the client, which tries again until somebody has trusted it.
 "$client" "opc.tcp://localhost:$port" 2 > values.log 2>&1 &
 watching=$!
-trust first_server_pki
+trust "$folder"
 wait "$watching"
 grep -q 'Speed *1480' values.log
 

@@ -1,0 +1,132 @@
+// A server for a machine without Asio and without exceptions: an own loop, a table of modules.
+// usage: POLL_SERVER_PASSWORD=... poll-server [PORT [FOLDER]]
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include <busbar/crypto/own_certificate.hpp>
+#include <busbar/crypto/random.hpp>
+#include <busbar/crypto/store_validator.hpp>
+#include <busbar/server/memory_source.hpp>
+#include <busbar/server/password_users.hpp>
+#include <busbar/server/server.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "poll_loop.hpp"
+#include "table.hpp"
+
+using namespace busbar;
+
+namespace {
+
+volatile std::sig_atomic_t is_to_stop = 0;
+
+constexpr const char* application_uri = "urn:example:poll-server";
+
+/// What a machine has of its own: a clock, and somewhere to write to.
+class Clock final : public WallClock {
+public:
+    [[nodiscard]] DateTime now() const override
+    {
+        using Ticks =
+            std::chrono::duration<std::int64_t, std::ratio<1, DateTime::ticks_per_second>>;
+        const auto since = std::chrono::system_clock::now().time_since_epoch();
+        return DateTime::from_unix_ticks(std::chrono::duration_cast<Ticks>(since).count());
+    }
+};
+
+class Log final : public LogSink {
+public:
+    void write(LogLevel level, std::string_view source, std::string_view text) override
+    {
+        if (level >= LogLevel::Warning) {
+            std::fprintf(stderr, "%.*s: %.*s\n", static_cast<int>(source.size()), source.data(),
+                         static_cast<int>(text.size()), text.data());
+        }
+    }
+};
+
+int fail_with(const char* what, StatusCode status)
+{
+    std::fprintf(stderr, "%s: %s\n", what, std::string{name(status)}.c_str());
+    return 1;
+}
+
+void add_variable(server::Server& server, std::uint32_t source, std::uint64_t handle)
+{
+    model::NewNode node;
+    node.id = NodeId{1, "Speed"};
+    node.browse_name = {1, "Speed"};
+    node.parent = server.address_space().find(id::ObjectsFolder);
+    model::NewVariable variable;
+    variable.data_type = NodeId{0, id::Double};
+    variable.access_level = 3;
+    variable.source = source;
+    variable.handle = handle;
+    static_cast<void>(server.address_space().add_variable(node, variable));
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    const std::string port = argc > 1 ? argv[1] : "4840";
+    const std::string folder = argc > 2 ? argv[2] : "poll_server_pki";
+    const char* const password = std::getenv("POLL_SERVER_PASSWORD");
+    Clock clock;
+    Log log;
+    crypto::SystemRandom random;
+
+    crypto::CertificateStore store{folder, {}, log};
+    if (const auto made = store.create(); !made) {
+        return fail_with("certificate folder", made.error());
+    }
+    crypto::StoreValidator validator{store, log};
+    crypto::OwnCertificateSettings certificate;
+    certificate.subject.common_name = "Poll server";
+    certificate.subject.application_uri = application_uri;
+    crypto::add_host(certificate.subject, "localhost");
+    const crypto::OwnCertificateStore own{folder};
+    auto identity = own.load_or_create(certificate, clock.now());
+    if (!identity) {
+        return fail_with("own certificate", identity.error().status);
+    }
+    server::PasswordUsers users;
+    if (const auto added = users.add("operator", password != nullptr ? password : "", random);
+        !added) {
+        return fail_with("user", added.error().status);
+    }
+
+    server::ServerConfig config;
+    config.application_uri = application_uri;
+    config.endpoint_url = "opc.tcp://localhost:" + port;
+    config.endpoints.resize(1); // Basic256Sha256, SignAndEncrypt
+    config.identity =
+        channel::ApplicationIdentity{std::move(identity->certificates), std::move(identity->key)};
+    server::ServerEnvironment environment;
+    environment.random = &random;
+    environment.wall_clock = &clock;
+    environment.log = &log;
+    environment.validator = &validator;
+    environment.users = &users;
+    auto made = server::Server::create(poll_server::modules(), std::move(config), environment,
+                                       poll_server::address_space());
+    if (!made) {
+        return fail_with("server", made.error());
+    }
+    server::MemorySource source{clock};
+    add_variable(*made, made->add_source(source), source.add(1480.0));
+    poll_server::PollLoop loop{*made};
+    if (!loop.listen(static_cast<std::uint16_t>(std::atoi(port.c_str())))) {
+        return fail_with("port", status::Bad_ResourceUnavailable);
+    }
+    std::signal(SIGTERM, [](int) { is_to_stop = 1; });
+    while (loop.step(std::chrono::seconds{1})) { // in which poll() may miss a signal
+        if (is_to_stop != 0) {
+            made->begin_shutdown(std::chrono::steady_clock::now(), "stopped by a signal");
+        }
+    }
+    return 0;
+}
