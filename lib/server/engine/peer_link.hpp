@@ -58,6 +58,7 @@ public:
     void unbind(Session& session) override;
     void end_operations(const Session* session, StatusCode status) override;
     [[nodiscard]] Turn& turn() override { return turn_; }
+    [[nodiscard]] bool has_thrown() const override;
     [[nodiscard]] LogSink& log() override { return log_; }
 
     // Outbox.

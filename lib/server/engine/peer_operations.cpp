@@ -22,9 +22,19 @@ void PeerLink::give_turns(TimePoint now)
         ServiceOperation& operation = *operations_[i];
         if (operation.wants_turn()) {
             ServiceContext context{*this, operation.session(), now};
+            const RequestFault::Serving serving{core_.guards.request(), this,
+                                                operation.request_id()};
             serve([&] { operation.take_turn(context); });
+            if (has_thrown() && !operation.is_finished()) {
+                operation.fault(status::Bad_InternalError);
+            }
         }
     }
+}
+
+bool PeerLink::has_thrown() const
+{
+    return core_.guards.request().is_noted();
 }
 
 ResponseHeader PeerLink::response_header(const Reply& reply, StatusCode status) const

@@ -83,6 +83,17 @@ private:
         turn.spend(units_of_change + before - management_->visits_left);
         return result;
     }
+    void undo(const Response& response) override
+    {
+        if constexpr (std::is_same_v<Request, AddNodesRequest>) {
+            for (const AddNodesResult& added : response.results) {
+                const model::NodeIndex node = needs_.space.find(added.added_node_id);
+                if (added.status_code.is_good() && node != model::no_node) {
+                    static_cast<void>(needs_.space.remove(node));
+                }
+            }
+        }
+    }
     void pause(ServiceContext&) override
     {
         visits_left_ = management_->visits_left;

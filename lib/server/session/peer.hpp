@@ -30,6 +30,9 @@ public:
     virtual void end_operations(const Session* session, StatusCode status) = 0;
     /// What may still be done for this peer before others have their turn.
     [[nodiscard]] virtual Turn& turn() = 0;
+    /// A callback of the user's has thrown while the present request was served: it will be
+    /// answered with Bad_InternalError, whatever is made of the callback's silence.
+    [[nodiscard]] virtual bool has_thrown() const { return false; }
     /// For what is to be said of this peer.
     [[nodiscard]] virtual LogSink& log() = 0;
 

@@ -65,6 +65,7 @@ public:
     [[nodiscard]] bool is_overdue(TimePoint now) const { return client_deadline_ <= now; }
     [[nodiscard]] Session* session() const { return session_; }
     [[nodiscard]] bool is_of(const Peer& peer) const { return peer_ == &peer; }
+    [[nodiscard]] std::uint32_t request_id() const { return request_id_; }
     [[nodiscard]] std::uint32_t request_handle() const { return request_handle_; }
     [[nodiscard]] TimePoint client_deadline() const { return client_deadline_; }
     void fault(StatusCode status);

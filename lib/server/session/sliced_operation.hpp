@@ -34,8 +34,16 @@ public:
         Turn& turn = context.peer.turn();
         do {
             response_.results.push_back(work(response_.results.size(), turn));
-        } while (response_.results.size() < size() && !turn.is_over());
+        } while (response_.results.size() < size() && !turn.is_over() &&
+                 !context.peer.has_thrown());
+        const bool has_thrown = context.peer.has_thrown();
+        if (has_thrown) {
+            undo(response_);
+        }
         pause(context);
+        if (has_thrown) {
+            return this->fault(status::Bad_InternalError);
+        }
         if (response_.results.size() == size()) {
             this->template respond<Response>([this](binary::Writer& writer) {
                 encode(writer, response_.results);
@@ -56,6 +64,8 @@ protected:
     [[nodiscard]] virtual StatusCode resume(ServiceContext& context) = 0;
     /// Does one thing, and spends what it takes.
     [[nodiscard]] virtual Result work(std::size_t index, Turn& turn) = 0;
+    /// Takes back what was done, in this turn and before: the request ends in a fault.
+    virtual void undo(const Response&) {}
     /// Behind the last of this turn.
     virtual void pause(ServiceContext&) {}
 

@@ -162,6 +162,12 @@ private:
         return create_one(item_context(), request().items_to_create[index],
                           request().timestamps_to_return);
     }
+    void undo(const CreateMonitoredItemsResponse& response) override
+    {
+        for (const MonitoredItemCreateResult& made : response.results) {
+            static_cast<void>(subscription().remove_item(made.monitored_item_id));
+        }
+    }
 };
 
 class ModifyItems final
