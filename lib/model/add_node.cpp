@@ -16,7 +16,7 @@ constexpr std::size_t max_name_size = 512;
 /// The longest String or Opaque identifier in bytes (Part 3, 8.2.4).
 constexpr std::size_t max_identifier_size = 4096;
 
-bool is_valid_id(const AddressSpace& space, const NodeId& id)
+bool is_valid_id(const SpaceReader& space, const NodeId& id)
 {
     if (id.namespace_index() >= space.namespace_count()) {
         return false;
@@ -29,7 +29,7 @@ bool is_valid_id(const AddressSpace& space, const NodeId& id)
 }
 
 /// The ReferenceType from the parent that a node without one gets.
-std::uint32_t default_reference(const AddressSpace& space, NodeIndex parent, NodeClass node_class)
+std::uint32_t default_reference(const SpaceReader& space, NodeIndex parent, NodeClass node_class)
 {
     if (detail::is_type(node_class)) {
         return detail::id_has_subtype;
@@ -40,7 +40,7 @@ std::uint32_t default_reference(const AddressSpace& space, NodeIndex parent, Nod
     return is_folder ? detail::id_organizes : detail::id_has_component;
 }
 
-StatusCode check_reference(const AddressSpace& space, const NewNode& node, NodeIndex reference,
+StatusCode check_reference(const SpaceReader& space, const NewNode& node, NodeIndex reference,
                            NodeClass node_class)
 {
     if (reference == no_node || space.node_class(reference) != NodeClass::ReferenceType ||
@@ -62,7 +62,7 @@ StatusCode check_reference(const AddressSpace& space, const NewNode& node, NodeI
     return is_allowed ? status::Good : status::Bad_ReferenceNotAllowed;
 }
 
-StatusCode check_names(const AddressSpace& space, const Tables& tables, const NewNode& node,
+StatusCode check_names(const SpaceReader& space, const Tables& tables, const NewNode& node,
                        NodeIndex reference)
 {
     if (!node.id.is_null()) {
@@ -91,7 +91,7 @@ StatusCode check_names(const AddressSpace& space, const Tables& tables, const Ne
 }
 
 /// Finds the concrete type that a new Object or Variable is to have.
-Result<NodeIndex> definition_of(const AddressSpace& space, const NodeId& type, NodeClass type_class)
+Result<NodeIndex> definition_of(const SpaceReader& space, const NodeId& type, NodeClass type_class)
 {
     const NodeIndex found = space.find(type);
     if (found == no_node || space.node_class(found) != type_class || space.is_abstract(found)) {
@@ -101,7 +101,7 @@ Result<NodeIndex> definition_of(const AddressSpace& space, const NodeId& type, N
 }
 
 /// The DataType of a new Variable or VariableType, if its other attributes are sound.
-Result<NodeIndex> data_type_of(const AddressSpace& space, const NodeId& id, std::int32_t rank,
+Result<NodeIndex> data_type_of(const SpaceReader& space, const NodeId& id, std::int32_t rank,
                                const Array<std::uint32_t>& dimensions, const Variant& value)
 {
     const NodeIndex found = space.find(id);
@@ -121,7 +121,7 @@ Result<NodeIndex> data_type_of(const AddressSpace& space, const NodeId& id, std:
     return found;
 }
 
-StatusCode check_arguments(const AddressSpace& space, const Array<Argument>& arguments)
+StatusCode check_arguments(const SpaceReader& space, const Array<Argument>& arguments)
 {
     for (const Argument& argument : arguments) {
         const auto data_type = data_type_of(space, argument.data_type, argument.value_rank,

@@ -1,4 +1,4 @@
-#include <busbar/model/address_space.hpp>
+#include <busbar/model/space_reader.hpp>
 
 #include <algorithm>
 
@@ -187,13 +187,13 @@ Array<std::uint32_t> dimensions(const VariableAttributes& attributes)
 
 } // namespace
 
-bool AddressSpace::has_attribute(NodeClass node_class, AttributeId id)
+bool SpaceReader::has_attribute(NodeClass node_class, AttributeId id)
 {
     const auto index = static_cast<std::uint32_t>(id);
     return index < std::size(classes_with) && (classes_with[index] & bits(node_class)) != 0;
 }
 
-LocalizedText AddressSpace::display_name(NodeIndex node) const
+LocalizedText SpaceReader::display_name(NodeIndex node) const
 {
     if (!tables_->is_constant(node)) {
         const Record& record = tables_->record(node);
@@ -213,7 +213,7 @@ LocalizedText AddressSpace::display_name(NodeIndex node) const
     return text.text.is_null() ? LocalizedText{browse_name(node).name} : std::move(text);
 }
 
-VariableAttributes AddressSpace::variable(NodeIndex node) const
+VariableAttributes SpaceReader::variable(NodeIndex node) const
 {
     VariableAttributes result;
     if (!has_attribute(node_class(node), AttributeId::Value)) {
@@ -254,7 +254,7 @@ VariableAttributes AddressSpace::variable(NodeIndex node) const
     return result;
 }
 
-MethodAttributes AddressSpace::method(NodeIndex node) const
+MethodAttributes SpaceReader::method(NodeIndex node) const
 {
     if (node_class(node) != NodeClass::Method) {
         return {};
@@ -273,7 +273,7 @@ MethodAttributes AddressSpace::method(NodeIndex node) const
     return result;
 }
 
-NodeId AddressSpace::data_type_id(NodeIndex node) const
+NodeId SpaceReader::data_type_id(NodeIndex node) const
 {
     const NodeIndex type = variable(node).data_type;
     if (type != no_node) {
@@ -286,7 +286,7 @@ NodeId AddressSpace::data_type_id(NodeIndex node) const
     return NodeId{0, tables_->constants->externals[from.data_type - tables_->constant_count].value};
 }
 
-Variant AddressSpace::value(NodeIndex node, const binary::TypeRegistry* types) const
+Variant SpaceReader::value(NodeIndex node, const binary::TypeRegistry* types) const
 {
     if (!has_attribute(node_class(node), AttributeId::Value)) {
         return {};
@@ -304,12 +304,12 @@ Variant AddressSpace::value(NodeIndex node, const binary::TypeRegistry* types) c
                         : decoded(tables_->constants->values.substr(at.offset, at.size), types);
 }
 
-bool AddressSpace::is_abstract(NodeIndex node) const
+bool SpaceReader::is_abstract(NodeIndex node) const
 {
     return common(*tables_, node).has(static_flag::is_abstract);
 }
 
-Result<Variant> AddressSpace::attribute(NodeIndex node, AttributeId id) const
+Result<Variant> SpaceReader::attribute(NodeIndex node, AttributeId id) const
 {
     if (!has_attribute(node_class(node), id)) {
         return fail(status::Bad_AttributeIdInvalid);
@@ -352,7 +352,7 @@ Result<Variant> AddressSpace::attribute(NodeIndex node, AttributeId id) const
     }
 }
 
-Result<Variant> AddressSpace::variable_attribute(NodeIndex node, AttributeId id) const
+Result<Variant> SpaceReader::variable_attribute(NodeIndex node, AttributeId id) const
 {
     const VariableAttributes attributes = variable(node);
     switch (id) {

@@ -45,7 +45,7 @@ void remove_from_others(Tables& tables, NodeIndex node)
 
 } // namespace
 
-void AddressSpace::for_each_below(NodeIndex node, FunctionRef<bool(NodeIndex)> visit) const
+void SpaceReader::for_each_below(NodeIndex node, FunctionRef<bool(NodeIndex)> visit) const
 {
     for (const NodeIndex each : subtree(*tables_, node)) {
         if (!visit(each)) {

@@ -24,7 +24,7 @@ void take_definition(const ExtensionObject& object, DataTypeEntry& entry)
 }
 
 /// The object "Default Binary" that HasEncoding leads to.
-NodeId binary_encoding(const AddressSpace& space, NodeIndex data_type)
+NodeId binary_encoding(const SpaceReader& space, NodeIndex data_type)
 {
     const NodeIndex has_encoding = space.find(id::HasEncoding);
     ReferenceCursor cursor = space.references(data_type);
@@ -37,7 +37,7 @@ NodeId binary_encoding(const AddressSpace& space, NodeIndex data_type)
     return {};
 }
 
-DataTypeEntry entry_of(const AddressSpace& space, NodeIndex node)
+DataTypeEntry entry_of(const SpaceReader& space, NodeIndex node)
 {
     DataTypeEntry entry;
     entry.id = space.node_id(node);
@@ -118,7 +118,7 @@ NodeId part_id(const NewNode& type, std::string_view part)
                   String{type.browse_name.name.str() + "." + std::string{part}}};
 }
 
-StatusCode check_part_id(const AddressSpace& space, const NodeId& id)
+StatusCode check_part_id(const SpaceReader& space, const NodeId& id)
 {
     if (id.namespace_index() >= space.namespace_count()) {
         return status::Bad_NodeIdInvalid;
@@ -146,7 +146,7 @@ NamesProperty names_property(bool is_enumeration, const Array<EnumField>& fields
 
 } // namespace
 
-std::vector<binary::DataTypeEntry> collect_data_types(const AddressSpace& space)
+std::vector<binary::DataTypeEntry> collect_data_types(const SpaceReader& space)
 {
     const NodeIndex has_subtype = space.find(id::HasSubtype);
     std::vector<binary::DataTypeEntry> entries;
@@ -165,7 +165,7 @@ std::vector<binary::DataTypeEntry> collect_data_types(const AddressSpace& space)
     return entries;
 }
 
-const binary::DynamicTypes& DataTypes::of(const AddressSpace& space)
+const binary::DynamicTypes& DataTypes::of(const SpaceReader& space)
 {
     if (seen_types_ != space.type_count()) {
         seen_types_ = space.type_count();

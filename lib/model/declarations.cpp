@@ -7,7 +7,7 @@
 
 namespace busbar::model::detail {
 
-ModellingRule modelling_rule_of(const AddressSpace& space, NodeIndex node)
+ModellingRule modelling_rule_of(const SpaceReader& space, NodeIndex node)
 {
     const NodeIndex has_rule = space.find(id::HasModellingRule);
     ReferenceCursor cursor = space.references(node);
@@ -24,7 +24,7 @@ ModellingRule modelling_rule_of(const AddressSpace& space, NodeIndex node)
     return ModellingRule::None;
 }
 
-std::vector<NodeIndex> interfaces_of(const AddressSpace& space, NodeIndex node)
+std::vector<NodeIndex> interfaces_of(const SpaceReader& space, NodeIndex node)
 {
     std::vector<NodeIndex> found;
     ReferenceCursor cursor = space.references(node);
@@ -36,7 +36,7 @@ std::vector<NodeIndex> interfaces_of(const AddressSpace& space, NodeIndex node)
     return found;
 }
 
-std::vector<NodeIndex> types_above(const AddressSpace& space, NodeIndex type)
+std::vector<NodeIndex> types_above(const SpaceReader& space, NodeIndex type)
 {
     std::vector<NodeIndex> types;
     for (NodeIndex at = type; at != no_node; at = space.supertype(at)) {
@@ -57,7 +57,7 @@ std::vector<NodeIndex> types_above(const AddressSpace& space, NodeIndex type)
     return types;
 }
 
-std::vector<DeclaredMember> members_of(const AddressSpace& space,
+std::vector<DeclaredMember> members_of(const SpaceReader& space,
                                        std::span<const DeclarationSource> sources)
 {
     std::vector<DeclaredMember> members;

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include <busbar/model/address_space.hpp>
+#include <busbar/model/space_reader.hpp>
 
 /// The InstanceDeclarations of types as Part 3, 6.3.3 has them inherited and overridden.
 namespace busbar::model::detail {
@@ -31,16 +31,16 @@ struct DeclaredMember {
 };
 
 /// Mandatory and Optional; None for a placeholder and any other.
-[[nodiscard]] ModellingRule modelling_rule_of(const AddressSpace& space, NodeIndex node);
+[[nodiscard]] ModellingRule modelling_rule_of(const SpaceReader& space, NodeIndex node);
 
 /// The type, its supertypes and the Interfaces of all of these, the most derived first.
-[[nodiscard]] std::vector<NodeIndex> types_above(const AddressSpace& space, NodeIndex type);
+[[nodiscard]] std::vector<NodeIndex> types_above(const SpaceReader& space, NodeIndex type);
 
 /// The Interfaces that the node references (Part 3, 4.10.2).
-[[nodiscard]] std::vector<NodeIndex> interfaces_of(const AddressSpace& space, NodeIndex node);
+[[nodiscard]] std::vector<NodeIndex> interfaces_of(const SpaceReader& space, NodeIndex node);
 
 /// The Mandatory and Optional members of `sources`, of which earlier ones override later ones.
-[[nodiscard]] std::vector<DeclaredMember> members_of(const AddressSpace& space,
+[[nodiscard]] std::vector<DeclaredMember> members_of(const SpaceReader& space,
                                                      std::span<const DeclarationSource> sources);
 
 } // namespace busbar::model::detail

@@ -43,7 +43,7 @@ std::vector<NameplateEntry> entries_of(const Nameplate& nameplate)
 
 } // namespace
 
-NodeIndex find_di(const AddressSpace& space, std::uint32_t number)
+NodeIndex find_di(const SpaceReader& space, std::uint32_t number)
 {
     const auto index = space.namespace_index(di_uri);
     return index ? space.find(NodeId{*index, number}) : no_node;

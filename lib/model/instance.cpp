@@ -12,7 +12,7 @@ namespace busbar::model {
 namespace {
 
 /// The BrowseName that instances of an AddIn's type have.
-Result<QualifiedName> default_name_of(const AddressSpace& space, NodeIndex type)
+Result<QualifiedName> default_name_of(const SpaceReader& space, NodeIndex type)
 {
     const QualifiedName property{0, "DefaultInstanceBrowseName"};
     for (NodeIndex at = type; at != no_node; at = space.supertype(at)) {
@@ -30,7 +30,7 @@ Result<QualifiedName> default_name_of(const AddressSpace& space, NodeIndex type)
 
 } // namespace
 
-std::size_t memory_of(const AddressSpace& space, NodeIndex node)
+std::size_t memory_of(const SpaceReader& space, NodeIndex node)
 {
     constexpr std::size_t record_and_slots = 256;
     // What is decoded is larger than its encoding, by no more than the headers of its fields.
@@ -98,12 +98,12 @@ Result<NodeIndex> add_add_in(AddressSpace& space, NodeIndex parent, NodeIndex ty
         node.id =
             options.ids == InstanceIds::Path && above.id_type() == IdType::String
                 ? NodeId{above.namespace_index(), above.string().str() + '/' + name->name.str()}
-                : space.free_node_id(above.namespace_index());
+                : space.free_id(above.namespace_index());
     }
     return instantiate(space, node, type, options);
 }
 
-NodeIndex find_by_path(const AddressSpace& space, NodeIndex from, std::string_view path)
+NodeIndex find_by_path(const SpaceReader& space, NodeIndex from, std::string_view path)
 {
     NodeIndex at = from;
     while (!path.empty() && at != no_node) {

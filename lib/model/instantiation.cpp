@@ -6,7 +6,7 @@
 
 namespace busbar::model::detail {
 
-NodeIndex child_of(const AddressSpace& space, NodeIndex parent, const QualifiedName& name)
+NodeIndex child_of(const SpaceReader& space, NodeIndex parent, const QualifiedName& name)
 {
     NodeIndex found = no_node;
     static_cast<void>(space.for_each_child(parent, space.find(id::HierarchicalReferences), true,

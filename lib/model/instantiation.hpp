@@ -18,7 +18,7 @@ namespace busbar::model::detail {
 inline constexpr std::size_t bytes_per_reference = 64;
 
 /// The child that a hierarchical reference leads to, no_node if there is none of the name.
-[[nodiscard]] NodeIndex child_of(const AddressSpace& space, NodeIndex parent,
+[[nodiscard]] NodeIndex child_of(const SpaceReader& space, NodeIndex parent,
                                  const QualifiedName& name);
 
 /// The NodeId of a new child of that name.

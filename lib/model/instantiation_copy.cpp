@@ -21,7 +21,7 @@ bool rank_is_within(std::int32_t rank, std::int32_t type_rank)
     }
 }
 
-NewVariable variable_like(const AddressSpace& space, NodeIndex like)
+NewVariable variable_like(const SpaceReader& space, NodeIndex like)
 {
     const VariableAttributes attributes = space.variable(like);
     NewVariable variable;
@@ -41,7 +41,7 @@ NewVariable variable_like(const AddressSpace& space, NodeIndex like)
 }
 
 /// The texts of the declaration where they say more than its BrowseName.
-void copy_texts(const AddressSpace& space, NodeIndex from, NewNode& to)
+void copy_texts(const SpaceReader& space, NodeIndex from, NewNode& to)
 {
     const LocalizedText name = space.display_name(from);
     if (name.text != space.browse_name(from).name || !name.locale.empty()) {
@@ -54,7 +54,7 @@ void copy_texts(const AddressSpace& space, NodeIndex from, NewNode& to)
     }
 }
 
-std::uint8_t event_notifier_of(const AddressSpace& space, NodeIndex object)
+std::uint8_t event_notifier_of(const SpaceReader& space, NodeIndex object)
 {
     const auto value = space.attribute(object, AttributeId::EventNotifier);
     const auto* const byte = value ? value->get_if<std::uint8_t>() : nullptr;
@@ -218,7 +218,7 @@ NodeId id_below(AddressSpace& space, NodeIndex parent, const QualifiedName& name
     if (ids == InstanceIds::Path && above.id_type() == IdType::String) {
         return NodeId{above.namespace_index(), above.string().str() + '/' + name.name.str()};
     }
-    return space.free_node_id(above.namespace_index());
+    return space.free_id(above.namespace_index());
 }
 
 NewNode child_node(AddressSpace& space, NodeIndex parent, const QualifiedName& name)

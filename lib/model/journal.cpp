@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include <busbar/model/space_reader.hpp>
 #include <busbar/types/enumerations.hpp>
 
 #include "tables.hpp"
@@ -56,38 +57,33 @@ bool Tables::is_node_version(const Record& child) const
 
 } // namespace detail
 
-bool AddressSpace::has_changes() const
+bool SpaceJournal::has_changes() const
 {
-    return !tables_->journal.is_empty();
+    return !space_->tables_->journal.is_empty();
 }
 
-ModelChanges AddressSpace::take_changes()
+ModelChanges SpaceJournal::take_changes()
 {
-    tables_->journal.taken_generation = tables_->next_generation;
-    ModelChanges taken = tables_->journal.take();
+    space_->tables_->journal.taken_generation = space_->tables_->next_generation;
+    ModelChanges taken = space_->tables_->journal.take();
     for (ModelChange& change : taken.changes) {
-        const NodeIndex node = find(change.affected);
-        if (node != no_node && tables_->is_constant(node)) {
-            const NodeIndex type = type_definition(node);
-            change.affected_type = type == no_node ? NodeId{} : node_id(type);
+        const NodeIndex node = space_->find(change.affected);
+        if (node != no_node && space_->tables_->is_constant(node)) {
+            const NodeIndex type = space_->type_definition(node);
+            change.affected_type = type == no_node ? NodeId{} : space_->node_id(type);
         }
     }
     return taken;
 }
 
-NodeIndex AddressSpace::node_version(NodeIndex node) const
+NodeIndex SpaceJournal::node_version(NodeIndex node) const
 {
-    return tables_->journal.property_of(node);
+    return space_->tables_->journal.property_of(node);
 }
 
-void AddressSpace::for_each_node_version(FunctionRef<void(NodeIndex)> visit) const
+void SpaceJournal::for_each_node_version(FunctionRef<void(NodeIndex)> visit) const
 {
-    tables_->journal.for_each_property(visit);
-}
-
-NodeId AddressSpace::free_id(std::uint16_t namespace_index)
-{
-    return tables_->free_id(namespace_index);
+    space_->tables_->journal.for_each_property(visit);
 }
 
 } // namespace busbar::model

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <unordered_map>
 
-#include <busbar/model/address_space.hpp>
+#include <busbar/model/space_journal.hpp>
 
 namespace busbar::model::detail {
 

@@ -40,12 +40,12 @@ NodeAccess node_access(const StaticNodes& nodes, const StaticAccess& from,
 
 } // namespace detail
 
-const NodeAccess* AddressSpace::node_access(NodeIndex node) const
+const NodeAccess* SpaceReader::node_access(NodeIndex node) const
 {
     return tables_->access.find(node);
 }
 
-std::uint16_t AddressSpace::access_restrictions(NodeIndex node) const
+std::uint16_t SpaceReader::access_restrictions(NodeIndex node) const
 {
     const NodeAccess* const own = node_access(node);
     if (own != nullptr && own->restrictions) {
@@ -81,7 +81,7 @@ void AddressSpace::set_namespace_restrictions(std::uint16_t namespace_index,
         [&](NodeIndex node) { return tables_->id_of(node).namespace_index() == namespace_index; });
 }
 
-Result<Variant> AddressSpace::access_attribute(NodeIndex node, AttributeId id) const
+Result<Variant> SpaceReader::access_attribute(NodeIndex node, AttributeId id) const
 {
     static const NodeAccess none;
     const NodeAccess* const own = node_access(node);

@@ -8,14 +8,14 @@ namespace busbar::model {
 
 namespace {
 
-bool is_of_type(const AddressSpace& space, NodeIndex node, std::uint32_t type)
+bool is_of_type(const SpaceReader& space, NodeIndex node, std::uint32_t type)
 {
     return space.exists(node) &&
            space.is_subtype_of(space.type_definition(node), find_plcopen(space, type));
 }
 
 /// True for a program or function block, or a type of these.
-bool is_unit(const AddressSpace& space, NodeIndex node)
+bool is_unit(const SpaceReader& space, NodeIndex node)
 {
     if (!space.exists(node)) {
         return false;
@@ -26,7 +26,7 @@ bool is_unit(const AddressSpace& space, NodeIndex node)
                                find_plcopen(space, plcopen_id::CtrlProgramOrganizationUnitType));
 }
 
-NodeId plcopen_node(const AddressSpace& space, std::uint32_t number)
+NodeId plcopen_node(const SpaceReader& space, std::uint32_t number)
 {
     const NodeIndex node = find_plcopen(space, number);
     return node == no_node ? NodeId{} : space.node_id(node);
@@ -70,7 +70,7 @@ Result<NodeIndex> add_unit_type(AddressSpace& space, const QualifiedName& name,
 
 } // namespace
 
-NodeIndex find_plcopen(const AddressSpace& space, std::uint32_t number)
+NodeIndex find_plcopen(const SpaceReader& space, std::uint32_t number)
 {
     const auto index = space.namespace_index(plcopen_uri);
     return index ? space.find(NodeId{*index, number}) : no_node;

@@ -14,7 +14,7 @@ namespace {
 
 /// Looked up at the end that has fewer, since a folder may have very many. Both ends have it but
 /// for HasModellingRule, whose inverse is not kept.
-bool has_reference(const AddressSpace& space, NodeIndex source, NodeIndex type, NodeIndex target)
+bool has_reference(const SpaceReader& space, NodeIndex source, NodeIndex type, NodeIndex target)
 {
     const ReferenceCursor forward = space.references(source);
     const ReferenceCursor inverse = space.references(target);
@@ -59,7 +59,7 @@ std::optional<Reference> ReferenceCursor::next()
     return std::nullopt;
 }
 
-ReferenceCursor AddressSpace::references(NodeIndex node, std::size_t position) const
+ReferenceCursor SpaceReader::references(NodeIndex node, std::size_t position) const
 {
     ReferenceCursor cursor;
     const Tables& tables = *tables_;
@@ -92,17 +92,17 @@ ReferenceCursor AddressSpace::references(NodeIndex node, std::size_t position) c
     return cursor;
 }
 
-std::uint32_t AddressSpace::addition_count() const
+std::uint32_t SpaceReader::addition_count() const
 {
     return tables_->next_generation;
 }
 
-std::uint64_t AddressSpace::type_count() const
+std::uint64_t SpaceReader::type_count() const
 {
     return tables_->type_count;
 }
 
-NodeIndex AddressSpace::type_definition(NodeIndex node) const
+NodeIndex SpaceReader::type_definition(NodeIndex node) const
 {
     if (!tables_->is_constant(node)) {
         return tables_->record(node).type_definition;
@@ -116,7 +116,7 @@ NodeIndex AddressSpace::type_definition(NodeIndex node) const
     return no_node;
 }
 
-NodeIndex AddressSpace::next_instance(NodeIndex type, NodeIndex& from, std::size_t& visits) const
+NodeIndex SpaceReader::next_instance(NodeIndex type, NodeIndex& from, std::size_t& visits) const
 {
     const std::uint32_t end = tables_->constant_count + tables_->record_count;
     for (std::uint32_t at = detail::number(from); at < end; ++at) {
@@ -134,9 +134,9 @@ NodeIndex AddressSpace::next_instance(NodeIndex type, NodeIndex& from, std::size
     return no_node;
 }
 
-std::size_t AddressSpace::for_each_child(NodeIndex parent, NodeIndex type, bool include_subtypes,
-                                         const QualifiedName& name,
-                                         FunctionRef<bool(NodeIndex)> visit) const
+std::size_t SpaceReader::for_each_child(NodeIndex parent, NodeIndex type, bool include_subtypes,
+                                        const QualifiedName& name,
+                                        FunctionRef<bool(NodeIndex)> visit) const
 {
     const Tables& tables = *tables_;
     const auto fits = [&](NodeIndex reference) {

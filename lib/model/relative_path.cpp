@@ -8,7 +8,7 @@
 
 namespace busbar::model {
 
-Result<RelativePath> parse_relative_path(std::string_view text, const AddressSpace& space)
+Result<RelativePath> parse_relative_path(std::string_view text, const SpaceReader& space)
 {
     return parse_relative_path(text, [&](const QualifiedName& name) {
         const NodeIndex found = find_reference_type(space, name);
@@ -16,7 +16,7 @@ Result<RelativePath> parse_relative_path(std::string_view text, const AddressSpa
     });
 }
 
-Result<std::string> to_text(const RelativePath& path, const AddressSpace& space)
+Result<std::string> to_text(const RelativePath& path, const SpaceReader& space)
 {
     return to_text(path, [&](const NodeId& type) {
         const NodeIndex found = space.find(type);
@@ -26,7 +26,7 @@ Result<std::string> to_text(const RelativePath& path, const AddressSpace& space)
     });
 }
 
-NodeIndex find_reference_type(const AddressSpace& space, const QualifiedName& name)
+NodeIndex find_reference_type(const SpaceReader& space, const QualifiedName& name)
 {
     std::vector<NodeIndex> types{space.find(id::References)};
     // A tree: each type has one supertype, so none comes twice.

@@ -31,7 +31,7 @@ std::uint64_t hash_of(std::span<const std::byte> bytes, std::uint64_t seed = 0)
 /// Hashes values with namespace indices that depend on the URIs alone.
 class SpaceHash {
 public:
-    explicit SpaceHash(const AddressSpace& space) : space_{space}, map_(space.namespace_count())
+    explicit SpaceHash(const SpaceReader& space) : space_{space}, map_(space.namespace_count())
     {
         for (std::uint16_t i = 1; i < map_.size(); ++i) {
             const std::string_view uri = space.namespace_uri(i);
@@ -80,14 +80,14 @@ private:
         return sum;
     }
 
-    const AddressSpace& space_;
+    const SpaceReader& space_;
     std::vector<std::uint16_t> map_;
     std::unordered_map<NodeIndex, std::uint64_t> ids_;
 };
 
 } // namespace
 
-std::uint64_t space_hash(const AddressSpace& space, std::optional<std::uint16_t> only)
+std::uint64_t space_hash(const SpaceReader& space, std::optional<std::uint16_t> only)
 {
     SpaceHash hash{space};
     std::uint64_t sum = only ? 0 : space.namespace_count();

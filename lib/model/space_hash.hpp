@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include <busbar/model/address_space.hpp>
+#include <busbar/model/space_reader.hpp>
 
 namespace busbar::model::detail {
 
@@ -12,7 +12,7 @@ namespace busbar::model::detail {
 /// Two AddressSpaces with equal nodes have equal hashes, whatever the order of their nodes and
 /// namespaces is; but bodies of structures count as the bytes they are, with the namespace indices
 /// in them. For tests: it is no protection against intent.
-[[nodiscard]] std::uint64_t space_hash(const AddressSpace& space,
+[[nodiscard]] std::uint64_t space_hash(const SpaceReader& space,
                                        std::optional<std::uint16_t> only = std::nullopt);
 
 } // namespace busbar::model::detail

@@ -13,14 +13,14 @@ namespace busbar::model::detail {
 class StructureBodies final : public BodyMap {
 public:
     /// `space` must outlive this.
-    explicit StructureBodies(const AddressSpace& space) : space_{space} {}
+    explicit StructureBodies(const SpaceReader& space) : space_{space} {}
 
     void map(ExtensionObject& object, std::span<const std::uint16_t> map) const override;
 
 private:
     void map(binary::DynamicValue& structure, std::span<const std::uint16_t> map) const;
 
-    const AddressSpace& space_;
+    const SpaceReader& space_;
     mutable DataTypes types_;
 };
 

@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include <busbar/model/address_space.hpp>
+#include <busbar/model/space_reader.hpp>
 
 #include "index_table.hpp"
 #include "journal.hpp"

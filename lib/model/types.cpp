@@ -1,4 +1,4 @@
-#include <busbar/model/address_space.hpp>
+#include <busbar/model/space_reader.hpp>
 
 #include "tables.hpp"
 
@@ -89,7 +89,7 @@ bool fits_dimensions(const Variant& value, std::span<const std::uint32_t> limits
 }
 
 /// The DataType whose encoding is `encoding`.
-NodeIndex described_by(const AddressSpace& space, NodeIndex encoding)
+NodeIndex described_by(const SpaceReader& space, NodeIndex encoding)
 {
     const NodeIndex has_encoding = space.find(detail::id_has_encoding);
     ReferenceCursor cursor = space.references(encoding);
@@ -101,7 +101,7 @@ NodeIndex described_by(const AddressSpace& space, NodeIndex encoding)
     return no_node;
 }
 
-bool fits_structure(const AddressSpace& space, const ExtensionObject& object, NodeIndex data_type)
+bool fits_structure(const SpaceReader& space, const ExtensionObject& object, NodeIndex data_type)
 {
     if (object.is_null() || space.node_id(data_type).is(detail::id_structure)) {
         return true;
@@ -115,7 +115,7 @@ bool fits_structure(const AddressSpace& space, const ExtensionObject& object, No
     return space.is_subtype_of(type, data_type);
 }
 
-bool fit_structures(const AddressSpace& space, const Variant& value, NodeIndex data_type)
+bool fit_structures(const SpaceReader& space, const Variant& value, NodeIndex data_type)
 {
     if (const auto* const object = value.get_if<ExtensionObject>()) {
         return fits_structure(space, *object, data_type);
@@ -132,7 +132,7 @@ bool fit_structures(const AddressSpace& space, const Variant& value, NodeIndex d
 
 } // namespace
 
-NodeIndex AddressSpace::supertype(NodeIndex type) const
+NodeIndex SpaceReader::supertype(NodeIndex type) const
 {
     if (!tables_->is_constant(type)) {
         const detail::Record& record = tables_->record(type);
@@ -147,7 +147,7 @@ NodeIndex AddressSpace::supertype(NodeIndex type) const
     return no_node;
 }
 
-bool AddressSpace::is_subtype_of(NodeIndex type, NodeIndex supertype) const
+bool SpaceReader::is_subtype_of(NodeIndex type, NodeIndex supertype) const
 {
     if (type == no_node || supertype == no_node) {
         return false;
@@ -171,18 +171,18 @@ bool AddressSpace::is_subtype_of(NodeIndex type, NodeIndex supertype) const
     return extra->chain.size() > depth && extra->chain[depth] == supertype;
 }
 
-bool AddressSpace::is_subtype_of(NodeIndex type, std::uint32_t supertype) const
+bool SpaceReader::is_subtype_of(NodeIndex type, std::uint32_t supertype) const
 {
     return is_subtype_of(type, tables_->find_constant(supertype));
 }
 
-BuiltInType AddressSpace::built_in_type_of(NodeIndex data_type) const
+BuiltInType SpaceReader::built_in_type_of(NodeIndex data_type) const
 {
     const std::uint8_t built_in = static_built_in(*tables_, data_type);
     return built_in > last_built_in_type ? BuiltInType::Variant : BuiltInType{built_in};
 }
 
-std::uint32_t AddressSpace::built_in_types_of(NodeIndex data_type) const
+std::uint32_t SpaceReader::built_in_types_of(NodeIndex data_type) const
 {
     const std::uint8_t built_in = static_built_in(*tables_, data_type);
     switch (built_in) {
@@ -201,9 +201,9 @@ std::uint32_t AddressSpace::built_in_types_of(NodeIndex data_type) const
     }
 }
 
-StatusCode AddressSpace::check_value(const Variant& value, NodeIndex data_type,
-                                     std::int32_t value_rank,
-                                     std::span<const std::uint32_t> array_dimensions) const
+StatusCode SpaceReader::check_value(const Variant& value, NodeIndex data_type,
+                                    std::int32_t value_rank,
+                                    std::span<const std::uint32_t> array_dimensions) const
 {
     const std::uint32_t types = built_in_types_of(data_type);
     if (value.is_null()) {

@@ -109,9 +109,9 @@ void NodeWatch::stop()
     }
 }
 
-void AddressSpace::watch(NodeIndex node, NodeAspect aspect, NodeWatch& watch) const
+void SpaceJournal::watch(NodeIndex node, NodeAspect aspect, NodeWatch& watch) const
 {
-    tables_->watches.add(node, aspect, watch);
+    space_->tables_->watches.add(node, aspect, watch);
 }
 
 } // namespace busbar::model

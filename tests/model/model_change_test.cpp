@@ -27,7 +27,7 @@ struct ChangeFixture : ModelFixture {
     /// The bits of the only change, 0 if there is none.
     unsigned only_verb(const NodeId& affected)
     {
-        const ModelChanges taken = space.take_changes();
+        const ModelChanges taken = space.journal().take_changes();
         CHECK(taken.is_complete);
         CHECK(taken.changes.size() <= 1);
         if (taken.changes.empty()) {
@@ -44,25 +44,25 @@ struct ChangeFixture : ModelFixture {
 
 TEST_CASE_METHOD(ChangeFixture, "Only changes of nodes that have a NodeVersion are noted")
 {
-    CHECK_FALSE(space.has_changes());
-    CHECK(space.node_version(folder) == no_node);
+    CHECK_FALSE(space.journal().has_changes());
+    CHECK(space.journal().node_version(folder) == no_node);
     const NodeIndex version = add_version(folder);
-    CHECK(space.node_version(folder) == version);
+    CHECK(space.journal().node_version(folder) == version);
     // The folder itself is new.
     CHECK(only_verb(folder_id) == (bits(Verb::NodeAdded) | bits(Verb::ReferenceAdded)));
     const NodeIndex child = add_int32("child", folder);
-    CHECK(space.has_changes());
+    CHECK(space.journal().has_changes());
     CHECK(only_verb(folder_id) == bits(Verb::ReferenceAdded));
-    CHECK_FALSE(space.has_changes());
+    CHECK_FALSE(space.journal().has_changes());
     add_int32("elsewhere", objects);
-    CHECK_FALSE(space.has_changes());
+    CHECK_FALSE(space.journal().has_changes());
     REQUIRE(space.remove(child));
     CHECK(only_verb(folder_id) == bits(Verb::ReferenceDeleted));
     REQUIRE(space.remove(version));
     CHECK(only_verb(folder_id) == bits(Verb::ReferenceDeleted));
-    CHECK(space.node_version(folder) == no_node);
+    CHECK(space.journal().node_version(folder) == no_node);
     add_int32("unseen", folder);
-    CHECK_FALSE(space.has_changes());
+    CHECK_FALSE(space.journal().has_changes());
 }
 
 TEST_CASE_METHOD(ChangeFixture, "References change both ends, and changes of a node are joined")
@@ -70,10 +70,10 @@ TEST_CASE_METHOD(ChangeFixture, "References change both ends, and changes of a n
     const NodeIndex other = add_folder("other", objects);
     add_version(folder);
     add_version(other);
-    static_cast<void>(space.take_changes());
+    static_cast<void>(space.journal().take_changes());
     REQUIRE(space.add_reference(folder, NodeId{0, id::Organizes}, other));
     REQUIRE(space.remove_reference(folder, NodeId{0, id::Organizes}, other));
-    const ModelChanges taken = space.take_changes();
+    const ModelChanges taken = space.journal().take_changes();
     REQUIRE(taken.changes.size() == 2);
     CHECK(taken.changes[0].affected == folder_id);
     CHECK(taken.changes[1].affected == NodeId{ns, "other"});
@@ -86,21 +86,21 @@ TEST_CASE_METHOD(ChangeFixture, "References change both ends, and changes of a n
 TEST_CASE_METHOD(ChangeFixture, "A removed node is told of, and another in its place is not it")
 {
     add_version(folder);
-    static_cast<void>(space.take_changes());
+    static_cast<void>(space.journal().take_changes());
     REQUIRE(space.remove(folder));
     CHECK(only_verb(folder_id) == (bits(Verb::NodeDeleted) | bits(Verb::ReferenceDeleted)));
     for (const char* name : {"a", "b", "c"}) {
         const NodeIndex next = add_folder(name, objects);
-        CHECK(space.node_version(next) == no_node);
+        CHECK(space.journal().node_version(next) == no_node);
         add_int32(std::string{name} + "1", next);
     }
-    CHECK_FALSE(space.has_changes());
+    CHECK_FALSE(space.journal().has_changes());
 }
 
 TEST_CASE_METHOD(ChangeFixture, "Constant nodes may have a NodeVersion too")
 {
     add_version(objects);
-    const ModelChanges taken = space.take_changes();
+    const ModelChanges taken = space.journal().take_changes();
     REQUIRE(taken.changes.size() == 1);
     CHECK(taken.changes[0].affected == NodeId{0, id::ObjectsFolder});
     CHECK(taken.changes[0].affected_type == NodeId{0, id::FolderType});
@@ -114,12 +114,12 @@ TEST_CASE_METHOD(ChangeFixture, "The journal is bounded")
         nodes.push_back(add_folder("n" + std::to_string(i), folder));
         add_version(nodes.back());
     }
-    ModelChanges taken = space.take_changes();
+    ModelChanges taken = space.journal().take_changes();
     CHECK(taken.changes.size() == 1'000);
     CHECK_FALSE(taken.is_complete);
-    CHECK_FALSE(space.has_changes());
+    CHECK_FALSE(space.journal().has_changes());
     add_int32("child", nodes.back());
-    taken = space.take_changes();
+    taken = space.journal().take_changes();
     CHECK(taken.is_complete);
     CHECK(taken.changes.size() == 1);
 }

@@ -37,10 +37,10 @@ struct Watch final : NodeWatch {
 struct WatchFixture : ModelFixture {
     void watch(NodeIndex node, NodeAspect aspect, Watch& by)
     {
-        space.watch(node, aspect, by);
+        space.journal().watch(node, aspect, by);
         by.then = [this, node, aspect, &by] {
             if (!by.is_removed) {
-                space.watch(node, aspect, by);
+                space.journal().watch(node, aspect, by);
             }
         };
     }
@@ -129,25 +129,25 @@ TEST_CASE_METHOD(WatchFixture, "Positions of references are told of only when th
 
 TEST_CASE_METHOD(WatchFixture, "A watch tells once, and no more when it is stopped or gone")
 {
-    space.watch(variable, NodeAspect::Binding, binding);
+    space.journal().watch(variable, NodeAspect::Binding, binding);
     CHECK(binding.is_watching());
     space.bind(variable, 1, 1);
     space.bind(variable, 1, 2);
     CHECK(binding.take() == 1);
 
-    space.watch(variable, NodeAspect::Binding, binding);
+    space.journal().watch(variable, NodeAspect::Binding, binding);
     binding.stop();
     binding.stop();
     {
         Watch gone;
-        space.watch(variable, NodeAspect::Binding, gone);
+        space.journal().watch(variable, NodeAspect::Binding, gone);
     }
     space.bind(variable, 1, 3);
     CHECK(binding.take() == 0);
 
     // Who begins anew watches the new node only.
-    space.watch(variable, NodeAspect::Binding, binding);
-    space.watch(other, NodeAspect::References, binding);
+    space.journal().watch(variable, NodeAspect::Binding, binding);
+    space.journal().watch(other, NodeAspect::References, binding);
     space.bind(variable, 1, 4);
     CHECK(binding.take() == 0);
     add_int32("x", other);
@@ -158,7 +158,8 @@ TEST_CASE_METHOD(WatchFixture, "Watches may come and go while one is told")
 {
     std::vector<std::unique_ptr<Watch>> all;
     for (int i = 0; i < 5; ++i) {
-        space.watch(variable, NodeAspect::Binding, *all.emplace_back(std::make_unique<Watch>()));
+        space.journal().watch(variable, NodeAspect::Binding,
+                              *all.emplace_back(std::make_unique<Watch>()));
     }
     Watch late;
     Watch* const middle = all[2].get();
@@ -193,7 +194,7 @@ TEST_CASE_METHOD(WatchFixture, "Watches may come and go while one is told")
     }
     SECTION("one more, that is told next time")
     {
-        middle->then = [&] { space.watch(variable, NodeAspect::Binding, late); };
+        middle->then = [&] { space.journal().watch(variable, NodeAspect::Binding, late); };
         space.bind(variable, 1, 1);
         CHECK(told == 4);
         CHECK(late.told == 0);
@@ -215,12 +216,12 @@ TEST_CASE_METHOD(WatchFixture, "Watches go with an AddressSpace that is moved an
     REQUIRE(moved->add_reference(moved->find(id::Server), organizes, variable));
     moved->bind(variable, 1, 1);
     CHECK(existence.take() == 0);
-    moved->watch(variable, NodeAspect::Binding, binding);
-    moved->watch(variable, NodeAspect::Binding, references);
+    moved->journal().watch(variable, NodeAspect::Binding, binding);
+    moved->journal().watch(variable, NodeAspect::Binding, references);
     moved->bind(variable, 1, 1);
     CHECK(binding.take() + references.take() == 2);
 
-    moved->watch(variable, NodeAspect::Binding, binding);
+    moved->journal().watch(variable, NodeAspect::Binding, binding);
     SECTION("destroyed")
     {
         moved.reset();

@@ -50,7 +50,9 @@ struct ChangeFixture : SubscriptionFixture {
     [[nodiscard]] std::string version(const NodeId& of)
     {
         const auto& space = server.address_space();
-        return space.value(space.node_version(space.find(of))).value_or<String>(String{}).str();
+        return space.value(space.journal().node_version(space.find(of)))
+            .value_or<String>(String{})
+            .str();
     }
     /// The parts of one kind of the next message.
     template <typename Part>

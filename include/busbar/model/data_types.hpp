@@ -15,7 +15,7 @@ class BUSBAR_API DataTypes {
 public:
     /// All DataTypes with their DataTypeDefinitions. The result, and what refers to it, is valid
     /// until the next call after a type was added. Always to be called with the same space.
-    [[nodiscard]] const binary::DynamicTypes& of(const AddressSpace& space);
+    [[nodiscard]] const binary::DynamicTypes& of(const SpaceReader& space);
 
 private:
     binary::DynamicTypes compiled_;
@@ -24,7 +24,7 @@ private:
 
 /// What the nodes below BaseDataType say of themselves (Part 3, 5.8.3).
 [[nodiscard]] BUSBAR_API std::vector<binary::DataTypeEntry>
-collect_data_types(const AddressSpace& space);
+collect_data_types(const SpaceReader& space);
 
 /// Adds a structure or union below `node.parent`, its supertype, and if it is concrete its encoding
 /// node "Default Binary" with the id `definition.default_encoding_id` (null: one made of the

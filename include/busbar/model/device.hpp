@@ -48,7 +48,7 @@ struct Nameplate {
 };
 
 /// The node of DI with that number, no_node if there is none.
-[[nodiscard]] BUSBAR_API NodeIndex find_di(const AddressSpace& space, std::uint32_t number);
+[[nodiscard]] BUSBAR_API NodeIndex find_di(const SpaceReader& space, std::uint32_t number);
 
 /// Creates a device of `type`, a concrete subtype of DeviceType. Without a parent it goes to the
 /// DeviceSet.

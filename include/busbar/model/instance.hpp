@@ -49,7 +49,7 @@ struct InstanceLimits {
 
 /// About what a node takes with its names, texts, value and references. An estimate that is rather
 /// too high, for limits.
-[[nodiscard]] BUSBAR_API std::size_t memory_of(const AddressSpace& space, NodeIndex node);
+[[nodiscard]] BUSBAR_API std::size_t memory_of(const SpaceReader& space, NodeIndex node);
 
 struct InstanceOptions {
     /// The BrowsePaths of InstanceDeclarations with ModellingRule Optional that the instance has,
@@ -108,7 +108,7 @@ BUSBAR_API Result<NodeIndex> add_add_in(AddressSpace& space, NodeIndex parent, N
 
 /// The node that hierarchical references lead to along the names of `path`, in whatever namespace
 /// each name is; no_node if there is none.
-[[nodiscard]] BUSBAR_API NodeIndex find_by_path(const AddressSpace& space, NodeIndex from,
+[[nodiscard]] BUSBAR_API NodeIndex find_by_path(const SpaceReader& space, NodeIndex from,
                                                 std::string_view path);
 
 } // namespace busbar::model

@@ -29,7 +29,7 @@ enum class NodeAspect : std::uint8_t {
 /// Waits for one change of one node: derive from it to be told. While it watches it takes memory in
 /// the AddressSpace (node_watch_memory); if a peer can cause watches, charge the peer for them.
 ///
-/// AddressSpace::watch starts it. It ends once it has told of a change, when it is stopped,
+/// SpaceJournal::watch starts it. It ends once it has told of a change, when it is stopped,
 /// destroyed or started again, and when the AddressSpace is destroyed or assigned to, of which it
 /// does not tell. If the AddressSpace is moved, the watch goes with its nodes. To be used only by
 /// the thread that changes the AddressSpace.

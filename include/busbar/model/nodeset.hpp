@@ -59,7 +59,7 @@ load_nodesets(AddressSpace& space, std::span<const NodeSetSource> sources,
 /// DataType is not known are written as bytes. Bad_NotFound for a namespace index without
 /// namespace.
 [[nodiscard]] BUSBAR_API Result<std::string>
-write_nodeset(const AddressSpace& space, std::span<const std::uint16_t> namespaces,
+write_nodeset(const SpaceReader& space, std::span<const std::uint16_t> namespaces,
               const NodeSetExtras& extras = {});
 
 } // namespace busbar::model

@@ -57,7 +57,7 @@ struct CtrlTask {
 };
 
 /// The node of PLCopen with that number, no_node if there is none.
-[[nodiscard]] BUSBAR_API NodeIndex find_plcopen(const AddressSpace& space, std::uint32_t number);
+[[nodiscard]] BUSBAR_API NodeIndex find_plcopen(const SpaceReader& space, std::uint32_t number);
 
 /// The controller as a whole, a TopologyElement; without a parent in the DeviceSet.
 BUSBAR_API Result<NodeIndex> add_ctrl_configuration(AddressSpace& space, NewNode node,

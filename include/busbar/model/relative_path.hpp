@@ -6,7 +6,7 @@
 #include <busbar/binary/relative_path.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/core/result.hpp>
-#include <busbar/model/address_space.hpp>
+#include <busbar/model/space_reader.hpp>
 #include <busbar/types/common.hpp>
 #include <busbar/types/view.hpp>
 
@@ -18,14 +18,14 @@ using binary::to_text;
 /// binary::parse_relative_path with the ReferenceTypes of an address space; those of namespace 0
 /// are in any.
 [[nodiscard]] BUSBAR_API Result<RelativePath> parse_relative_path(std::string_view text,
-                                                                  const AddressSpace& space);
+                                                                  const SpaceReader& space);
 /// binary::to_text with the ReferenceTypes of an address space.
 [[nodiscard]] BUSBAR_API Result<std::string> to_text(const RelativePath& path,
-                                                     const AddressSpace& space);
+                                                     const SpaceReader& space);
 
 /// The ReferenceType of that BrowseName, no_node if there is none. BrowseNames of types are unique
 /// in their namespace (Part 3, 5.3.1); walks the tree of ReferenceTypes.
-[[nodiscard]] BUSBAR_API NodeIndex find_reference_type(const AddressSpace& space,
+[[nodiscard]] BUSBAR_API NodeIndex find_reference_type(const SpaceReader& space,
                                                        const QualifiedName& name);
 
 } // namespace busbar::model

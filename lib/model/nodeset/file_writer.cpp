@@ -5,7 +5,7 @@
 
 namespace busbar::nodeset {
 
-NodeWriter::NodeWriter(const model::AddressSpace& space, std::span<const std::uint16_t> namespaces,
+NodeWriter::NodeWriter(const model::SpaceReader& space, std::span<const std::uint16_t> namespaces,
                        const model::NodeSetExtras& extras)
     : space_{space}, extras_{extras}, values_{types_, local_, out_},
       is_written_(space.namespace_count()), requires_written_(space.namespace_count())
@@ -129,7 +129,7 @@ void NodeWriter::permissions(XmlOut& out, const std::vector<model::NodeSetPermis
 
 namespace busbar::model {
 
-Result<std::string> write_nodeset(const AddressSpace& space,
+Result<std::string> write_nodeset(const SpaceReader& space,
                                   std::span<const std::uint16_t> namespaces,
                                   const NodeSetExtras& extras)
 {

@@ -49,7 +49,7 @@ std::string nowhere(const NodeId& id)
 
 } // namespace
 
-LoadPlan::LoadPlan(const Document& document, const model::AddressSpace& space)
+LoadPlan::LoadPlan(const Document& document, const model::SpaceReader& space)
     : document_{document}, space_{space}, supertypes_(document.nodes().size()),
       type_definitions_(document.nodes().size())
 {

@@ -23,7 +23,7 @@ struct Target {
 /// in the Document. Finds everything but unreadable values.
 class LoadPlan {
 public:
-    LoadPlan(const Document& document, const model::AddressSpace& space);
+    LoadPlan(const Document& document, const model::SpaceReader& space);
 
     void check();
     [[nodiscard]] const std::vector<Error>& errors() const { return errors_; }
@@ -60,7 +60,7 @@ private:
                           std::vector<std::uint32_t>& parent_counts);
 
     const Document& document_;
-    const model::AddressSpace& space_;
+    const model::SpaceReader& space_;
     std::vector<Error> errors_;
     std::vector<Error> notes_;
     /// By position of the node; null where there is none yet.

@@ -19,7 +19,7 @@ using model::NodeSetSummary;
 using model::detail::Graft;
 using model::detail::Record;
 
-std::vector<std::string> namespaces_of(const model::AddressSpace& space)
+std::vector<std::string> namespaces_of(const model::SpaceReader& space)
 {
     std::vector<std::string> uris;
     for (std::size_t i = 0; i < space.namespace_count(); ++i) {

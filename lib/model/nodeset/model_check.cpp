@@ -59,7 +59,7 @@ std::string described(const Model& model)
     return text;
 }
 
-model::NodeIndex child_named(const model::AddressSpace& space, model::NodeIndex parent,
+model::NodeIndex child_named(const model::SpaceReader& space, model::NodeIndex parent,
                              std::string_view name)
 {
     model::NodeIndex result = model::no_node;
@@ -73,7 +73,7 @@ model::NodeIndex child_named(const model::AddressSpace& space, model::NodeIndex 
 }
 
 /// What the AddressSpace's NamespaceMetadata (Part 5, 6.3.14) says of a namespace.
-Model model_in_space(const model::AddressSpace& space, const std::string& uri)
+Model model_in_space(const model::SpaceReader& space, const std::string& uri)
 {
     Model result;
     result.uri = uri;
@@ -108,7 +108,7 @@ const Model* model_in_files(const Document& document, const std::string& uri)
 
 } // namespace
 
-std::vector<Error> missing_models(const Document& document, const model::AddressSpace& space)
+std::vector<Error> missing_models(const Document& document, const model::SpaceReader& space)
 {
     std::vector<Error> errors;
     for (const Model& model : document.models()) {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include <busbar/model/address_space.hpp>
+#include <busbar/model/space_reader.hpp>
 
 #include "document.hpp"
 
@@ -11,6 +11,6 @@ namespace busbar::nodeset {
 /// What the models of a Document require and neither the Document nor the AddressSpace has, or has
 /// only in an older version (Part 6, F.5).
 [[nodiscard]] std::vector<Error> missing_models(const Document& document,
-                                                const model::AddressSpace& space);
+                                                const model::SpaceReader& space);
 
 } // namespace busbar::nodeset

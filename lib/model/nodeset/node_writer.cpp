@@ -117,7 +117,7 @@ std::vector<model::NodeSetPermission> NodeWriter::permissions_of(model::NodeInde
 
 void NodeWriter::variable_attributes(model::NodeIndex index)
 {
-    if (!model::AddressSpace::has_attribute(space_.node_class(index), AttributeId::Value)) {
+    if (!model::SpaceReader::has_attribute(space_.node_class(index), AttributeId::Value)) {
         return;
     }
     const model::VariableAttributes variable = space_.variable(index);

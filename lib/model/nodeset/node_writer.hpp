@@ -11,7 +11,7 @@ namespace busbar::nodeset {
 /// Writes the nodes of some namespaces of an AddressSpace.
 class NodeWriter {
 public:
-    NodeWriter(const model::AddressSpace& space, std::span<const std::uint16_t> namespaces,
+    NodeWriter(const model::SpaceReader& space, std::span<const std::uint16_t> namespaces,
                const model::NodeSetExtras& extras);
 
     /// The whole file.
@@ -46,7 +46,7 @@ private:
     void model(XmlOut& out, const char* element, const model::NodeSetModel& model);
     void permissions(XmlOut& out, const std::vector<model::NodeSetPermission>& permissions);
 
-    const model::AddressSpace& space_;
+    const model::SpaceReader& space_;
     const model::NodeSetExtras& extras_;
     DataTypeTable types_;
     FileNamespaces local_;

@@ -63,7 +63,7 @@ std::optional<T> body_of(const ExtensionObject& object)
     return decoded ? std::optional<T>{std::move(*decoded)} : std::nullopt;
 }
 
-NodeId default_encoding(const model::AddressSpace& space, model::NodeIndex node)
+NodeId default_encoding(const model::SpaceReader& space, model::NodeIndex node)
 {
     const Variant attribute =
         space.attribute(node, AttributeId::DataTypeDefinition).value_or(Variant{});
@@ -73,7 +73,7 @@ NodeId default_encoding(const model::AddressSpace& space, model::NodeIndex node)
     return definition ? definition->default_encoding_id : NodeId{};
 }
 
-void add_encodings(const model::AddressSpace& space, model::NodeIndex node, DataType& type,
+void add_encodings(const model::SpaceReader& space, model::NodeIndex node, DataType& type,
                    DataTypeTable& types)
 {
     const model::NodeIndex has_encoding = space.find(id::HasEncoding);
@@ -106,7 +106,7 @@ std::optional<Definition> definition_from(const ExtensionObject& attribute)
     return std::nullopt;
 }
 
-void add_data_types(const model::AddressSpace& space, DataTypeTable& types)
+void add_data_types(const model::SpaceReader& space, DataTypeTable& types)
 {
     space.for_each([&](model::NodeIndex node) {
         if (space.node_class(node) != busbar::NodeClass::DataType) {

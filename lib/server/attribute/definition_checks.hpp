@@ -31,7 +31,7 @@ public:
 class DataTypeChecks final : public DefinitionChecks {
 public:
     /// `space` must outlive this.
-    DataTypeChecks(const model::AddressSpace& space, const binary::DecodeLimits& limits)
+    DataTypeChecks(const model::SpaceReader& space, const binary::DecodeLimits& limits)
         : space_{space}, limits_{limits}
     {
     }
@@ -43,7 +43,7 @@ private:
     [[nodiscard]] StatusCode check_enumeration(model::NodeIndex data_type, const Variant& value);
     [[nodiscard]] const binary::DynamicType* enumeration_of(model::NodeIndex data_type);
 
-    const model::AddressSpace& space_;
+    const model::SpaceReader& space_;
     binary::DecodeLimits limits_;
     model::DataTypes data_types_;
 };

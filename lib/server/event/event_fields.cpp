@@ -80,7 +80,7 @@ void EventFields::refresh()
 
 void EventFields::note(NodeIndex type)
 {
-    space_->watch(type, model::NodeAspect::References, watches_.emplace_back(is_noted_));
+    space_->journal().watch(type, model::NodeAspect::References, watches_.emplace_back(is_noted_));
     const NodeIndex hierarchical = space_->find(id::HierarchicalReferences);
     model::ReferenceCursor references = space_->references(type);
     while (const auto reference = references.next()) {

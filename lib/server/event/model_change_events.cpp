@@ -34,13 +34,14 @@ void count_up(model::AddressSpace& space, model::NodeIndex property)
 void count_versions_up(model::AddressSpace& space, const model::ModelChanges& taken)
 {
     if (!taken.is_complete) {
-        space.for_each_node_version([&](model::NodeIndex property) { count_up(space, property); });
+        space.journal().for_each_node_version(
+            [&](model::NodeIndex property) { count_up(space, property); });
         return;
     }
     for (const model::ModelChange& change : taken.changes) {
         const model::NodeIndex node = space.find(change.affected);
         if (node != model::no_node) {
-            count_up(space, space.node_version(node));
+            count_up(space, space.journal().node_version(node));
         }
     }
 }
@@ -79,21 +80,21 @@ Event change_event(const model::ModelChanges& taken)
 void ModelChangeEvents::begin()
 {
     describe_namespaces();
-    static_cast<void>(space_.take_changes());
+    static_cast<void>(space_.journal().take_changes());
 }
 
 bool ModelChangeEvents::is_pending() const
 {
-    return space_.has_changes() || namespaces_ != space_.namespace_count();
+    return space_.journal().has_changes() || namespaces_ != space_.namespace_count();
 }
 
 void ModelChangeEvents::announce()
 {
     describe_namespaces();
-    if (!space_.has_changes()) {
+    if (!space_.journal().has_changes()) {
         return;
     }
-    const model::ModelChanges taken = space_.take_changes();
+    const model::ModelChanges taken = space_.journal().take_changes();
     count_versions_up(space_, taken);
     // A small namespace 0 may not have the event type; then nobody asks for it.
     static_cast<void>(events_.raise(change_event(taken)));

@@ -38,7 +38,7 @@ const std::vector<NodeIndex>& Notifiers::directly_above(NodeIndex node)
     const auto [entry, is_new] = directly_above_.try_emplace(node, *this);
     std::vector<NodeIndex>& above = entry->second.nodes;
     if (is_new) {
-        space_->watch(node, model::NodeAspect::References, entry->second);
+        space_->journal().watch(node, model::NodeAspect::References, entry->second);
         // HasNotifier is a subtype of it.
         const NodeIndex has_event_source = space_->find(id::HasEventSource);
         model::ReferenceCursor references = space_->references(node);

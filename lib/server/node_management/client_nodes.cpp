@@ -22,7 +22,7 @@ void ClientNodes::add(const model::AddressSpace& space, NodeIndex node, std::siz
     const auto [entry, is_new] = nodes_.try_emplace(node, *this);
     bytes_ += bytes - entry->second.bytes;
     entry->second.bytes = bytes;
-    space.watch(node, NodeAspect::Existence, entry->second);
+    space.journal().watch(node, NodeAspect::Existence, entry->second);
 }
 
 void ClientNodes::add_reference(const model::AddressSpace& space, NodeIndex source, NodeIndex type,
@@ -30,8 +30,8 @@ void ClientNodes::add_reference(const model::AddressSpace& space, NodeIndex sour
 {
     const ReferenceKey key{source, type, target};
     Ends& ends = references_.try_emplace(key, *this, key).first->second;
-    space.watch(source, NodeAspect::Existence, ends.source);
-    space.watch(target, NodeAspect::Existence, ends.target);
+    space.journal().watch(source, NodeAspect::Existence, ends.source);
+    space.journal().watch(target, NodeAspect::Existence, ends.target);
 }
 
 } // namespace busbar::server::detail

@@ -178,8 +178,8 @@ void Sampler::watch_roles(model::NodeIndex node)
     for (const RolePermissionType& permission : access->role_permissions) {
         const model::NodeIndex role = space.find(permission.role_id);
         if (role != model::no_node && roles_.find(role) == roles_.end()) {
-            space.watch(role, model::NodeAspect::Existence,
-                        roles_.try_emplace(role, *this).first->second);
+            space.journal().watch(role, model::NodeAspect::Existence,
+                                  roles_.try_emplace(role, *this).first->second);
         }
     }
 }

@@ -186,7 +186,7 @@ void SamplingGroup::bind_one(std::size_t index)
     }
     member.binding = Binding::Source;
     const model::NodeIndex node = space.find(item.value_id().node_id);
-    space.watch(node, model::NodeAspect::Binding, item);
+    space.journal().watch(node, model::NodeAspect::Binding, item);
     sampler_.watch_roles(node);
     ProcessImage* const image = plan.source->process_image();
     if (image != nullptr && plan.handle < image->layout().size()) {

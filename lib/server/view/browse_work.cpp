@@ -65,8 +65,8 @@ bool go_on_with(ViewContext& context, BrowsePlace& place, BrowseResult& result)
         place.state.reset();
         place.watch.stop();
     } else {
-        context.space.watch(place.state->node.index, model::NodeAspect::ReferencePositions,
-                            place.watch);
+        context.space.journal().watch(place.state->node.index,
+                                      model::NodeAspect::ReferencePositions, place.watch);
     }
     return is_complete;
 }

@@ -29,7 +29,7 @@ Result<ByteString> ViewPart::add(Session& session, crypto::Random& random,
     }
     Point& point = points_.emplace_back(request_, state);
     point.id = id;
-    space.watch(state.node.index, model::NodeAspect::ReferencePositions, point);
+    space.journal().watch(state.node.index, model::NodeAspect::ReferencePositions, point);
     return ByteString{std::span<const std::byte>{id}};
 }
 

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <busbar/core/api.hpp>
+#include <busbar/core/function_ref.hpp>
+#include <busbar/model/node.hpp>
+#include <busbar/model/node_watch.hpp>
+
+namespace busbar::model {
+
+class SpaceReader;
+
+/// What happened to a node that has a NodeVersion (Part 5, 12.16).
+struct ModelChange {
+    NodeId affected;
+    /// The TypeDefinition of an Object or Variable, else null.
+    NodeId affected_type;
+    /// Bits of ModelChangeStructureVerbMask.
+    std::uint8_t verb{0};
+};
+
+struct ModelChanges {
+    /// One for each node, in the order of their first changes. Own their strings.
+    std::vector<ModelChange> changes;
+    /// False if there were more than are kept.
+    bool is_complete{true};
+};
+
+/// What has changed in an AddressSpace: for clients, which are told of nodes that have the Property
+/// NodeVersion and of no others (Part 3, 9.32.2), and for whoever keeps something found at a node.
+///
+/// A view of one AddressSpace, cheap to make and to copy, and valid until that is moved or
+/// destroyed. To be used only by the thread that changes the AddressSpace.
+class BUSBAR_API SpaceJournal {
+public:
+    explicit SpaceJournal(const SpaceReader& space) : space_{&space} {}
+
+    /// True if there is something for take_changes.
+    [[nodiscard]] bool has_changes() const;
+    /// What happened since the last call to nodes that have a NodeVersion. At most 1,000 nodes are
+    /// kept; those that come after them are lost, and `is_complete` says so.
+    [[nodiscard]] ModelChanges take_changes();
+    /// The Property NodeVersion that was added to the node; no_node if none was.
+    [[nodiscard]] NodeIndex node_version(NodeIndex node) const;
+    /// Calls `visit` with each of these Properties, in no order.
+    void for_each_node_version(FunctionRef<void(NodeIndex)> visit) const;
+    /// Has `watch` told of the next change of that aspect of the node, or of the node's removal.
+    /// Ends what `watch` waited for before.
+    void watch(NodeIndex node, NodeAspect aspect, NodeWatch& watch) const;
+
+private:
+    const SpaceReader* space_;
+};
+
+} // namespace busbar::model

@@ -1,0 +1,101 @@
+#include <busbar/model/space_reader.hpp>
+
+#include <algorithm>
+
+#include "tables.hpp"
+
+namespace busbar::model {
+
+SpaceReader::SpaceReader(std::unique_ptr<detail::Tables> tables) : tables_{std::move(tables)} {}
+SpaceReader::SpaceReader(SpaceReader&&) noexcept = default;
+SpaceReader& SpaceReader::operator=(SpaceReader&&) noexcept = default;
+SpaceReader::~SpaceReader() = default;
+
+std::size_t SpaceReader::namespace_count() const
+{
+    return tables_->namespaces.size();
+}
+
+std::string_view SpaceReader::namespace_uri(std::uint16_t index) const
+{
+    return index < namespace_count() ? std::string_view{tables_->namespaces[index]}
+                                     : std::string_view{};
+}
+
+std::optional<std::uint16_t> SpaceReader::namespace_index(std::string_view uri) const
+{
+    const auto& uris = tables_->namespaces;
+    const auto found = std::find(uris.begin(), uris.end(), uri);
+    if (found == uris.end()) {
+        return std::nullopt;
+    }
+    return static_cast<std::uint16_t>(found - uris.begin());
+}
+
+NodeIndex SpaceReader::find(const NodeId& id) const
+{
+    return tables_->find(id);
+}
+
+NodeIndex SpaceReader::find(std::uint32_t namespace0_id) const
+{
+    return tables_->find(NodeId{0, namespace0_id});
+}
+
+NodeHandle SpaceReader::handle(NodeIndex node) const
+{
+    return {node, tables_->is_constant(node) ? 0 : tables_->record(node).generation};
+}
+
+NodeIndex SpaceReader::resolve(NodeHandle handle) const
+{
+    return exists(handle.index) && this->handle(handle.index) == handle ? handle.index : no_node;
+}
+
+bool SpaceReader::exists(NodeIndex node) const
+{
+    if (tables_->is_constant(node)) {
+        return true;
+    }
+    return detail::number(node) - tables_->constant_count < tables_->record_count &&
+           !tables_->record(node).is_free();
+}
+
+std::size_t SpaceReader::node_count() const
+{
+    return std::size_t{tables_->constant_count} + tables_->record_count -
+           tables_->free_records.size();
+}
+
+void SpaceReader::for_each(FunctionRef<void(NodeIndex)> visit) const
+{
+    for (std::uint32_t i = 0; i < tables_->constant_count + tables_->record_count; ++i) {
+        if (exists(NodeIndex{i})) {
+            visit(NodeIndex{i});
+        }
+    }
+}
+
+NodeClass SpaceReader::node_class(NodeIndex node) const
+{
+    return tables_->is_constant(node) ? NodeClass{tables_->constant(node).node_class}
+                                      : tables_->record(node).node_class();
+}
+
+NodeId SpaceReader::node_id(NodeIndex node) const
+{
+    return tables_->is_constant(node) ? NodeId{0, tables_->constant(node).id.value}
+                                      : tables_->record(node).node_id();
+}
+
+QualifiedName SpaceReader::browse_name(NodeIndex node) const
+{
+    if (tables_->is_constant(node)) {
+        const StaticNode& constant = tables_->constant(node);
+        return {constant.browse_namespace, String::borrow(tables_->text(constant.browse_name))};
+    }
+    const detail::Record& record = tables_->record(node);
+    return {record.browse_namespace, String::borrow(record.name())};
+}
+
+} // namespace busbar::model
