@@ -303,7 +303,7 @@ void change_nodes(Chooser& choose)
     if (choice == 0) {
         static_cast<void>(space.remove(node));
     } else {
-        space.set_access_level(node, choice % 4, choice % 4);
+        space.set_access_level(node, model::Access{static_cast<std::uint8_t>(choice % 4)});
     }
     choose.world.server().announce_semantics_change(choose.world.variable(index));
 }

@@ -58,7 +58,7 @@ void add_machine(model::AddressSpace& space, std::uint32_t variables)
     model::NodeIndex cell = model::no_node;
     model::NewVariable attributes;
     attributes.data_type = NodeId{0, id::Int32};
-    attributes.access_level = 3;
+    attributes.access_level = model::Access::ReadWrite;
     attributes.source = 0;
     for (std::uint32_t i = 0; i < variables; ++i) {
         const std::uint32_t cell_number = i / values_per_cell;

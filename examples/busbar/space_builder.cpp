@@ -144,7 +144,7 @@ Result<NodeIndex> SpaceBuilder::add_variable(const RemoteNode& node, const NewNo
     variable.data_type = node.get<NodeId>(AttributeId::DataType);
     variable.value_rank = node.get<std::int32_t>(AttributeId::ValueRank, -1);
     variable.array_dimensions = dimensions_of(node);
-    variable.access_level = node.get<std::uint8_t>(AttributeId::AccessLevel, 1);
+    variable.access_level = model::Access{node.get<std::uint8_t>(AttributeId::AccessLevel, 1)};
     variable.minimum_sampling_interval = node.get<double>(AttributeId::MinimumSamplingInterval);
     variable.historizing = node.get<bool>(AttributeId::Historizing);
     variable.value = value_of(node, with_value);

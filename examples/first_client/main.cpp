@@ -7,13 +7,15 @@
 #include <busbar/client/view.hpp>
 #include <busbar/net/application.hpp>
 #include <busbar/net/blocking_client.hpp>
+#include <busbar/types/ids.hpp>
 
 using namespace busbar;
 
 static Result<void> watch(net::BlockingClient& client, std::chrono::seconds time)
 {
     const auto tree = client.wait_for<client::BrowsedTree>([&](auto done) {
-        return client::browse_tree(client.client(), {{0, 85}}, client::children_of({}), done);
+        return client::browse_tree(client.client(), {{0, id::ObjectsFolder}},
+                                   client::children_of({}), done);
     });
     std::vector<client::ItemSettings> items;
     for (const client::TreeNode& node : tree ? tree->nodes : std::vector<client::TreeNode>{}) {

@@ -13,6 +13,6 @@ int main(int argc, char** argv)
                        "opc.tcp://localhost:" + port};
     app.add_user("operator", std::getenv("FIRST_SERVER_PASSWORD"));
     const std::uint16_t machine = app.add_namespace("urn:example:machine");
-    app.add_variable({machine, "Speed"}, 1480.0, net::Access::ReadWrite);
+    app.add_variable({machine, "Speed"}, 1480.0, model::Access::ReadWrite);
     return app.run();
 }

@@ -42,7 +42,7 @@ Result<NodeId> Bench::add_variable(std::string_view name, server::DataSource& so
     variable.source = known->second;
     variable.handle = handle;
     variable.data_type = NodeId{0, static_cast<std::uint32_t>(type)};
-    variable.access_level = 3;
+    variable.access_level = model::Access::ReadWrite;
     return add_variable(name, std::move(variable));
 }
 

@@ -231,8 +231,9 @@ Result<NodeIndex> AddressSpace::add_variable(const NewNode& node, const NewVaria
     record.type_definition = *type;
     record.data_type = *data_type;
     record.value_rank = variable.value_rank;
-    record.access_level = variable.access_level;
-    record.user_access_level = variable.access_level & variable.user_access_level;
+    record.access_level = static_cast<std::uint8_t>(variable.access_level);
+    record.user_access_level =
+        static_cast<std::uint8_t>(variable.access_level & variable.user_access_level);
     record.minimum_sampling_interval = variable.minimum_sampling_interval;
     record.flags = flag(variable.historizing, static_flag::historizing);
     record.source = variable.source;

@@ -108,18 +108,18 @@ void AddressSpace::bind(NodeIndex node, std::uint32_t source, std::uint64_t hand
     tables_->watches.tell(node, NodeAspect::Binding);
 }
 
-void AddressSpace::set_access_level(NodeIndex node, std::uint8_t access_level,
-                                    std::uint8_t user_access_level)
+void AddressSpace::set_access_level(NodeIndex node, Access access_level, Access user_access_level)
 {
-    const std::uint8_t of_user = access_level & user_access_level;
+    const auto level = static_cast<std::uint8_t>(access_level);
+    const auto of_user = static_cast<std::uint8_t>(access_level & user_access_level);
     if (tables_->is_constant(node)) {
         Overlay& overlay = tables_->make_overlay(node);
-        overlay.access_level = access_level;
+        overlay.access_level = level;
         overlay.user_access_level = of_user;
         overlay.has_access_level = true;
     } else {
         Record& record = tables_->record(node);
-        record.access_level = access_level;
+        record.access_level = level;
         record.user_access_level = of_user;
     }
     tables_->watches.tell(node, NodeAspect::Binding);

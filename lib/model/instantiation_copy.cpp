@@ -32,8 +32,8 @@ NewVariable variable_like(const SpaceReader& space, NodeIndex like)
     }
     variable.value = space.value(like);
     if (space.node_class(like) == NodeClass::Variable) {
-        variable.access_level = attributes.access_level;
-        variable.user_access_level = attributes.user_access_level;
+        variable.access_level = Access{attributes.access_level};
+        variable.user_access_level = Access{attributes.user_access_level};
         variable.minimum_sampling_interval = attributes.minimum_sampling_interval;
         variable.historizing = attributes.historizing;
     }

@@ -107,7 +107,7 @@ std::uint16_t ServerApp::add_namespace(std::string_view uri)
 }
 
 std::uint64_t ServerApp::add_variable(const QualifiedName& name, const Variant& value,
-                                      Access access)
+                                      model::Access access)
 {
     if (!impl_->is_good()) {
         return 0;
@@ -120,7 +120,7 @@ std::uint64_t ServerApp::add_variable(const QualifiedName& name, const Variant& 
     model::NewVariable variable;
     variable.data_type = NodeId{0, static_cast<std::uint32_t>(value.type())};
     variable.value_rank = value.is_array() ? 1 : -1;
-    variable.access_level = static_cast<std::uint8_t>(access);
+    variable.access_level = access;
     variable.source = impl_->memory_index;
     variable.handle = impl_->memory->add(value);
     const auto added = space.add_variable(node, variable);

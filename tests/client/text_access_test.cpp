@@ -42,7 +42,7 @@ struct Machine : test::MethodFixture {
         model::NewVariable variable;
         variable.data_type = type;
         variable.value_rank = rank;
-        variable.access_level = 3;
+        variable.access_level = model::Access::ReadWrite;
         variable.value = std::move(value);
         REQUIRE(space().add_variable(named(name, machine), variable));
     }

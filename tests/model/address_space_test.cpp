@@ -287,8 +287,8 @@ TEST_CASE_METHOD(ModelFixture, "A Variable has the attributes that it was added 
     variable.data_type = NodeId{0, id::Double};
     variable.value_rank = 2;
     variable.array_dimensions = {2U, 0U};
-    variable.access_level = 3;
-    variable.user_access_level = 1;
+    variable.access_level = Access::ReadWrite;
+    variable.user_access_level = Access::Read;
     variable.minimum_sampling_interval = 20;
     variable.historizing = true;
     variable.source = 4;
@@ -347,7 +347,7 @@ TEST_CASE_METHOD(ModelFixture, "Constant Variables can be given values and sourc
     space.bind(array, 2, 5);
     CHECK(space.variable(array).source == 2);
     CHECK(space.variable(array).handle == 5);
-    space.set_access_level(array, 3, 2);
+    space.set_access_level(array, Access::ReadWrite, Access::Write);
     CHECK(space.variable(array).user_access_level == 2);
     space.set_description(array, LocalizedText{"all of them"});
     CHECK(space.attribute(array, AttributeId::Description).has_value());

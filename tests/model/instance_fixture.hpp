@@ -40,7 +40,7 @@ struct InstanceFixture : ModelFixture {
     {
         NewVariable variable;
         variable.data_type = NodeId{0, id::Int32};
-        variable.access_level = 3;
+        variable.access_level = Access::ReadWrite;
         variable.value = Variant{value};
         const NodeIndex node = space.add_variable(declared(text, parent), variable).value();
         set_rule(node, rule);

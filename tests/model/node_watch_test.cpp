@@ -63,7 +63,7 @@ TEST_CASE_METHOD(WatchFixture, "A watch is told of what it watches and of nothin
     space.bind(variable, 1, 2);
     CHECK(binding.take() == 1);
     CHECK(binding.last == variable);
-    space.set_access_level(variable, 3, 1);
+    space.set_access_level(variable, Access::ReadWrite, Access::Read);
     CHECK(binding.take() == 1);
     space.set_node_access(variable, {});
     CHECK(binding.take() == 1);

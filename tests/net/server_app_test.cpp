@@ -25,7 +25,7 @@ TEST_CASE("a ServerApp has what was added to it", "[net]")
     app.add_user("operator", "a pass phrase");
     const std::uint16_t machine = app.add_namespace("urn:example:machine");
     const std::uint64_t speed =
-        app.add_variable({machine, "Speed"}, 1480.0, net::Access::ReadWrite);
+        app.add_variable({machine, "Speed"}, 1480.0, model::Access::ReadWrite);
     app.add_variable({machine, "Levels"}, Array<std::int16_t>{1, 2});
     app.set(speed, 1500.0);
     REQUIRE(app.status());

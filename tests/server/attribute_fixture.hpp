@@ -27,10 +27,6 @@ struct CountingOwner final : server::detail::SourceCallOwner {
     void call_completed() override { ++completed; }
 };
 
-inline constexpr std::uint8_t read_only = 1;
-inline constexpr std::uint8_t write_only = 2;
-inline constexpr std::uint8_t read_write = 3;
-
 /// An address space with variables of a memory source, and what Read and Write need besides.
 class AttributeFixture {
 public:
@@ -42,7 +38,7 @@ public:
 
     /// A variable of the memory source.
     NodeId add(const char* name, std::uint32_t data_type, Variant value,
-               std::uint8_t access_level = read_write, std::int32_t value_rank = -1)
+               model::Access access_level = model::Access::ReadWrite, std::int32_t value_rank = -1)
     {
         model::NewVariable variable;
         variable.data_type = NodeId{0, data_type};

@@ -73,7 +73,7 @@ struct SourceFixture : SourceParts, SubscriptionFixture {
         model::NewVariable variable;
         variable.source = server.add_source(source);
         variable.data_type = NodeId{0, id::Int32};
-        variable.access_level = 3;
+        variable.access_level = model::Access::ReadWrite;
         bus = add_variable("bus", variable);
         level = add_variable("level", 7);
         users.everybody.access_level_mask = 0xFF;

@@ -171,11 +171,11 @@ TEST_CASE_METHOD(ItemFixture, "nodes that go and rights that are lost are report
 {
     monitor_level([](auto&) {});
     auto& space = server.address_space();
-    space.set_access_level(space.find(level), 1, 0);
+    space.set_access_level(space.find(level), model::Access::Read, model::Access::None);
     auto data = next_data(client, cycle);
     REQUIRE(data.size() == 1);
     CHECK(data[0].value.status == status::Bad_UserAccessDenied);
-    space.set_access_level(space.find(level), 2, 2);
+    space.set_access_level(space.find(level), model::Access::Write);
     data = next_data(client, cycle);
     REQUIRE(data.size() == 1);
     CHECK(data[0].value.status == status::Bad_NotReadable);

@@ -39,7 +39,7 @@ struct AccessFixture : Table, ServerFixture {
         users.everybody.access_level_mask = 0xFF;
         area = space().add_folder(named("Area", space().find(id::ObjectsFolder))).value();
         model::NewVariable variable;
-        variable.access_level = 3;
+        variable.access_level = model::Access::ReadWrite;
         variable.data_type = NodeId{0, id::Int32};
         variable.value = std::int32_t{7};
         value = space().add_variable(named("Value", area), variable).value();

@@ -105,7 +105,7 @@ TEST_CASE_METHOD(AttributeFixture, "nodes that cannot be read say why")
     CHECK(read(NodeId{200, "X"}).status == status::Bad_NodeIdUnknown);
     CHECK(read(NodeId{0, id::ObjectsFolder}).status == status::Bad_AttributeIdInvalid);
 
-    const NodeId command = add("Command", id::Boolean, true, test::write_only);
+    const NodeId command = add("Command", id::Boolean, true, model::Access::Write);
     CHECK(read(command).status == status::Bad_NotReadable);
 
     const NodeId secret = add("Secret", id::Int32, 5);

@@ -139,8 +139,8 @@ TEST_CASE_METHOD(BindingFixture, "only the items of a node that changed are boun
     CHECK(looks_at_next_sample() == 1);
     space().bind(node(3), sources[1], 3);
     CHECK(looks_at_next_sample() == 1);
-    space().set_access_level(node(4), 3, 3);
-    space().set_access_level(node(4), 1, 1);
+    space().set_access_level(node(4), model::Access::ReadWrite);
+    space().set_access_level(node(4), model::Access::Read);
     CHECK(looks_at_next_sample() == 1);
     space().set_node_access(node(5), {});
     CHECK(looks_at_next_sample() == 1);

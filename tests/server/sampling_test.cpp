@@ -132,7 +132,7 @@ struct AnalogFixture : ToldParts, SubscriptionFixture {
         node.parent = server.address_space().find(level);
         model::NewVariable variable;
         variable.data_type = NodeId{0, type};
-        variable.access_level = 3;
+        variable.access_level = model::Access::ReadWrite;
         variable.source = index;
         REQUIRE(server.address_space().add_property(node, variable));
     }
@@ -309,10 +309,10 @@ TEST_CASE_METHOD(ToldFixture, "a source learns of nodes that move, sessions that
     }
     SECTION("a right that is lost and given back")
     {
-        space.set_access_level(space.find(nodes[0]), 1, 0);
+        space.set_access_level(space.find(nodes[0]), model::Access::Read, model::Access::None);
         advance(50ms);
         CHECK(source.take() == Told{{0, std::nullopt}});
-        space.set_access_level(space.find(nodes[0]), 1, 1);
+        space.set_access_level(space.find(nodes[0]), model::Access::Read);
         advance(50ms);
         CHECK(source.take() == Told{{0, 50ms}});
     }

@@ -58,7 +58,7 @@ struct StructureFixture : AttributeFixture {
         model::NewVariable variable;
         variable.data_type = type(data_type);
         variable.value_rank = rank;
-        variable.access_level = test::read_write;
+        variable.access_level = model::Access::ReadWrite;
         variable.value = std::move(value);
         return add(name, variable);
     }
@@ -195,7 +195,7 @@ TEST_CASE_METHOD(StructureFixture, "ranges written to a source hold its type of 
     model::NewVariable variable;
     variable.data_type = type("Point");
     variable.value_rank = 1;
-    variable.access_level = test::read_write;
+    variable.access_level = model::Access::ReadWrite;
     variable.source = 0;
     variable.handle = memory.add(Variant{Array<ExtensionObject>{object(1), object(2)}});
     const NodeId far = add("Far", variable);

@@ -26,7 +26,7 @@ struct WriteFixture : AttributeFixture {
         model::NewVariable variable;
         variable.data_type = NodeId{0, data_type};
         variable.value_rank = value_rank;
-        variable.access_level = test::read_write;
+        variable.access_level = model::Access::ReadWrite;
         variable.source = far_index();
         return add(name, variable);
     }
@@ -58,7 +58,7 @@ TEST_CASE_METHOD(WriteFixture, "values are written; each item has its own result
 {
     const NodeId speed = add("Speed", id::Int16, std::int16_t{7});
     const NodeId name = add("Name", id::String, "Press 1");
-    const NodeId fixed = add("Fixed", id::Int16, std::int16_t{1}, test::read_only);
+    const NodeId fixed = add("Fixed", id::Int16, std::int16_t{1}, model::Access::Read);
     WriteRequest request;
     request.nodes_to_write = {write_value(speed, Variant{std::int16_t{8}}),
                               write_value(fixed, Variant{std::int16_t{8}}),
@@ -89,7 +89,7 @@ TEST_CASE_METHOD(WriteFixture, "only Values of Variables can be written")
 TEST_CASE_METHOD(WriteFixture, "a user without the right is refused")
 {
     const NodeId speed = add("Speed", id::Int32, 7);
-    user.access_level_mask = test::read_only;
+    user.access_level_mask = static_cast<std::uint8_t>(model::Access::Read);
     CHECK(write(speed, Variant{8}) == status::Bad_UserAccessDenied);
     CHECK(value_of(speed) == Variant{7});
 }
@@ -140,7 +140,7 @@ TEST_CASE_METHOD(WriteFixture, "an enumeration takes its own values only (Part 4
         model::NewVariable variable;
         variable.data_type = data_type;
         variable.value_rank = rank;
-        variable.access_level = test::read_write;
+        variable.access_level = model::Access::ReadWrite;
         variable.value = std::move(value);
         return add(name, variable);
     };
@@ -266,7 +266,7 @@ TEST_CASE_METHOD(WriteFixture, "the address space keeps what has no source")
     model::NewVariable variable;
     variable.data_type = NodeId{0, id::Int32};
     variable.value_rank = 1;
-    variable.access_level = test::read_write;
+    variable.access_level = model::Access::ReadWrite;
     variable.value = Variant{Array<std::int32_t>{1, 2}};
     const NodeId kept = add("Kept", variable);
     CHECK(write(kept, Variant{Array<std::int32_t>{3}}, "0") == status::Good);

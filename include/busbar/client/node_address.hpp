@@ -10,6 +10,7 @@
 #include <busbar/core/api.hpp>
 #include <busbar/core/function_ref.hpp>
 #include <busbar/core/types.hpp>
+#include <busbar/types/ids.hpp>
 #include <busbar/types/view.hpp>
 
 namespace busbar::client {
@@ -35,7 +36,7 @@ public:
     /// A path as above, which may begin at any node instead of the root folder.
     /// Bad_BrowseNameInvalid if the text is none.
     [[nodiscard]] static Result<NodeAddress> path(std::string_view text,
-                                                  ExpandedNodeId start = NodeId{0, 84});
+                                                  ExpandedNodeId start = NodeId{0, id::RootFolder});
     /// Any of the texts above. Bad_NodeIdInvalid or Bad_BrowseNameInvalid for anything else.
     [[nodiscard]] static Result<NodeAddress> parse(std::string_view text);
 

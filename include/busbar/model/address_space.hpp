@@ -83,8 +83,9 @@ public:
     Result<void> set_value(NodeIndex node, Variant value);
     /// Has a data source serve the Variable or carry out the Method, constant or dynamic.
     void bind(NodeIndex node, std::uint32_t source, std::uint64_t handle);
-    void set_access_level(NodeIndex node, std::uint8_t access_level,
-                          std::uint8_t user_access_level);
+    /// Of `user_access_level` only the bits that `access_level` has count.
+    void set_access_level(NodeIndex node, Access access_level,
+                          Access user_access_level = Access::All);
     void set_node_access(NodeIndex node, NodeAccess access);
     /// The AccessRestrictions of the nodes of a namespace that have none of their own; 0 at first.
     void set_namespace_restrictions(std::uint16_t namespace_index, std::uint16_t restrictions);

@@ -7,6 +7,7 @@
 #include <busbar/core/types.hpp>
 #include <busbar/types/data_types.hpp>
 #include <busbar/types/enumerations.hpp>
+#include <busbar/types/ids.hpp>
 
 namespace busbar::model {
 
@@ -29,6 +30,30 @@ struct Reference {
     NodeIndex target{no_node};
     bool is_forward{true};
 };
+
+/// What clients may do with the Value of a Variable: bits of AccessLevelType (Part 3, 8.57), which
+/// | joins. `Access{bits}` has those of a Byte.
+enum class Access : std::uint8_t {
+    None = 0,
+    Read = 1,
+    Write = 2,
+    ReadWrite = Read | Write,
+    HistoryRead = 4,
+    HistoryWrite = 8,
+    SemanticChange = 16,
+    StatusWrite = 32,
+    TimestampWrite = 64,
+    All = 0xFF,
+};
+
+[[nodiscard]] constexpr Access operator|(Access a, Access b)
+{
+    return Access{static_cast<std::uint8_t>(static_cast<unsigned>(a) | static_cast<unsigned>(b))};
+}
+[[nodiscard]] constexpr Access operator&(Access a, Access b)
+{
+    return Access{static_cast<std::uint8_t>(static_cast<unsigned>(a) & static_cast<unsigned>(b))};
+}
 
 /// The source of a Variable whose value lies in the AddressSpace itself.
 inline constexpr std::uint32_t no_source = UINT32_MAX;
@@ -87,13 +112,12 @@ struct NewNode {
 };
 
 struct NewVariable {
-    NodeId data_type{0, 24U};
+    NodeId data_type{0, id::BaseDataType};
     std::int32_t value_rank{-1};
     Array<std::uint32_t> array_dimensions;
-    /// Bits of AccessLevelType; 1 is CurrentRead, 3 CurrentRead and CurrentWrite.
-    std::uint8_t access_level{1};
+    Access access_level{Access::Read};
     /// Only the bits that `access_level` has count.
-    std::uint8_t user_access_level{0xFF};
+    Access user_access_level{Access::All};
     /// Milliseconds; -1 for indeterminate (Part 3, 5.6.2).
     double minimum_sampling_interval{0};
     bool historizing{false};
@@ -102,11 +126,11 @@ struct NewVariable {
     /// The value, of a variable without source.
     Variant value;
     /// BaseDataVariableType; add_property has PropertyType.
-    NodeId type_definition{0, 63U};
+    NodeId type_definition{0, id::BaseDataVariableType};
 };
 
 struct NewObject {
-    NodeId type_definition{0, 58U};
+    NodeId type_definition{0, id::BaseObjectType};
     std::uint8_t event_notifier{0};
 };
 
@@ -121,7 +145,7 @@ struct NewMethod {
 };
 
 struct NewVariableType {
-    NodeId data_type{0, 24U};
+    NodeId data_type{0, id::BaseDataType};
     std::int32_t value_rank{-2};
     Array<std::uint32_t> array_dimensions;
     Variant value;

@@ -7,14 +7,12 @@
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/types.hpp>
+#include <busbar/model/node.hpp>
 #include <busbar/net/application.hpp>
 #include <busbar/server/password_users.hpp>
 #include <busbar/server/server.hpp>
 
 namespace busbar::net {
-
-/// What clients may do with the value of a Variable (Part 3, 8.57).
-enum class Access : std::uint8_t { Read = 1, Write = 2, ReadWrite = 3 };
 
 /// A server as a program: its loop, log, certificate, users and variables in memory, owned in the
 /// right order. What is not here is reached by server(), before run() and from its callbacks.
@@ -39,7 +37,7 @@ public:
     /// A Variable below the Objects folder, with `value` in memory; its NodeId is its name's text.
     /// What set() wants of it; nothing useful if something has failed.
     std::uint64_t add_variable(const QualifiedName& name, const Variant& value,
-                               Access access = Access::Read);
+                               model::Access access = model::Access::Read);
     /// Gives such a Variable another value.
     void set(std::uint64_t variable, Variant value);
 

@@ -6,8 +6,6 @@ namespace busbar::controller {
 
 namespace {
 
-constexpr std::uint8_t current_read = 0x01; // AccessLevelType, Part 3, 8.57
-constexpr std::uint8_t current_write = 0x02;
 constexpr std::uint8_t subscribe_to_events = 0x01; // EventNotifierType, Part 3, 8.59
 
 Result<model::NodeIndex> add_variable(model::AddressSpace& address_space, model::NodeIndex folder,
@@ -27,8 +25,7 @@ Result<model::NodeIndex> add_variable(model::AddressSpace& address_space, model:
         attributes.value_rank = static_cast<std::int32_t>(place.dimensions.size());
         attributes.array_dimensions = Array<std::uint32_t>{place.dimensions};
     }
-    attributes.access_level =
-        static_cast<std::uint8_t>(current_read | (variable.is_writable ? current_write : 0));
+    attributes.access_level = variable.is_writable ? model::Access::ReadWrite : model::Access::Read;
     attributes.minimum_sampling_interval = to_milliseconds(options.cycle);
     attributes.source = options.source;
     attributes.handle = handle;

@@ -90,8 +90,12 @@ model::NewVariable new_variable(const NodeManagementContext& context,
     to.array_dimensions =
         from.array_dimensions.value_or(Array<std::uint32_t>{of_type.array_dimensions});
     to.value = from.value.value_or(context.space.value(type));
-    to.access_level = from.access_level.value_or(to.access_level);
-    to.user_access_level = from.user_access_level.value_or(to.user_access_level);
+    if (from.access_level) {
+        to.access_level = model::Access{*from.access_level};
+    }
+    if (from.user_access_level) {
+        to.user_access_level = model::Access{*from.user_access_level};
+    }
     to.minimum_sampling_interval = from.minimum_sampling_interval.value_or(0);
     return to;
 }
