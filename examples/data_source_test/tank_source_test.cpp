@@ -12,9 +12,8 @@ using namespace std::chrono_literals;
 class TankFixture : public BenchFixture {
 public:
     TankSource& tank{make_source<TankSource>()};
-    NodeId level{add_variable("Level", tank, TankSource::level, BuiltInType::Double).value()};
-    NodeId set_point{
-        add_variable("SetPoint", tank, TankSource::set_point, BuiltInType::Double).value()};
+    NodeId level{add_variable("Level", tank.variable(TankSource::level, 0.0)).value()};
+    NodeId set_point{add_variable("SetPoint", tank.variable(TankSource::set_point, 0.0)).value()};
 };
 
 TEST_CASE_METHOD(TankFixture, "the level is read")

@@ -31,33 +31,16 @@ Bench::Bench(BenchOptions options)
 {
 }
 
-Result<NodeId> Bench::add_variable(std::string_view name, server::DataSource& source,
-                                   std::uint64_t handle, BuiltInType type)
-{
-    auto known = sources_.find(&source);
-    if (known == sources_.end()) {
-        known = sources_.emplace(&source, server_.add_source(source)).first;
-    }
-    model::NewVariable variable;
-    variable.source = known->second;
-    variable.handle = handle;
-    variable.data_type = NodeId{0, static_cast<std::uint32_t>(type)};
-    variable.access_level = model::Access::ReadWrite;
-    return add_variable(name, std::move(variable));
-}
-
-Result<NodeId> Bench::add_variable(std::string_view name, model::NewVariable variable)
+Result<NodeId> Bench::add_variable(std::string_view name, const model::BoundValue& value,
+                                   model::Access access)
 {
     model::AddressSpace& space = server().address_space();
-    model::NewNode node;
-    node.id = NodeId{1, String{name}};
-    node.browse_name = QualifiedName{1, String{name}};
-    node.parent = space.find(id::ObjectsFolder);
-    const auto added = space.add_variable(node, variable);
+    const auto added = space.add_variable(space.find(id::ObjectsFolder),
+                                          QualifiedName{1, String{name}}, value, access);
     if (!added) {
         return fail(added.error());
     }
-    return node.id;
+    return NodeId{1, String{name}};
 }
 
 Result<void> Bench::connect()

@@ -121,6 +121,27 @@ Result<NodeIndex> data_type_of(const SpaceReader& space, const NodeId& id, std::
     return found;
 }
 
+/// The NodeId of a Variable that is named after its place.
+NodeId path_id(const NodeId& parent, const QualifiedName& name)
+{
+    const bool continues =
+        parent.id_type() == IdType::String && parent.namespace_index() == name.namespace_index;
+    return continues ? NodeId{name.namespace_index, parent.string().str() + '/' + name.name.str()}
+                     : NodeId{name.namespace_index, name.name};
+}
+
+void set_shape(NewVariable& variable, const Variant& like)
+{
+    if (like.is_matrix()) {
+        variable.array_dimensions = Array<std::uint32_t>{like.dimensions()};
+    } else if (like.is_array()) {
+        variable.array_dimensions = {static_cast<std::uint32_t>(like.array_size())};
+    }
+    if (like.is_array()) {
+        variable.value_rank = static_cast<std::int32_t>(variable.array_dimensions.size());
+    }
+}
+
 StatusCode check_arguments(const SpaceReader& space, const Array<Argument>& arguments)
 {
     for (const Argument& argument : arguments) {
@@ -245,6 +266,33 @@ Result<NodeIndex> AddressSpace::add_variable(const NewNode& node, const NewVaria
         record.make_extra().value = variable.value;
     }
     return created;
+}
+
+Result<NodeIndex> AddressSpace::add_variable(NodeIndex parent, const QualifiedName& name,
+                                             const BoundValue& value, Access access)
+{
+    if (!exists(parent)) {
+        return fail(status::Bad_ParentNodeIdInvalid);
+    }
+    const bool is_of_value = value.data_type.is_null();
+    const NodeIndex type = is_of_value ? type_of_value(value.value) : find(value.data_type);
+    if (type == no_node || value.value.is_null()) {
+        return fail(status::Bad_NodeAttributesInvalid);
+    }
+    NewNode node;
+    node.id = path_id(node_id(parent), name);
+    node.browse_name = name;
+    node.parent = parent;
+    NewVariable variable;
+    variable.data_type = is_of_value ? node_id(type) : value.data_type;
+    set_shape(variable, value.value);
+    variable.access_level = access;
+    variable.source = value.source;
+    variable.handle = value.handle;
+    if (value.source == no_source) {
+        variable.value = value.value;
+    }
+    return add_variable(node, variable);
 }
 
 Result<NodeIndex> AddressSpace::add_property(const NewNode& node, NewVariable variable)

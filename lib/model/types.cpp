@@ -101,18 +101,21 @@ NodeIndex described_by(const SpaceReader& space, NodeIndex encoding)
     return no_node;
 }
 
-bool fits_structure(const SpaceReader& space, const ExtensionObject& object, NodeIndex data_type)
+NodeIndex structure_type(const SpaceReader& space, const ExtensionObject& object)
 {
-    if (object.is_null() || space.node_id(data_type).is(detail::id_structure)) {
-        return true;
-    }
     const NodeIndex encoding = space.find(object.encoding_id());
     NodeIndex type = encoding == no_node ? no_node : described_by(space, encoding);
     if (type == no_node && object.type() != nullptr) {
         // A small namespace 0 has no encoding nodes.
         type = space.find(object.type()->type_id.in(object.encoding_id().namespace_index()));
     }
-    return space.is_subtype_of(type, data_type);
+    return type;
+}
+
+bool fits_structure(const SpaceReader& space, const ExtensionObject& object, NodeIndex data_type)
+{
+    return object.is_null() || space.node_id(data_type).is(detail::id_structure) ||
+           space.is_subtype_of(structure_type(space, object), data_type);
 }
 
 bool fit_structures(const SpaceReader& space, const Variant& value, NodeIndex data_type)
@@ -199,6 +202,22 @@ std::uint32_t SpaceReader::built_in_types_of(NodeIndex data_type) const
     default:
         return bit(BuiltInType{built_in});
     }
+}
+
+NodeIndex SpaceReader::type_of_value(const Variant& value) const
+{
+    const auto* structure = value.get_if<ExtensionObject>();
+    const auto* const structures = value.array_if<ExtensionObject>();
+    if (structures != nullptr && !structures->empty()) {
+        structure = &structures->front();
+    }
+    if (structure != nullptr && !structure->is_null()) {
+        if (const NodeIndex type = structure_type(*this, *structure); type != no_node) {
+            return type;
+        }
+    }
+    // A built-in type's DataType has the type's own number (Part 6, 5.1.2).
+    return value.is_null() ? no_node : find(static_cast<std::uint32_t>(value.type()));
 }
 
 StatusCode SpaceReader::check_value(const Variant& value, NodeIndex data_type,

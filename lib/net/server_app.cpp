@@ -30,9 +30,9 @@ struct ServerApp::Impl {
     std::unique_ptr<Application> application;
     ServerLoop loop{log};
     server::PasswordUsers users;
-    /// Before the server, which has its index.
+    /// Before the server, which uses them.
+    std::vector<std::shared_ptr<server::DataSource>> sources;
     std::optional<server::MemorySource> memory;
-    std::uint32_t memory_index{0};
     std::optional<server::Server> server;
 };
 
@@ -54,7 +54,7 @@ void ServerApp::Impl::open(ApplicationSettings settings)
     }
     server.emplace(*std::move(made));
     memory.emplace(application->wall_clock());
-    memory_index = server->add_source(*memory);
+    server->add_source(*memory);
 }
 
 void ServerApp::Impl::listen()
@@ -106,29 +106,33 @@ std::uint16_t ServerApp::add_namespace(std::string_view uri)
     return added.value_or(0);
 }
 
-std::uint64_t ServerApp::add_variable(const QualifiedName& name, const Variant& value,
+void ServerApp::add_source(std::shared_ptr<server::DataSource> source)
+{
+    if (impl_->is_good()) {
+        impl_->server->add_source(*source);
+    }
+    impl_->sources.push_back(std::move(source));
+}
+
+std::uint64_t ServerApp::add_variable(const QualifiedName& name, const model::BoundValue& value,
                                       model::Access access)
 {
     if (!impl_->is_good()) {
         return 0;
     }
     model::AddressSpace& space = impl_->server->address_space();
-    model::NewNode node;
-    node.id = NodeId{name.namespace_index, name.name};
-    node.browse_name = name;
-    node.parent = space.find(id::ObjectsFolder);
-    model::NewVariable variable;
-    variable.data_type = NodeId{0, static_cast<std::uint32_t>(value.type())};
-    variable.value_rank = value.is_array() ? 1 : -1;
-    variable.access_level = access;
-    variable.source = impl_->memory_index;
-    variable.handle = impl_->memory->add(value);
-    const auto added = space.add_variable(node, variable);
+    model::BoundValue bound = value;
+    if (bound.source == model::no_source && !bound.value.is_null()) {
+        bound = impl_->memory->variable(bound.value);
+        bound.data_type = value.data_type;
+    }
+    const auto added = space.add_variable(space.find(id::ObjectsFolder), name, bound, access);
     if (!added) {
         impl_->fail_with(
             {added.error(), "variable", "cannot be added: " + name.name.str(), {}, {}});
+        return 0;
     }
-    return variable.handle;
+    return bound.handle;
 }
 
 void ServerApp::set(std::uint64_t variable, Variant value)

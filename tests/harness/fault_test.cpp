@@ -15,8 +15,9 @@ class FaultBench : public BenchFixture {
 public:
     FaultBench()
     {
-        handle_ = memory_.add(1.5);
-        level = add_variable("Level", memory_, handle_, BuiltInType::Double).value();
+        const model::BoundValue bound = memory_.variable(1.5);
+        handle_ = bound.handle;
+        level = add_variable("Level", bound).value();
     }
     void set(double value) { memory_.set(handle_, value); }
     [[nodiscard]] double stored() const { return memory_.get(handle_).value.value_or<double>(0); }

@@ -24,7 +24,7 @@ public:
     explicit RecordedBench(BenchOptions options = {}) : BenchFixture{std::move(options)}
     {
         world().network().set_observer(recorder_);
-        level_ = add_variable("Level", memory_, memory_.add(1.5), BuiltInType::Double).value();
+        level_ = add_variable("Level", memory_.variable(1.5)).value();
     }
     const Recording& use()
     {

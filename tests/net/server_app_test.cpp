@@ -38,8 +38,47 @@ TEST_CASE("a ServerApp has what was added to it", "[net]")
     const model::NodeIndex array = space.find(NodeId{machine, "Levels"});
     CHECK(space.data_type_id(array) == NodeId{0, id::Int16});
     CHECK(space.variable(array).value_rank == 1);
+    CHECK(space.variable(array).array_dimensions[0] == 2);
     CHECK(space.variable(array).access_level == 1);
     CHECK(app.users().log_in("operator", "a pass phrase"));
+}
+
+TEST_CASE("a ServerApp owns the data sources that it makes", "[net]")
+{
+    struct Lasting final : server::DataSource {
+        explicit Lasting(bool& told) : is_gone{told} {}
+        ~Lasting() override { is_gone = true; }
+        void read(server::ReadBatch batch) override { batch.fail(status::Bad_NoData); }
+        bool& is_gone;
+    };
+    bool is_gone = false;
+    const TemporaryFolder folder;
+    {
+        net::ServerApp app{settings_in(folder), "opc.tcp://localhost:48400"};
+        auto& source = app.make_source<Lasting>(is_gone);
+        CHECK(app.add_variable({1, "Level"}, source.variable(9, 0.0)) == 9);
+        REQUIRE(app.status());
+        const model::AddressSpace& space = app.server()->address_space();
+        const auto level = space.variable(space.find(NodeId{1, "Level"}));
+        CHECK(level.source == source.index());
+        CHECK(level.handle == 9);
+        CHECK_FALSE(is_gone);
+    }
+    CHECK(is_gone);
+}
+
+TEST_CASE("a ServerApp that failed still has its data sources", "[net]")
+{
+    struct Nothing final : server::DataSource {
+        void read(server::ReadBatch batch) override { batch.fail(status::Bad_NoData); }
+    };
+    const TemporaryFolder folder;
+    net::ServerApp app{settings_in(folder), "http://localhost"};
+    REQUIRE_FALSE(app.status());
+    auto& source = app.make_source<Nothing>();
+    CHECK(source.index() == model::no_source);
+    CHECK(app.add_variable({1, "Level"}, source.variable(9, 0.0)) == 0);
+    CHECK(app.run() == 1);
 }
 
 TEST_CASE("a ServerApp keeps what failed first", "[net]")

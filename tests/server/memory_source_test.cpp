@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include <busbar/model/new_node.hpp>
 #include <busbar/server/memory_source.hpp>
 
 #include "support/source_caller.hpp"
@@ -56,4 +57,27 @@ TEST_CASE("a memory source is written to, whole or in part")
     CHECK(caller.write(levels, whole) == status::Good);
     CHECK(source.get(levels) == whole);
     CHECK(caller.write(99, whole) == status::Bad_NodeIdUnknown);
+}
+
+TEST_CASE("a source binds variables once a server has it")
+{
+    TestClock clock;
+    MemorySource first{clock};
+    MemorySource source{clock};
+    CHECK(source.index() == model::no_source);
+    CHECK(source.variable(1.5).value.is_null());
+
+    server::detail::DataSources sources{nullptr};
+    CHECK(sources.add(first) == 0);
+    CHECK(sources.add(source) == 1);
+    CHECK(source.index() == 1);
+    const model::BoundValue level = source.variable(2.5);
+    CHECK(level.source == 1);
+    CHECK(level.value == Variant{2.5});
+    CHECK(source.get(level.handle).value == Variant{2.5});
+    const model::BoundValue again = source.variable(level.handle, std::int32_t{0});
+    CHECK(again.source == 1);
+    CHECK(again.handle == level.handle);
+    CHECK(again.value == Variant{std::int32_t{0}});
+    CHECK(source.get(level.handle).value == Variant{2.5});
 }

@@ -37,22 +37,22 @@ public:
     [[nodiscard]] server::Server& server() { return server_.server(); }
     [[nodiscard]] ConnectionHost& client() { return client_; }
 
-    /// Makes a data source that lives as long as the server needs it: what a member of a class
-    /// derived from Bench would not.
+    /// Makes a data source of the server, which lives as long as the server needs it: what a member
+    /// of a class derived from Bench would not.
     template <typename Source, typename... Arguments>
     Source& make_source(Arguments&&... arguments)
     {
         auto made = std::make_unique<Source>(std::forward<Arguments>(arguments)...);
         Source& source = *made;
         owned_.push_back(std::move(made));
+        server_.add_source(source);
         return source;
     }
-    /// Adds a Variable "ns=1;s=<name>" below Objects, whose value `source` knows by `handle`, with
-    /// CurrentRead and CurrentWrite unless `variable` says otherwise. The source must outlive the
-    /// bench. What the AddressSpace says if the node is there already.
-    Result<NodeId> add_variable(std::string_view name, server::DataSource& source,
-                                std::uint64_t handle, BuiltInType type);
-    Result<NodeId> add_variable(std::string_view name, model::NewVariable variable);
+    /// Adds a Variable "ns=1;s=<name>" below Objects, which clients may write unless `access` says
+    /// otherwise: add_variable("Level", source.variable(handle, 0.0)), or with a value alone.
+    /// Errors as AddressSpace::add_variable.
+    Result<NodeId> add_variable(std::string_view name, const model::BoundValue& value,
+                                model::Access access = model::Access::ReadWrite);
 
     /// Connects and logs in, if it is not; also after a loss.
     Result<void> connect();
@@ -89,7 +89,6 @@ private:
     std::vector<std::unique_ptr<server::DataSource>> owned_;
     ServerHost server_;
     ConnectionHost client_;
-    std::map<server::DataSource*, std::uint32_t> sources_;
     /// By publishing interval, of this connection's session.
     std::map<Duration, std::uint32_t> subscriptions_;
     /// The client handle is the index.

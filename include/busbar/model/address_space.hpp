@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include <busbar/core/api.hpp>
-#include <busbar/model/node.hpp>
+#include <busbar/model/new_node.hpp>
 #include <busbar/model/space_journal.hpp>
 #include <busbar/model/space_reader.hpp>
 
@@ -52,6 +52,13 @@ public:
     /// An Object of FolderType.
     Result<NodeIndex> add_folder(const NewNode& node);
     Result<NodeIndex> add_variable(const NewNode& node, const NewVariable& variable);
+    /// A Variable in one statement:
+    ///     space.add_variable(parent, {ns, "Speed"}, source.variable(1480.0), Access::ReadWrite)
+    /// Its NodeId is the name, as a String in the namespace of the name; below a node that has a
+    /// String of that namespace: that, '/' and the name. Bad_NodeAttributesInvalid if the value is
+    /// null: that of a source which no server has.
+    Result<NodeIndex> add_variable(NodeIndex parent, const QualifiedName& name,
+                                   const BoundValue& value, Access access = Access::Read);
     /// A Variable of PropertyType below `node.parent` by HasProperty.
     Result<NodeIndex> add_property(const NewNode& node, NewVariable variable);
     /// A Method with its properties for arguments. Others may have it too: add_reference with

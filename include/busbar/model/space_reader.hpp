@@ -142,6 +142,9 @@ public:
     [[nodiscard]] BuiltInType built_in_type_of(NodeIndex data_type) const;
     /// One bit for each BuiltInType that a value of the DataType may have; bit 0: also no value.
     [[nodiscard]] std::uint32_t built_in_types_of(NodeIndex data_type) const;
+    /// The DataType that the value itself shows: of an array of structures that of the first;
+    /// no_node if the value is null.
+    [[nodiscard]] NodeIndex type_of_value(const Variant& value) const;
     /// Good, or Bad_TypeMismatch if `value` cannot be the Value of a Variable of these attributes
     /// (Part 4, 5.11.4; Part 3, 5.6.2). A scalar ByteString may stand for an array of Byte.
     [[nodiscard]] StatusCode check_value(const Variant& value, NodeIndex data_type,

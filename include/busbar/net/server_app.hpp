@@ -4,18 +4,20 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/types.hpp>
-#include <busbar/model/node.hpp>
+#include <busbar/model/new_node.hpp>
 #include <busbar/net/application.hpp>
 #include <busbar/server/password_users.hpp>
 #include <busbar/server/server.hpp>
 
 namespace busbar::net {
 
-/// A server as a program: its loop, log, certificate, users and variables in memory, owned in the
-/// right order. What is not here is reached by server(), before run() and from its callbacks.
+/// A server as a program: its loop, log, certificate, users, data sources and variables in memory,
+/// owned in the right order. What is not here is reached by server(), before run() and from its
+/// callbacks.
 ///
 /// What fails first is kept: later calls do nothing, and status() and run() tell it, so that a
 /// program has one place where it looks. One thread.
@@ -34,11 +36,21 @@ public:
     void add_user(std::string_view name, const char* password);
     /// The index of the namespace; 0 if something has failed.
     std::uint16_t add_namespace(std::string_view uri);
-    /// A Variable below the Objects folder, with `value` in memory; its NodeId is its name's text.
-    /// What set() wants of it; nothing useful if something has failed.
-    std::uint64_t add_variable(const QualifiedName& name, const Variant& value,
+    /// Makes a data source of the program's own, which lives as long as the server needs it.
+    template <typename Source, typename... Arguments>
+    Source& make_source(Arguments&&... arguments)
+    {
+        auto made = std::make_shared<Source>(std::forward<Arguments>(arguments)...);
+        Source& source = *made;
+        add_source(std::move(made));
+        return source;
+    }
+    /// A Variable below the Objects folder, as AddressSpace::add_variable adds it: what a source
+    /// serves (DataSource::variable), or a value, which is kept in memory then. Gives the handle; 0
+    /// if something has failed.
+    std::uint64_t add_variable(const QualifiedName& name, const model::BoundValue& value,
                                model::Access access = model::Access::Read);
-    /// Gives such a Variable another value.
+    /// Gives a Variable that was added with a value of its own another value.
     void set(std::uint64_t variable, Variant value);
 
     [[nodiscard]] const Checked<void>& status() const;
@@ -51,6 +63,8 @@ public:
     [[nodiscard]] int run();
 
 private:
+    void add_source(std::shared_ptr<server::DataSource> source);
+
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };

@@ -18,9 +18,14 @@
 
 /// What a PLC backend implements to give the server its values. `memory_source.hpp` is a complete
 /// one to start from.
+namespace busbar::model {
+struct BoundValue;
+} // namespace busbar::model
+
 namespace busbar::server {
 
 namespace detail {
+class DataSources;
 class ReadPart;
 class WritePart;
 } // namespace detail
@@ -181,6 +186,14 @@ public:
     DataSource& operator=(const DataSource&) = delete;
     virtual ~DataSource() = default;
 
+    /// The index that nodes carry (NewVariable::source), of the server that the source was added to
+    /// last; model::no_source before.
+    [[nodiscard]] std::uint32_t index() const { return index_; }
+    /// What AddressSpace::add_variable takes for a Variable that the backend calls `handle`. `like`
+    /// is a value of its DataType, ValueRank and ArrayDimensions, and nothing else is done with it.
+    /// The source must have been added: if not, this binds nothing and the Variable is refused.
+    [[nodiscard]] model::BoundValue variable(std::uint64_t handle, const Variant& like) const;
+
     [[nodiscard]] virtual DataSourceOptions options() const { return {}; }
     /// Answers every item of the batch: with its value and source timestamp, or with a bad status,
     /// such as Bad_NoCommunication for a PLC that is not there. The same handle may come twice.
@@ -212,6 +225,11 @@ public:
     /// Not null for a source whose values all lie in a process image, by the handles of its layout:
     /// monitored items are then sampled there, without a call of read().
     [[nodiscard]] virtual ProcessImage* process_image() { return nullptr; }
+
+private:
+    friend class detail::DataSources;
+
+    std::uint32_t index_{UINT32_MAX};
 };
 
 } // namespace busbar::server

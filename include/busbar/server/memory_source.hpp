@@ -19,6 +19,10 @@ public:
 
     /// Adds a variable and gives its handle.
     [[nodiscard]] std::uint64_t add(Variant value);
+    /// The same for AddressSpace::add_variable; its `handle` is what set() wants. The source must
+    /// have been added to a server.
+    [[nodiscard]] model::BoundValue variable(Variant value);
+    using DataSource::variable;
     /// Gives a variable its value, with the time of day as source timestamp.
     void set(std::uint64_t handle, Variant value, StatusCode status = {});
     /// The variable; valid until the next add().

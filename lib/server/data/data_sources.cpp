@@ -1,5 +1,7 @@
 #include "data_sources.hpp"
 
+#include <busbar/model/new_node.hpp>
+
 #include "data_part.hpp"
 
 namespace busbar::server::detail {
@@ -109,9 +111,10 @@ void DataSources::handle_completions()
 
 std::uint32_t DataSources::add(DataSource& source)
 {
+    source.index_ = static_cast<std::uint32_t>(entries_.size());
     entries_.push_back(std::make_shared<SourceEntry>(source, queue_, *log_));
     entries_.back()->guard("DataSource::attach", [this](DataSource& one) { one.attach(waker_); });
-    return static_cast<std::uint32_t>(entries_.size() - 1);
+    return source.index_;
 }
 
 std::uint32_t DataSources::add(std::shared_ptr<DataSource> source)
@@ -121,3 +124,12 @@ std::uint32_t DataSources::add(std::shared_ptr<DataSource> source)
 }
 
 } // namespace busbar::server::detail
+
+namespace busbar::server {
+
+model::BoundValue DataSource::variable(std::uint64_t handle, const Variant& like) const
+{
+    return {index_ == model::no_source ? Variant{} : like, index_, handle};
+}
+
+} // namespace busbar::server

@@ -1,11 +1,19 @@
 #include <busbar/server/memory_source.hpp>
 
+#include <busbar/model/new_node.hpp>
+
 namespace busbar::server {
 
 std::uint64_t MemorySource::add(Variant value)
 {
     values_.emplace_back(std::move(value), StatusCode{}, clock_->now());
     return values_.size() - 1;
+}
+
+model::BoundValue MemorySource::variable(Variant value)
+{
+    const std::uint64_t handle = add(std::move(value));
+    return variable(handle, get(handle).value);
 }
 
 void MemorySource::set(std::uint64_t handle, Variant value, StatusCode status)
