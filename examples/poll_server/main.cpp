@@ -54,20 +54,6 @@ int fail_with(const char* what, StatusCode status)
     return 1;
 }
 
-void add_variable(server::Server& server, std::uint32_t source, std::uint64_t handle)
-{
-    model::NewNode node;
-    node.id = NodeId{1, "Speed"};
-    node.browse_name = {1, "Speed"};
-    node.parent = server.address_space().find(id::ObjectsFolder);
-    model::NewVariable variable;
-    variable.data_type = NodeId{0, id::Double};
-    variable.access_level = 3;
-    variable.source = source;
-    variable.handle = handle;
-    static_cast<void>(server.address_space().add_variable(node, variable));
-}
-
 } // namespace
 
 int main(int argc, char** argv)
@@ -117,7 +103,13 @@ int main(int argc, char** argv)
         return fail_with("server", made.error());
     }
     server::MemorySource source{clock};
-    add_variable(*made, made->add_source(source), source.add(1480.0));
+    made->add_source(source);
+    model::AddressSpace& space = made->address_space();
+    const auto speed = space.add_variable(space.find(id::ObjectsFolder), {1, "Speed"},
+                                          source.variable(1480.0), model::Access::ReadWrite);
+    if (!speed) {
+        return fail_with("variable", speed.error());
+    }
     poll_server::PollLoop loop{*made};
     if (!loop.listen(static_cast<std::uint16_t>(std::atoi(port.c_str())))) {
         return fail_with("port", status::Bad_ResourceUnavailable);
