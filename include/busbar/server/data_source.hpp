@@ -16,12 +16,12 @@
 #include <busbar/server/method.hpp>
 #include <busbar/server/waker.hpp>
 
-/// What a PLC backend implements to give the server its values. `memory_source.hpp` is a complete
-/// one to start from.
 namespace busbar::model {
 struct BoundValue;
 } // namespace busbar::model
 
+/// What a PLC backend implements to give the server its values. `memory_source.hpp` is a complete
+/// one to start from.
 namespace busbar::server {
 
 namespace detail {
