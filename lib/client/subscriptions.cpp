@@ -18,39 +18,39 @@ Subscriptions::~Subscriptions() = default;
 Result<SubscriptionHandle> Subscriptions::create(SubscriptionSettings settings,
                                                  SubscriptionHandlers handlers)
 {
-    return impl_->create(settings, std::move(handlers));
+    return impl_->wishes().create(settings, std::move(handlers));
 }
 
 Result<void> Subscriptions::modify(SubscriptionHandle subscription, SubscriptionSettings settings)
 {
-    return impl_->modify(subscription, settings);
+    return impl_->wishes().modify(subscription, settings);
 }
 
 Result<void> Subscriptions::remove(SubscriptionHandle subscription)
 {
-    return impl_->remove(subscription);
+    return impl_->wishes().remove(subscription);
 }
 
 Result<std::vector<ItemHandle>> Subscriptions::add_items(SubscriptionHandle subscription,
                                                          std::vector<ItemSettings> items)
 {
-    return impl_->add_items(subscription, std::move(items));
+    return impl_->wishes().add_items(subscription, std::move(items));
 }
 
 Result<void> Subscriptions::modify_items(std::span<const ItemHandle> items,
                                          const ItemSettings& settings)
 {
-    return impl_->modify_items(items, settings);
+    return impl_->wishes().modify_items(items, settings);
 }
 
 Result<void> Subscriptions::remove_items(std::span<const ItemHandle> items)
 {
-    return impl_->remove_items(items);
+    return impl_->wishes().remove_items(items);
 }
 
 Result<void> Subscriptions::set_triggering(ItemHandle trigger, std::vector<ItemHandle> links)
 {
-    return impl_->set_triggering(trigger, std::move(links));
+    return impl_->wishes().set_triggering(trigger, std::move(links));
 }
 
 DeliveryMode Subscriptions::mode(SubscriptionHandle subscription) const

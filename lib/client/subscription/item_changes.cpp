@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "engine.hpp"
+#include "item_changes.hpp"
 
 namespace busbar::client::detail {
 
@@ -18,7 +18,17 @@ StatusCode failure(const Result<Response>& response, std::size_t count)
 
 } // namespace
 
-bool SubscriptionEngine::modify_items(WatchedSubscription& subscription)
+ItemChanges::ItemChanges(ItemTable& items, ItemRequests& requests)
+    : items_{items}, requests_{requests}
+{
+}
+
+bool ItemChanges::send_one(WatchedSubscription& subscription)
+{
+    return modify(subscription) || set_modes(subscription) || link(subscription);
+}
+
+bool ItemChanges::modify(WatchedSubscription& subscription)
 {
     for (std::size_t i = 0; i < ItemWork::timestamps_count; ++i) {
         auto& queue = subscription.work.to_modify[i];
@@ -26,7 +36,7 @@ bool SubscriptionEngine::modify_items(WatchedSubscription& subscription)
         request.subscription_id = subscription.server_id;
         request.timestamps_to_return = static_cast<TimestampsToReturn>(i);
         std::vector<ItemHandle> batch;
-        for (; !queue.empty() && batch.size() < batch_limit(); queue.pop_front()) {
+        for (; !queue.empty() && batch.size() < requests_.batch_limit(); queue.pop_front()) {
             Item* item = items_.find(queue.front());
             if (item != nullptr && item->is_created && item->is_modified &&
                 static_cast<std::size_t>(item->parameters->timestamps) == i) {
@@ -44,9 +54,9 @@ bool SubscriptionEngine::modify_items(WatchedSubscription& subscription)
     return false;
 }
 
-void SubscriptionEngine::send_modification(WatchedSubscription& subscription,
-                                           ModifyMonitoredItemsRequest request,
-                                           std::vector<ItemHandle> batch)
+void ItemChanges::send_modification(WatchedSubscription& subscription,
+                                    ModifyMonitoredItemsRequest request,
+                                    std::vector<ItemHandle> batch)
 {
     const auto redo = [this, batch](WatchedSubscription& changed) {
         for (const ItemHandle handle : batch) {
@@ -57,7 +67,7 @@ void SubscriptionEngine::send_modification(WatchedSubscription& subscription,
             }
         }
     };
-    change<ModifyMonitoredItemsResponse>(
+    requests_.change<ModifyMonitoredItemsResponse>(
         subscription, std::move(request), batch.size(), redo,
         [this, batch](WatchedSubscription& changed, const auto& response) {
             ItemStatuses statuses;
@@ -71,11 +81,11 @@ void SubscriptionEngine::send_modification(WatchedSubscription& subscription,
                                     {result.status_code, result.revised_sampling_interval,
                                      result.revised_queue_size, result.filter_result}});
             }
-            report_items(changed, statuses);
+            changed.report_items(items_, statuses);
         });
 }
 
-bool SubscriptionEngine::set_modes(WatchedSubscription& subscription)
+bool ItemChanges::set_modes(WatchedSubscription& subscription)
 {
     for (std::size_t i = 0; i < subscription.work.to_set_mode.size(); ++i) {
         auto& queue = subscription.work.to_set_mode[i];
@@ -83,7 +93,7 @@ bool SubscriptionEngine::set_modes(WatchedSubscription& subscription)
         request.subscription_id = subscription.server_id;
         request.monitoring_mode = static_cast<MonitoringMode>(i);
         std::vector<ItemHandle> batch;
-        for (; !queue.empty() && batch.size() < batch_limit(); queue.pop_front()) {
+        for (; !queue.empty() && batch.size() < requests_.batch_limit(); queue.pop_front()) {
             Item* item = items_.find(queue.front());
             if (item != nullptr && item->is_created && item->is_mode_changed &&
                 item->mode == request.monitoring_mode) {
@@ -100,8 +110,8 @@ bool SubscriptionEngine::set_modes(WatchedSubscription& subscription)
     return false;
 }
 
-void SubscriptionEngine::send_modes(WatchedSubscription& subscription,
-                                    SetMonitoringModeRequest request, std::vector<ItemHandle> batch)
+void ItemChanges::send_modes(WatchedSubscription& subscription, SetMonitoringModeRequest request,
+                             std::vector<ItemHandle> batch)
 {
     const auto redo = [this, batch](WatchedSubscription& changed) {
         for (const ItemHandle handle : batch) {
@@ -111,7 +121,7 @@ void SubscriptionEngine::send_modes(WatchedSubscription& subscription,
             }
         }
     };
-    change<SetMonitoringModeResponse>(
+    requests_.change<SetMonitoringModeResponse>(
         subscription, std::move(request), batch.size(), redo,
         [this, batch](WatchedSubscription& changed, const auto& response) {
             ItemStatuses refused;
@@ -122,17 +132,17 @@ void SubscriptionEngine::send_modes(WatchedSubscription& subscription,
                     refused.push_back({batch[i], {status, 0, 0, {}}});
                 }
             }
-            report_items(changed, refused);
+            changed.report_items(items_, refused);
         });
 }
 
-bool SubscriptionEngine::delete_items(WatchedSubscription& subscription)
+bool ItemChanges::remove(WatchedSubscription& subscription)
 {
     auto& queue = subscription.work.to_delete;
     if (queue.empty()) {
         return false;
     }
-    const std::size_t count = std::min(queue.size(), batch_limit());
+    const std::size_t count = std::min(queue.size(), requests_.batch_limit());
     const auto end = queue.begin() + static_cast<std::ptrdiff_t>(count);
     const std::vector<std::uint32_t> ids{queue.begin(), end};
     queue.erase(queue.begin(), end);
@@ -143,8 +153,8 @@ bool SubscriptionEngine::delete_items(WatchedSubscription& subscription)
         changed.work.to_delete.insert(changed.work.to_delete.end(), ids.begin(), ids.end());
     };
     // One that is not there any more is as good as deleted.
-    change<DeleteMonitoredItemsResponse>(subscription, std::move(request), count, redo,
-                                         [](WatchedSubscription&, const auto&) {});
+    requests_.change<DeleteMonitoredItemsResponse>(subscription, std::move(request), count, redo,
+                                                   [](WatchedSubscription&, const auto&) {});
     return true;
 }
 

@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <iterator>
 
-#include "engine.hpp"
+#include "item_changes.hpp"
 
 namespace busbar::client::detail {
 
-bool SubscriptionEngine::link_items(WatchedSubscription& subscription)
+bool ItemChanges::link(WatchedSubscription& subscription)
 {
     auto& queue = subscription.work.to_link;
     while (!queue.empty()) {
@@ -30,7 +30,7 @@ bool SubscriptionEngine::link_items(WatchedSubscription& subscription)
     return false;
 }
 
-bool SubscriptionEngine::choose_links(Links& links, SetTriggeringRequest& request)
+bool ItemChanges::choose_links(Links& links, SetTriggeringRequest& request)
 {
     std::vector<ItemHandle> changed;
     std::set_difference(links.made.begin(), links.made.end(), links.wished.begin(),
@@ -45,7 +45,7 @@ bool SubscriptionEngine::choose_links(Links& links, SetTriggeringRequest& reques
         if (item == nullptr || !item->is_created) {
             continue;
         }
-        if (count == batch_limit()) {
+        if (count == requests_.batch_limit()) {
             return true;
         }
         ++count;
@@ -60,8 +60,8 @@ bool SubscriptionEngine::choose_links(Links& links, SetTriggeringRequest& reques
     return false;
 }
 
-void SubscriptionEngine::send_links(WatchedSubscription& subscription, SetTriggeringRequest request,
-                                    ItemHandle trigger)
+void ItemChanges::send_links(WatchedSubscription& subscription, SetTriggeringRequest request,
+                             ItemHandle trigger)
 {
     const std::size_t count = request.links_to_add.size() + request.links_to_remove.size();
     const auto redo = [trigger](WatchedSubscription& changed) {
@@ -71,18 +71,18 @@ void SubscriptionEngine::send_links(WatchedSubscription& subscription, SetTrigge
             changed.work.to_link.push_back(trigger);
         }
     };
-    change<SetTriggeringResponse>(
+    requests_.change<SetTriggeringResponse>(
         subscription, std::move(request), count, redo,
         [this, trigger](WatchedSubscription& changed, const auto& response) {
             if (!response) {
-                report_items(changed, {{trigger, {response.error(), 0, 0, {}}}});
+                changed.report_items(items_, {{trigger, {response.error(), 0, 0, {}}}});
                 return;
             }
             const auto& results = response->add_results;
             const auto bad = std::find_if(results.begin(), results.end(),
                                           [](StatusCode result) { return result.is_bad(); });
             if (bad != results.end()) {
-                report_items(changed, {{trigger, {*bad, 0, 0, {}}}});
+                changed.report_items(items_, {{trigger, {*bad, 0, 0, {}}}});
             }
         });
 }

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine.hpp"
+#include "polling.hpp"
 
 namespace busbar::client::detail {
 
@@ -27,20 +27,31 @@ Duration poll_interval(const ItemParameters& parameters, const SubscriptionSetti
 
 } // namespace
 
-void SubscriptionEngine::start_polling(WatchedSubscription& subscription)
+ItemPolling::ItemPolling(SessionRequests& requests, WatchList& subscriptions, ItemTable& items)
+    : requests_{requests}, subscriptions_{subscriptions}, items_{items},
+      max_batch_{SessionRequests::default_batch}
+{
+}
+
+void ItemPolling::begin_session()
+{
+    max_batch_ = SessionRequests::default_batch;
+}
+
+void ItemPolling::start(WatchedSubscription& subscription)
 {
     subscription.phase = Phase::Polling;
     ++subscription.incarnation;
     subscription.polls.clear();
-    queue_all_items(subscription);
-    has_work_ = true;
+    subscription.queue_all_items(items_);
+    requests_.call_for_work();
     CreateSubscriptionResponse response;
     response.revised_publishing_interval = subscription.settings.publishing_interval.count();
-    report_status(subscription, status::Good, response);
+    subscription.report_status(status::Good, response);
 }
 
-ItemStatus SubscriptionEngine::start_polling(WatchedSubscription& subscription, ItemHandle handle,
-                                             const NodeId& node)
+ItemStatus ItemPolling::add(WatchedSubscription& subscription, ItemHandle handle,
+                            const NodeId& node)
 {
     Item& item = *items_.find(handle);
     if (item.parameters->has_events()) {
@@ -57,7 +68,7 @@ ItemStatus SubscriptionEngine::start_polling(WatchedSubscription& subscription, 
     return {status::Good, Milliseconds{key.interval}.count(), 1, {}};
 }
 
-void SubscriptionEngine::poll(WatchedSubscription& subscription, TimePoint now)
+void ItemPolling::poll(WatchedSubscription& subscription, TimePoint now)
 {
     for (auto next = subscription.polls.begin(); next != subscription.polls.end();) {
         auto& [key, group] = *next;
@@ -82,12 +93,11 @@ void SubscriptionEngine::poll(WatchedSubscription& subscription, TimePoint now)
 }
 
 /// Asks for the next items of a round, as many as a Read may have.
-void SubscriptionEngine::read(WatchedSubscription& subscription, const PollKey& key)
+void ItemPolling::read(WatchedSubscription& subscription, const PollKey& key)
 {
     PollGroup& group = subscription.polls[key];
-    const std::size_t allowed = requester_.server().operation_limits.max_nodes_per_read;
-    const std::size_t limit =
-        std::min({max_batch_, default_batch, allowed == 0 ? default_batch : allowed});
+    const std::size_t allowed = requests_.server().operation_limits.max_nodes_per_read;
+    const std::size_t limit = allowed == 0 ? max_batch_ : std::min(allowed, max_batch_);
     ReadRequest request;
     request.timestamps_to_return = key.timestamps;
     std::vector<std::size_t> places;
@@ -105,19 +115,20 @@ void SubscriptionEngine::read(WatchedSubscription& subscription, const PollKey& 
     }
     group.is_reading = !places.empty();
     if (!places.empty()) {
-        send<ReadResponse>(std::move(request),
-                           [this, key, places = std::move(places), handle = subscription.handle,
-                            incarnation = subscription.incarnation](const auto& response) {
-                               if (WatchedSubscription* found = find(handle, incarnation)) {
-                                   values_read(*found, key, places, response);
-                               }
-                           });
+        requests_.send<ReadResponse>(
+            std::move(request),
+            [this, key, places = std::move(places), handle = subscription.handle,
+             incarnation = subscription.incarnation](const auto& response) {
+                if (WatchedSubscription* found = subscriptions_.find(handle, incarnation)) {
+                    values_read(*found, key, places, response);
+                }
+            });
     }
 }
 
-void SubscriptionEngine::values_read(WatchedSubscription& subscription, const PollKey& key,
-                                     const std::vector<std::size_t>& places,
-                                     const Result<ReadResponse>& response)
+void ItemPolling::values_read(WatchedSubscription& subscription, const PollKey& key,
+                              const std::vector<std::size_t>& places,
+                              const Result<ReadResponse>& response)
 {
     PollGroup& group = subscription.polls[key];
     group.is_reading = false;
@@ -129,20 +140,20 @@ void SubscriptionEngine::values_read(WatchedSubscription& subscription, const Po
     const auto changes = changes_in(group, places, *response);
     const DateTime time = response->response_header.timestamp;
     const auto handlers = subscription.handlers;
-    report_gap(subscription, time);
+    subscription.report_gap(time);
     if (handlers->on_data && !changes.empty()) {
         handlers->on_data(changes);
     }
-    if (WatchedSubscription* rest = find(handle);
+    if (WatchedSubscription* rest = subscriptions_.find(handle);
         rest != nullptr && rest->phase == Phase::Polling) {
-        rest->complete_until = time;
+        rest->messages.complete_until = time;
         read(*rest, key);
     }
 }
 
-std::vector<DataChange> SubscriptionEngine::changes_in(PollGroup& group,
-                                                       const std::vector<std::size_t>& places,
-                                                       const ReadResponse& response)
+std::vector<DataChange> ItemPolling::changes_in(PollGroup& group,
+                                                const std::vector<std::size_t>& places,
+                                                const ReadResponse& response)
 {
     std::vector<DataChange> changes;
     for (std::size_t i = 0; i < places.size(); ++i) {

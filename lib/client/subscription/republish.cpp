@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "engine.hpp"
+#include "reception.hpp"
 
 namespace busbar::client::detail {
 
@@ -8,6 +8,7 @@ namespace {
 
 constexpr std::uint32_t max_republishes = 3;
 constexpr std::uint32_t patient_silences = 2;
+constexpr Duration republish_pause = std::chrono::seconds{1};
 
 /// The server answered, and the message is not to be had.
 bool is_final(StatusCode status)
@@ -21,92 +22,67 @@ bool is_final(StatusCode status)
 
 } // namespace
 
-/// Notifications after complete_until are lost; the Gap ends with the next one.
-void SubscriptionEngine::lose(WatchedSubscription& subscription, StatusCode reason)
-{
-    ++subscription.refresh.losses;
-    subscription.refresh.is_due = true;
-    if (!subscription.loss) {
-        subscription.loss = Loss{reason, subscription.complete_until};
-    }
-}
-
-void SubscriptionEngine::report_gap(WatchedSubscription& subscription, DateTime until)
-{
-    if (!subscription.loss) {
-        return;
-    }
-    const Gap gap{
-        subscription.handle, {}, subscription.loss->from, until, subscription.loss->reason};
-    subscription.loss.reset();
-    const auto handlers = subscription.handlers;
-    if (handlers->on_gap) {
-        handlers->on_gap(gap);
-    }
-}
-
 /// After something was heard: asks for what is missing, or has all until now.
-void SubscriptionEngine::settle(SubscriptionHandle handle)
+void Reception::settle(SubscriptionHandle handle)
 {
-    WatchedSubscription* subscription = find(handle);
+    WatchedSubscription* subscription = subscriptions_.find(handle);
     if (subscription == nullptr || subscription->phase != Phase::Live) {
         return;
     }
     fetch_missing(*subscription);
     const bool has_all_items = !subscription->is_busy && subscription->work.is_creation_done();
-    if (has_all_items && !subscription->is_probing && !subscription->sequence.is_missing() &&
+    if (has_all_items && !subscription->messages.is_probing &&
+        !subscription->messages.sequence.is_missing() &&
         subscription->is_publishing == subscription->settings.is_publishing_enabled) {
-        subscription->complete_until = subscription->heard_time;
-        report_gap(*subscription, subscription->heard_time);
+        subscription->messages.complete_until = subscription->messages.heard_time;
+        subscription->report_gap(subscription->messages.heard_time);
     }
 }
 
-void SubscriptionEngine::fetch_missing(WatchedSubscription& subscription)
+void Reception::fetch_missing(WatchedSubscription& subscription)
 {
-    const bool is_needed = subscription.is_probing || subscription.sequence.is_missing();
-    subscription.is_catching_up = subscription.is_catching_up && is_needed;
-    if (!has_session_ || subscription.phase != Phase::Live || subscription.is_republishing ||
-        !is_needed || requester_.now() < subscription.republish_at) {
+    MessageStream& messages = subscription.messages;
+    if (!messages.needs_republish() || !requests_.has_session() ||
+        subscription.phase != Phase::Live || messages.is_republishing ||
+        requests_.now() < messages.republish_at) {
         return;
     }
-    const std::uint32_t number = subscription.sequence.next();
+    const std::uint32_t number = messages.sequence.next();
     // Of a message that nobody has heard of yet, Bad_MessageNotAvailable means nothing.
-    const bool is_sent = subscription.sequence.is_missing();
+    const bool is_sent = messages.sequence.is_missing();
     RepublishRequest request;
     request.subscription_id = subscription.server_id;
     request.retransmit_sequence_number = number;
-    subscription.is_republishing = true;
-    send<RepublishResponse>(request, [this, number, is_sent, handle = subscription.handle,
-                                      incarnation = subscription.incarnation](const auto& r) {
-        if (WatchedSubscription* found = find(handle, incarnation)) {
-            found->is_republishing = false;
-            republished(*found, number, is_sent, r);
-        }
-        WatchedSubscription* found = find(handle, incarnation);
-        if (found != nullptr && found->heard_time > found->complete_until) {
-            settle(handle); // what was told of since is here, or is given up
-        } else if (found != nullptr) {
-            fetch_missing(*found);
-        }
-    });
+    messages.is_republishing = true;
+    requests_.send<RepublishResponse>(
+        request, [this, number, is_sent, handle = subscription.handle,
+                  incarnation = subscription.incarnation](const auto& response) {
+            if (WatchedSubscription* found = subscriptions_.find(handle, incarnation)) {
+                found->messages.is_republishing = false;
+                republished(*found, number, is_sent, response);
+            }
+            WatchedSubscription* found = subscriptions_.find(handle, incarnation);
+            if (found != nullptr && found->messages.heard_time > found->messages.complete_until) {
+                settle(handle); // what was told of since is here, or is given up
+            } else if (found != nullptr) {
+                fetch_missing(*found);
+            }
+        });
 }
 
-void SubscriptionEngine::republished(WatchedSubscription& subscription, std::uint32_t number,
-                                     bool is_sent, const Result<RepublishResponse>& response)
+void Reception::republished(WatchedSubscription& subscription, std::uint32_t number, bool is_sent,
+                            const Result<RepublishResponse>& response)
 {
     if (!response && response.error() == status::Bad_SubscriptionIdInvalid) {
-        lost(subscription, response.error(), false);
-    } else if (number != subscription.sequence.next()) {
+        ends_.lost(subscription, response.error(), false);
+    } else if (number != subscription.messages.sequence.next()) {
         return; // a Publish response has brought it since
     } else if (!response) {
         not_republished(subscription, is_sent, response.error());
     } else if (response->notification_message.sequence_number != number) {
         not_republished(subscription, is_sent, status::Bad_MessageNotAvailable);
     } else {
-        subscription.republish_failures = 0;
-        if (++subscription.probe_count >= limits_.max_missing) {
-            subscription.is_probing = false; // a server that never ends
-        }
+        subscription.messages.republished();
         NotificationMessage message = response->notification_message;
         if (message.publish_time.is_null()) {
             message.publish_time = response->response_header.timestamp;
@@ -115,39 +91,46 @@ void SubscriptionEngine::republished(WatchedSubscription& subscription, std::uin
     }
 }
 
-void SubscriptionEngine::not_republished(WatchedSubscription& subscription, bool is_sent,
-                                         StatusCode status)
+void Reception::not_republished(WatchedSubscription& subscription, bool is_sent, StatusCode status)
 {
-    if (!is_final(status) && ++subscription.republish_failures < max_republishes) {
-        subscription.republish_at = requester_.now() + pause_after_failure;
+    if (!is_final(status) && ++subscription.messages.republish_failures < max_republishes) {
+        subscription.messages.republish_at = requests_.now() + republish_pause;
         return;
     }
-    subscription.republish_failures = 0;
+    subscription.messages.republish_failures = 0;
     if (is_sent) {
-        lose(subscription, status::Bad_MessageNotAvailable);
-        subscription.sequence.skip();
+        subscription.lose(status::Bad_MessageNotAvailable);
+        subscription.messages.sequence.skip();
         deliver_kept(subscription.handle);
     } else {
-        subscription.is_probing = false; // there is nothing more
+        subscription.messages.is_probing = false; // there is nothing more
     }
 }
 
-/// Part 4, 5.14.1.1: whatever happens, something comes within the keep-alive interval.
-void SubscriptionEngine::watch(WatchedSubscription& subscription, TimePoint now)
+void Reception::catch_up(WatchedSubscription& subscription)
 {
-    if (subscription.phase != Phase::Live || now < subscription.silent_at) {
+    subscription.messages.catch_up(requests_.now());
+    fetch_missing(subscription);
+}
+
+void Reception::probe_all()
+{
+    subscriptions_.for_each([this](WatchedSubscription& subscription) {
+        subscription.messages.is_probing = subscription.phase == Phase::Live;
+        fetch_missing(subscription);
+    });
+}
+
+/// Part 4, 5.14.1.1: whatever happens, something comes within the keep-alive interval.
+void Reception::watch(WatchedSubscription& subscription, TimePoint now)
+{
+    if (subscription.phase != Phase::Live || now < subscription.messages.silent_at) {
         fetch_missing(subscription);
         return;
     }
-    const DateTime time = subscription.heard_time;
-    const std::uint32_t silences = subscription.silences + 1;
-    heard(subscription, time);
-    subscription.silences = silences;
-    if (silences >= patient_silences) {
-        renew_publishes();
+    if (subscription.messages.fall_silent(now) >= patient_silences) {
+        publishes_.renew();
     }
-    subscription.is_probing = true;
-    subscription.probe_count = 0;
     fetch_missing(subscription);
 }
 

@@ -39,10 +39,13 @@ public:
     void skip();
     /// Goes on with `sequence_number`; what is kept is dropped.
     void restart(std::uint32_t sequence_number);
+    /// As made: another Subscription, which counts from 1.
+    void reset() { *this = SequenceTracker{max_missing_}; }
 
     /// The sequence number of the next message.
     [[nodiscard]] std::uint32_t next() const { return next_; }
     [[nodiscard]] std::size_t kept_count() const { return kept_.size(); }
+    [[nodiscard]] std::size_t max_missing() const { return max_missing_; }
 
 private:
     /// How far ahead of the next number this is; nothing if it is behind or no sequence number.

@@ -1,20 +1,25 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <deque>
 #include <functional>
 #include <map>
 #include <memory>
-#include <optional>
+#include <utility>
 #include <vector>
 
 #include <busbar/client/operation.hpp>
 
 #include "item_poll.hpp"
 #include "item_table.hpp"
-#include "sequence_tracker.hpp"
+#include "message_stream.hpp"
 
 namespace busbar::client::detail {
+
+/// The first pause after a failure, and the shortest between two Subscriptions made one for the
+/// other.
+inline constexpr Duration first_retry = std::chrono::seconds{1};
 
 enum class Phase : std::uint8_t {
     Wished,       // to be created
@@ -45,12 +50,6 @@ struct ItemWork {
     std::deque<ItemHandle> to_link;
 };
 
-/// Why notifications are missing and since when; becomes a Gap with the next notification.
-struct Loss {
-    StatusCode reason;
-    DateTime from;
-};
-
 /// How values that lie in a Gap are had again.
 struct Refresh {
     void interrupt();
@@ -65,6 +64,8 @@ struct Refresh {
     std::array<std::deque<ItemHandle>, ItemWork::timestamps_count> to_read; // by TimestampsToReturn
 };
 
+using ItemStatuses = std::vector<std::pair<ItemHandle, ItemStatus>>;
+
 /// A Subscription that the user wants, and what has become of it.
 struct WatchedSubscription {
     WatchedSubscription(SubscriptionHandle name, SubscriptionSettings wished,
@@ -72,6 +73,28 @@ struct WatchedSubscription {
 
     /// While there is a session.
     [[nodiscard]] DeliveryMode mode() const;
+    /// When it needs something at the server, whatever is after `handled_until`.
+    [[nodiscard]] TimePoint next_deadline(TimePoint handled_until) const;
+    /// Nothing is asked for before a pause, which grows with each failure.
+    void try_later(TimePoint now);
+    /// Notifications are lost; the Gap ends with the next one, and then values are had again.
+    void lose(StatusCode reason);
+
+    /// It is no longer at the server: all that was under way there is void.
+    void begin_anew();
+    /// The session ended: requests under way have no answers. Changes of items are made again, they
+    /// are the same twice.
+    void interrupt(ItemTable& items);
+    /// Queues all items to be made, and all links.
+    void queue_all_items(ItemTable& items);
+    /// Queues one, if it is still there.
+    void queue_creation(ItemTable& items, ItemHandle item);
+
+    // These call a handler, which may remove it.
+    /// Tells of what was lost until `until`, if something was.
+    void report_gap(DateTime until);
+    void report_status(StatusCode status, const CreateSubscriptionResponse& response);
+    void report_items(ItemTable& items, const ItemStatuses& statuses) const;
 
     SubscriptionHandle handle;
     SubscriptionSettings settings;
@@ -100,21 +123,7 @@ struct WatchedSubscription {
     std::function<void(WatchedSubscription&)> redo;
     std::map<ItemHandle, Links> links;
 
-    SequenceTracker sequence;
-    bool is_republishing{false};
-    /// Republish shall tell whether there is more than is known of.
-    bool is_probing{false};
-    /// Since the session began it was not yet brought up to date; nothing is published meanwhile.
-    bool is_catching_up{false};
-    std::size_t probe_count{0};
-    std::uint32_t republish_failures{0};
-    TimePoint republish_at{};
-    Duration keep_alive_interval{0};
-    TimePoint silent_at{no_deadline};
-    std::uint32_t silences{0};
-    DateTime heard_time;     // of the last message
-    DateTime complete_until; // null before the first message
-    std::optional<Loss> loss;
+    MessageStream messages;
     Refresh refresh;
 
     std::map<PollKey, PollGroup> polls;

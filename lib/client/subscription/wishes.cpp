@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "client/guarded_handler.hpp"
-#include "engine.hpp"
+#include "wishes.hpp"
 
 namespace busbar::client::detail {
 
@@ -47,55 +47,55 @@ void drop_removed(WatchedSubscription& subscription, ItemTable& items)
 
 } // namespace
 
-Result<SubscriptionHandle> SubscriptionEngine::create(const SubscriptionSettings& settings,
-                                                      SubscriptionHandlers handlers)
+Wishes::Wishes(SessionRequests& requests, WatchList& subscriptions, ItemTable& items,
+               SubscriptionEnds& ends, const SubscriberLimits& limits)
+    : requests_{requests}, subscriptions_{subscriptions}, items_{items}, ends_{ends}, limits_{
+                                                                                          limits}
+{
+}
+
+Result<SubscriptionHandle> Wishes::create(const SubscriptionSettings& settings,
+                                          SubscriptionHandlers handlers)
 {
     if (subscriptions_.size() >= limits_.max_subscriptions) {
         return fail(status::Bad_TooManySubscriptions);
     }
-    const SubscriptionHandle handle = ++last_handle_;
-    subscriptions_.try_emplace(handle, handle, settings,
-                               guarded(std::move(handlers), requester_.log()), limits_.max_missing);
-    has_work_ = true;
-    return handle;
+    const WatchedSubscription& added = subscriptions_.add(
+        settings, guarded(std::move(handlers), requests_.requester().log()), limits_.max_missing);
+    requests_.call_for_work();
+    return added.handle;
 }
 
-Result<void> SubscriptionEngine::modify(SubscriptionHandle handle,
-                                        const SubscriptionSettings& settings)
+Result<void> Wishes::modify(SubscriptionHandle handle, const SubscriptionSettings& settings)
 {
-    WatchedSubscription* subscription = find(handle);
+    WatchedSubscription* subscription = subscriptions_.find(handle);
     if (subscription == nullptr) {
         return fail(status::Bad_SubscriptionIdInvalid);
     }
     subscription->settings = settings;
     subscription->is_modified = true;
-    has_work_ = true;
+    requests_.call_for_work();
     return {};
 }
 
-Result<void> SubscriptionEngine::remove(SubscriptionHandle handle)
+Result<void> Wishes::remove(SubscriptionHandle handle)
 {
-    WatchedSubscription* subscription = find(handle);
+    WatchedSubscription* subscription = subscriptions_.find(handle);
     if (subscription == nullptr) {
         return fail(status::Bad_SubscriptionIdInvalid);
     }
     for (const ItemHandle item : subscription->items) {
         items_.remove(item);
     }
-    if (subscription->server_id != 0) {
-        by_server_id_.erase(subscription->server_id);
-        forget_acknowledgements(subscription->server_id);
-        doom(subscription->server_id);
-    }
-    subscriptions_.erase(handle);
-    has_work_ = true;
+    ends_.remove(*subscription);
+    requests_.call_for_work();
     return {};
 }
 
-Result<std::vector<ItemHandle>> SubscriptionEngine::add_items(SubscriptionHandle handle,
-                                                              std::vector<ItemSettings> items)
+Result<std::vector<ItemHandle>> Wishes::add_items(SubscriptionHandle handle,
+                                                  std::vector<ItemSettings> items)
 {
-    WatchedSubscription* subscription = find(handle);
+    WatchedSubscription* subscription = subscriptions_.find(handle);
     if (subscription == nullptr) {
         return fail(status::Bad_SubscriptionIdInvalid);
     }
@@ -124,12 +124,11 @@ Result<std::vector<ItemHandle>> SubscriptionEngine::add_items(SubscriptionHandle
             handles.back());
     }
     subscription->items.insert(subscription->items.end(), handles.begin(), handles.end());
-    has_work_ = true;
+    requests_.call_for_work();
     return handles;
 }
 
-Result<void> SubscriptionEngine::modify_items(std::span<const ItemHandle> items,
-                                              const ItemSettings& settings)
+Result<void> Wishes::modify_items(std::span<const ItemHandle> items, const ItemSettings& settings)
 {
     if (const StatusCode bad = check(settings); bad.is_bad()) {
         return fail(bad);
@@ -141,13 +140,13 @@ Result<void> SubscriptionEngine::modify_items(std::span<const ItemHandle> items,
     const auto parameters = std::make_shared<ItemParameters>(settings);
     for (const ItemHandle handle : items) {
         Item& item = *items_.find(handle);
-        ItemWork& work = find(item.subscription)->work;
+        ItemWork& work = subscriptions_.find(item.subscription)->work;
         item.is_mode_changed = item.is_mode_changed || item.mode != settings.mode;
         item.mode = settings.mode;
         item.is_modified = item.is_modified || !item.parameters->are_those_of(settings);
         item.parameters = parameters;
         const auto timestamps = static_cast<std::size_t>(settings.timestamps);
-        if (find(item.subscription)->phase == Phase::Polling) {
+        if (subscriptions_.find(item.subscription)->phase == Phase::Polling) {
             item.is_created = false; // it finds its place among the others anew
         }
         if (!item.is_created) {
@@ -161,11 +160,11 @@ Result<void> SubscriptionEngine::modify_items(std::span<const ItemHandle> items,
             work.to_set_mode[static_cast<std::size_t>(settings.mode)].push_back(handle);
         }
     }
-    has_work_ = true;
+    requests_.call_for_work();
     return {};
 }
 
-Result<void> SubscriptionEngine::remove_items(std::span<const ItemHandle> items)
+Result<void> Wishes::remove_items(std::span<const ItemHandle> items)
 {
     if (std::any_of(items.begin(), items.end(),
                     [&](ItemHandle item) { return items_.find(item) == nullptr; })) {
@@ -176,7 +175,7 @@ Result<void> SubscriptionEngine::remove_items(std::span<const ItemHandle> items)
         if (item == nullptr) {
             continue; // it stands there twice
         }
-        WatchedSubscription& subscription = *find(item->subscription);
+        WatchedSubscription& subscription = *subscriptions_.find(item->subscription);
         if (item->is_created && subscription.phase != Phase::Polling) {
             subscription.work.to_delete.push_back(item->server_id);
         }
@@ -185,11 +184,11 @@ Result<void> SubscriptionEngine::remove_items(std::span<const ItemHandle> items)
         items_.remove(handle);
         drop_removed(subscription, items_);
     }
-    has_work_ = true;
+    requests_.call_for_work();
     return {};
 }
 
-Result<void> SubscriptionEngine::set_triggering(ItemHandle trigger, std::vector<ItemHandle> links)
+Result<void> Wishes::set_triggering(ItemHandle trigger, std::vector<ItemHandle> links)
 {
     const Item* item = items_.find(trigger);
     const auto is_no_link = [&](ItemHandle link) {
@@ -200,26 +199,13 @@ Result<void> SubscriptionEngine::set_triggering(ItemHandle trigger, std::vector<
     if (item == nullptr || std::any_of(links.begin(), links.end(), is_no_link)) {
         return fail(status::Bad_MonitoredItemIdInvalid);
     }
-    WatchedSubscription& subscription = *find(item->subscription);
+    WatchedSubscription& subscription = *subscriptions_.find(item->subscription);
     std::sort(links.begin(), links.end());
     links.erase(std::unique(links.begin(), links.end()), links.end());
     subscription.links[trigger].wished = std::move(links);
     subscription.work.to_link.push_back(trigger);
-    has_work_ = true;
+    requests_.call_for_work();
     return {};
-}
-
-WatchedSubscription* SubscriptionEngine::find(SubscriptionHandle handle)
-{
-    const auto found = subscriptions_.find(handle);
-    return found == subscriptions_.end() ? nullptr : &found->second;
-}
-
-WatchedSubscription* SubscriptionEngine::find(SubscriptionHandle handle, std::uint32_t incarnation)
-{
-    WatchedSubscription* subscription = find(handle);
-    return subscription != nullptr && subscription->incarnation == incarnation ? subscription
-                                                                               : nullptr;
 }
 
 } // namespace busbar::client::detail

@@ -3,7 +3,7 @@
 #include <busbar/types/ids.hpp>
 #include <busbar/types/method.hpp>
 
-#include "engine.hpp"
+#include "value_refresh.hpp"
 
 namespace busbar::client::detail {
 
@@ -31,15 +31,20 @@ StatusCode outcome_of(const Result<CallResponse>& response)
 
 } // namespace
 
-/// Part 4, 6.7: where notifications are lost for good, ResendData or Read bring the client up to
-/// date. Only when the Gap was told, so that its values come after it.
-void SubscriptionEngine::refresh(WatchedSubscription& subscription)
+ValueRefresh::ValueRefresh(SessionRequests& requests, WatchList& subscriptions, ItemTable& items,
+                           SubscriptionEnds& ends, ItemRequests& item_requests)
+    : requests_{requests}, subscriptions_{subscriptions}, items_{items}, ends_{ends},
+      item_requests_{item_requests}
+{
+}
+
+void ValueRefresh::refresh(WatchedSubscription& subscription)
 {
     Refresh& refresh = subscription.refresh;
-    const bool may_ask = has_session_ && subscription.phase == Phase::Live &&
-                         subscription.is_publishing && !subscription.is_catching_up &&
-                         !subscription.loss && !refresh.is_under_way &&
-                         requester_.now() >= refresh.at;
+    const bool may_ask = requests_.has_session() && subscription.phase == Phase::Live &&
+                         subscription.is_publishing && !subscription.messages.is_catching_up &&
+                         !subscription.messages.loss && !refresh.is_under_way &&
+                         requests_.now() >= refresh.at;
     if (!may_ask) {
         return;
     }
@@ -50,7 +55,7 @@ void SubscriptionEngine::refresh(WatchedSubscription& subscription)
     }
 }
 
-void SubscriptionEngine::ask_again(WatchedSubscription& subscription)
+void ValueRefresh::ask_again(WatchedSubscription& subscription)
 {
     const bool is_needed =
         std::any_of(subscription.items.begin(), subscription.items.end(),
@@ -64,7 +69,7 @@ void SubscriptionEngine::ask_again(WatchedSubscription& subscription)
 }
 
 /// It reports values, and has had none since some were lost.
-bool SubscriptionEngine::is_stale(const WatchedSubscription& subscription, ItemHandle handle)
+bool ValueRefresh::is_stale(const WatchedSubscription& subscription, ItemHandle handle)
 {
     const Item* item = items_.find(handle);
     return item != nullptr && item->subscription == subscription.handle && item->is_created &&
@@ -73,7 +78,7 @@ bool SubscriptionEngine::is_stale(const WatchedSubscription& subscription, ItemH
 }
 
 /// Part 5, 9.2. The values come in notifications.
-void SubscriptionEngine::call_resend_data(WatchedSubscription& subscription)
+void ValueRefresh::call_resend_data(WatchedSubscription& subscription)
 {
     CallMethodRequest method;
     method.object_id = NodeId{0, id::Server};
@@ -82,24 +87,24 @@ void SubscriptionEngine::call_resend_data(WatchedSubscription& subscription)
     CallRequest request;
     request.methods_to_call.push_back(std::move(method));
     subscription.refresh.is_under_way = true;
-    send<CallResponse>(std::move(request),
-                       [this, handle = subscription.handle,
-                        incarnation = subscription.incarnation](const auto& response) {
-                           if (WatchedSubscription* found = find(handle, incarnation)) {
-                               resend_answered(*found, outcome_of(response));
-                           }
-                       });
+    requests_.send<CallResponse>(
+        std::move(request), [this, handle = subscription.handle,
+                             incarnation = subscription.incarnation](const auto& response) {
+            if (WatchedSubscription* found = subscriptions_.find(handle, incarnation)) {
+                resend_answered(*found, outcome_of(response));
+            }
+        });
 }
 
-void SubscriptionEngine::resend_answered(WatchedSubscription& subscription, StatusCode status)
+void ValueRefresh::resend_answered(WatchedSubscription& subscription, StatusCode status)
 {
     Refresh& refresh = subscription.refresh;
     refresh.is_under_way = false;
-    refresh.at = requester_.now() + refresh_pause;
+    refresh.at = requests_.now() + refresh_pause;
     if (!status.is_bad()) {
         refresh.failures = 0;
     } else if (status == status::Bad_SubscriptionIdInvalid) {
-        lost(subscription, status, false);
+        ends_.lost(subscription, status, false);
     } else if (is_unanswered(status) && refresh.failures + 1 < max_refreshes) {
         ++refresh.failures;
         refresh.is_due = true;
@@ -112,7 +117,7 @@ void SubscriptionEngine::resend_answered(WatchedSubscription& subscription, Stat
     }
 }
 
-void SubscriptionEngine::queue_stale_items(WatchedSubscription& subscription)
+void ValueRefresh::queue_stale_items(WatchedSubscription& subscription)
 {
     for (const ItemHandle handle : subscription.items) {
         if (is_stale(subscription, handle)) {
@@ -126,10 +131,11 @@ void SubscriptionEngine::queue_stale_items(WatchedSubscription& subscription)
 }
 
 /// Reads the next items that are still without a value, as many as a Read may have.
-void SubscriptionEngine::read_again(WatchedSubscription& subscription)
+void ValueRefresh::read_again(WatchedSubscription& subscription)
 {
-    const std::size_t allowed = requester_.server().operation_limits.max_nodes_per_read;
-    const std::size_t limit = allowed == 0 ? default_batch : std::min(allowed, default_batch);
+    const std::size_t allowed = requests_.server().operation_limits.max_nodes_per_read;
+    const std::size_t limit = allowed == 0 ? SessionRequests::default_batch
+                                           : std::min(allowed, SessionRequests::default_batch);
     std::vector<ItemHandle> items;
     std::vector<NodeAddress> addresses;
     ReadSettings settings;
@@ -147,15 +153,18 @@ void SubscriptionEngine::read_again(WatchedSubscription& subscription)
         return;
     }
     subscription.refresh.is_under_way = true;
-    resolve_nodes(subscription, std::move(addresses),
-                  [this, items = std::move(items), settings, handle = subscription.handle](
-                      const auto& nodes) { read_again(*find(handle), items, nodes, settings); });
+    item_requests_.resolve_nodes(subscription, std::move(addresses),
+                                 [this, items = std::move(items), settings,
+                                  handle = subscription.handle](const auto& nodes) {
+                                     read_again(*subscriptions_.find(handle), items, nodes,
+                                                settings);
+                                 });
 }
 
-void SubscriptionEngine::read_again(WatchedSubscription& subscription,
-                                    const std::vector<ItemHandle>& items,
-                                    const std::vector<Result<NodeId>>& nodes,
-                                    const ReadSettings& settings)
+void ValueRefresh::read_again(WatchedSubscription& subscription,
+                              const std::vector<ItemHandle>& items,
+                              const std::vector<Result<NodeId>>& nodes,
+                              const ReadSettings& settings)
 {
     std::vector<ReadValueId> asked;
     std::vector<DataChange> values; // those that are asked for first
@@ -175,8 +184,8 @@ void SubscriptionEngine::read_again(WatchedSubscription& subscription,
     RequestOptions at_once;
     at_once.waits_for_session = false;
     subscription.refresh.read = client::read(
-        requester_, std::move(asked),
-        [this, values = std::move(values), guard = guard(subscription),
+        requests_.requester(), std::move(asked),
+        [this, values = std::move(values), guard = item_requests_.guard(subscription),
          handle = subscription.handle,
          losses = subscription.refresh.losses](std::vector<DataValue> answers) mutable {
             if (!guard()) {
@@ -191,10 +200,10 @@ void SubscriptionEngine::read_again(WatchedSubscription& subscription,
 }
 
 /// `losses`: how many there were when the values were asked for.
-void SubscriptionEngine::deliver_read(SubscriptionHandle handle,
-                                      const std::vector<DataChange>& values, std::uint32_t losses)
+void ValueRefresh::deliver_read(SubscriptionHandle handle, const std::vector<DataChange>& values,
+                                std::uint32_t losses)
 {
-    WatchedSubscription& subscription = *find(handle);
+    WatchedSubscription& subscription = *subscriptions_.find(handle);
     Refresh& refresh = subscription.refresh;
     refresh.is_under_way = false;
     bool is_again = false;
@@ -217,8 +226,8 @@ void SubscriptionEngine::deliver_read(SubscriptionHandle handle,
     }
     refresh.failures = is_again ? refresh.failures + 1 : 0;
     const bool is_pause = is_again || !refresh.is_reading();
-    refresh.at = is_pause ? requester_.now() + refresh_pause : TimePoint{};
-    has_work_ = true;
+    refresh.at = is_pause ? requests_.now() + refresh_pause : TimePoint{};
+    requests_.call_for_work();
     const auto handlers = subscription.handlers;
     if (!changes.empty()) {
         handlers->on_data(changes);

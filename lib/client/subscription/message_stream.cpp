@@ -1,0 +1,75 @@
+#include "message_stream.hpp"
+
+#include <chrono>
+
+namespace busbar::client::detail {
+
+void MessageStream::heard(DateTime time, TimePoint now)
+{
+    heard_time = time;
+    silences = 0;
+    silent_at = now + keep_alive_interval + keep_alive_interval / 2 + std::chrono::seconds{1};
+}
+
+std::uint32_t MessageStream::fall_silent(TimePoint now)
+{
+    const std::uint32_t count = silences + 1;
+    heard(heard_time, now);
+    silences = count;
+    is_probing = true;
+    probe_count = 0;
+    return count;
+}
+
+void MessageStream::lose(StatusCode reason)
+{
+    if (!loss) {
+        loss = Loss{reason, complete_until};
+    }
+}
+
+void MessageStream::begin_session()
+{
+    republish_at = {};
+    probe_count = 0;
+    is_catching_up = false;
+}
+
+void MessageStream::catch_up(TimePoint now)
+{
+    is_probing = true;
+    is_catching_up = true;
+    heard(heard_time, now);
+}
+
+void MessageStream::interrupt()
+{
+    is_republishing = false;
+    silent_at = no_deadline;
+}
+
+void MessageStream::restart()
+{
+    interrupt();
+    is_probing = false;
+    republish_failures = 0;
+    heard_time = {};
+    sequence.reset();
+}
+
+bool MessageStream::needs_republish()
+{
+    const bool is_needed = is_probing || sequence.is_missing();
+    is_catching_up = is_catching_up && is_needed;
+    return is_needed;
+}
+
+void MessageStream::republished()
+{
+    republish_failures = 0;
+    if (++probe_count >= sequence.max_missing()) {
+        is_probing = false;
+    }
+}
+
+} // namespace busbar::client::detail

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <unordered_map>
+#include <utility>
+
+#include <busbar/client/requester.hpp>
+
+namespace busbar::client::detail {
+
+/// The requests that Subscriptions have under way, which end with the session they are sent in, and
+/// whether there is work that no answer waits for.
+class SessionRequests {
+public:
+    /// Items in one request, where neither the user nor the server wants fewer.
+    static constexpr std::size_t default_batch = 1'000;
+
+    /// `answered` is called after the handler of each answer.
+    SessionRequests(Requester& requester, std::function<void()> answered);
+    ~SessionRequests();
+    SessionRequests(const SessionRequests&) = delete;
+    SessionRequests& operator=(const SessionRequests&) = delete;
+
+    void begin_session();
+    /// Forgets what is under way.
+    void end_session();
+    [[nodiscard]] bool has_session() const { return session_ != nullptr; }
+    /// True as long as the session that there is now lasts. May outlive this.
+    [[nodiscard]] std::function<bool()> in_session() const;
+
+    /// `handle` gets the Result; not after end_session() or the end of this. Only in a session.
+    template <typename Response, typename Request, typename Handle>
+    void send(Request request, Handle handle, Duration timeout = {});
+
+    [[nodiscard]] TimePoint now() const { return requester_.now(); }
+    [[nodiscard]] const ServerInfo& server() const { return requester_.server(); }
+    /// For services over several requests.
+    [[nodiscard]] Requester& requester() { return requester_; }
+
+    /// There is something to do at the next deadline, which is now.
+    void call_for_work() { has_work_ = true; }
+    void begin_work() { has_work_ = false; }
+    [[nodiscard]] bool has_work() const { return has_work_; }
+
+private:
+    Requester& requester_;
+    std::function<void()> answered_;
+    bool has_work_{false};
+    std::shared_ptr<bool> session_; // another one for each session
+    std::uint64_t last_token_{0};
+    std::unordered_map<std::uint64_t, RequestId> requests_;
+};
+
+template <typename Response, typename Request, typename Handle>
+void SessionRequests::send(Request request, Handle handle, Duration timeout)
+{
+    const std::uint64_t token = ++last_token_;
+    const RequestId id = requester_.call<Response>(
+        std::move(request),
+        [this, token, handle = std::move(handle)](Result<Response> response) {
+            requests_.erase(token);
+            handle(std::move(response));
+            answered_();
+        },
+        {timeout, false});
+    requests_.emplace(token, id);
+}
+
+} // namespace busbar::client::detail

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "publish_queue.hpp"
+#include "session_requests.hpp"
+#include "watch_list.hpp"
+
+namespace busbar::client::detail {
+
+/// The ends of Subscriptions at the server: those that the server has no longer, which are wished
+/// again, and those that nobody wants any more, which are deleted.
+class SubscriptionEnds {
+public:
+    SubscriptionEnds(SessionRequests& requests, WatchList& subscriptions, PublishQueue& publishes);
+
+    void begin_session(bool is_new);
+    void end_session();
+
+    /// The user has removed it.
+    void remove(WatchedSubscription& subscription);
+    /// The server has it no longer, or nobody knows what it has: it is made anew. Calls a handler.
+    /// `may_live`: the server may have it all the same, and deletes it then.
+    void lost(WatchedSubscription& subscription, StatusCode reason, bool may_live);
+    /// The server deletes it, if it has it: 1,000 wait for that at most, others end with their
+    /// lifetime.
+    void doom(std::uint32_t server_id);
+    void delete_doomed();
+
+private:
+    SessionRequests& requests_;
+    WatchList& subscriptions_;
+    PublishQueue& publishes_;
+    std::vector<std::uint32_t> doomed_;   // to be deleted
+    std::vector<std::uint32_t> deleting_; // in the request under way
+};
+
+} // namespace busbar::client::detail

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "item_requests.hpp"
+#include "item_table.hpp"
+#include "polling.hpp"
+#include "session_requests.hpp"
+#include "subscription_ends.hpp"
+#include "watch_list.hpp"
+
+namespace busbar::client::detail {
+
+/// Makes Subscriptions at the server and changes them (Part 4, 5.14.2 to 5.14.4); has them polled
+/// where the server does not know that service set.
+class SubscriptionSetup {
+public:
+    SubscriptionSetup(SessionRequests& requests, WatchList& subscriptions, ItemTable& items,
+                      SubscriptionEnds& ends, ItemRequests& changes, ItemPolling& polling);
+
+    void create(WatchedSubscription& subscription);
+    void modify(WatchedSubscription& subscription);
+    void set_publishing(WatchedSubscription& subscription, bool is_enabled);
+
+private:
+    void created(SubscriptionHandle handle, const Result<CreateSubscriptionResponse>& response);
+    void creation_failed(WatchedSubscription& subscription, StatusCode status);
+    void revise(WatchedSubscription& subscription, const CreateSubscriptionResponse& revised);
+
+    SessionRequests& requests_;
+    WatchList& subscriptions_;
+    ItemTable& items_;
+    SubscriptionEnds& ends_;
+    ItemRequests& changes_;
+    ItemPolling& polling_;
+};
+
+} // namespace busbar::client::detail
