@@ -2,6 +2,8 @@
 
 #include <cstdio>
 
+#include "json_text.hpp"
+
 namespace busbar::bench {
 
 namespace {
@@ -25,14 +27,15 @@ void print_table(const Options& options, const std::vector<Row>& rows)
 
 void print_json(const Options& options, const std::vector<Row>& rows)
 {
-    std::printf("{\"url\": \"%s\", \"policy\": \"%s\", \"mode\": \"%s\", \"rows\": [",
-                options.url.c_str(), options.policy.c_str(), options.mode.c_str());
+    std::printf("{\"url\": %s, \"policy\": %s, \"mode\": %s, \"rows\": [",
+                quoted(options.url).c_str(), quoted(options.policy).c_str(),
+                quoted(options.mode).c_str());
     const char* separator = "";
     for (const Row& row : rows) {
-        std::printf("%s\n  {\"load\": \"%s\", \"runs\": %zu, \"median_us\": %.2f, \"best_us\": "
+        std::printf("%s\n  {\"load\": %s, \"runs\": %zu, \"median_us\": %.2f, \"best_us\": "
                     "%.2f, \"p99_us\": %.2f, \"floor_us\": %.2f, \"per_second\": %.1f}",
-                    separator, row.load.c_str(), row.runs, row.median_us, row.best_us, row.p99_us,
-                    row.floor_us, row.per_second);
+                    separator, quoted(row.load).c_str(), row.runs, row.median_us, row.best_us,
+                    row.p99_us, row.floor_us, row.per_second);
         separator = ",";
     }
     std::printf("\n]}\n");
@@ -58,11 +61,10 @@ void print_json(const std::vector<HostileRow>& rows, bool has_memory)
 {
     const char* separator = "";
     for (const HostileRow& row : rows) {
-        std::printf(
-            "%s\n  {\"attack\": \"%s\", \"answered\": %zu, \"refused\": %zu, \"reads\": %zu, "
-            "\"failed\": %zu, \"median_us\": %.2f, \"p90_us\": %.2f, \"worst_us\": %.2f",
-            separator, row.attack.c_str(), row.answered, row.refused, row.reads, row.failed,
-            row.median_us, row.p90_us, row.worst_us);
+        std::printf("%s\n  {\"attack\": %s, \"answered\": %zu, \"refused\": %zu, \"reads\": %zu, "
+                    "\"failed\": %zu, \"median_us\": %.2f, \"p90_us\": %.2f, \"worst_us\": %.2f",
+                    separator, quoted(row.attack).c_str(), row.answered, row.refused, row.reads,
+                    row.failed, row.median_us, row.p90_us, row.worst_us);
         if (has_memory) {
             std::printf(", \"peak_growth_mb\": %.2f, \"growth_mb\": %.2f", row.peak_growth_mb(),
                         row.growth_mb());
@@ -80,8 +82,9 @@ void print(const Options& options, const HostileOptions& hostile,
 {
     const bool has_memory = hostile.server_process != 0;
     if (options.json) {
-        std::printf("{\"url\": \"%s\", \"policy\": \"%s\", \"mode\": \"%s\", \"rows\": [",
-                    options.url.c_str(), options.policy.c_str(), options.mode.c_str());
+        std::printf("{\"url\": %s, \"policy\": %s, \"mode\": %s, \"rows\": [",
+                    quoted(options.url).c_str(), quoted(options.policy).c_str(),
+                    quoted(options.mode).c_str());
         print_json(rows, has_memory);
     } else {
         std::printf("%s  %s %s\n", options.url.c_str(), options.policy.c_str(),

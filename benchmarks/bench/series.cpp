@@ -2,6 +2,8 @@
 
 #include <cstdio>
 
+#include "json_text.hpp"
+
 namespace busbar::bench {
 
 namespace {
@@ -47,17 +49,18 @@ void print_json(const std::vector<Series>& all)
     for (const Series& series : all) {
         for (const Point& point : series.points) {
             std::printf(
-                "%s\n  {\"of\": \"%s\", \"count\": %zu, \"create_us\": %.3f, \"read_us\": %.3f}",
-                separator, series.of.c_str(), point.count, point.create_us, point.read_us);
+                "%s\n  {\"of\": %s, \"count\": %zu, \"create_us\": %.3f, \"read_us\": %.3f}",
+                separator, quoted(series.of).c_str(), point.count, point.create_us, point.read_us);
             separator = ",";
         }
     }
     std::printf("\n], \"steps\": [");
     separator = "";
     for (const Step& step : find_steps(all)) {
-        std::printf("%s\n  {\"of\": \"%s\", \"cost\": \"%s\", \"from\": %zu, \"to\": %zu, "
+        std::printf("%s\n  {\"of\": %s, \"cost\": %s, \"from\": %zu, \"to\": %zu, "
                     "\"growth\": %.2f}",
-                    separator, step.of.c_str(), step.cost.c_str(), step.from, step.to, step.growth);
+                    separator, quoted(step.of).c_str(), quoted(step.cost).c_str(), step.from,
+                    step.to, step.growth);
         separator = ",";
     }
     std::printf("\n]}\n");

@@ -1,19 +1,23 @@
 #include <busbar/crypto/jwt.hpp>
 
 #include <algorithm>
-#include <array>
+#include <charconv>
 #include <optional>
 
 #include <busbar/core/text.hpp>
 
 #include "core/base64.hpp"
-#include "json_object.hpp"
+#include "core/json.hpp"
 
 namespace busbar::crypto {
 
 namespace {
 
-using detail::JsonObject;
+using busbar::detail::Json;
+using Kind = Json::Kind;
+
+// A token is small, and its header is read before anybody has proved anything.
+constexpr busbar::detail::JsonLimits json_limits{max_jwt_size, 8, 64, 512, false};
 
 constexpr std::string_view rule_of_form = "RFC 7515, 5.2; Part 6, 6.5.2";
 constexpr std::string_view rule_of_key = "RFC 8725, 3.1; Part 6, 6.5.2.3";
@@ -51,11 +55,18 @@ std::optional<std::vector<std::byte>> decode_part(std::string_view part)
     return busbar::detail::from_base64(text);
 }
 
-std::optional<JsonObject> decode_object(std::string_view part)
+std::optional<Json> decode_object(std::string_view part)
 {
     const auto bytes = decode_part(part);
-    return bytes ? JsonObject::parse({reinterpret_cast<const char*>(bytes->data()), bytes->size()})
-                 : std::nullopt;
+    if (!bytes) {
+        return std::nullopt;
+    }
+    auto json = busbar::detail::parse_json(
+        {reinterpret_cast<const char*>(bytes->data()), bytes->size()}, json_limits);
+    if (!json || json->kind != Kind::Object) {
+        return std::nullopt;
+    }
+    return *std::move(json);
 }
 
 /// The three parts of JWS Compact Serialization.
@@ -79,10 +90,36 @@ std::optional<Parts> split(std::string_view token)
                  token.substr(last + 1), token.substr(0, last)};
 }
 
-std::string text_of(const JsonObject& object, std::string_view name)
+/// The member of the object if it is of that kind, else null.
+const Json* find(const Json& object, std::string_view name, Kind kind)
 {
-    const auto* text = object.find<std::string>(name);
-    return text != nullptr ? *text : std::string{};
+    const Json* found = object.find(name);
+    return found != nullptr && found->kind == kind ? found : nullptr;
+}
+
+std::string text_of(const Json& object, std::string_view name)
+{
+    const Json* text = find(object, name, Kind::String);
+    return text != nullptr ? text->text : std::string{};
+}
+
+bool is_text(const Json& json)
+{
+    return json.kind == Kind::String;
+}
+
+/// The elements of a list of texts, which any other list is not.
+std::optional<std::vector<std::string>> texts_of(const Json& object, std::string_view name)
+{
+    const Json* list = find(object, name, Kind::List);
+    if (list == nullptr || !std::all_of(list->items.begin(), list->items.end(), is_text)) {
+        return std::nullopt;
+    }
+    std::vector<std::string> texts;
+    for (const Json& item : list->items) {
+        texts.push_back(item.text);
+    }
+    return texts;
 }
 
 /// Only what says of itself that it is an access token, or nothing (RFC 8725, 3.11).
@@ -101,7 +138,7 @@ Checked<void> check_signature(const Parts& parts, const JwtRules& rules)
     if (!header || !signature) {
         return malformed("header or signature cannot be read");
     }
-    if (header->has("crit") || !is_known_type(text_of(*header, "typ"))) {
+    if (header->find("crit") != nullptr || !is_known_type(text_of(*header, "typ"))) {
         return malformed("the header asks for what is not known here");
     }
     const std::string algorithm = text_of(*header, "alg");
@@ -122,17 +159,24 @@ Checked<void> check_signature(const Parts& parts, const JwtRules& rules)
                               : "it was signed by another key");
 }
 
-/// A NumericDate (RFC 7519, 2); null for what is none or no time of this calendar.
-DateTime time_of(const JsonObject& claims, std::string_view name)
+/// A NumericDate (RFC 7519, 2), whose fraction does not count; null for what is none, has an
+/// exponent or is no time of this calendar.
+DateTime time_of(const Json& claims, std::string_view name)
 {
-    constexpr double latest = 253'402'300'799.0; // the end of 9999
-    const auto* seconds = claims.find<double>(name);
-    return seconds != nullptr && *seconds > 0 && *seconds <= latest
-               ? DateTime::from_unix_seconds(static_cast<std::int64_t>(*seconds))
+    constexpr std::int64_t latest = 253'402'300'799; // the end of 9999
+    const Json* number = find(claims, name, Kind::Number);
+    if (number == nullptr || number->text.find_first_of("eE") != std::string::npos) {
+        return {};
+    }
+    const std::string_view whole = std::string_view{number->text}.substr(0, number->text.find('.'));
+    std::int64_t seconds = 0;
+    const auto [end, error] = std::from_chars(whole.data(), whole.data() + whole.size(), seconds);
+    return error == std::errc{} && seconds > 0 && seconds <= latest
+               ? DateTime::from_unix_seconds(seconds)
                : DateTime{};
 }
 
-Checked<void> check_times(const JsonObject& claims, const JwtRules& rules, DateTime now)
+Checked<void> check_times(const Json& claims, const JwtRules& rules, DateTime now)
 {
     const auto ticks = [](std::chrono::seconds time) {
         return time.count() * DateTime::ticks_per_second;
@@ -150,7 +194,7 @@ Checked<void> check_times(const JsonObject& claims, const JwtRules& rules, DateT
     }
     for (const std::string_view name : {"nbf", "iat"}) {
         const DateTime begin = time_of(claims, name);
-        if (claims.has(name) &&
+        if (claims.find(name) != nullptr &&
             (begin.is_null() || begin.ticks > now.ticks + ticks(rules.clock_skew))) {
             return rejected("it counts only from " + to_string(begin) + " on",
                             "If that is wrong, set the clock of this machine");
@@ -159,17 +203,17 @@ Checked<void> check_times(const JsonObject& claims, const JwtRules& rules, DateT
     return {};
 }
 
-bool is_meant_for(const JsonObject& claims, std::string_view audience)
+bool is_meant_for(const Json& claims, std::string_view audience)
 {
-    if (const auto* list = claims.find<JsonObject::Strings>("aud")) {
+    if (const auto list = texts_of(claims, "aud")) {
         return std::find(list->begin(), list->end(), audience) != list->end();
     }
-    const auto* one = claims.find<std::string>("aud");
-    return one != nullptr && *one == audience;
+    const Json* one = find(claims, "aud", Kind::String);
+    return one != nullptr && one->text == audience;
 }
 
-Checked<void> check_claims(const JsonObject& claims, const JwtRules& rules,
-                           std::string_view audience, DateTime now)
+Checked<void> check_claims(const Json& claims, const JwtRules& rules, std::string_view audience,
+                           DateTime now)
 {
     if (auto times = check_times(claims, rules, now); !times) {
         return times;
@@ -178,7 +222,7 @@ Checked<void> check_claims(const JsonObject& claims, const JwtRules& rules,
         return rejected("it names no subject");
     }
     if (const std::string issuer = text_of(claims, "iss");
-        issuer != rules.issuer || claims.has("iss") != !rules.issuer.empty()) {
+        issuer != rules.issuer || (claims.find("iss") != nullptr) != !rules.issuer.empty()) {
         return rejected("its issuer is \"" + printable(issuer) + "\" and not \"" + rules.issuer +
                         "\"");
     }
@@ -186,8 +230,8 @@ Checked<void> check_claims(const JsonObject& claims, const JwtRules& rules,
         return rejected("it is for another audience than \"" + std::string{audience} + "\"",
                         "Register this server with the authorization service");
     }
-    const auto* roles = claims.find<JsonObject::Strings>("roles");
-    if (roles != nullptr && roles->size() > max_jwt_roles) {
+    const auto roles = texts_of(claims, "roles");
+    if (roles && roles->size() > max_jwt_roles) {
         return rejected("it has more than " + std::to_string(max_jwt_roles) + " roles");
     }
     return {};
@@ -218,9 +262,7 @@ Checked<JwtClaims> verify_jwt(std::string_view token, const JwtRules& rules,
     result.subject = text_of(*claims, "sub");
     result.issuer = text_of(*claims, "iss");
     result.name = text_of(*claims, "name");
-    if (const auto* roles = claims->find<JsonObject::Strings>("roles")) {
-        result.roles = *roles;
-    }
+    result.roles = texts_of(*claims, "roles").value_or(std::vector<std::string>{});
     result.issued_at = time_of(*claims, "iat");
     result.expires = time_of(*claims, "exp");
     return result;

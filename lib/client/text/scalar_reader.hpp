@@ -5,9 +5,11 @@
 
 #include <busbar/binary/dynamic_value.hpp>
 
-#include "json.hpp"
+#include "core/json.hpp"
 
 namespace busbar::client::detail {
+
+using busbar::detail::Json;
 
 /// The scalar that `from` stands for; false if it is none of that type. A String of JSON is a text
 /// as well as a number in quotes. An overload for each built-in type that has a text.

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/base64.hpp"
+#include "core/json_writer.hpp"
 #include "core/visit_built_in.hpp"
-#include "json_string.hpp"
 
 namespace busbar::client {
 
@@ -14,11 +14,11 @@ namespace {
 using binary::DynamicArray;
 using binary::DynamicValue;
 
-class JsonWriter {
+class ValueWriter {
 public:
-    explicit JsonWriter(const JsonOptions& options) : options_{options} {}
+    explicit ValueWriter(const JsonOptions& options) : options_{options} {}
 
-    [[nodiscard]] std::string take() { return std::move(text_); }
+    [[nodiscard]] std::string take() { return json_.take(); }
 
     void write(const Variant& value)
     {
@@ -28,50 +28,42 @@ public:
         if (!options_.with_types) {
             return content(value);
         }
-        add("{");
+        json_.begin_object();
         variant_members(value);
-        add("}");
+        json_.end_object();
     }
     void write(const DataValue& value)
     {
-        bool is_first = true;
-        add("{");
+        json_.begin_object();
         if (options_.with_types && !value.value.is_null()) {
             variant_members(value.value);
-            is_first = false;
         } else if (!options_.with_types) {
-            member("Value", is_first);
+            member("Value");
             content(value.value);
         }
         if (value.status != status::Good) {
-            member("Status", is_first);
+            member("Status");
             write(value.status);
         }
-        time("SourceTimestamp", value.source_timestamp, is_first);
-        time("ServerTimestamp", value.server_timestamp, is_first);
-        add("}");
+        time("SourceTimestamp", value.source_timestamp);
+        time("ServerTimestamp", value.server_timestamp);
+        json_.end_object();
     }
     void write(const DynamicValue& value)
     {
-        bool is_first = true;
-        add("{");
-        fields(value, is_first);
-        add("}");
+        json_.begin_object();
+        fields(value);
+        json_.end_object();
     }
 
 private:
-    void add(std::string_view text) { text_ += text; }
-    void quoted(std::string_view text) { detail::append_json_string(text_, text); }
-    void member(std::string_view name, bool& is_first)
-    {
-        add(std::exchange(is_first, false) ? "" : ",");
-        quoted(name);
-        add(":");
-    }
-    void time(std::string_view name, DateTime value, bool& is_first)
+    void add(std::string_view word) { json_.word(word); }
+    void quoted(std::string_view text) { json_.string(text); }
+    void member(std::string_view name) { json_.name(name); }
+    void time(std::string_view name, DateTime value)
     {
         if (!value.is_null()) {
-            member(name, is_first);
+            member(name);
             write(value);
         }
     }
@@ -90,12 +82,11 @@ private:
     template <typename T, typename Print>
     void list(std::span<const T> values, Print print)
     {
-        add("[");
+        json_.begin_list();
         for (std::size_t i = 0; i < values.size(); ++i) {
-            add(i == 0 ? "" : ",");
             nested([&] { print(values[i]); });
         }
-        add("]");
+        json_.end_list();
     }
     /// Lists of lists, by the dimensions that are left.
     template <typename T, typename Print>
@@ -105,20 +96,21 @@ private:
             return list(values, print);
         }
         const std::size_t size = values.size() / dimensions.front();
-        add("[");
+        json_.begin_list();
         for (std::size_t i = 0; i < dimensions.front(); ++i) {
-            add(i == 0 ? "" : ",");
             matrix(values.subspan(i * size, size), dimensions.subspan(1), print);
         }
-        add("]");
+        json_.end_list();
     }
 
     void variant_members(const Variant& value)
     {
-        add("\"UaType\":" + std::to_string(static_cast<unsigned>(value.type())) + ",\"Value\":");
+        member("UaType");
+        write(static_cast<unsigned>(value.type()));
+        member("Value");
         content(value, true);
         if (value.is_matrix()) {
-            add(",\"Dimensions\":");
+            member("Dimensions");
             list(value.dimensions(), [this](std::uint32_t size) { write(size); });
         }
     }
@@ -144,11 +136,11 @@ private:
             }
         });
     }
-    void fields(const DynamicValue& value, bool& is_first)
+    void fields(const DynamicValue& value)
     {
         for (std::size_t i = 0; i < value.type().fields.size(); ++i) {
             if (value.has(i)) {
-                member(value.type().fields[i].name, is_first);
+                member(value.type().fields[i].name);
                 nested([&] { field(value, i); });
             }
         }
@@ -200,25 +192,26 @@ private:
     void write(const QualifiedName& value) { quoted(to_string(value)); }
     void write(StatusCode value)
     {
-        add("{\"Code\":" + std::to_string(value.value()));
+        json_.begin_object();
+        member("Code");
+        write(value.value());
         const std::string_view symbol = name(value);
         if (!symbol.empty()) {
-            add(",\"Symbol\":");
+            member("Symbol");
             quoted(symbol);
         }
-        add("}");
+        json_.end_object();
     }
     void write(const LocalizedText& value)
     {
-        bool is_first = true;
-        add("{");
+        json_.begin_object();
         if (!value.locale.empty()) {
-            member("Locale", is_first);
+            member("Locale");
             write(value.locale);
         }
-        member("Text", is_first);
+        member("Text");
         write(value.text);
-        add("}");
+        json_.end_object();
     }
     void write(const ExtensionObject& value)
     {
@@ -227,30 +220,34 @@ private:
         }
         if (options_.types != nullptr) {
             if (const auto known = binary::decode_dynamic(value, *options_.types)) {
-                bool is_first = true;
-                add("{");
-                member("UaTypeId", is_first);
+                json_.begin_object();
+                member("UaTypeId");
                 write(known->type().id);
-                fields(*known, is_first);
-                return add("}");
+                fields(*known);
+                return json_.end_object();
             }
         }
         encoded(value);
     }
     void encoded(const ExtensionObject& value)
     {
-        bool is_first = true;
-        add("{");
-        member("UaTypeId", is_first);
+        json_.begin_object();
+        member("UaTypeId");
         write(value.encoding_id());
         if (value.body() == ExtensionObject::Body::Xml) {
-            add(",\"UaEncoding\":2,\"UaBody\":");
+            body_member(2);
             write(value.xml());
         } else if (value.body() != ExtensionObject::Body::None) {
-            add(",\"UaEncoding\":1,\"UaBody\":");
+            body_member(1);
             write(body_of(value));
         }
-        add("}");
+        json_.end_object();
+    }
+    void body_member(unsigned encoding)
+    {
+        member("UaEncoding");
+        write(encoding);
+        member("UaBody");
     }
     [[nodiscard]] static ByteString body_of(const ExtensionObject& value)
     {
@@ -264,24 +261,23 @@ private:
     }
     void write(const DiagnosticInfo& value)
     {
-        bool is_first = true;
-        add("{");
+        json_.begin_object();
         if (value.additional_info) {
-            member("AdditionalInfo", is_first);
+            member("AdditionalInfo");
             write(*value.additional_info);
         }
-        add("}");
+        json_.end_object();
     }
 
     JsonOptions options_;
-    std::string text_;
+    busbar::detail::JsonWriter json_;
     std::size_t depth_{0};
 };
 
 template <typename T>
 std::string json_of(const T& value, const JsonOptions& options)
 {
-    JsonWriter writer{options};
+    ValueWriter writer{options};
     writer.write(value);
     return writer.take();
 }

@@ -6,9 +6,11 @@
 
 #include <busbar/client/value_text.hpp>
 
-#include "json.hpp"
+#include "core/json.hpp"
 
 namespace busbar::client::detail {
+
+using busbar::detail::Json;
 
 /// Makes values of what parse_json read. The first failure stays in error().
 class TextValueReader {

@@ -41,7 +41,7 @@ std::optional<BuiltInType> take_type(std::string_view& text)
 /// Text without quotes that means the same as in JSON; any other text is a String.
 Json word(std::string_view text)
 {
-    const auto json = detail::parse_json(text);
+    const auto json = busbar::detail::parse_json(text);
     const bool is_word = json && json->kind != Json::Kind::String;
     return is_word ? *json : Json{Json::Kind::String, std::string{text}, {}, {}};
 }
@@ -79,7 +79,7 @@ tl::expected<Variant, ValueError> parse_value(std::string_view text, const Value
     }
     Json json;
     if (is_json(text, type)) {
-        auto parsed = detail::parse_json(text);
+        auto parsed = busbar::detail::parse_json(text);
         if (!parsed) {
             return refuse(std::move(parsed.error()));
         }

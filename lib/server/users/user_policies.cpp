@@ -1,64 +1,48 @@
 #include "user_policies.hpp"
 
+#include "core/json_writer.hpp"
+
 namespace busbar::server::detail {
 
 namespace {
 
 constexpr std::string_view jwt_type = "http://opcfoundation.org/UA/UserToken#JWT";
 
-std::string quoted(std::string_view text)
-{
-    constexpr std::string_view digits = "0123456789abcdef";
-    std::string json = "\"";
-    for (const char c : text) {
-        const auto byte = static_cast<unsigned char>(c);
-        if (c == '"' || c == '\\') {
-            json += '\\';
-        }
-        if (byte < 0x20) {
-            json += "\\u00";
-            json += digits[byte >> 4U];
-            json += digits[byte & 15U];
-        } else {
-            json += c;
-        }
-    }
-    return json + "\"";
-}
-
-std::string quoted(const std::vector<std::string>& texts)
-{
-    std::string json;
-    for (const std::string& text : texts) {
-        json += (json.empty() ? "" : ",") + quoted(text);
-    }
-    return "[" + json + "]";
-}
-
 /// The issuerEndpointUrl of a policy for JSON Web Tokens (Part 6, 6.5.2.2, Table 55).
 std::string issuer_parameters(const ServerConfig& config, const crypto::JwtRules& rules)
 {
     const TokenIssuer& issuer = config.issuer;
-    std::string json = "{\"ua:resourceId\":" +
-                       quoted(rules.audience.empty() ? config.application_uri : rules.audience);
-    const auto add = [&](std::string_view name, const std::string& value) {
-        json += ",\"" + std::string{name} + "\":" + value;
+    busbar::detail::JsonWriter json;
+    const auto add = [&](std::string_view name, std::string_view value) {
+        json.name(name);
+        json.string(value);
     };
-    add("ua:authorityUrl", quoted(issuer.authority_url));
-    add("ua:authorityProfileUri", quoted(issuer.authority_profile_uri));
+    const auto add_list = [&](std::string_view name, const std::vector<std::string>& values) {
+        json.name(name);
+        json.begin_list();
+        for (const std::string& value : values) {
+            json.string(value);
+        }
+        json.end_list();
+    };
+    json.begin_object();
+    add("ua:resourceId", rules.audience.empty() ? config.application_uri : rules.audience);
+    add("ua:authorityUrl", issuer.authority_url);
+    add("ua:authorityProfileUri", issuer.authority_profile_uri);
     if (!issuer.token_endpoint.empty()) {
-        add("ua:tokenEndpoint", quoted(issuer.token_endpoint));
+        add("ua:tokenEndpoint", issuer.token_endpoint);
     }
     if (!issuer.authorization_endpoint.empty()) {
-        add("ua:authorizationEndpoint", quoted(issuer.authorization_endpoint));
+        add("ua:authorizationEndpoint", issuer.authorization_endpoint);
     }
     if (!issuer.request_types.empty()) {
-        add("ua:requestTypes", quoted(issuer.request_types));
+        add_list("ua:requestTypes", issuer.request_types);
     }
     if (!issuer.scopes.empty()) {
-        add("ua:scopes", quoted(issuer.scopes));
+        add_list("ua:scopes", issuer.scopes);
     }
-    return json + "}";
+    json.end_object();
+    return json.take();
 }
 
 } // namespace

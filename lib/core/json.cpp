@@ -1,35 +1,70 @@
 #include "json.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 
 #include <busbar/core/text.hpp>
 
-#include "core/number_text.hpp"
-
-namespace busbar::client::detail {
+namespace busbar::detail {
 
 namespace {
+
+constexpr std::string_view digits = "0123456789";
 
 void append_utf8(std::string& to, std::uint32_t code)
 {
     const auto add = [&](std::uint32_t byte) { to += static_cast<char>(byte); };
+    const auto add_rest = [&](unsigned shift) { add(0x80U | (code >> shift & 0x3FU)); };
     if (code < 0x80) {
-        add(code);
-    } else if (code < 0x800) {
-        add(0xC0U | code >> 6U);
-        add(0x80U | (code & 0x3FU));
-    } else if (code < 0x10000) {
-        add(0xE0U | code >> 12U);
-        add(0x80U | (code >> 6U & 0x3FU));
-        add(0x80U | (code & 0x3FU));
-    } else {
-        add(0xF0U | code >> 18U);
-        add(0x80U | (code >> 12U & 0x3FU));
-        add(0x80U | (code >> 6U & 0x3FU));
-        add(0x80U | (code & 0x3FU));
+        return add(code);
     }
+    if (code < 0x800) {
+        add(0xC0U | code >> 6U);
+    } else {
+        if (code < 0x10000) {
+            add(0xE0U | code >> 12U);
+        } else {
+            add(0xF0U | code >> 18U);
+            add_rest(12);
+        }
+        add_rest(6);
+    }
+    add_rest(0);
+}
+
+/// The value of a hexadecimal digit, 16 of another character.
+std::uint32_t digit_of(char c)
+{
+    constexpr std::string_view hexadecimal = "0123456789abcdef";
+    const char lower = c >= 'A' && c <= 'F' ? static_cast<char>(c + 32) : c;
+    return static_cast<std::uint32_t>(std::min(hexadecimal.find(lower), hexadecimal.size()));
+}
+
+/// The length of the digits in front of `text`.
+std::size_t count_digits(std::string_view text)
+{
+    return std::min(text.find_first_not_of(digits), text.size());
+}
+
+/// RFC 8259, 6.
+bool is_number(std::string_view word)
+{
+    word.remove_prefix(word.starts_with('-') ? 1 : 0);
+    const std::size_t whole = count_digits(word);
+    if (whole == 0 || (whole > 1 && word.front() == '0')) {
+        return false;
+    }
+    word.remove_prefix(whole);
+    if (word.starts_with('.')) {
+        const std::size_t fraction = count_digits(word.substr(1));
+        word.remove_prefix(fraction == 0 ? 0 : 1 + fraction);
+    }
+    if (word.starts_with('e') || word.starts_with('E')) {
+        word.remove_prefix(1);
+        word.remove_prefix(word.starts_with('+') || word.starts_with('-') ? 1 : 0);
+        return !word.empty() && count_digits(word) == word.size();
+    }
+    return word.empty();
 }
 
 /// Reads from the front to the back; the first error stays.
@@ -75,20 +110,25 @@ private:
     void value(Json& to)
     {
         skip_space();
-        if (depth_ == limits_.max_depth) {
-            return expect("fewer levels");
+        if (++values_ > limits_.max_values) {
+            return expect("fewer values");
         }
-        ++depth_;
-        if (take('[')) {
-            list(to);
-        } else if (take('{')) {
-            object(to);
+        if (peek() == '[' || peek() == '{') {
+            nested(to);
         } else if (take('"')) {
             to.kind = Json::Kind::String;
             string(to.text);
         } else {
             word(to);
         }
+    }
+    void nested(Json& to)
+    {
+        if (depth_ == limits_.max_depth) {
+            return expect("fewer levels");
+        }
+        ++depth_;
+        take('[') ? list(to) : object(to);
         --depth_;
     }
     void list(Json& to)
@@ -109,25 +149,40 @@ private:
     void object(Json& to)
     {
         to.kind = Json::Kind::Object;
+        ++at_;
         skip_space();
         if (take('}')) {
             return;
         }
         do {
-            skip_space();
-            if (!take('"')) {
-                return expect("a name in quotes");
+            name(to);
+            if (ok()) {
+                value(to.items.emplace_back());
+                skip_space();
             }
-            string(to.names.emplace_back());
-            skip_space();
-            if (!take(':')) {
-                return expect("':'");
-            }
-            value(to.items.emplace_back());
-            skip_space();
         } while (ok() && take(','));
         if (!take('}')) {
             expect("',' or '}'");
+        }
+    }
+    void name(Json& to)
+    {
+        skip_space();
+        if (to.names.size() == limits_.max_members) {
+            return expect("fewer members");
+        }
+        if (!take('"')) {
+            return expect("a name in quotes");
+        }
+        std::string name;
+        string(name);
+        if (ok() && to.find(name) != nullptr) {
+            return expect("each name once");
+        }
+        to.names.push_back(std::move(name));
+        skip_space();
+        if (!take(':')) {
+            expect("':'");
         }
     }
     /// A number, true, false or null.
@@ -144,18 +199,6 @@ private:
             return expect("a value");
         }
         at_ = end;
-    }
-    [[nodiscard]] static bool is_number(std::string_view word)
-    {
-        double ignored = 0;
-        const auto [end, error] =
-            busbar::detail::read_number(word.data(), word.data() + word.size(), ignored);
-        const char first = word.starts_with('-') && word.size() > 1 ? word[1]
-                           : word.empty()                           ? ' '
-                                                                    : word[0];
-        // Out of range is for the type to say; inf and nan are no numbers here.
-        return error != std::errc::invalid_argument && end == word.data() + word.size() &&
-               first >= '0' && first <= '9';
     }
     void string(std::string& to)
     {
@@ -191,28 +234,30 @@ private:
     void unicode(std::string& to)
     {
         std::uint32_t code = hexadecimal();
-        if (code >= 0xD800 && code < 0xDC00 && take('\\') && take('u')) {
-            const std::uint32_t low = hexadecimal();
-            if (low >= 0xDC00 && low < 0xE000) {
-                return append_utf8(to, 0x10000 + ((code - 0xD800) << 10U) + (low - 0xDC00));
-            }
-            code = low;
-        }
         if (code >= 0xD800 && code < 0xE000) {
-            return expect("both halves of a surrogate pair");
+            const bool is_first = code < 0xDC00 && take('\\') && take('u');
+            const std::uint32_t low = is_first ? hexadecimal() : 0;
+            if (low < 0xDC00 || low >= 0xE000) {
+                return expect("both halves of a surrogate pair");
+            }
+            code = 0x10000 + ((code - 0xD800) << 10U) + (low - 0xDC00);
+        }
+        if (code == 0 && !limits_.allows_nul) {
+            return expect("another character than NUL");
         }
         append_utf8(to, code);
     }
     [[nodiscard]] std::uint32_t hexadecimal()
     {
         std::uint32_t code = 0;
-        const std::string_view digits = text_.substr(std::min(at_, text_.size()), 4);
-        const auto [end, error] =
-            std::from_chars(digits.data(), digits.data() + digits.size(), code, 16);
-        if (error != std::errc{} || end != digits.data() + 4) {
-            expect("four hexadecimal digits");
-        } else {
-            at_ += 4;
+        for (std::size_t i = 0; i < 4; ++i) {
+            const std::uint32_t digit = digit_of(peek());
+            if (digit > 15) {
+                expect("four hexadecimal digits");
+                return 0;
+            }
+            code = code << 4U | digit;
+            ++at_;
         }
         return code;
     }
@@ -221,6 +266,7 @@ private:
     JsonLimits limits_;
     std::size_t at_{0};
     std::size_t depth_{0};
+    std::size_t values_{0};
     std::string error_;
 };
 
@@ -259,4 +305,4 @@ tl::expected<Json, std::string> parse_json(std::string_view text, const JsonLimi
     return JsonReader{text, limits}.read();
 }
 
-} // namespace busbar::client::detail
+} // namespace busbar::detail

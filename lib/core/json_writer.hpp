@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <busbar/core/api.hpp>
+
+namespace busbar::detail {
+
+/// Writes JSON (RFC 8259) and sets the commas. The caller opens and closes what belongs together,
+/// and gives each value in an object its name first.
+class BUSBAR_API JsonWriter {
+public:
+    void begin_object() { open('{'); }
+    void end_object() { text_ += '}'; }
+    void begin_list() { open('['); }
+    void end_list() { text_ += ']'; }
+    /// Of the value that comes next.
+    void name(std::string_view name);
+    /// In quotes, safe to print on a terminal: what is no UTF-8 becomes U+FFFD, control characters
+    /// are escaped.
+    void string(std::string_view text);
+    /// A number, true, false or null, as it stands.
+    void word(std::string_view word);
+
+    [[nodiscard]] std::string take() { return std::move(text_); }
+
+private:
+    void open(char bracket);
+    void separate();
+
+    std::string text_;
+};
+
+} // namespace busbar::detail
