@@ -28,17 +28,6 @@ inline constexpr unsigned array = 0x80;
 }
 } // namespace variant_mask
 
-/// Part 6, 5.2.2.17.
-namespace data_value_mask {
-inline constexpr unsigned value = 0x01;
-inline constexpr unsigned status = 0x02;
-inline constexpr unsigned source_timestamp = 0x04;
-inline constexpr unsigned server_timestamp = 0x08;
-inline constexpr unsigned source_picoseconds = 0x10;
-inline constexpr unsigned server_picoseconds = 0x20;
-inline constexpr unsigned all = 0x3F;
-} // namespace data_value_mask
-
 /// Part 6, 5.2.2.12.
 namespace diagnostic_info_mask {
 inline constexpr unsigned symbolic_id = 0x01;

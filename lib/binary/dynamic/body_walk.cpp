@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "binary/data_value_wire.hpp"
 #include "binary/wire_masks.hpp"
 #include "core/visit_built_in.hpp"
 #include "matrix_header.hpp"
@@ -275,22 +276,19 @@ void BodyWalk::variant_dimensions(std::size_t count)
 void BodyWalk::data_value()
 {
     namespace bits = busbar::detail::data_value_mask;
-    const unsigned mask = reader_.number<std::uint8_t>();
-    if ((mask & ~bits::all) != 0) {
-        reader_.fail(status::Bad_DecodingError);
-        return;
-    }
-    if ((mask & bits::value) != 0) {
-        static_cast<void>(variant());
-    }
-    const auto skip_if = [&](unsigned bit, std::size_t size) {
-        reader_.skip((mask & bit) != 0 ? size : 0);
-    };
-    skip_if(bits::status, sizeof(std::uint32_t));
-    skip_if(bits::source_timestamp, sizeof(std::int64_t));
-    skip_if(bits::source_picoseconds, sizeof(std::uint16_t));
-    skip_if(bits::server_timestamp, sizeof(std::int64_t));
-    skip_if(bits::server_picoseconds, sizeof(std::uint16_t));
+    busbar::detail::read_data_value(reader_, [this](auto bit) {
+        using Bit = decltype(bit);
+        if constexpr (std::is_same_v<Bit, bits::Value>) {
+            static_cast<void>(variant());
+        } else if constexpr (std::is_same_v<Bit, bits::Status>) {
+            reader_.skip(sizeof(std::uint32_t));
+        } else if constexpr (std::is_same_v<Bit, bits::SourceTimestamp> ||
+                             std::is_same_v<Bit, bits::ServerTimestamp>) {
+            reader_.skip(sizeof(std::int64_t));
+        } else {
+            reader_.skip(sizeof(std::uint16_t));
+        }
+    });
 }
 
 void BodyWalk::diagnostic_info()

@@ -1,43 +1,14 @@
 #include "read_results.hpp"
 
-#include <algorithm>
-
-#include <busbar/binary/codec.hpp>
+#include "binary/data_value_wire.hpp"
 
 namespace busbar::server::detail {
 
 namespace {
 
-// Part 6, 5.2.2.17
-constexpr unsigned value_bit = 0x01;
-constexpr unsigned status_bit = 0x02;
-constexpr unsigned source_timestamp_bit = 0x04;
-constexpr unsigned server_timestamp_bit = 0x08;
-constexpr unsigned source_picoseconds_bit = 0x10;
-constexpr std::uint16_t max_picoseconds = 9'999;
-
 const Variant& value_of(const ReadSlot& slot)
 {
     return slot.shared != nullptr ? *slot.shared : slot.value;
-}
-
-unsigned mask_of(const DataValue& data, const Variant& value, const Timestamps& timestamps)
-{
-    unsigned mask = 0;
-    if (!data.status.is_bad() && !value.is_null()) {
-        mask |= value_bit;
-    }
-    if (data.status != StatusCode{}) {
-        mask |= status_bit;
-    }
-    if (timestamps.source && !data.source_timestamp.is_null()) {
-        mask |= source_timestamp_bit;
-        mask |= data.source_picoseconds != 0 ? source_picoseconds_bit : 0U;
-    }
-    if (!timestamps.server.is_null()) {
-        mask |= server_timestamp_bit;
-    }
-    return mask;
 }
 
 } // namespace
@@ -58,23 +29,11 @@ void encode_slot(binary::Writer& writer, const ReadSlot& slot, const Timestamps&
 void encode_data_value(binary::Writer& writer, const DataValue& data, const Variant& value,
                        const Timestamps& timestamps)
 {
-    const unsigned mask = mask_of(data, value, timestamps);
-    writer.number(static_cast<std::uint8_t>(mask));
-    if ((mask & value_bit) != 0) {
-        encode(writer, value);
-    }
-    if ((mask & status_bit) != 0) {
-        encode(writer, data.status);
-    }
-    if ((mask & source_timestamp_bit) != 0) {
-        encode(writer, data.source_timestamp);
-    }
-    if ((mask & source_picoseconds_bit) != 0) {
-        writer.number(std::min(data.source_picoseconds, max_picoseconds));
-    }
-    if ((mask & server_timestamp_bit) != 0) {
-        encode(writer, timestamps.server);
-    }
+    const bool has_source = timestamps.source && !data.source_timestamp.is_null();
+    busbar::detail::write_data_value(
+        writer, {data.status.is_bad() ? nullptr : &value, data.status,
+                 has_source ? data.source_timestamp : DateTime{},
+                 has_source ? data.source_picoseconds : std::uint16_t{0}, timestamps.server, 0});
 }
 
 void cut_range(ReadSlot& slot, const NumericRange& range)
