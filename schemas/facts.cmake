@@ -1,6 +1,7 @@
-# Status codes and attribute ids: CSV facts to C++ headers at configure time.
+# Status codes, attribute ids and the first NodeIds: CSV facts to C++ headers at configure time.
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS
-  ${CMAKE_CURRENT_LIST_DIR}/StatusCode.csv ${CMAKE_CURRENT_LIST_DIR}/AttributeId.csv)
+  ${CMAKE_CURRENT_LIST_DIR}/StatusCode.csv ${CMAKE_CURRENT_LIST_DIR}/AttributeId.csv
+  ${CMAKE_CURRENT_LIST_DIR}/NodeIds.csv)
 
 file(STRINGS ${CMAKE_CURRENT_LIST_DIR}/StatusCode.csv rows)
 set(constants "")
@@ -53,4 +54,33 @@ enum class AttributeId : std::uint32_t {
 @constants@};
 
 } // namespace busbar
+")
+
+# The NodeIds that are needed before, or without, all of busbar/types/ids.hpp.
+file(STRINGS ${CMAKE_CURRENT_LIST_DIR}/NodeIds.csv rows)
+set(constants "")
+foreach(name Structure Number Integer UInteger Enumeration Decimal OptionSet Union IdType
+    StructureType HierarchicalReferences HasChild HasModellingRule HasEncoding HasTypeDefinition
+    HasSubtype HasProperty HasComponent HasOrderedComponent RootFolder
+    StructureDefinition_Encoding_DefaultBinary EnumDefinition_Encoding_DefaultBinary
+    RolePermissionType_Encoding_DefaultBinary)
+  set(row ${rows})
+  list(FILTER row INCLUDE REGEX "^${name},[0-9]+,")
+  if(NOT row MATCHES "^${name},([0-9]+),[A-Za-z]+$")
+    message(FATAL_ERROR "schemas/NodeIds.csv has not one ${name}")
+  endif()
+  string(APPEND constants "inline constexpr std::uint32_t ${name} = ${CMAKE_MATCH_1};\n")
+endforeach()
+file(CONFIGURE OUTPUT ${BUSBAR_GENERATED_DIR}/busbar/core/detail/basic_ids.hpp @ONLY CONTENT
+"// Generated from schemas/NodeIds.csv.
+#pragma once
+
+#include <cstdint>
+
+/// The first of the NodeIds in busbar/types/ids.hpp, for what is built before that or may not cost
+/// as much to include.
+namespace busbar::detail::basic_id {
+
+@constants@
+} // namespace busbar::detail::basic_id
 ")

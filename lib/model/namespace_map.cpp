@@ -2,14 +2,16 @@
 
 #include <busbar/binary/codec.hpp>
 #include <busbar/types/data_types.hpp>
+#include <busbar/types/ids.hpp>
 
 namespace busbar::model::detail {
 
 namespace {
 
-constexpr std::uint32_t argument_encoding = 298;
-constexpr std::uint32_t role_permission_encoding = 128;
-constexpr std::uint32_t structure_definition_encoding = 122;
+constexpr std::uint32_t argument_encoding = id::Argument_Encoding_DefaultBinary;
+constexpr std::uint32_t role_permission_encoding = id::RolePermissionType_Encoding_DefaultBinary;
+constexpr std::uint32_t structure_definition_encoding =
+    id::StructureDefinition_Encoding_DefaultBinary;
 
 /// The overloads call each other: a Variant may hold any of the others.
 class NamespaceMap {

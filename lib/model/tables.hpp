@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <busbar/model/space_reader.hpp>
+#include <busbar/types/ids.hpp>
 
 #include "index_table.hpp"
 #include "journal.hpp"
@@ -18,21 +19,21 @@
 namespace busbar::model::detail {
 
 // Nodes of namespace 0 that the rules of the address space name.
-inline constexpr std::uint32_t id_structure = 22;
-inline constexpr std::uint32_t id_base_data_type = 24;
-inline constexpr std::uint32_t id_hierarchical_references = 33;
-inline constexpr std::uint32_t id_organizes = 35;
-inline constexpr std::uint32_t id_has_modelling_rule = 37;
-inline constexpr std::uint32_t id_has_encoding = 38;
-inline constexpr std::uint32_t id_has_type_definition = 40;
-inline constexpr std::uint32_t id_has_subtype = 45;
-inline constexpr std::uint32_t id_has_property = 46;
-inline constexpr std::uint32_t id_has_component = 47;
-inline constexpr std::uint32_t id_base_object_type = 58;
-inline constexpr std::uint32_t id_folder_type = 61;
-inline constexpr std::uint32_t id_base_variable_type = 62;
-inline constexpr std::uint32_t id_property_type = 68;
-inline constexpr std::uint32_t id_argument = 296;
+inline constexpr std::uint32_t id_structure = id::Structure;
+inline constexpr std::uint32_t id_base_data_type = id::BaseDataType;
+inline constexpr std::uint32_t id_hierarchical_references = id::HierarchicalReferences;
+inline constexpr std::uint32_t id_organizes = id::Organizes;
+inline constexpr std::uint32_t id_has_modelling_rule = id::HasModellingRule;
+inline constexpr std::uint32_t id_has_encoding = id::HasEncoding;
+inline constexpr std::uint32_t id_has_type_definition = id::HasTypeDefinition;
+inline constexpr std::uint32_t id_has_subtype = id::HasSubtype;
+inline constexpr std::uint32_t id_has_property = id::HasProperty;
+inline constexpr std::uint32_t id_has_component = id::HasComponent;
+inline constexpr std::uint32_t id_base_object_type = id::BaseObjectType;
+inline constexpr std::uint32_t id_folder_type = id::FolderType;
+inline constexpr std::uint32_t id_base_variable_type = id::BaseVariableType;
+inline constexpr std::uint32_t id_property_type = id::PropertyType;
+inline constexpr std::uint32_t id_argument = id::Argument;
 
 /// What a table of constant nodes says, with the namespace indices that `map` has for its own.
 [[nodiscard]] NodeAccess node_access(const StaticNodes& nodes, const StaticAccess& from,

@@ -4,12 +4,16 @@
 #include <map>
 #include <set>
 
+#include <busbar/core/detail/basic_ids.hpp>
+#include <model/nodeset/node_flags.hpp>
+
 #include "names.hpp"
 
 namespace busbar::generator {
 
 namespace {
 
+namespace basic_id = busbar::detail::basic_id;
 using nodeset::Document;
 using nodeset::Node;
 using nodeset::NodeClass;
@@ -53,12 +57,8 @@ private:
     /// HasProperty, HasComponent, HasOrderedComponent.
     [[nodiscard]] static bool is_part(const NodeId& type)
     {
-        return type.is(46) || type.is(47) || type.is(49);
-    }
-    [[nodiscard]] static bool is_type(const Node& node)
-    {
-        constexpr unsigned types = 8 | 16 | 32 | 64;
-        return (static_cast<unsigned>(node.node_class) & types) != 0;
+        return type.is(basic_id::HasProperty) || type.is(basic_id::HasComponent) ||
+               type.is(basic_id::HasOrderedComponent);
     }
 
     const Document& document_;

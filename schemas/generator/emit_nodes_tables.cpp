@@ -18,15 +18,12 @@ using nodeset::is_type;
 using nodeset::Node;
 using nodeset::NodeClass;
 
-constexpr std::uint32_t has_modelling_rule = 37;
-constexpr std::uint32_t has_type_definition = 40;
+constexpr std::uint32_t has_modelling_rule = basic_id::HasModellingRule;
+constexpr std::uint32_t has_type_definition = basic_id::HasTypeDefinition;
 
-/// The id of the built-in type of a DataType; 26, 27 and 28 for Number, Integer and UInteger.
+/// The id of the built-in type of a DataType; those of Number, Integer and UInteger stand behind.
 std::uint8_t built_in_id(const Hierarchy& hierarchy, const Node& node)
 {
-    constexpr std::uint32_t unsigned_integer = 28;
-    constexpr std::uint32_t enumeration = 29;
-    constexpr std::uint32_t decimal = 50;
     if (node.node_class != NodeClass::DataType) {
         return 0;
     }
@@ -35,13 +32,13 @@ std::uint8_t built_in_id(const Hierarchy& hierarchy, const Node& node)
         if (id.namespace_index() != 0 || !id.is_numeric()) {
             continue;
         }
-        if (id.numeric() == enumeration) {
+        if (id.numeric() == basic_id::Enumeration) {
             return static_cast<std::uint8_t>(BuiltInType::Int32);
         }
-        if (id.numeric() == decimal) {
+        if (id.numeric() == basic_id::Decimal) {
             return static_cast<std::uint8_t>(BuiltInType::ExtensionObject);
         }
-        if (id.numeric() >= 1 && id.numeric() <= unsigned_integer) {
+        if (id.numeric() >= 1 && id.numeric() <= basic_id::UInteger) {
             return static_cast<std::uint8_t>(id.numeric());
         }
     }

@@ -37,7 +37,8 @@ tl::expected<std::string, Failure> NodeValues::value(const nodeset::Node& node) 
 
 std::string NodeValues::permissions(const nodeset::Node& node)
 {
-    constexpr std::uint32_t role_permission_encoding = 128; // RolePermissionType
+    constexpr std::uint32_t role_permission_encoding =
+        busbar::detail::basic_id::RolePermissionType_Encoding_DefaultBinary;
     if (!node.role_permissions) {
         return {};
     }

@@ -7,7 +7,7 @@ namespace busbar::generator {
 
 namespace {
 
-constexpr std::uint32_t has_subtype = 45;
+using nodeset::has_subtype;
 
 // In the order of the built-in type ids, from Boolean on.
 constexpr std::array<BuiltInName, 25> names = {{

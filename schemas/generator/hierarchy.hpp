@@ -9,6 +9,8 @@
 
 namespace busbar::generator {
 
+namespace basic_id = busbar::detail::basic_id;
+
 using nodeset::Kind;
 
 struct BuiltInName {
@@ -39,7 +41,10 @@ public:
     /// An unsigned number whose bits have names (Part 3, 8.40).
     [[nodiscard]] bool is_number_option_set(const nodeset::Node& node) const;
     /// The abstract structure OptionSet of Part 5, 12.2.21.
-    [[nodiscard]] bool is_option_set_base(const NodeId& id) const { return id.is(12755); }
+    [[nodiscard]] bool is_option_set_base(const NodeId& id) const
+    {
+        return id.is(basic_id::OptionSet);
+    }
     /// Structure and Union themselves, which stand for any subtype.
     [[nodiscard]] bool is_open_structure(const NodeId& id) const
     {

@@ -27,8 +27,7 @@ constexpr std::array<std::uint32_t, 4> hand_written = {
 /// The C++ name of a DataType's type. Core has a StructureType of its own.
 std::string cpp_name(const Node& node)
 {
-    constexpr std::uint32_t structure_type = 98;
-    if (node.id.is(structure_type)) {
+    if (node.id.is(basic_id::StructureType)) {
         return "StructureDefinitionType";
     }
     return type_name(node.symbolic_name.empty() ? node.browse_name : node.symbolic_name);
@@ -267,7 +266,7 @@ FieldType SchemaMaker::enumeration_type(const Node& node, const char* underlying
     const bool is_generated = node.id.namespace_index() != schema_.namespace_index ||
                               by_node_.find(&node) != by_node_.end();
     const std::string name = cpp_name(node);
-    const bool is_by_hand = node.id.is(29) || node.id.is(256);
+    const bool is_by_hand = node.id.is(basic_id::Enumeration) || node.id.is(basic_id::IdType);
     return {is_generated && !is_by_hand ? qualified(node, name) : underlying, size, nullptr};
 }
 

@@ -161,6 +161,8 @@ const std::array bans = {
     Ban{R"(std::(jthread|thread)\b)", "a thread below net", below_net},
     Ban{R"(\bmemcpy\s*\()", "memcpy on wire data outside Reader and Writer", on_wire_data},
     Ban{R"(#include <iostream>)", "iostream in the library", below_net},
+    Ban{R"(NodeId\{0, *[0-9]|\.is\([0-9]|uint32_t id_[a-z_]+ = [0-9])",
+        "a number for a node of namespace 0: busbar/types/ids.hpp has its name", in_library},
     Ban{R"(\b(dynamic_cast|typeid)\b)", "RTTI in a layer that is built without", below_net},
 };
 

@@ -162,4 +162,10 @@ TEST_CASE("banned calls and traces are found where they are banned", "[tidy]")
     CHECK(count("lib/core/x.cpp", "auto p = \"/ho"
                                   "me/me\";\n") == 1);
     CHECK(count("lib/core/x.hpp", "int i;\n") == 1);
+    CHECK(count("lib/model/x.cpp", "space.find(NodeId{0, 85});\n") == 1);
+    CHECK(count("include/busbar/model/x.cpp", "space.find(ExpandedNodeId{0,85});\n") == 1);
+    CHECK(count("lib/model/x.cpp", "return type.is(45);\n") == 1);
+    CHECK(count("lib/model/x.cpp", "constexpr std::uint32_t id_organizes = 35;\n") == 1);
+    CHECK(count("lib/model/x.cpp", "space.find(NodeId{0, id::Objects}, {2, 85});\n") == 0);
+    CHECK(count("tests/x.cpp", "space.find(NodeId{0, 85});\n") == 0);
 }

@@ -6,9 +6,6 @@ namespace busbar::nodeset {
 
 namespace {
 
-constexpr std::uint32_t has_encoding = 38;
-constexpr std::uint32_t last_built_in = 25;
-
 /// The kinds at which the way up the hierarchy ends.
 Kind final_kind(const NodeId& id)
 {
@@ -16,20 +13,21 @@ Kind final_kind(const NodeId& id)
         return Kind::Unknown;
     }
     switch (id.numeric()) {
-    case 26: // Number
-    case 27: // Integer
-    case 28: // UInteger
-    case 50: // Decimal
+    case basic_id::Number:
+    case basic_id::Integer:
+    case basic_id::UInteger:
+    case basic_id::Decimal:
         return Kind::Variant;
-    case 29:
+    case basic_id::Enumeration:
         return Kind::Enumeration;
-    case 12755:
+    case basic_id::OptionSet:
         return Kind::OptionSetStructure;
-    case 12756:
+    case basic_id::Union:
         return Kind::Union;
     default:
-        return id.numeric() >= 1 && id.numeric() <= last_built_in ? static_cast<Kind>(id.numeric())
-                                                                  : Kind::Unknown;
+        return id.numeric() >= 1 && id.numeric() <= last_built_in_type
+                   ? static_cast<Kind>(id.numeric())
+                   : Kind::Unknown;
     }
 }
 
@@ -69,7 +67,7 @@ void DataTypeTable::add_references(const Document& document, const Node& node)
             if (const auto subtype = types_.find(target); subtype != types_.end()) {
                 subtype->second.supertype = source;
             }
-        } else if (reference.type.is(has_encoding)) {
+        } else if (reference.type.is(basic_id::HasEncoding)) {
             add_encoding(source, target);
             const Node* const encoding = document.find(target);
             const auto type = types_.find(source);
@@ -202,7 +200,7 @@ bool DataTypeTable::is_union(const NodeId& id) const
 
 bool DataTypeTable::is_open_structure(const NodeId& id)
 {
-    return id.is(22) || id.is(12755) || id.is(12756);
+    return id.is(basic_id::Structure) || id.is(basic_id::OptionSet) || id.is(basic_id::Union);
 }
 
 } // namespace busbar::nodeset

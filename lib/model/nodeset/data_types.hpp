@@ -8,13 +8,16 @@
 #include <vector>
 
 #include <busbar/core/built_in_type.hpp>
+#include <busbar/core/detail/basic_ids.hpp>
 
 #include "document.hpp"
 
 namespace busbar::nodeset {
 
+namespace basic_id = busbar::detail::basic_id;
+
 /// NodeId of the ReferenceType.
-inline constexpr std::uint32_t has_subtype = 45;
+inline constexpr std::uint32_t has_subtype = basic_id::HasSubtype;
 
 /// What a DataType is on the wire: a built-in type by its id, or one of the kinds behind them.
 enum class Kind : std::uint8_t {

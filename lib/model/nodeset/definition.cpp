@@ -3,14 +3,17 @@
 #include <algorithm>
 
 #include <busbar/binary/codec.hpp>
+#include <busbar/core/detail/basic_ids.hpp>
 
 namespace busbar::nodeset {
 
 namespace {
 
 // NodeIds of the binary encodings of the two kinds of DataTypeDefinition (Part 3, 8.48 and 8.50).
-constexpr std::uint32_t structure_definition_encoding = 122;
-constexpr std::uint32_t enum_definition_encoding = 123;
+constexpr std::uint32_t structure_definition_encoding =
+    busbar::detail::basic_id::StructureDefinition_Encoding_DefaultBinary;
+constexpr std::uint32_t enum_definition_encoding =
+    busbar::detail::basic_id::EnumDefinition_Encoding_DefaultBinary;
 
 /// StructureType (Part 3, 8.49).
 std::int32_t structure_type(bool is_union, const std::vector<const Field*>& fields)

@@ -9,7 +9,7 @@ namespace busbar::nodeset {
 
 namespace {
 
-constexpr std::uint32_t has_type_definition = 40;
+constexpr std::uint32_t has_type_definition = basic_id::HasTypeDefinition;
 /// The longest name of a node in characters (Part 3, 8.3), and identifier in bytes (Part 3, 8.2.4).
 constexpr std::size_t max_name_size = 512;
 constexpr std::size_t max_identifier_size = 4096;

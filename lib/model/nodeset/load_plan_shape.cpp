@@ -1,5 +1,7 @@
 #include <algorithm>
 
+#include <busbar/core/detail/basic_ids.hpp>
+
 #include "load_plan.hpp"
 #include "node_flags.hpp"
 
@@ -7,8 +9,8 @@ namespace busbar::nodeset {
 
 namespace {
 
-constexpr std::uint32_t hierarchical_references = 33;
-constexpr std::uint32_t has_child = 34;
+constexpr std::uint32_t hierarchical_references = busbar::detail::basic_id::HierarchicalReferences;
+constexpr std::uint32_t has_child = busbar::detail::basic_id::HasChild;
 
 } // namespace
 
