@@ -8,16 +8,18 @@
 #include <busbar/core/date_time.hpp>
 #include <busbar/core/status_code.hpp>
 
+#include "core/json_writer.hpp"
+
 namespace busbar::cli {
 
 /// Writes one JSON document (RFC 8259) on one line. Members are written in the order of the calls;
 /// the caller closes what it opens.
 class JsonWriter {
 public:
-    JsonWriter& open_object() { return open('{'); }
-    JsonWriter& close_object() { return close('}'); }
-    JsonWriter& open_array() { return open('['); }
-    JsonWriter& close_array() { return close(']'); }
+    JsonWriter& open_object();
+    JsonWriter& close_object();
+    JsonWriter& open_array();
+    JsonWriter& close_array();
     JsonWriter& key(std::string_view name);
 
     /// Bytes that are no UTF-8 become U+FFFD.
@@ -47,15 +49,10 @@ public:
     /// {"code": 2147483648, "symbol": "Bad"}, as Part 6, 5.4.2.12 has it.
     JsonWriter& member(std::string_view name, StatusCode value);
 
-    [[nodiscard]] const std::string& document() const { return text_; }
+    [[nodiscard]] const std::string& document() const { return json_.document(); }
 
 private:
-    JsonWriter& open(char bracket);
-    JsonWriter& close(char bracket);
-    void separate();
-
-    std::string text_;
-    bool needs_comma_{false};
+    busbar::detail::JsonWriter json_;
 };
 
 } // namespace busbar::cli

@@ -24,6 +24,7 @@ public:
     /// A number, true, false or null, as it stands.
     void word(std::string_view word);
 
+    [[nodiscard]] const std::string& document() const { return text_; }
     [[nodiscard]] std::string take() { return std::move(text_); }
 
 private:
