@@ -1,5 +1,6 @@
 #include <memory>
 
+#include <busbar/channel/channel_types.hpp>
 #include <busbar/crypto/certificate.hpp>
 #include <busbar/crypto/security_policy.hpp>
 #include <busbar/types/discovery.hpp>
@@ -16,16 +17,8 @@ namespace {
 
 std::string_view mode_name(MessageSecurityMode mode)
 {
-    switch (mode) {
-    case MessageSecurityMode::None:
-        return "None";
-    case MessageSecurityMode::Sign:
-        return "Sign";
-    case MessageSecurityMode::SignAndEncrypt:
-        return "SignAndEncrypt";
-    default:
-        return "?";
-    }
+    const std::string_view name = channel::name(mode);
+    return mode == MessageSecurityMode::Invalid || name.empty() ? "?" : name;
 }
 
 std::string_view token_name(UserTokenType type)

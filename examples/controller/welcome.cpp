@@ -21,9 +21,8 @@ std::string hosts_text(const server::ServerConfig& server)
 
 std::string endpoint_text(const server::EndpointConfig& endpoint)
 {
-    static constexpr const char* modes[] = {"", "None", "Sign", "SignAndEncrypt"};
     return "  endpoint: " + std::string{endpoint.security.policy->name} + " " +
-           modes[static_cast<int>(endpoint.security.mode)] +
+           std::string{channel::name(endpoint.security.mode)} +
            (endpoint.allows_anonymous ? ", anonymous" : "") +
            (endpoint.allows_user_name ? ", user name" : "") +
            (endpoint.allows_certificate ? ", user certificate" : "") +

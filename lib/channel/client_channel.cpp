@@ -4,6 +4,7 @@
 
 #include <busbar/core/text.hpp>
 
+#include "channel_input.hpp"
 #include "client_impl.hpp"
 #include "refusals.hpp"
 
@@ -17,21 +18,6 @@ void ClientChannel::Impl::say_hello()
     hello.endpoint_url = String{config.endpoint_url};
     write_hello(conversation.output(), hello);
     state = ClientChannelState::Acknowledge;
-}
-
-std::optional<ChannelEvent> ClientChannel::Impl::next_event()
-{
-    while (events.empty() && state != ClientChannelState::Closed) {
-        const auto frame = conversation.next_frame();
-        if (!frame) {
-            give_up(protocol_refusal(frame.error()));
-        } else if (!*frame) {
-            break;
-        } else if (const auto handled = handle(**frame); !handled) {
-            give_up(handled.error());
-        }
-    }
-    return events.pop();
 }
 
 Checked<void> ClientChannel::Impl::handle(const Frame& frame)
@@ -113,9 +99,9 @@ Checked<void> ClientChannel::Impl::handle_message(const Frame& frame)
     if (!content) {
         return refuse(protocol_refusal(content.error()));
     }
-    auto event = conversation.assembly().add(frame.header.chunk, *content);
+    auto event = add_chunk(conversation, frame, *content);
     if (!event) {
-        return refuse(protocol_refusal(event.error()));
+        return refuse(std::move(event).error());
     }
     if (*event) {
         events.push(**std::move(event));
@@ -148,7 +134,7 @@ void ClientChannel::Impl::give_up(const Refusal& refusal)
 void ClientChannel::Impl::end(StatusCode status, std::string reason)
 {
     state = ClientChannelState::Closed;
-    events.push({ChannelEvent::Kind::Closed, 0, {}, status, std::move(reason)});
+    events.push_closed(status, std::move(reason));
 }
 
 ClientChannel::ClientChannel(ClientChannelConfig config, const ChannelEnvironment& environment,
@@ -188,7 +174,7 @@ Result<void> ClientChannel::feed(std::span<const std::byte> in, TimePoint now)
 
 std::optional<ChannelEvent> ClientChannel::next_event()
 {
-    return impl_->next_event();
+    return next_event_of(*impl_);
 }
 
 std::span<const std::byte> ClientChannel::output() const

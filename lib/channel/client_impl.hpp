@@ -32,7 +32,6 @@ struct ClientChannel::Impl {
     }
 
     void say_hello();
-    [[nodiscard]] std::optional<ChannelEvent> next_event();
     [[nodiscard]] Checked<void> handle(const detail::Frame& frame);
     [[nodiscard]] Checked<void> handle_reverse_hello(const detail::Frame& frame);
     void handle_error(const detail::Frame& frame);

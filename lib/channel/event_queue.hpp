@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -14,6 +15,11 @@ class PendingEvents {
 public:
     [[nodiscard]] bool empty() const { return next_ == events_.size(); }
     void push(ChannelEvent event) { events_.push_back(std::move(event)); }
+    /// The last one of a channel.
+    void push_closed(StatusCode status, std::string reason)
+    {
+        push({ChannelEvent::Kind::Closed, 0, {}, status, std::move(reason)});
+    }
     [[nodiscard]] std::optional<ChannelEvent> pop()
     {
         if (empty()) {

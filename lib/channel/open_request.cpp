@@ -11,18 +11,12 @@ namespace busbar::channel::detail {
 
 namespace {
 
+/// Invalid is a number like any other here: nobody may ask for it.
 std::string mode_text(MessageSecurityMode mode)
 {
-    switch (mode) {
-    case MessageSecurityMode::None:
-        return "None";
-    case MessageSecurityMode::Sign:
-        return "Sign";
-    case MessageSecurityMode::SignAndEncrypt:
-        return "SignAndEncrypt";
-    default:
-        return "mode " + std::to_string(static_cast<std::int32_t>(mode));
-    }
+    const std::string_view known = mode == MessageSecurityMode::Invalid ? "" : name(mode);
+    return known.empty() ? "mode " + std::to_string(static_cast<std::int32_t>(mode))
+                         : std::string{known};
 }
 
 tl::unexpected<Refusal> refuse_certificate(StatusCode status, std::string found,

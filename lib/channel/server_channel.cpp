@@ -6,8 +6,7 @@
 #include <busbar/core/text.hpp>
 #include <busbar/types/secure_channel.hpp>
 
-#include "conversation.hpp"
-#include "event_queue.hpp"
+#include "channel_input.hpp"
 #include "key_log.hpp"
 #include "open_request.hpp"
 #include "refusals.hpp"
@@ -51,7 +50,6 @@ struct ServerChannel::Impl {
     {
     }
 
-    [[nodiscard]] std::optional<ChannelEvent> next_event();
     [[nodiscard]] Checked<void> handle(const Frame& frame);
     [[nodiscard]] Checked<void> handle_hello(const Frame& frame);
     [[nodiscard]] Checked<void> handle_open(const Frame& frame);
@@ -73,21 +71,6 @@ struct ServerChannel::Impl {
     bool is_reverse{false};
     PendingEvents events;
 };
-
-std::optional<ChannelEvent> ServerChannel::Impl::next_event()
-{
-    while (events.empty() && state != State::Closed) {
-        const auto frame = conversation.next_frame();
-        if (!frame) {
-            give_up(protocol_refusal(frame.error()));
-        } else if (!*frame) {
-            break;
-        } else if (const auto handled = handle(**frame); !handled) {
-            give_up(handled.error());
-        }
-    }
-    return events.pop();
-}
 
 /// Which message is allowed in which state; anything else is Bad_TcpMessageTypeInvalid.
 Checked<void> ServerChannel::Impl::handle(const Frame& frame)
@@ -209,9 +192,9 @@ Checked<void> ServerChannel::Impl::handle_message(const Frame& frame)
     if (frame.header.chunk == 'A' && !conversation.assembly().has_begun()) {
         return refuse(protocol_refusal(status::Bad_TcpMessageTypeInvalid));
     }
-    auto event = conversation.assembly().add(frame.header.chunk, *content);
+    auto event = add_chunk(conversation, frame, *content);
     if (!event) {
-        return refuse(protocol_refusal(event.error()));
+        return refuse(std::move(event).error());
     }
     // A client that gave up a request leaves nothing to do (Part 6, 6.7.3).
     if (*event && (*event)->kind == ChannelEvent::Kind::Message) {
@@ -237,7 +220,7 @@ void ServerChannel::Impl::fail_with(StatusCode told_status, StatusCode status,
 void ServerChannel::Impl::end(StatusCode status, std::string reason)
 {
     state = State::Closed;
-    events.push({ChannelEvent::Kind::Closed, 0, {}, status, std::move(reason)});
+    events.push_closed(status, std::move(reason));
 }
 
 ServerChannel::ServerChannel(ServerChannelConfig config, const ChannelEnvironment& environment,
@@ -277,7 +260,7 @@ Result<void> ServerChannel::feed(std::span<const std::byte> in, TimePoint now)
 
 std::optional<ChannelEvent> ServerChannel::next_event()
 {
-    return impl_->next_event();
+    return next_event_of(*impl_);
 }
 
 std::span<const std::byte> ServerChannel::output() const

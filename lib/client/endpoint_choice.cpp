@@ -98,17 +98,8 @@ Step judge(const EndpointDescription& endpoint, const SecurityWishes& wishes,
 
 std::string_view name_of(MessageSecurityMode mode)
 {
-    switch (mode) {
-    case MessageSecurityMode::None:
-        return "None";
-    case MessageSecurityMode::Sign:
-        return "Sign";
-    case MessageSecurityMode::SignAndEncrypt:
-        return "SignAndEncrypt";
-    case MessageSecurityMode::Invalid:
-        break;
-    }
-    return "no mode";
+    const std::string_view name = channel::name(mode);
+    return mode == MessageSecurityMode::Invalid || name.empty() ? "no mode" : name;
 }
 
 std::string_view name_of(UserTokenType type)

@@ -8,20 +8,13 @@
 #include <busbar/core/api.hpp>
 #include <busbar/model/node.hpp>
 
+#include "type_class.hpp"
+
 namespace busbar::model::detail {
 
 [[nodiscard]] constexpr std::uint32_t number(NodeIndex node)
 {
     return static_cast<std::uint32_t>(node);
-}
-
-[[nodiscard]] constexpr bool is_type(NodeClass node_class)
-{
-    constexpr unsigned types = static_cast<unsigned>(NodeClass::ObjectType) |
-                               static_cast<unsigned>(NodeClass::VariableType) |
-                               static_cast<unsigned>(NodeClass::ReferenceType) |
-                               static_cast<unsigned>(NodeClass::DataType);
-    return (static_cast<unsigned>(node_class) & types) != 0;
 }
 
 /// One reference in a node's list; a hole where one was removed.

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <busbar/channel/key_log.hpp>
@@ -36,6 +37,9 @@ struct TransportLimits {
     /// From the connection's first moment to an open channel.
     Duration handshake_timeout{std::chrono::seconds{10}};
 };
+
+/// "Invalid", "None", "Sign" or "SignAndEncrypt" (Part 4, 7.20); empty for any other number.
+[[nodiscard]] BUSBAR_API std::string_view name(MessageSecurityMode mode);
 
 /// What a channel is secured with. A policy and mode that belong together.
 struct SecuritySetting {

@@ -5,13 +5,13 @@
 #include <busbar/model/static_nodes.hpp>
 
 #include "document.hpp"
+#include "model/type_class.hpp"
 
 namespace busbar::nodeset {
 
 [[nodiscard]] inline bool is_type(const Node& node)
 {
-    return node.node_class == NodeClass::ObjectType || node.node_class == NodeClass::VariableType ||
-           node.node_class == NodeClass::ReferenceType || node.node_class == NodeClass::DataType;
+    return model::detail::is_type(node.node_class);
 }
 
 /// The bits of model::static_flag.

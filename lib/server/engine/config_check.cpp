@@ -14,10 +14,9 @@ namespace {
 
 std::string describe(const channel::SecuritySetting& security)
 {
-    static constexpr std::string_view modes[] = {"Invalid", "None", "Sign", "SignAndEncrypt"};
-    const auto mode = static_cast<std::size_t>(security.mode);
+    const std::string_view mode = channel::name(security.mode);
     return "endpoint " + std::string{security.policy->name} + " " +
-           std::string{mode < std::size(modes) ? modes[mode] : modes[0]};
+           std::string{mode.empty() ? "Invalid" : mode};
 }
 
 /// Part 7, 6.6: a policy names the keys that it may be used with.
