@@ -74,7 +74,6 @@ bool Client::Impl::deliver()
 
 bool Client::Impl::expire()
 {
-    // The connection gives it up at the same moment, and nobody will ask what became of it.
     return requests.expire(now);
 }
 

@@ -5,8 +5,8 @@
 #include <busbar/core/text.hpp>
 
 #include "client_impl.hpp"
+#include "deadline_heap.hpp"
 #include "endpoint_filter.hpp"
-#include "pending_requests.hpp"
 
 namespace busbar::client {
 

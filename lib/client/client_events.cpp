@@ -76,9 +76,9 @@ void Client::Impl::handle_response(ConnectionEvent event)
     if (is_for(state_handle)) {
         state_arrived(event);
     } else {
-        requests.answer(event.handle, event.status.is_bad()
-                                          ? Result<ResponseBody>{fail(event.status)}
-                                          : ResponseBody{std::move(event.body)});
+        requests.answer(event.context, event.status.is_bad()
+                                           ? Result<ResponseBody>{fail(event.status)}
+                                           : ResponseBody{std::move(event.body)});
     }
     if (config.wants_session && state == ClientState::Ready &&
         detail::is_session_gone(event.status)) {

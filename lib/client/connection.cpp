@@ -29,7 +29,8 @@ struct Connection::Impl {
     }
 
     [[nodiscard]] Result<std::uint32_t>
-    send(FunctionRef<void(binary::Writer&, const RequestHeader&)> encode, Duration timeout = {});
+    send(FunctionRef<void(binary::Writer&, const RequestHeader&)> encode, Duration timeout = {},
+         std::uint64_t context = 0);
     template <typename Request>
     [[nodiscard]] Result<void> send(Request& request);
     void handle(channel::ChannelEvent event);
@@ -59,7 +60,7 @@ struct Connection::Impl {
 
 Result<std::uint32_t>
 Connection::Impl::send(FunctionRef<void(binary::Writer&, const RequestHeader&)> encode,
-                       Duration timeout)
+                       Duration timeout, std::uint64_t context)
 {
     if (timeout <= Duration::zero()) {
         timeout = config.request_timeout;
@@ -71,7 +72,7 @@ Connection::Impl::send(FunctionRef<void(binary::Writer&, const RequestHeader&)> 
     header.timeout_hint = timeout_hint(timeout);
     const auto id = channel.send([&](binary::Writer& writer) { encode(writer, header); });
     if (id) {
-        pending.add(*id, detail::deadline_after(now, timeout));
+        pending.add(*id, detail::deadline_after(now, timeout), context);
     }
     return id;
 }
@@ -119,11 +120,12 @@ void Connection::Impl::handle_opened()
 
 void Connection::Impl::handle_response(channel::ChannelEvent event)
 {
-    if (!pending.remove(event.request_id)) {
+    const auto context = pending.remove(event.request_id);
+    if (!context) {
         return; // it came too late, or nobody asked
     }
     ConnectionEvent response{ConnectionEvent::Kind::Response, event.request_id, event.status,
-                             std::move(event.body)};
+                             std::move(event.body), *context};
     if (response.status.is_good()) {
         // Every response begins with its header, a ServiceFault is nothing else.
         binary::Reader reader{response.body, binary::Strings::Borrow};
@@ -203,7 +205,7 @@ void Connection::Impl::session_activated(const ConnectionEvent& event)
 void Connection::Impl::become_ready()
 {
     state = State::Ready;
-    events.push_back({ConnectionEvent::Kind::Ready, 0, {}, {}});
+    events.push_back({ConnectionEvent::Kind::Ready, 0, {}, {}, 0});
 }
 
 void Connection::Impl::close_session(bool deletes_subscriptions)
@@ -234,11 +236,11 @@ void Connection::Impl::end(StatusCode status)
     if (std::exchange(state, State::Closed) == State::Closed) {
         return;
     }
-    for (const std::uint32_t handle : pending.take_all()) {
+    for (const auto& [id, context] : pending.take_all()) {
         events.push_back(
-            {ConnectionEvent::Kind::Response, handle, status::Bad_SecureChannelClosed, {}});
+            {ConnectionEvent::Kind::Response, id, status::Bad_SecureChannelClosed, {}, context});
     }
-    events.push_back({ConnectionEvent::Kind::Closed, 0, status, {}});
+    events.push_back({ConnectionEvent::Kind::Closed, 0, status, {}, 0});
     channel.close();
 }
 
@@ -289,13 +291,16 @@ TimePoint Connection::next_deadline() const
 void Connection::handle_deadline(TimePoint now)
 {
     impl_->now = now;
-    while (const auto handle = impl_->pending.take_expired(now)) {
+    while (const auto expired = impl_->pending.take_expired(now)) {
         if (impl_->state != State::Ready) {
             impl_->abandon(status::Bad_Timeout);
             return;
         }
-        impl_->events.push_back(
-            {ConnectionEvent::Kind::Response, *handle, status::Bad_Timeout, {}});
+        impl_->events.push_back({ConnectionEvent::Kind::Response,
+                                 expired->id,
+                                 status::Bad_Timeout,
+                                 {},
+                                 expired->context});
     }
     impl_->channel.handle_deadline(now);
 }
@@ -307,12 +312,12 @@ bool Connection::is_closed() const
 
 Result<std::uint32_t>
 Connection::send_encoded(FunctionRef<void(binary::Writer&, const RequestHeader&)> encode,
-                         Duration timeout)
+                         Duration timeout, std::uint64_t context)
 {
     if (impl_->state != State::Ready) {
         return fail(status::Bad_SessionNotActivated);
     }
-    return impl_->send(encode, timeout);
+    return impl_->send(encode, timeout, context);
 }
 
 Result<void> Connection::open_session(ConnectionConfig config)

@@ -2,68 +2,81 @@
 
 #include <cstdint>
 #include <optional>
-#include <set>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
-#include <busbar/core/clock.hpp>
+#include "deadline_heap.hpp"
 
 namespace busbar::client::detail {
-
-/// `start + time`, or never if that is past what a TimePoint can tell.
-[[nodiscard]] inline TimePoint deadline_after(TimePoint start, Duration time)
-{
-    return time >= no_deadline - start ? no_deadline : start + time;
-}
 
 /// Requests under way on one connection, each with its own deadline.
 class PendingRequests {
 public:
-    void add(std::uint32_t id, TimePoint deadline)
+    struct Pending {
+        std::uint32_t id{0};
+        std::uint64_t context{0};
+    };
+
+    /// `context` is given back with the request.
+    void add(std::uint32_t id, TimePoint deadline, std::uint64_t context)
     {
-        deadline_of_[id] = deadline;
-        by_deadline_.insert({deadline, id});
+        requests_[id] = {deadline, context};
+        deadlines_.add(deadline, id);
     }
-    /// False if there is none with that id.
-    bool remove(std::uint32_t id)
+    /// Its context; nothing if there is none with that id.
+    std::optional<std::uint64_t> remove(std::uint32_t id)
     {
-        const auto found = deadline_of_.find(id);
-        if (found == deadline_of_.end()) {
-            return false;
-        }
-        by_deadline_.erase({found->second, id});
-        deadline_of_.erase(found);
-        return true;
-    }
-    /// Removes one whose deadline has come, the earliest first.
-    [[nodiscard]] std::optional<std::uint32_t> take_expired(TimePoint now)
-    {
-        if (by_deadline_.empty() || by_deadline_.begin()->first > now) {
+        const auto found = requests_.find(id);
+        if (found == requests_.end()) {
             return std::nullopt;
         }
-        const std::uint32_t id = by_deadline_.begin()->second;
-        remove(id);
-        return id;
+        const std::uint64_t context = found->second.context;
+        requests_.erase(found);
+        prune();
+        return context;
+    }
+    /// Removes one whose deadline has come, the earliest first.
+    [[nodiscard]] std::optional<Pending> take_expired(TimePoint now)
+    {
+        if (requests_.empty() || next_deadline() > now) {
+            return std::nullopt;
+        }
+        return take_first();
     }
     /// Removes all, in the order of their deadlines.
-    [[nodiscard]] std::vector<std::uint32_t> take_all()
+    [[nodiscard]] std::vector<Pending> take_all()
     {
-        std::vector<std::uint32_t> ids;
-        for (const auto& [deadline, id] : std::exchange(by_deadline_, {})) {
-            ids.push_back(id);
+        std::vector<Pending> all;
+        all.reserve(requests_.size());
+        while (!requests_.empty()) {
+            all.push_back(take_first());
         }
-        deadline_of_.clear();
-        return ids;
+        return all;
     }
-    [[nodiscard]] TimePoint next_deadline() const
-    {
-        return by_deadline_.empty() ? no_deadline : by_deadline_.begin()->first;
-    }
+    [[nodiscard]] TimePoint next_deadline() const { return deadlines_.next_deadline(); }
 
 private:
-    std::unordered_map<std::uint32_t, TimePoint> deadline_of_;
-    std::set<std::pair<TimePoint, std::uint32_t>> by_deadline_;
+    struct Request {
+        TimePoint deadline{};
+        std::uint64_t context{0};
+    };
+
+    [[nodiscard]] Pending take_first()
+    {
+        const std::uint32_t id = deadlines_.first();
+        return {id, remove(id).value_or(0)};
+    }
+    void prune()
+    {
+        deadlines_.prune(requests_.size(), [this](TimePoint deadline, std::uint32_t id) {
+            const auto found = requests_.find(id);
+            return found != requests_.end() && found->second.deadline == deadline;
+        });
+    }
+
+    std::unordered_map<std::uint32_t, Request> requests_;
+    DeadlineHeap<std::uint32_t> deadlines_;
 };
 
 } // namespace busbar::client::detail

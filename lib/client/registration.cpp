@@ -6,7 +6,7 @@
 
 #include <busbar/core/text.hpp>
 
-#include "pending_requests.hpp"
+#include "deadline_heap.hpp"
 #include "reconnect.hpp"
 
 namespace busbar::client {

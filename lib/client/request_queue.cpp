@@ -1,8 +1,8 @@
 #include "request_queue.hpp"
 
-#include <busbar/core/detail/guarded.hpp>
+#include <algorithm>
 
-#include "pending_requests.hpp"
+#include <busbar/core/detail/guarded.hpp>
 
 namespace busbar::client::detail {
 
@@ -17,13 +17,11 @@ RequestId RequestQueue::add(Encode encode, Handler handler, const RequestOptions
     request.timeout = options.timeout > Duration::zero() ? options.timeout : default_timeout_;
     request.waits_for_session = options.waits_for_session;
     const auto added = requests_.emplace(id, std::move(request)).first;
+    ++waiting_count_;
     if (is_full) {
         finish(added, fail(status::Bad_TooManyOperations));
     } else if (is_closed || (!is_ready && !options.waits_for_session)) {
         finish(added, fail(status::Bad_ServerNotConnected));
-    } else {
-        waiting_.insert(id);
-        untimed_.push_back(id);
     }
     return id;
 }
@@ -43,58 +41,60 @@ std::optional<std::uint32_t> RequestQueue::cancel(RequestId id)
 
 void RequestQueue::tell(TimePoint now)
 {
-    for (const RequestId id : std::exchange(untimed_, {})) {
-        const auto found = requests_.find(id);
-        if (found != requests_.end() && !found->second.result) {
-            found->second.deadline = deadline_after(now, found->second.timeout);
-            by_deadline_.insert({found->second.deadline, id});
+    for (auto at = requests_.upper_bound(timed_until_); at != requests_.end(); ++at) {
+        if (at->second.is_waiting()) {
+            at->second.deadline = deadline_after(now, at->second.timeout);
+            deadlines_.add(at->second.deadline, at->first);
         }
     }
+    timed_until_ = last_id_;
 }
 
 TimePoint RequestQueue::next_deadline() const
 {
-    if (!untimed_.empty()) {
-        return TimePoint::min();
-    }
-    return by_deadline_.empty() ? no_deadline : by_deadline_.begin()->first;
+    return timed_until_ != last_id_ ? TimePoint::min() : deadlines_.next_deadline();
 }
 
 bool RequestQueue::expire(TimePoint now)
 {
-    if (by_deadline_.empty() || by_deadline_.begin()->first > now) {
+    if (deadlines_.next_deadline() > now || deadlines_.size() == 0) {
         return false;
     }
-    finish(requests_.find(by_deadline_.begin()->second), fail(status::Bad_Timeout));
+    finish(requests_.find(deadlines_.first()), fail(status::Bad_Timeout));
     return true;
 }
 
 bool RequestQueue::send_one(Connection& connection, TimePoint now)
 {
-    if (waiting_.empty()) {
+    if (!has_waiting()) {
         return false;
     }
-    const auto request = requests_.find(*waiting_.begin());
+    const auto request = std::find_if(requests_.lower_bound(next_waiting_), requests_.end(),
+                                      [](const auto& entry) { return entry.second.is_waiting(); });
+    next_waiting_ = request->first + 1;
     Request& sent = request->second;
+    if (sent.deadline <= now) {
+        finish(request, fail(status::Bad_Timeout));
+        return true;
+    }
     const auto handle = connection.send_encoded(
         [&](binary::Writer& writer, const RequestHeader& header) { sent.encode(writer, header); },
-        sent.deadline == no_deadline ? sent.timeout : sent.deadline - now);
+        sent.deadline == no_deadline ? sent.timeout : sent.deadline - now, request->first);
     if (!handle) {
         finish(request, fail(handle.error()));
         return true;
     }
     sent.handle = *handle;
     sent.encode = nullptr;
-    by_handle_[*handle] = request->first;
-    waiting_.erase(request->first);
+    leave();
     return true;
 }
 
-void RequestQueue::answer(std::uint32_t handle, Result<ResponseBody> result)
+void RequestQueue::answer(RequestId id, Result<ResponseBody> result)
 {
-    const auto found = by_handle_.find(handle);
-    if (found != by_handle_.end()) {
-        finish(requests_.find(found->second), std::move(result));
+    const auto found = requests_.find(id);
+    if (found != requests_.end() && found->second.handle != 0) {
+        finish(found, std::move(result));
     }
 }
 
@@ -125,15 +125,23 @@ void RequestQueue::finish(Requests::iterator request, Result<ResponseBody> resul
     if (request->second.result) {
         return;
     }
-    by_deadline_.erase({request->second.deadline, request->first});
-    waiting_.erase(request->first);
-    if (request->second.handle != 0) {
-        by_handle_.erase(request->second.handle);
-    }
+    const bool was_waiting = request->second.handle == 0;
     request->second.handle = 0;
     request->second.encode = nullptr;
     request->second.result = std::move(result);
     finished_.push_back(request->first);
+    if (was_waiting) {
+        leave();
+    }
+}
+
+void RequestQueue::leave()
+{
+    --waiting_count_;
+    deadlines_.prune(waiting_count_, [this](TimePoint, RequestId id) {
+        const auto found = requests_.find(id);
+        return found != requests_.end() && found->second.is_waiting();
+    });
 }
 
 } // namespace busbar::client::detail

@@ -5,14 +5,13 @@
 #include <functional>
 #include <map>
 #include <optional>
-#include <set>
-#include <unordered_map>
-#include <utility>
 #include <vector>
 
 #include <busbar/client/connection.hpp>
 #include <busbar/client/requester.hpp>
 #include <busbar/core/log.hpp>
+
+#include "deadline_heap.hpp"
 
 namespace busbar::client::detail {
 
@@ -20,6 +19,7 @@ namespace busbar::client::detail {
 /// or answered. Every one ends once, by its deadline at the latest; handlers are called by
 /// deliver() only.
 ///
+/// While a request is under way the Connection has its deadline, and knows it by its RequestId.
 /// Deadlines begin with the first time that is known after call(), which may come from a user who
 /// has not told the time for a while.
 class RequestQueue {
@@ -41,14 +41,14 @@ public:
     /// Gives what has no deadline yet its own.
     void tell(TimePoint now);
     [[nodiscard]] TimePoint next_deadline() const;
-    /// Ends one request whose deadline has come. False if there is none.
+    /// Ends one waiting request whose deadline has come. False if there is none.
     bool expire(TimePoint now);
 
     /// Sends the request that has waited longest. False if none waits.
     bool send_one(Connection& connection, TimePoint now);
-    [[nodiscard]] bool has_waiting() const { return !waiting_.empty(); }
-    /// Takes the response to what is `handle` on the connection.
-    void answer(std::uint32_t handle, Result<ResponseBody> result);
+    [[nodiscard]] bool has_waiting() const { return waiting_count_ != 0; }
+    /// Takes the response to a request that is under way.
+    void answer(RequestId id, Result<ResponseBody> result);
     /// The connection is gone: what was under way ends with `status`, and so does what does not
     /// want to wait, or all of it.
     void end(StatusCode status, bool is_closed);
@@ -65,22 +65,26 @@ private:
         Duration timeout{0};
         bool waits_for_session{true};
         TimePoint deadline{no_deadline};
-        std::uint32_t handle{0};
+        std::uint32_t handle{0}; // on the connection, while it is under way there
         std::optional<Result<ResponseBody>> result;
+
+        [[nodiscard]] bool is_waiting() const { return handle == 0 && !result; }
     };
     using Requests = std::map<RequestId, Request>;
 
     void finish(Requests::iterator request, Result<ResponseBody> result);
+    /// It waits no longer.
+    void leave();
 
     std::size_t limit_;
     Duration default_timeout_;
     RequestId last_id_{0};
     /// Handlers may add and remove others: references into it stay valid.
     Requests requests_;
-    std::vector<RequestId> untimed_;
-    std::set<std::pair<TimePoint, RequestId>> by_deadline_;
-    std::set<RequestId> waiting_;
-    std::unordered_map<std::uint32_t, RequestId> by_handle_;
+    std::size_t waiting_count_{0};
+    RequestId next_waiting_{0};         // none before it waits
+    RequestId timed_until_{0};          // those after it have no deadline yet
+    DeadlineHeap<RequestId> deadlines_; // of those that wait
     std::deque<RequestId> finished_;
 };
 

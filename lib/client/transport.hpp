@@ -6,7 +6,7 @@
 
 #include <busbar/client/client.hpp>
 
-#include "pending_requests.hpp"
+#include "deadline_heap.hpp"
 
 namespace busbar::client::detail {
 

@@ -84,7 +84,7 @@ std::optional<client::ConnectionEvent> ClientLoop::Impl::wait(TimePoint until)
         }
         if (!is_connected) {
             return client::ConnectionEvent{
-                client::ConnectionEvent::Kind::Closed, 0, status::Bad_ConnectionClosed, {}};
+                client::ConnectionEvent::Kind::Closed, 0, status::Bad_ConnectionClosed, {}, 0};
         }
         link->pump();
         context.restart();

@@ -67,6 +67,8 @@ struct ConnectionEvent {
     StatusCode status;
     /// Response: NodeId of the encoding and the structure; empty if none came.
     std::vector<std::byte> body;
+    /// Response: what send_encoded() was given with the request.
+    std::uint64_t context{0};
 
     /// The response as a T, whose strings borrow from this event; Bad_DecodingError if it is none,
     /// the ServiceResult if that is bad. `types` has the structures of namespace 0 and others, by
@@ -101,10 +103,11 @@ public:
     /// handle_deadline() told; zero: as configured.
     template <typename Request>
     [[nodiscard]] Result<std::uint32_t> send(Request&& request, Duration timeout = {});
-    /// The same for a request that `encode` writes with the header that it is given.
+    /// The same for a request that `encode` writes with the header that it is given; its Response
+    /// brings `context` back.
     [[nodiscard]] Result<std::uint32_t>
     send_encoded(FunctionRef<void(binary::Writer&, const RequestHeader&)> encode,
-                 Duration timeout = {});
+                 Duration timeout = {}, std::uint64_t context = 0);
     /// Opens a session over a channel that was opened without one; Ready comes a second time. Of
     /// `config` counts what is not of the channel. Bad_InvalidState if it is not Ready, or has a
     /// session.
