@@ -13,7 +13,7 @@ tl::expected<std::string, Failure> encoded(const nodeset::Document& document,
 {
     const auto bytes = binary::to_bytes(value);
     if (!bytes) {
-        return tl::make_unexpected(document.error(node, "a value cannot be encoded").text());
+        return tl::make_unexpected(text(document.problem(node, "a value cannot be encoded")));
     }
     return std::string{reinterpret_cast<const char*>(bytes->data()), bytes->size()};
 }
@@ -30,7 +30,7 @@ tl::expected<std::string, Failure> NodeValues::value(const nodeset::Node& node) 
     const Variant value = reader.variant(*node.value);
     if (!reader.error().empty()) {
         return tl::make_unexpected(
-            document_.error(node, reader.error(), reader.error_line()).text());
+            text(document_.problem(node, reader.error(), reader.error_line())));
     }
     return encoded(document_, node, value);
 }

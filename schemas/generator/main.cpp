@@ -20,8 +20,8 @@ tl::expected<nodeset::Document, Failure> load(const Options& options)
     paths.insert(paths.end(), options.inputs.begin(), options.inputs.end());
     Failure failure;
     for (const std::string& path : paths) {
-        for (const nodeset::Error& error : document.load_file(path)) {
-            failure += (failure.empty() ? "" : "\n") + error.text();
+        for (const Problem& problem : document.load_file(path)) {
+            failure += (failure.empty() ? "" : "\n") + text(problem);
         }
     }
     if (!failure.empty()) {

@@ -127,11 +127,11 @@ TEST_CASE_METHOD(NodeSetFixture, "References of other types may lead nowhere and
         load(object("s=A", below_objects + base_object + reference("i=39", "ns=1;i=9")) +
              variable_text("s=V", "DataType=\"i=6\"", "<String>no number</String>"));
     REQUIRE(summary.notes.size() == 2);
-    CHECK(summary.notes[0].text() == "t.xml:3: ns=1;s=A: found a reference to nsu=urn:t;i=9, which "
-                                     "is in no file and not in the address space");
-    CHECK(summary.notes[1].text() == "t.xml:4: ns=1;s=V: found a value <String>, expected one of "
-                                     "the DataType i=6, ValueRank -1 and ArrayDimensions of the "
-                                     "node");
+    CHECK(text(summary.notes[0]) == "t.xml:3: ns=1;s=A: found a reference to nsu=urn:t;i=9, which "
+                                    "is in no file and not in the address space");
+    CHECK(text(summary.notes[1]) == "t.xml:4: ns=1;s=V: found a value <String>, expected one of "
+                                    "the DataType i=6, ValueRank -1 and ArrayDimensions of the "
+                                    "node");
     CHECK(value("s=V") == Variant{"no number"});
 }
 

@@ -96,8 +96,8 @@ TEST_CASE("Published NodeSets load with nothing but the models that they require
         AddressSpace space;
         const auto loaded = load_nodesets(space, sources);
         std::string errors;
-        for (const NodeSetError& error : loaded ? std::vector<NodeSetError>{} : loaded.error()) {
-            errors += error.text() + '\n';
+        for (const Problem& problem : loaded ? std::vector<Problem>{} : loaded.error()) {
+            errors += text(problem) + '\n';
         }
         INFO(uri << ": " << file << " and " << sources.size() - 1 << " required\n" << errors);
         CHECK(errors.empty());
@@ -115,8 +115,9 @@ TEST_CASE_METHOD(NodeSetFixture, "Published NodeSets load together and re-read e
     limits.max_errors = 10'000;
     const NodeSetSummary summary = load(files, limits);
     std::map<std::string, std::size_t> notes;
-    for (const NodeSetError& note : summary.notes) {
-        ++notes[fs::path{note.file}.filename().string() + note.message.substr(0, 24)];
+    for (const Problem& note : summary.notes) {
+        const std::string file = note.where.substr(0, note.where.find(".xml:") + 4);
+        ++notes[fs::path{file}.filename().string() + note.text.substr(0, 24)];
     }
     for (const auto& [what, count] : notes) {
         WARN(count << " notes: " << what);

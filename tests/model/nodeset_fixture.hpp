@@ -60,8 +60,8 @@ struct NodeSetFixture {
     {
         auto loaded = load_nodesets(space, sources, limits);
         hash_.reset();
-        for (const NodeSetError& error : loaded ? std::vector<NodeSetError>{} : loaded.error()) {
-            UNSCOPED_INFO(error.text());
+        for (const Problem& problem : loaded ? std::vector<Problem>{} : loaded.error()) {
+            UNSCOPED_INFO(busbar::text(problem));
         }
         REQUIRE(loaded);
         return std::move(*loaded);
@@ -78,7 +78,7 @@ struct NodeSetFixture {
         const auto loaded = load_nodesets(space, sources, limits);
         hash_ = detail::space_hash(space);
         CHECK(*hash_ == before);
-        return loaded ? std::string{} : loaded.error().front().text();
+        return loaded ? std::string{} : busbar::text(loaded.error().front());
     }
     [[nodiscard]] std::string error_of(const std::string& content, const NodeSetLimits& limits = {})
     {
@@ -110,8 +110,8 @@ inline void check_write_back(const AddressSpace& space, AddressSpace base,
     const auto text = write_nodeset(space, namespaces, summary.extras);
     REQUIRE(text);
     const auto loaded = load_nodesets(base, std::vector{NodeSetSource{"written.xml", *text}});
-    for (const NodeSetError& error : loaded ? std::vector<NodeSetError>{} : loaded.error()) {
-        UNSCOPED_INFO(error.text());
+    for (const Problem& problem : loaded ? std::vector<Problem>{} : loaded.error()) {
+        UNSCOPED_INFO(busbar::text(problem));
     }
     INFO(text->substr(0, 20'000));
     REQUIRE(loaded);

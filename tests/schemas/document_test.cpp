@@ -18,7 +18,7 @@ std::string error_of(const std::string& content, const Limits& limits = {})
 {
     Document document{limits};
     const auto errors = document.load_text(nodeset(content), "f.xml");
-    return errors.empty() ? std::string{} : errors.front().text();
+    return errors.empty() ? std::string{} : text(errors.front());
 }
 
 std::string object(const std::string& attributes, const std::string& content = "")
@@ -103,9 +103,9 @@ TEST_CASE("Errors name file, line, what was found and what was expected")
           "f.xml:4: ns=1;i=1: found a reference without ReferenceType");
 
     Document document;
-    CHECK(document.load_text("<html/>", "f.xml").front().text() ==
+    CHECK(text(document.load_text("<html/>", "f.xml").front()) ==
           "f.xml:1: found <html>, expected <UANodeSet>");
-    CHECK(document.load_text("<UANodeSet>\n<a>\n</UANodeSet>", "f.xml").front().line == 3);
+    CHECK(document.load_text("<UANodeSet>\n<a>\n</UANodeSet>", "f.xml").front().where == "f.xml:3");
     CHECK_FALSE(document.load_text("", "f.xml").empty());
     CHECK_FALSE(document.load_file("/nowhere/at/all.xml").empty());
     CHECK_FALSE(document.load_file("/").empty());
@@ -138,7 +138,7 @@ TEST_CASE("Files are limited in size, count and depth")
     CHECK(document.load_text(nodeset(repeated(9, "<UANothing/>")), "f.xml").size() == 2);
     limits.max_file_size = 100;
     Document small{limits};
-    CHECK(small.load_text(std::string(101, ' '), "f.xml").front().text() ==
+    CHECK(text(small.load_text(std::string(101, ' '), "f.xml").front()) ==
           "f.xml: is larger than 100 bytes");
     CHECK(small.load_file(BUSBAR_SOURCE_DIR "/schemas/Opc.Ua.Types.NodeSet2.xml").size() == 1);
 }

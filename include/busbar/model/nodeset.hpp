@@ -10,6 +10,7 @@
 #include <tl/expected.hpp>
 
 #include <busbar/core/api.hpp>
+#include <busbar/core/problem.hpp>
 #include <busbar/model/address_space.hpp>
 #include <busbar/model/nodeset_types.hpp>
 
@@ -34,7 +35,7 @@ struct NodeSetSummary {
     /// What is wrong and no error: references of no hierarchical type that lead nowhere, which were
     /// left out, and values that are not of their Variable's DataType, which were kept. At most
     /// NodeSetLimits::max_errors.
-    std::vector<NodeSetError> notes;
+    std::vector<Problem> notes;
     /// What write_nodeset needs beside the AddressSpace.
     NodeSetExtras extras;
 };
@@ -47,8 +48,10 @@ struct NodeSetSummary {
 /// one (Part 6, F.5). XML with a DOCTYPE is refused. Larger models than the default `limits` allow
 /// want limits_for_large_models().
 ///
-/// With errors, of which there is at least one then, `space` is as it was before.
-[[nodiscard]] BUSBAR_API tl::expected<NodeSetSummary, std::vector<NodeSetError>>
+/// With problems, of which there is at least one then, `space` is as it was before. `where` of each
+/// has the file, the line and the node as the file writes it, as far as they are known:
+/// "tags.xml:17: ns=1;i=5".
+[[nodiscard]] BUSBAR_API tl::expected<NodeSetSummary, std::vector<Problem>>
 load_nodesets(AddressSpace& space, std::span<const NodeSetSource> sources,
               const NodeSetLimits& limits = {});
 

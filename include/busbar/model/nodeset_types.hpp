@@ -7,7 +7,6 @@
 #include <unordered_map>
 #include <vector>
 
-#include <busbar/core/api.hpp>
 #include <busbar/core/node_id.hpp>
 
 namespace busbar::model {
@@ -51,18 +50,6 @@ struct NodeSetLimits {
     limits.max_kept_xml = std::size_t{1} << 30U;
     return limits;
 }
-
-/// What went wrong, for a person: "tags.xml:17: ns=1;i=5: found NodeId \"i=x\", expected ...".
-struct BUSBAR_API NodeSetError {
-    std::string file;
-    /// 0 when the file as a whole is meant.
-    std::uint32_t line{0};
-    std::string message;
-    /// The NodeId of the node in question, as the file writes it; empty if it is none.
-    std::string node{};
-
-    [[nodiscard]] std::string text() const;
-};
 
 /// <RolePermission> (Part 3, 8.55).
 struct NodeSetPermission {

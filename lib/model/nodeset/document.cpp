@@ -10,22 +10,6 @@
 
 #include "file_reader.hpp"
 
-namespace busbar::model {
-
-std::string NodeSetError::text() const
-{
-    std::string result = file + ':';
-    if (line != 0) {
-        result += std::to_string(line) + ':';
-    }
-    if (!node.empty()) {
-        result += ' ' + printable(node, 80) + ':';
-    }
-    return result + ' ' + message;
-}
-
-} // namespace busbar::model
-
 namespace busbar::nodeset {
 
 namespace {
@@ -80,6 +64,21 @@ std::string_view name(NodeClass node_class)
     return "Unspecified";
 }
 
+Problem problem_at(const std::string& file, std::uint32_t line, std::string text,
+                   std::string_view node)
+{
+    Problem problem;
+    problem.where = file;
+    if (line != 0) {
+        problem.where += ':' + std::to_string(line);
+    }
+    if (!node.empty()) {
+        problem.where += ": " + printable(node, 80);
+    }
+    problem.text = std::move(text);
+    return problem;
+}
+
 const Element* Element::child(std::string_view local_name) const
 {
     const auto found = std::find_if(children.begin(), children.end(),
@@ -87,20 +86,20 @@ const Element* Element::child(std::string_view local_name) const
     return found == children.end() ? nullptr : &*found;
 }
 
-std::vector<Error> Document::load_file(const std::string& path)
+std::vector<Problem> Document::load_file(const std::string& path)
 {
     const auto text = read_bytes(path, limits_.max_file_size);
     if (!text) {
-        return {Error{path, 0, text.error()}};
+        return {problem_at(path, 0, text.error())};
     }
     return load_text(*text, path);
 }
 
-std::vector<Error> Document::load_text(std::string_view text, const std::string& name)
+std::vector<Problem> Document::load_text(std::string_view text, const std::string& name)
 {
     if (text.size() > limits_.max_file_size) {
-        return {
-            Error{name, 0, "is larger than " + std::to_string(limits_.max_file_size) + " bytes"}};
+        return {problem_at(name, 0,
+                           "is larger than " + std::to_string(limits_.max_file_size) + " bytes")};
     }
     FileReader reader{*this, name};
     return reader.read(text);
@@ -121,14 +120,14 @@ const Node* Document::find(const NodeId& id) const
     return found == by_id_.end() ? nullptr : &nodes_[found->second];
 }
 
-Error Document::error(const Node& node, std::string message, std::uint32_t line) const
+Problem Document::problem(const Node& node, std::string text, std::uint32_t line) const
 {
     const File& file = files_[node.file];
     NodeId local = node.id;
     const auto& map = file.namespaces;
     const auto found = std::find(map.begin(), map.end(), local.namespace_index());
     local.set_namespace_index(static_cast<std::uint16_t>(found - map.begin()));
-    return {file.name, line == 0 ? node.line : line, std::move(message), to_string(local)};
+    return problem_at(file.name, line == 0 ? node.line : line, std::move(text), to_string(local));
 }
 
 } // namespace busbar::nodeset

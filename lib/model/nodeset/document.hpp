@@ -13,6 +13,7 @@
 #include <tl/expected.hpp>
 
 #include <busbar/core/node_id.hpp>
+#include <busbar/core/problem.hpp>
 #include <busbar/model/nodeset_types.hpp>
 
 /// NodeSet2 files (Part 6, Annex F) as plain data. Used by the generator and by the model layer.
@@ -135,7 +136,6 @@ struct Node {
     std::uint32_t line{0};
 };
 
-using Error = model::NodeSetError;
 using Limits = model::NodeSetLimits;
 using Model = model::NodeSetModel;
 
@@ -148,6 +148,11 @@ struct File {
     std::string extensions;
 };
 
+/// A Problem with a file, at a line of it unless that is 0, and with the node that the file calls
+/// `node` unless that is empty: "tags.xml:17: ns=1;i=5: found NodeId ..., expected ...".
+[[nodiscard]] Problem problem_at(const std::string& file, std::uint32_t line, std::string text,
+                                 std::string_view node = {});
+
 /// Any number of NodeSet2 files, with one table of namespaces. Thread-compatible.
 class Document {
 public:
@@ -158,11 +163,11 @@ public:
     {
     }
 
-    /// Adds the nodes of the file at `path`. With errors the document keeps what it understood
+    /// Adds the nodes of the file at `path`. With problems the document keeps what it understood
     /// and must not be used.
-    [[nodiscard]] std::vector<Error> load_file(const std::string& path);
+    [[nodiscard]] std::vector<Problem> load_file(const std::string& path);
     /// The same for text in memory; `name` is used in messages.
-    [[nodiscard]] std::vector<Error> load_text(std::string_view text, const std::string& name);
+    [[nodiscard]] std::vector<Problem> load_text(std::string_view text, const std::string& name);
 
     /// Index 0 is "http://opcfoundation.org/UA/"; others in the order in which files name them.
     [[nodiscard]] const std::vector<std::string>& namespaces() const { return namespaces_; }
@@ -173,8 +178,8 @@ public:
     [[nodiscard]] const std::vector<File>& files() const { return files_; }
     [[nodiscard]] const Node* find(const NodeId& id) const;
     [[nodiscard]] const Limits& limits() const { return limits_; }
-    /// An Error about `node`, at a line of its file or, with 0, where it begins.
-    [[nodiscard]] Error error(const Node& node, std::string message, std::uint32_t line = 0) const;
+    /// A Problem with `node`, at a line of its file or, with 0, where it begins.
+    [[nodiscard]] Problem problem(const Node& node, std::string text, std::uint32_t line = 0) const;
 
 private:
     friend class FileReader;

@@ -34,7 +34,7 @@ FileReader::FileReader(Document& document, std::string name)
 {
 }
 
-std::vector<Error> FileReader::read(std::string_view text)
+std::vector<Problem> FileReader::read(std::string_view text)
 {
     const std::string utf8 = from_utf16(text);
     if (!parse(utf8.empty() ? text : std::string_view{utf8})) {
@@ -65,13 +65,15 @@ bool FileReader::parse(std::string_view text)
         xml_.load_buffer(text.data(), text.size(),
                          pugi::parse_default | pugi::parse_doctype | pugi::parse_ws_pcdata_single);
     if (!parsed) {
-        errors_.push_back({name_, line_at(parsed.offset),
-                           std::string{"is no well-formed XML: "} + parsed.description()});
+        errors_.push_back(
+            problem_at(name_, line_at(parsed.offset),
+                       std::string{"is no well-formed XML: "} + parsed.description()));
         return false;
     }
     for (const pugi::xml_node& node : xml_.children()) {
         if (node.type() == pugi::node_doctype) {
-            errors_.push_back({name_, 0, "has a DOCTYPE, which a NodeSet2 file has no use for"});
+            errors_.push_back(
+                problem_at(name_, 0, "has a DOCTYPE, which a NodeSet2 file has no use for"));
             return false;
         }
     }

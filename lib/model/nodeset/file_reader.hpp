@@ -17,7 +17,7 @@ class FileReader {
 public:
     FileReader(Document& document, std::string name);
 
-    [[nodiscard]] std::vector<Error> read(std::string_view text);
+    [[nodiscard]] std::vector<Problem> read(std::string_view text);
 
 private:
     [[nodiscard]] bool parse(std::string_view text);
@@ -79,7 +79,7 @@ private:
     std::size_t value_elements_{0};
     std::uint32_t file_{0};
     std::string current_node_;
-    std::vector<Error> errors_;
+    std::vector<Problem> errors_;
 };
 
 } // namespace busbar::nodeset

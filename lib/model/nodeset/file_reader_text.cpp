@@ -66,7 +66,7 @@ void FileReader::dimensions_attribute(const pugi::xml_node& xml, std::vector<std
 void FileReader::fail(const pugi::xml_node& where, std::string message)
 {
     if (errors_.size() < limits_.max_errors) {
-        errors_.push_back({name_, line_of(where), std::move(message), current_node_});
+        errors_.push_back(problem_at(name_, line_of(where), std::move(message), current_node_));
     }
 }
 

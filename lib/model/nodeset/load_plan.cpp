@@ -55,7 +55,7 @@ LoadPlan::LoadPlan(const Document& document, const model::SpaceReader& space)
 {
 }
 
-void LoadPlan::add_error(Error error)
+void LoadPlan::add_error(Problem error)
 {
     if (errors_.size() < std::max<std::size_t>(document_.limits().max_errors, 1)) {
         errors_.push_back(std::move(error));
@@ -64,10 +64,10 @@ void LoadPlan::add_error(Error error)
 
 void LoadPlan::fail(const Node& node, std::string message, std::uint32_t line)
 {
-    add_error(document_.error(node, std::move(message), line));
+    add_error(document_.problem(node, std::move(message), line));
 }
 
-void LoadPlan::add_note(Error note)
+void LoadPlan::add_note(Problem note)
 {
     if (notes_.size() < document_.limits().max_errors) {
         notes_.push_back(std::move(note));
@@ -285,7 +285,7 @@ void LoadPlan::check_reference(const Node& node, const Reference& reference)
         if (is_hierarchical) {
             fail(node, message, reference.line);
         } else {
-            add_note(document_.error(node, message, reference.line));
+            add_note(document_.problem(node, message, reference.line));
         }
     } else if (is_hierarchical && reference.target == node.id) {
         // Part 3, 7.3

@@ -26,10 +26,10 @@ public:
     LoadPlan(const Document& document, const model::SpaceReader& space);
 
     void check();
-    [[nodiscard]] const std::vector<Error>& errors() const { return errors_; }
-    [[nodiscard]] const std::vector<Error>& notes() const { return notes_; }
-    void add_error(Error error);
-    void add_note(Error note);
+    [[nodiscard]] const std::vector<Problem>& errors() const { return errors_; }
+    [[nodiscard]] const std::vector<Problem>& notes() const { return notes_; }
+    void add_error(Problem error);
+    void add_note(Problem note);
     /// True for a node of namespace 0 that the AddressSpace has.
     [[nodiscard]] bool is_skipped(const Node& node) const;
     [[nodiscard]] Target find(const NodeId& id) const;
@@ -61,8 +61,8 @@ private:
 
     const Document& document_;
     const model::SpaceReader& space_;
-    std::vector<Error> errors_;
-    std::vector<Error> notes_;
+    std::vector<Problem> errors_;
+    std::vector<Problem> notes_;
     /// By position of the node; null where there is none yet.
     std::vector<NodeId> supertypes_;
     std::vector<NodeId> type_definitions_;

@@ -57,11 +57,11 @@ private:
     void note_values();
     void fail(const Node& node, std::string message, std::uint32_t line = 0)
     {
-        plan_.add_error(document_.error(node, std::move(message), line));
+        plan_.add_error(document_.problem(node, std::move(message), line));
     }
     void note(const Node& node, std::string message, std::uint32_t line)
     {
-        plan_.add_note(document_.error(node, std::move(message), line));
+        plan_.add_note(document_.problem(node, std::move(message), line));
     }
     [[nodiscard]] NodeIndex find(const NodeId& id) const { return space_.find(id); }
 
@@ -103,7 +103,7 @@ bool Loader::create()
 {
     for (const std::string& uri : document_.namespaces()) {
         if (!graft_.add_namespace(uri)) {
-            plan_.add_error({uri, 0, "there is no room for another namespace"});
+            plan_.add_error(problem_at(uri, 0, "there is no room for another namespace"));
             return false;
         }
     }
@@ -279,12 +279,12 @@ NodeSetSummary Loader::summary() const
 
 namespace busbar::model {
 
-tl::expected<NodeSetSummary, std::vector<NodeSetError>>
+tl::expected<NodeSetSummary, std::vector<Problem>>
 load_nodesets(AddressSpace& space, std::span<const NodeSetSource> sources,
               const NodeSetLimits& limits)
 {
     nodeset::Document document{limits, nodeset::namespaces_of(space)};
-    std::vector<NodeSetError> errors;
+    std::vector<Problem> errors;
     for (const NodeSetSource& source : sources) {
         auto found = source.text ? document.load_text(*source.text, source.name)
                                  : document.load_file(source.name);

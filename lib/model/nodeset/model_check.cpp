@@ -108,15 +108,15 @@ const Model* model_in_files(const Document& document, const std::string& uri)
 
 } // namespace
 
-std::vector<Error> missing_models(const Document& document, const model::SpaceReader& space)
+std::vector<Problem> missing_models(const Document& document, const model::SpaceReader& space)
 {
-    std::vector<Error> errors;
+    std::vector<Problem> errors;
     for (const Model& model : document.models()) {
         for (const Model& required : model.required) {
             const auto fail = [&](const std::string& found) {
-                errors.push_back({document.files()[required.file].name, required.line,
-                                  "the model " + quoted(model.uri) + " requires " +
-                                      described(required) + ", found " + found});
+                errors.push_back(problem_at(document.files()[required.file].name, required.line,
+                                            "the model " + quoted(model.uri) + " requires " +
+                                                described(required) + ", found " + found));
             };
             const Model* const in_files = model_in_files(document, required.uri);
             const bool is_in_space = space.namespace_index(required.uri).has_value();

@@ -10,7 +10,7 @@ namespace busbar::nodeset {
 
 /// What the models of a Document require and neither the Document nor the AddressSpace has, or has
 /// only in an older version (Part 6, F.5).
-[[nodiscard]] std::vector<Error> missing_models(const Document& document,
-                                                const model::SpaceReader& space);
+[[nodiscard]] std::vector<Problem> missing_models(const Document& document,
+                                                  const model::SpaceReader& space);
 
 } // namespace busbar::nodeset
