@@ -2,6 +2,7 @@
 
 #include <busbar/channel/endpoint_url.hpp>
 #include <busbar/channel/server_certificate.hpp>
+#include <busbar/client/config_check.hpp>
 #include <busbar/core/text.hpp>
 
 #include "client_impl.hpp"
@@ -81,6 +82,10 @@ void Client::Impl::begin_attempt()
     is_choice_old = choice.has_value();
     redials = 0;
     attempt_ends_at = detail::deadline_after(now, config.connect_timeout);
+    if (const auto checked = check_config(config, environment); !checked) {
+        environment.log->write(LogLevel::Error, "client", text(checked.error()));
+        return lose(checked.error().status);
+    }
     if (kept_session && now >= kept_session->ends_at) {
         kept_session.reset();
     }
