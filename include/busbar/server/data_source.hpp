@@ -27,6 +27,7 @@ namespace busbar::server {
 namespace detail {
 class DataSources;
 class ReadPart;
+class SourceEntry;
 class WritePart;
 } // namespace detail
 
@@ -177,14 +178,19 @@ struct DataSourceOptions {
 /// The server calls it from the server's thread only and never while a call is running. It must
 /// not block: work that takes time keeps the batch and completes it later. An exception ends the
 /// call that it comes from and nothing else: the items of that batch answer Bad_InternalError, and
-/// the log names the function. It must outlive the server it is added to, which a server that was
-/// given a std::shared_ptr sees to; batches may outlive both.
+/// the log names the function. Batches may outlive source and server.
+///
+/// Source and server may end in any order. A source that was given as a std::shared_ptr lives as
+/// long as the server. One that was given as a reference detaches itself when it is destroyed, on
+/// the server's thread and in none of its own calls: from then on nothing calls it, its Variables
+/// answer Bad_NoCommunication, monitored items at their next sample, and its index is not given
+/// again. No lock is taken for that.
 class BUSBAR_API DataSource {
 public:
     DataSource() = default;
     DataSource(const DataSource&) = delete;
     DataSource& operator=(const DataSource&) = delete;
-    virtual ~DataSource() = default;
+    virtual ~DataSource();
 
     /// The index that nodes carry (NewVariable::source), of the server that the source was added to
     /// last; model::no_source before.
@@ -228,8 +234,12 @@ public:
 
 private:
     friend class detail::DataSources;
+    friend class detail::SourceEntry;
 
     std::uint32_t index_{UINT32_MAX};
+    /// What the servers that the source was added to find it by: null when it is gone. Made when
+    /// the first of them asks.
+    std::shared_ptr<DataSource*> self_;
 };
 
 } // namespace busbar::server

@@ -227,6 +227,9 @@ private:
         if (group.refusal != StatusCode{}) {
             return fail(group, group.refusal);
         }
+        if (!source->is_attached()) {
+            return fail(group, status::Bad_NoCommunication);
+        }
         if (!part.admit(source, group.size)) {
             return fail(group, status::Bad_TooManyOperations);
         }

@@ -4,7 +4,21 @@
 
 #include "data_part.hpp"
 
-namespace busbar::server::detail {
+namespace busbar::server {
+
+DataSource::~DataSource()
+{
+    if (self_ != nullptr) {
+        *self_ = nullptr;
+    }
+}
+
+model::BoundValue DataSource::variable(std::uint64_t handle, const Variant& like) const
+{
+    return {index_ == model::no_source ? Variant{} : like, index_, handle};
+}
+
+namespace detail {
 
 void CompletionQueue::push(Part& part)
 {
@@ -68,6 +82,15 @@ void CompletionQueue::wake()
     --wakers_running_;
 }
 
+SourceEntry::SourceEntry(DataSource& source, std::shared_ptr<CompletionQueue> queue, LogSink& log)
+    : options_{source.options()}, queue_{std::move(queue)}, log_{&log}
+{
+    if (source.self_ == nullptr) {
+        source.self_ = std::make_shared<DataSource*>(&source);
+    }
+    source_ = source.self_;
+}
+
 ProcessImage* SourceEntry::process_image() const
 {
     ProcessImage* image = nullptr;
@@ -123,13 +146,6 @@ std::uint32_t DataSources::add(std::shared_ptr<DataSource> source)
     return add(*kept_.back());
 }
 
-} // namespace busbar::server::detail
-
-namespace busbar::server {
-
-model::BoundValue DataSource::variable(std::uint64_t handle, const Variant& like) const
-{
-    return {index_ == model::no_source ? Variant{} : like, index_, handle};
-}
+} // namespace detail
 
 } // namespace busbar::server

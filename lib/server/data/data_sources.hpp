@@ -40,20 +40,24 @@ private:
     std::atomic<std::uint32_t> wakers_running_{0};
 };
 
-/// A source with what it was given and has not completed; shared with its batches.
+/// A source, while it is there, with what it was given and has not completed; shared with its
+/// batches.
 class SourceEntry {
 public:
     /// `log` is used on the server's thread, while the server lives.
-    SourceEntry(DataSource& source, std::shared_ptr<CompletionQueue> queue, LogSink& log)
-        : source_{&source}, options_{source.options()}, queue_{std::move(queue)}, log_{&log}
-    {
-    }
+    SourceEntry(DataSource& source, std::shared_ptr<CompletionQueue> queue, LogSink& log);
 
+    /// False once the source was destroyed. On the server's thread, as the destruction is.
+    [[nodiscard]] bool is_attached() const { return *source_ != nullptr; }
     /// Calls `function(source)`; what it throws ends there, see busbar::detail::guarded.
+    /// Bad_NoCommunication, and nothing is called, if the source is gone.
     template <typename Function>
     StatusCode guard(std::string_view callback, Function&& function) const
     {
-        return busbar::detail::guarded(*log_, callback, [&] { function(*source_); });
+        DataSource* const source = *source_;
+        return source == nullptr
+                   ? status::Bad_NoCommunication
+                   : busbar::detail::guarded(*log_, callback, [&] { function(*source); });
     }
     /// Null if the source has none, or threw.
     [[nodiscard]] ProcessImage* process_image() const;
@@ -67,7 +71,8 @@ public:
     void release(std::size_t item_count);
 
 private:
-    DataSource* source_;
+    /// The source's own, see DataSource.
+    std::shared_ptr<DataSource* const> source_;
     DataSourceOptions options_;
     std::shared_ptr<CompletionQueue> queue_;
     LogSink* log_;
@@ -88,7 +93,7 @@ public:
     DataSources& operator=(const DataSources&) = delete;
     ~DataSources();
 
-    /// The index that nodes are to carry; `source` must outlive this object.
+    /// The index that nodes are to carry; `source` may end first.
     std::uint32_t add(DataSource& source);
     /// The same with a source that this object keeps.
     std::uint32_t add(std::shared_ptr<DataSource> source);

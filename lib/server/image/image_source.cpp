@@ -11,6 +11,10 @@ ImageSource::ImageSource(std::shared_ptr<ProcessImage> image) : image_{std::move
 
 ImageSource::~ImageSource()
 {
+    // Items that follow the scans are to learn of it.
+    if (Waker* const waker = image_->waker_.load(std::memory_order_seq_cst); waker != nullptr) {
+        waker->wake();
+    }
     attach(nullptr);
     image_->writes_->drop_batches();
 }

@@ -36,13 +36,14 @@ Sampler::Sampler(const SubscriptionNeeds& needs, TimerQueue& timers, MemoryAccou
 SamplingGroup& Sampler::follow(ProcessImage& image)
 {
     const auto found = std::find_if(followed_.begin(), followed_.end(),
-                                    [&](const Followed& one) { return one.image == &image; });
+                                    [&](const Followed& one) { return one.image.get() == &image; });
     if (found != followed_.end()) {
         return *found->group;
     }
     image.follow_scans(true);
     const ImagePin latest = image.pin();
-    followed_.push_back({&image, std::make_unique<SamplingGroup>(*this, Duration::zero()),
+    followed_.push_back({image.shared_from_this(),
+                         std::make_unique<SamplingGroup>(*this, Duration::zero()),
                          latest ? latest.scan() : 0, image.is_running()});
     return *followed_.back().group;
 }
@@ -129,7 +130,8 @@ ImagePin Sampler::take_scans(Followed& one, TimePoint now)
         take_scan(one, latest, now);
     }
     const bool is_running = one.image->is_running();
-    if (std::exchange(one.was_running, is_running) != is_running && latest) {
+    const bool has_changed = std::exchange(one.was_running, is_running) != is_running;
+    if ((has_changed && latest) || one.group->has_lost_source()) {
         one.group->sample_scan(latest, now, false); // for the status
     }
     return latest;

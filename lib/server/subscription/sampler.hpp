@@ -51,7 +51,8 @@ public:
 
 private:
     struct Followed {
-        ProcessImage* image;
+        /// Its source may let it go before the server does.
+        std::shared_ptr<ProcessImage> image;
         std::unique_ptr<SamplingGroup> group;
         /// The number of the last one that was sampled.
         std::uint64_t last_scan;

@@ -121,9 +121,15 @@ void SamplingGroup::notice_changes()
     const bool is_wasteful = std::any_of(images_.begin(), images_.end(), [](const Image& image) {
         return image.watch->is_wasteful();
     });
-    if (has_lost_role || is_wasteful) {
+    if (has_lost_role || is_wasteful || has_lost_source()) {
         unbind_images();
     }
+}
+
+bool SamplingGroup::has_lost_source() const
+{
+    return std::any_of(images_.begin(), images_.end(),
+                       [](const Image& image) { return !image.source->is_attached(); });
 }
 
 void SamplingGroup::unbind_images()
@@ -138,19 +144,26 @@ void SamplingGroup::unbind_images()
     images_.clear();
 }
 
-void SamplingGroup::watch(ProcessImage& image, Member& member, std::uint64_t handle)
+SamplingGroup::Image& SamplingGroup::find_or_add_image(ProcessImage& image,
+                                                       const SourceEntry& source)
 {
-    auto found = std::find_if(images_.begin(), images_.end(),
-                              [&](const Image& known) { return known.image == &image; });
-    if (found == images_.end()) {
-        images_.push_back(
-            {&image, std::make_unique<ImageWatch>(image.layout(), sampler_.memory())});
-        found = images_.end() - 1;
+    const auto found = std::find_if(images_.begin(), images_.end(), [&](const Image& known) {
+        return known.image.get() == &image && known.source == &source;
+    });
+    if (found != images_.end()) {
+        return *found;
     }
+    images_.push_back({image.shared_from_this(), &source,
+                       std::make_unique<ImageWatch>(image.layout(), sampler_.memory())});
+    return images_.back();
+}
+
+void SamplingGroup::watch(Image& image, Member& member, std::uint64_t handle)
+{
     ValueItem& item = *std::exchange(member.item, nullptr);
     ++holes_;
-    item.place_ = {static_cast<std::uint32_t>(found - images_.begin()),
-                   found->watch->add(item, static_cast<std::uint32_t>(handle))};
+    item.place_ = {static_cast<std::uint32_t>(&image - images_.data()),
+                   image.watch->add(item, static_cast<std::uint32_t>(handle))};
 }
 
 void SamplingGroup::bind(std::size_t first)
@@ -190,7 +203,7 @@ void SamplingGroup::bind_one(std::size_t index)
     sampler_.watch_roles(node);
     ProcessImage* const image = plan.source->process_image();
     if (image != nullptr && plan.handle < image->layout().size()) {
-        return watch(*image, member, plan.handle);
+        return watch(find_or_add_image(*image, *plan.source), member, plan.handle);
     }
     member.source = plan.source_index;
     member.handle = plan.handle;

@@ -27,6 +27,9 @@ public:
     /// Between the last two samples; zero before the second.
     [[nodiscard]] Duration actual_interval() const { return actual_interval_; }
     [[nodiscard]] bool empty() const { return item_count_ == 0; }
+    /// The source of an image that is looked at is gone. The next sample finds that out for its
+    /// items, and lets the image go.
+    [[nodiscard]] bool has_lost_source() const;
     /// The group that the item is in; null if it is in none.
     [[nodiscard]] static SamplingGroup* of(const ValueItem& item) { return item.group_; }
 
@@ -65,7 +68,9 @@ private:
     /// A batch on its way.
     struct Flight;
     struct Image {
-        ProcessImage* image;
+        /// The source may let it go before the server does.
+        std::shared_ptr<ProcessImage> image;
+        const SourceEntry* source;
         std::unique_ptr<ImageWatch> watch;
     };
 
@@ -85,7 +90,9 @@ private:
     /// Finds out where values come from; the items of a process image go to its watch.
     void bind(std::size_t first);
     void bind_one(std::size_t member);
-    void watch(ProcessImage& image, Member& member, std::uint64_t handle);
+    [[nodiscard]] Image& find_or_add_image(ProcessImage& image, const SourceEntry& source);
+    /// The item of `member` is one of `image` from now on.
+    void watch(Image& image, Member& member, std::uint64_t handle);
     /// Keeps account of what the item monitors, for the source.
     void note_source(ValueItem& item, const ReadPlan& plan);
     void put_in(ValueItem& item);
