@@ -125,6 +125,11 @@ std::optional<std::size_t> function_end(const File& file, std::size_t line)
     return std::nullopt;
 }
 
+bool is_public(std::string_view path)
+{
+    return starts_with(path, "include/");
+}
+
 struct Ban {
     const char* pattern;
     const char* reason;
@@ -164,6 +169,8 @@ const std::array bans = {
     Ban{R"(NodeId\{0, *[0-9]|\.is\([0-9]|uint32_t id_[a-z_]+ = [0-9])",
         "a number for a node of namespace 0: busbar/types/ids.hpp has its name", in_library},
     Ban{R"(\b(dynamic_cast|typeid)\b)", "RTTI in a layer that is built without", below_net},
+    Ban{R"(^\s*#\s*(el)?if.*\bBUSBAR_)", "a public type that is another one with other options",
+        is_public},
 };
 
 } // namespace

@@ -168,4 +168,8 @@ TEST_CASE("banned calls and traces are found where they are banned", "[tidy]")
     CHECK(count("lib/model/x.cpp", "constexpr std::uint32_t id_organizes = 35;\n") == 1);
     CHECK(count("lib/model/x.cpp", "space.find(NodeId{0, id::Objects}, {2, 85});\n") == 0);
     CHECK(count("tests/x.cpp", "space.find(NodeId{0, 85});\n") == 0);
+    CHECK(count("include/busbar/core/x.hpp", "#pragma once\n#ifdef BUSBAR_KEY_LOG\n") == 1);
+    CHECK(count("include/busbar/core/x.hpp", "#pragma once\n#elif defined(BUSBAR_X)\n") == 1);
+    CHECK(count("include/busbar/core/x.hpp", "#pragma once\n#if defined(__GNUC__)\n") == 0);
+    CHECK(count("lib/core/x.cpp", "#ifdef BUSBAR_KEY_LOG\n") == 0);
 }
