@@ -82,9 +82,11 @@ void Plant::create_server()
     config.identity = server_identity_;
     config.limits.min_session_timeout = config.limits.max_session_timeout;
     server_.emplace(
-        expect("a server",
-               server::Server::create(std::move(config), {&random_, &clock_, &log_, &validator_,
-                                                          nullptr, nullptr, &waker_})));
+        expect("a server", server::Server::create(std::move(config), {.random = &random_,
+                                                                      .wall_clock = &clock_,
+                                                                      .log = &log_,
+                                                                      .validator = &validator_,
+                                                                      .waker = &waker_})));
     server_->start(now);
 }
 

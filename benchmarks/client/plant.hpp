@@ -9,6 +9,7 @@
 
 #include <busbar/client/client.hpp>
 #include <busbar/client/connection.hpp>
+#include <busbar/core/problem.hpp>
 #include <busbar/crypto/random.hpp>
 #include <busbar/harness/jumping_clock.hpp>
 #include <busbar/server/memory_source.hpp>
@@ -32,6 +33,15 @@ T expect(std::string_view what, Result<T> result)
     return *std::move(result);
 }
 
+template <typename T>
+T expect(std::string_view what, Configured<T> made)
+{
+    if (!made) {
+        give_up(std::string{what} + ", " + text(made.error()), made.error().status);
+    }
+    return *std::move(made);
+}
+
 class FixedClock final : public WallClock {
 public:
     [[nodiscard]] DateTime now() const override { return time; }
@@ -50,8 +60,11 @@ public:
 
     [[nodiscard]] channel::ChannelEnvironment client_environment()
     {
-        return {&random_, &clock_, &log_, &validator_,
-                client_identity_ ? &*client_identity_ : nullptr};
+        return {.random = &random_,
+                .wall_clock = &clock_,
+                .log = &log_,
+                .validator = &validator_,
+                .identity = client_identity_ ? &*client_identity_ : nullptr};
     }
     [[nodiscard]] client::ClientConfig client_config() const;
     [[nodiscard]] client::ConnectionConfig connection_config() const;

@@ -30,9 +30,9 @@ public:
     }
 };
 
-[[noreturn]] void give_up(StatusCode status)
+[[noreturn]] void give_up(const std::string& why)
 {
-    std::fprintf(stderr, "busbar-model-bench: %s\n", std::string{name(status)}.c_str());
+    std::fprintf(stderr, "busbar-model-bench: %s\n", why.c_str());
     std::exit(1);
 }
 
@@ -40,9 +40,18 @@ template <typename T>
 T expect(Result<T> result)
 {
     if (!result) {
-        give_up(result.error());
+        give_up(std::string{name(result.error())});
     }
     return *std::move(result);
+}
+
+template <typename T>
+T expect(Configured<T> made)
+{
+    if (!made) {
+        give_up(text(made.error()));
+    }
+    return *std::move(made);
 }
 
 binary::DecodeLimits generous()
@@ -92,19 +101,18 @@ void Services::Impl::open(model::AddressSpace space)
 {
     server::ServerConfig config;
     config.endpoints = {{{}, true}};
-    server::ServerEnvironment environment;
-    environment.random = &random;
-    environment.wall_clock = &clock;
-    environment.log = &log;
+    const server::ServerEnvironment environment{
+        .random = &random, .wall_clock = &clock, .log = &log};
     server.emplace(
         expect(server::Server::create(std::move(config), environment, std::move(space))));
     connection.emplace(expect(server->connect("192.0.2.1", now)));
     client::ConnectionConfig wishes;
     wishes.channel.endpoint_url = "opc.tcp://localhost:4840";
-    client.emplace(std::move(wishes),
-                   channel::ChannelEnvironment{&random, &clock, &log, nullptr, nullptr}, now);
+    client.emplace(
+        std::move(wishes),
+        channel::ChannelEnvironment{.random = &random, .wall_clock = &clock, .log = &log}, now);
     if (const auto ready = wait(); ready.kind != client::ConnectionEvent::Kind::Ready) {
-        give_up(ready.status);
+        give_up(std::string{name(ready.status)});
     }
 }
 
@@ -120,7 +128,7 @@ client::ConnectionEvent Services::Impl::wait()
         static_cast<void>(connection->feed(request, now));
         server_us += elapsed_us(begin);
         if (request.empty() && connection->output().empty()) {
-            give_up(status::Bad_Timeout);
+            give_up("Bad_Timeout");
         }
         static_cast<void>(client->feed(connection->output(), now));
         connection->consume(connection->output().size());

@@ -39,7 +39,7 @@ std::string changed_kind(const UserConfig& before, const UserConfig& after)
 void make_folders(crypto::CertificateStore& store)
 {
     if (const auto made = store.create(); !made) {
-        throw ConfigError{store.folder() + ": " + std::string{name(made.error())}};
+        throw ConfigError{Problem{made.error(), store.folder(), "the folder cannot be made"}};
     }
 }
 
@@ -75,7 +75,7 @@ void Admission::add_users()
     passwords.set_anonymous_access(mask_of(config_.anonymous.value_or(Access::Read)));
     for (const Account& account : config_.accounts) {
         if (!passwords.set(account.name, account.password_hash, mask_of(account.access))) {
-            throw ConfigError{"account \"" + account.name + "\": the name must not be empty"};
+            throw ConfigError{"account \"" + account.name + "\"", "the name must not be empty"};
         }
     }
     if (config_.certified) {
@@ -93,9 +93,10 @@ void Admission::add_users()
 void Admission::replace_users(const UserConfig& users, const std::string& file)
 {
     if (const std::string kind = changed_kind(config_, users); !kind.empty()) {
-        throw ConfigError{file + ": [users]: " + kind +
-                          " came or went, expected the kinds of user that there are since the "
-                          "start: restart the controller"};
+        throw ConfigError{file + ": [users]",
+                          kind +
+                              " came or went, expected the kinds of user that there are since the "
+                              "start: restart the controller"};
     }
     for (const Account& account : config_.accounts) {
         if (!has_account(users, account.name)) {

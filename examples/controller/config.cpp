@@ -126,7 +126,7 @@ ControllerConfig parse_config(std::string_view text, const std::string& file)
         const toml::table table = toml::parse(text, file);
         return read_root(TomlTable{table, file});
     } catch (const toml::parse_error& error) {
-        throw ConfigError{file + ":" + std::to_string(error.source().begin.line) + ": " +
+        throw ConfigError{file + ":" + std::to_string(error.source().begin.line),
                           std::string{error.description()}};
     }
 }
@@ -134,20 +134,20 @@ ControllerConfig parse_config(std::string_view text, const std::string& file)
 ControllerConfig read_config(const std::string& path)
 {
     if (std::error_code ignored; std::filesystem::is_directory(path, ignored)) {
-        throw ConfigError{path + ": found a directory, expected a file; --print-config prints one"};
+        throw ConfigError{path, "found a directory, expected a file; --print-config prints one"};
     }
     errno = 0;
     std::ifstream file{path, std::ios::binary};
     std::string text(max_config_size + 1, '\0');
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
     if (file.bad() || !file.is_open()) {
-        throw ConfigError{path +
-                          ": the file cannot be read: " + std::generic_category().message(errno)};
+        throw ConfigError{path,
+                          "the file cannot be read: " + std::generic_category().message(errno)};
     }
     text.resize(static_cast<std::size_t>(file.gcount()));
     if (text.size() > max_config_size) {
-        throw ConfigError{path + ": found more than " + std::to_string(max_config_size) +
-                          " bytes, expected a configuration; --print-config prints one"};
+        throw ConfigError{path, "found more than " + std::to_string(max_config_size) +
+                                    " bytes, expected a configuration; --print-config prints one"};
     }
     return parse_config(text, path);
 }

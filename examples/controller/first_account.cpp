@@ -36,7 +36,7 @@ crypto::Secret new_password(crypto::Random& random)
 {
     crypto::Secret numbers{group * groups};
     if (!random.fill(numbers.span())) {
-        throw ConfigError{"no random numbers for a password"};
+        throw ConfigError{"the first password", "there are no random numbers for it"};
     }
     crypto::Secret password{numbers.size() + groups - 1};
     std::size_t at = 0;
@@ -66,8 +66,8 @@ std::optional<FirstAccount> load_first_account(const std::string& folder)
         hash.pop_back();
     }
     if (!crypto::is_password_hash(hash)) {
-        throw ConfigError{path + ": found no hash of a password, expected the output of "
-                                 "--hash-password; remove the file to get a new password"};
+        throw ConfigError{path, "found no hash of a password, expected the output of "
+                                "--hash-password; remove the file to get a new password"};
     }
     return FirstAccount{account_with(std::move(hash)), std::nullopt};
 }
@@ -77,14 +77,14 @@ FirstAccount make_first_account(const std::string& folder, crypto::Random& rando
     crypto::Secret password = new_password(random);
     auto hash = crypto::hash_password(password.text(), random);
     if (!hash) {
-        throw ConfigError{"the first password: " + std::string{name(hash.error())}};
+        throw ConfigError{Problem{hash.error(), "the first password", "cannot be hashed"}};
     }
     const std::string path = file_in(folder);
     std::error_code error;
     fs::create_directories(folder, error);
     const std::string line = *hash + "\n";
     if (!crypto::save_file(path, std::as_bytes(std::span{line}), crypto::FileAccess::Owner)) {
-        throw ConfigError{path + ": the file cannot be written, expected a folder of this user"};
+        throw ConfigError{path, "the file cannot be written, expected a folder of this user"};
     }
     return {account_with(*std::move(hash)), std::move(password)};
 }

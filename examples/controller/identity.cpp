@@ -14,11 +14,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Certificates are configured, too: a refusal of one's own is a problem.
 template <typename T>
-T expect(Checked<T> result)
+T expect_own(Checked<T> result)
 {
     if (!result) {
-        throw ConfigError{text(result.error())};
+        throw ConfigError{problem_of(result.error())};
     }
     return *std::move(result);
 }
@@ -56,10 +57,10 @@ void take_over_first_version(const fs::path& own, const crypto::OwnCertificateSt
     }
     const auto key = crypto::PrivateKey::parse(read_file(key_file).span());
     if (!key) {
-        throw ConfigError{key_file.string() + ": " + std::string{busbar::name(key.error())}};
+        throw ConfigError{Problem{key.error(), key_file.string(), "is no private key"}};
     }
-    auto certificates = expect(crypto::read_certificates(read_file(certificate_file).span()));
-    expect(store.install({std::move(certificates), *key}, application_uri));
+    auto certificates = expect_own(crypto::read_certificates(read_file(certificate_file).span()));
+    expect_own(store.install({std::move(certificates), *key}, application_uri));
 }
 
 } // namespace
@@ -69,11 +70,11 @@ channel::ApplicationIdentity load_identity(const CertificateConfig& config, cons
                                            const std::vector<std::string>& host_names, DateTime now)
 {
     const crypto::OwnCertificateStore store{config.folder};
-    if (!expect(store.load(application_uri))) {
+    if (!expect_own(store.load(application_uri))) {
         take_over_first_version(fs::path{config.folder} / "own", store, application_uri);
     }
-    auto own =
-        expect(store.load_or_create(settings_of(config, name, application_uri, host_names), now));
+    auto own = expect_own(
+        store.load_or_create(settings_of(config, name, application_uri, host_names), now));
     return {std::move(own.certificates), std::move(own.key)};
 }
 
@@ -82,7 +83,7 @@ crypto::Certificate regenerate_certificate(const CertificateConfig& config, cons
                                            const std::vector<std::string>& host_names, DateTime now)
 {
     const crypto::OwnCertificateStore store{config.folder};
-    return expect(store.regenerate(settings_of(config, name, application_uri, host_names), now))
+    return expect_own(store.regenerate(settings_of(config, name, application_uri, host_names), now))
         .certificates.front();
 }
 

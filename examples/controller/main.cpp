@@ -23,7 +23,6 @@
 #ifdef BUSBAR_KEY_LOG
 #include <busbar/net/key_log_file.hpp>
 #endif
-#include <busbar/server/config_check.hpp>
 #include <busbar/server/password_rules.hpp>
 #include <busbar/server/password_users.hpp>
 #include <busbar/server/process_image.hpp>
@@ -69,7 +68,7 @@ template <typename T>
 T expect(Result<T> result, const std::string& what)
 {
     if (!result) {
-        throw ConfigError{what + ": " + std::string{name(result.error())}};
+        throw ConfigError{Problem{result.error(), what, "failed"}};
     }
     if constexpr (!std::is_void_v<T>) {
         return *std::move(result);
@@ -125,8 +124,8 @@ void add_first_account(ControllerConfig& config)
     auto first = example::load_first_account(folder);
     if (!first && ::isatty(STDOUT_FILENO) == 0) {
         throw ConfigError{
-            "nobody can log in yet, expected a first start on a terminal, which shows "
-            "a password once, or an account in a file: see --print-config"};
+            folder, "nobody can log in yet, expected a first start on a terminal, which shows "
+                    "a password once, or an account in a file: see --print-config"};
     }
     if (!first) {
         crypto::SystemRandom random;
@@ -212,6 +211,17 @@ void print_statistics(const controller::PlcTask::Statistics& statistics)
                 microseconds(statistics.worst_lateness), microseconds(statistics.worst_scan));
 }
 
+/// A problem names `file`, where `config` is from; that is empty for the built-in one.
+server::Server make_server(const server::ServerConfig& config,
+                           const server::ServerEnvironment& environment, const std::string& file)
+{
+    return example::expect(
+        server::Server::create(config, environment).map_error([&](Problem problem) {
+            problem.where = (file.empty() ? "the server" : file) + ": " + problem.where;
+            return problem;
+        }));
+}
+
 /// `file` is where `config` is from; empty for the built-in one.
 int serve(ControllerConfig config, const std::string& file)
 {
@@ -227,20 +237,16 @@ int serve(ControllerConfig config, const std::string& file)
     set_names(config);
     set_endpoint(config, port, wall_clock.now());
     example::Admission admission{config, log};
-    auto plc = controller::Plc::create(config.plc, config.image);
-    if (!plc) {
-        throw ConfigError{plc.error().text};
-    }
-    server::ImageSource source{(*plc)->image()};
+    const auto plc = example::expect(controller::Plc::create(config.plc, config.image));
+    server::ImageSource source{plc->image()};
     server::MethodTable methods;
 
-    server::ServerEnvironment environment;
-    environment.random = &random;
-    environment.wall_clock = &wall_clock;
-    environment.log = &log;
-    environment.validator = &admission.clients();
-    environment.users = &admission.users();
-    environment.waker = &loop.waker();
+    server::ServerEnvironment environment{.random = &random,
+                                          .wall_clock = &wall_clock,
+                                          .log = &log,
+                                          .validator = &admission.clients(),
+                                          .users = &admission.users(),
+                                          .waker = &loop.waker()};
 #ifdef BUSBAR_KEY_LOG
     std::unique_ptr<net::KeyLogFile> key_log;
     if (!config.key_log.empty()) {
@@ -248,34 +254,35 @@ int serve(ControllerConfig config, const std::string& file)
         environment.key_log = key_log.get();
     }
 #endif
-    register_with_discovery_server(loop, config,
-                                   {&random, &wall_clock, &log, environment.validator,
-                                    config.server.identity ? &*config.server.identity : nullptr});
-    if (const auto checked = server::check_config(config.server, environment); !checked) {
-        throw ConfigError{(file.empty() ? "the server" : file) + ": " + checked.error().found};
-    }
-    auto server = expect(server::Server::create(config.server, environment), "the server");
+    register_with_discovery_server(
+        loop, config,
+        {.random = &random,
+         .wall_clock = &wall_clock,
+         .log = &log,
+         .validator = environment.validator,
+         .identity = config.server.identity ? &*config.server.identity : nullptr});
+    auto server = make_server(config.server, environment, file);
     controller::PlcNodesOptions nodes;
     nodes.source = server.add_source(source);
     nodes.cycle = config.scan;
-    const auto folder = expect(controller::publish_variables(server.address_space(), **plc, nodes),
-                               "the variables");
+    const auto folder =
+        expect(controller::publish_variables(server.address_space(), *plc, nodes), "the variables");
     example::load_models(server.address_space(), config.nodesets, log);
     const auto events = expect(
-        controller::PlcEvents::create(server.address_space(), folder, **plc, server.event_queue()),
+        controller::PlcEvents::create(server.address_space(), folder, *plc, server.event_queue()),
         "the events");
-    expect(controller::publish_methods(server.address_space(), folder, **plc, methods,
+    expect(controller::publish_methods(server.address_space(), folder, *plc, methods,
                                        server.add_source(methods)),
            "the methods");
 
     net::WorkerThread worker{64, &log};
     admission.check_passwords_on(worker);
-    controller::PlcTask task{**plc, wall_clock, config.scan, config.realtime_priority};
+    controller::PlcTask task{*plc, wall_clock, config.scan, config.realtime_priority};
     task.after_scan([&events](DateTime time) { events.raise(time); }, &log);
     task.start();
     loop.stop_on_signals();
     reload_on_hangup(loop, file, admission, server, log);
-    std::fputs(example::welcome_text(config, (*plc)->variables().size(), wall_clock.now()).c_str(),
+    std::fputs(example::welcome_text(config, plc->variables().size(), wall_clock.now()).c_str(),
                stdout);
     std::fflush(stdout);
     loop.run(server);
@@ -349,8 +356,8 @@ int run(int argc, char** argv)
     if (file.empty()) {
         add_first_account(config);
     } else if (example::is_nobody(config.users)) {
-        throw ConfigError{file + ": nobody can log in, expected an account, anonymous, "
-                                 "certificates or tokens in [users]: see --print-config"};
+        throw ConfigError{file, "nobody can log in, expected an account, anonymous, "
+                                "certificates or tokens in [users]: see --print-config"};
     }
     return serve(std::move(config), file);
 }

@@ -17,14 +17,14 @@ void load_models(model::AddressSpace& space, const std::vector<std::string>& fil
     }
     const auto loaded = model::load_nodesets(space, sources);
     if (!loaded) {
-        std::string text = "the information models cannot be loaded";
-        for (const model::NodeSetError& error : loaded.error()) {
-            text += "\n" + error.text();
+        std::string lines = "the information models cannot be loaded";
+        for (const Problem& problem : loaded.error()) {
+            lines += "\n" + text(problem);
         }
-        throw ConfigError{text};
+        throw ConfigError{Problem{.text = lines}};
     }
-    for (const model::NodeSetError& note : loaded->notes) {
-        log.write(LogLevel::Warning, "model", note.text());
+    for (const Problem& note : loaded->notes) {
+        log.write(LogLevel::Warning, "model", text(note));
     }
     log.write(LogLevel::Info, "model",
               std::to_string(loaded->node_count) + " nodes of " + std::to_string(files.size()) +

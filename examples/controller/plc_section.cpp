@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <functional>
+#include <initializer_list>
 #include <numeric>
+#include <optional>
+#include <string_view>
 #include <utility>
 
 #include <busbar/controller/plc.hpp>
@@ -15,7 +19,6 @@ namespace busbar::example {
 namespace {
 
 using controller::PlcConfig;
-using controller::PlcConfigError;
 using controller::PlcEvent;
 using controller::PlcProgram;
 using controller::PlcProgramKind;
@@ -116,18 +119,44 @@ PlcEvent read_event(const TomlTable& table)
     return event;
 }
 
-/// Where the configuration says what the error is about.
-[[noreturn]] void fail(const PlcConfigError& error, const std::vector<TomlTable>& entries)
+/// The tables of one kind, by the name that a PlcConfig has for their list.
+struct Entries {
+    std::string_view list;
+    const std::vector<TomlTable>& tables;
+};
+
+/// Of "variables[2].type" the table and the key; nothing if it is of no such list.
+std::optional<std::pair<TomlTable, std::string>> find_entry(std::string_view where,
+                                                            const Entries& entries)
+{
+    const std::size_t end = where.find("].");
+    if (!where.starts_with(entries.list) || end == std::string_view::npos) {
+        return std::nullopt;
+    }
+    std::size_t index = 0;
+    const std::string_view number = where.substr(entries.list.size() + 1);
+    static_cast<void>(std::from_chars(number.data(), where.data() + end, index));
+    const std::string_view field = where.substr(end + 2);
+    return index < entries.tables.size()
+               ? std::optional{std::pair{entries.tables[index],
+                                         std::string{field == "period" ? "period_ms" : field}}}
+               : std::nullopt;
+}
+
+/// Where the configuration says what the problem is about.
+[[noreturn]] void fail(const Problem& problem, std::initializer_list<Entries> lists)
 {
     static constexpr std::string_view expected = "expected ";
-    const std::string key = error.field == "period" ? "period_ms" : error.field;
-    if (error.index >= entries.size()) {
-        throw ConfigError{key + ": " + error.text};
+    for (const Entries& entries : lists) {
+        if (const auto entry = find_entry(problem.where, entries)) {
+            const auto& [table, key] = *entry;
+            if (problem.text.starts_with(expected)) {
+                table.fail(key, problem.text.substr(expected.size()));
+            }
+            table.refuse(key, problem.text);
+        }
     }
-    if (error.text.starts_with(expected)) {
-        entries[error.index].fail(key, error.text.substr(expected.size()));
-    }
-    entries[error.index].refuse(key, error.text);
+    throw ConfigError{problem};
 }
 
 } // namespace
@@ -160,14 +189,7 @@ void read_plc(const TomlTable& table, ControllerConfig& config)
         config.plc.events.push_back(read_event(entry));
     }
     if (const auto plc = controller::Plc::create(config.plc); !plc) {
-        switch (plc.error().part) {
-        case PlcConfigError::Part::Variable:
-            fail(plc.error(), variables);
-        case PlcConfigError::Part::Program:
-            fail(plc.error(), programs);
-        case PlcConfigError::Part::Event:
-            fail(plc.error(), events);
-        }
+        fail(plc.error(), {{"variables", variables}, {"programs", programs}, {"events", events}});
     }
 }
 

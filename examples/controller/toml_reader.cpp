@@ -24,24 +24,24 @@ std::string shown(const toml::node& node)
 
 std::string TomlTable::place(const toml::node& node) const
 {
-    return file_ + ":" + std::to_string(node.source().begin.line) + ": ";
+    return file_ + ":" + std::to_string(node.source().begin.line);
 }
 
 void TomlTable::fail(std::string_view key, const std::string& expected) const
 {
     const toml::node* node = table_->get(key);
     if (node == nullptr) {
-        throw ConfigError{place(*table_) + "found no \"" + std::string{key} + "\", expected " +
-                          expected};
+        throw ConfigError{place(*table_),
+                          "found no \"" + std::string{key} + "\", expected " + expected};
     }
-    throw ConfigError{place(*node) + std::string{key} + ": found " + shown(*node) + ", expected " +
-                      expected};
+    throw ConfigError{place(*node) + ": " + std::string{key},
+                      "found " + shown(*node) + ", expected " + expected};
 }
 
 void TomlTable::refuse(std::string_view key, const std::string& text) const
 {
     const toml::node* node = table_->get(key);
-    throw ConfigError{place(node == nullptr ? *table_ : *node) + std::string{key} + ": " + text};
+    throw ConfigError{place(node == nullptr ? *table_ : *node) + ": " + std::string{key}, text};
 }
 
 void TomlTable::allow(std::initializer_list<std::string_view> keys) const
@@ -52,8 +52,8 @@ void TomlTable::allow(std::initializer_list<std::string_view> keys) const
             for (const std::string_view known : keys) {
                 list += (list.empty() ? "" : ", ") + std::string{known};
             }
-            throw ConfigError{place(node) + "found \"" + std::string{key.str()} +
-                              "\", expected one of: " + list};
+            throw ConfigError{place(node),
+                              "found \"" + std::string{key.str()} + "\", expected one of: " + list};
         }
     }
 }

@@ -6,17 +6,41 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <toml++/toml.h>
 
+#include <busbar/core/problem.hpp>
+
 namespace busbar::example {
 
-/// "controller.toml:12: found \"x\", expected ...".
+/// A Problem on its way to main(): "controller.toml:12: scan_ms: found \"x\", expected ...".
 class ConfigError : public std::runtime_error {
 public:
-    using std::runtime_error::runtime_error;
+    explicit ConfigError(Problem problem)
+        : std::runtime_error{text(problem)}, problem_{std::move(problem)}
+    {
+    }
+    ConfigError(std::string where, std::string text)
+        : ConfigError{Problem{.where = std::move(where), .text = std::move(text)}}
+    {
+    }
+    [[nodiscard]] const Problem& problem() const { return problem_; }
+
+private:
+    Problem problem_;
 };
+
+/// The value, or a ConfigError with the problem.
+template <typename T>
+T expect(Configured<T> made)
+{
+    if (!made) {
+        throw ConfigError{std::move(made).error()};
+    }
+    return *std::move(made);
+}
 
 /// One table of a configuration file. Every function throws a ConfigError with the place if what is
 /// there is not what is expected.

@@ -127,16 +127,18 @@ ServerHost::ServerHost(Scheduler& scheduler, const WallClock& clock, LogSink& lo
       forget_{scheduler, [this] { forget_ended(); }},
       woken_{scheduler, [this] { await_completions(); }}, touched_{scheduler, [this] { settle(); }}
 {
-    const server::ServerEnvironment environment{&random_,
-                                                &clock,
-                                                &log,
-                                                parts.validator != nullptr ? parts.validator
-                                                                           : &accept_any_,
-                                                parts.users != nullptr ? parts.users : &anybody_,
-                                                parts.access,
-                                                this};
+    const server::ServerEnvironment environment{
+        .random = &random_,
+        .wall_clock = &clock,
+        .log = &log,
+        .validator = parts.validator != nullptr ? parts.validator : &accept_any_,
+        .users = parts.users != nullptr ? parts.users : &anybody_,
+        .access = parts.access,
+        .waker = this};
     auto created = server::Server::create(std::move(config), environment, std::move(address_space));
-    if (created) {
+    if (!created) {
+        problem_ = created.error();
+    } else {
         server_ = std::make_unique<server::Server>(*std::move(created));
         server_->start(scheduler.now());
         settle();

@@ -47,18 +47,21 @@ struct Application::Impl {
 Application::Application(std::unique_ptr<Impl> impl) : impl_{std::move(impl)} {}
 Application::~Application() = default;
 
-Checked<std::unique_ptr<Application>> Application::open(ApplicationSettings settings, LogSink& log)
+Configured<std::unique_ptr<Application>> Application::open(ApplicationSettings settings,
+                                                           LogSink& log)
 {
     auto impl = std::make_unique<Impl>(std::move(settings), log);
     const ApplicationSettings& wanted = impl->settings;
     if (const auto made = impl->store.create(); !made) {
-        return refuse({made.error(), "certificate folder", "cannot be made: " + wanted.folder,
-                       "Part 12, F.1", "Make it writable for this user, or name another."});
+        return misconfigured("certificate folder \"" + wanted.folder + "\"",
+                             "cannot be made (Part 12, F.1). Make it writable for this user, or "
+                             "name another",
+                             made.error());
     }
     const crypto::OwnCertificateStore own{wanted.folder};
     auto certificate = own.load_or_create(certificate_of(wanted), impl->wall_clock.now());
     if (!certificate) {
-        return tl::unexpected{std::move(certificate).error()};
+        return tl::unexpected{problem_of(certificate.error())};
     }
     impl->identity = channel::ApplicationIdentity{std::move(certificate->certificates),
                                                   std::move(certificate->key)};
@@ -80,14 +83,12 @@ server::ServerConfig Application::server_config(std::string endpoint_url) const
 server::ServerEnvironment Application::server_environment(ServerLoop& loop,
                                                           server::UserStore* users)
 {
-    server::ServerEnvironment environment;
-    environment.random = &impl_->random;
-    environment.wall_clock = &impl_->wall_clock;
-    environment.log = impl_->environment.log;
-    environment.validator = &impl_->validator;
-    environment.users = users;
-    environment.waker = &loop.waker();
-    return environment;
+    return {.random = &impl_->random,
+            .wall_clock = &impl_->wall_clock,
+            .log = impl_->environment.log,
+            .validator = &impl_->validator,
+            .users = users,
+            .waker = &loop.waker()};
 }
 
 client::ClientConfig Application::client_config(std::string endpoint_url) const

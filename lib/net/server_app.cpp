@@ -4,8 +4,8 @@
 #include <optional>
 
 #include <busbar/channel/endpoint_url.hpp>
+#include <busbar/core/text.hpp>
 #include <busbar/net/server_loop.hpp>
-#include <busbar/server/config_check.hpp>
 #include <busbar/server/memory_source.hpp>
 #include <busbar/types/ids.hpp>
 
@@ -15,17 +15,17 @@ struct ServerApp::Impl {
     explicit Impl(std::string url) : endpoint_url{std::move(url)} {}
 
     [[nodiscard]] bool is_good() const { return status.has_value(); }
-    void fail_with(Refusal refusal)
+    void fail_with(Problem problem)
     {
         if (is_good()) {
-            status = refuse(std::move(refusal));
+            status = tl::unexpected{std::move(problem)};
         }
     }
     void open(ApplicationSettings settings);
     void listen();
 
     std::string endpoint_url;
-    Checked<void> status;
+    Configured<void> status;
     StderrLog log;
     std::unique_ptr<Application> application;
     ServerLoop loop{log};
@@ -45,12 +45,9 @@ void ServerApp::Impl::open(ApplicationSettings settings)
     application = *std::move(opened);
     server::ServerConfig config = application->server_config(endpoint_url);
     const server::ServerEnvironment environment = application->server_environment(loop, &users);
-    if (const auto checked = server::check_config(config, environment); !checked) {
-        return fail_with(checked.error());
-    }
     auto made = server::Server::create(std::move(config), environment);
     if (!made) {
-        return fail_with({made.error(), "server", "cannot be made", {}, {}});
+        return fail_with(made.error());
     }
     server.emplace(*std::move(made));
     memory.emplace(application->wall_clock());
@@ -61,15 +58,13 @@ void ServerApp::Impl::listen()
 {
     const auto url = channel::EndpointUrl::parse(endpoint_url);
     if (!url) {
-        return fail_with({url.error(), "endpoint URL", "is none: " + endpoint_url, "Part 6, 7.2",
-                          "Write opc.tcp://host:port"});
+        return fail_with(
+            {url.error(), "endpoint_url",
+             "\"" + printable(endpoint_url) + "\" is none. Write opc.tcp://host:port"});
     }
     if (const auto listening = loop.listen("", url->port); !listening) {
-        fail_with({listening.error(),
-                   "port",
-                   std::to_string(url->port) + " cannot be listened on",
-                   {},
-                   "Choose another, or stop who has it"});
+        fail_with({listening.error(), "port " + std::to_string(url->port),
+                   "cannot be listened on. Choose another, or stop who has it"});
     }
 }
 
@@ -89,7 +84,7 @@ void ServerApp::add_user(std::string_view name, const char* password)
     const auto added =
         impl_->users.add(name, password != nullptr ? password : "", impl_->application->random());
     if (!added) {
-        impl_->fail_with(added.error());
+        impl_->fail_with(problem_of(added.error()));
     }
 }
 
@@ -101,7 +96,7 @@ std::uint16_t ServerApp::add_namespace(std::string_view uri)
     const auto added = impl_->server->address_space().add_namespace(uri);
     if (!added) {
         impl_->fail_with(
-            {added.error(), "namespace", "cannot be added: " + std::string{uri}, {}, {}});
+            {added.error(), "namespace \"" + printable(uri) + "\"", "cannot be added"});
     }
     return added.value_or(0);
 }
@@ -129,7 +124,7 @@ std::uint64_t ServerApp::add_variable(const QualifiedName& name, const model::Bo
     const auto added = space.add_variable(space.find(id::ObjectsFolder), name, bound, access);
     if (!added) {
         impl_->fail_with(
-            {added.error(), "variable", "cannot be added: " + name.name.str(), {}, {}});
+            {added.error(), "variable \"" + printable(name.name.view()) + "\"", "cannot be added"});
         return 0;
     }
     return bound.handle;
@@ -142,7 +137,7 @@ void ServerApp::set(std::uint64_t variable, Variant value)
     }
 }
 
-const Checked<void>& ServerApp::status() const
+const Configured<void>& ServerApp::status() const
 {
     return impl_->status;
 }

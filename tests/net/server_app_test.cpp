@@ -90,15 +90,17 @@ TEST_CASE("a ServerApp keeps what failed first", "[net]")
         net::ServerApp app{settings_in(folder)};
         app.add_user("operator", nullptr);
         REQUIRE_FALSE(app.status());
-        const Refusal first = app.status().error();
+        const Problem first = app.status().error();
+        CHECK(first.where == "password rules");
         CHECK(app.add_namespace("urn:example:machine") == 0);
-        CHECK(app.status().error().check == first.check);
+        CHECK(text(app.status().error()) == text(first));
         CHECK(app.run() == 1);
     }
     SECTION("an URL that is none")
     {
         net::ServerApp app{settings_in(folder), "http://localhost"};
         REQUIRE_FALSE(app.status());
+        CHECK(app.status().error().where == "endpoint_url");
         CHECK(app.server() == nullptr);
         app.set(app.add_variable({1, "Speed"}, 1.0), 2.0);
         CHECK(app.run() == 1);

@@ -21,72 +21,135 @@ TEST_CASE("the default configuration has no open door")
 
 namespace {
 
+/// Users of every kind, none of whom exists.
+struct EveryKind final : server::UserStore {
+    [[nodiscard]] Result<server::UserIdentity> log_in(std::string_view, std::string_view) override
+    {
+        return fail(status::Bad_UserAccessDenied);
+    }
+    [[nodiscard]] crypto::CertificateValidator* certificate_validator() override
+    {
+        return &validator;
+    }
+
+    crypto::InsecureAcceptAnyCertificate validator;
+};
+
 /// A configuration that is right until a test changes it.
 struct Contradiction {
-    Contradiction()
-    {
-        environment.validator = &validator;
-        environment.users = &users;
-        environment.random = &random;
-        environment.wall_clock = &clock;
-        environment.log = &log;
-        REQUIRE(server::check_config(config, environment));
-    }
+    Contradiction() { REQUIRE(server::check_config(config, environment)); }
     void check_refused()
     {
         const auto checked = server::check_config(config, environment);
         REQUIRE_FALSE(checked);
-        CHECK(checked.error().status == status::Bad_ConfigurationError);
-        CHECK(checked.error().found.find(reason) != std::string::npos);
-        CHECK(server::Server::create(config, environment).error() ==
-              status::Bad_ConfigurationError);
-        CHECK(log.text.find(reason) != std::string::npos);
+        CHECK(text(check_created()) == text(checked.error()));
+    }
+    Problem check_created()
+    {
+        const auto created = server::Server::create(config, environment, std::move(space));
+        REQUIRE_FALSE(created);
+        CHECK(created.error().status == expected);
+        CHECK(created.error().where == where);
+        CHECK(text(created.error()).find(reason) != std::string::npos);
+        CHECK((environment.log == nullptr ||
+               log.text.find(text(created.error())) != std::string::npos));
+        return created.error();
     }
 
     server::ServerConfig config = ServerFixture::insecure_config();
     crypto::InsecureAcceptAnyCertificate validator;
     PlainUsers users;
+    EveryKind every_kind;
     SeededRandom random;
     FixedWallClock clock;
     LogBook log;
-    server::ServerEnvironment environment;
+    server::ServerEnvironment environment{.random = &random,
+                                          .wall_clock = &clock,
+                                          .log = &log,
+                                          .validator = &validator,
+                                          .users = &users};
+    model::AddressSpace space;
     crypto::SecurityPolicy policy = *crypto::find_policy_by_name("Basic256Sha256");
+    StatusCode expected{status::Bad_ConfigurationError};
+    std::string where;
     std::string reason;
 };
 
+constexpr const char* first_endpoint = "endpoint Basic256Sha256 SignAndEncrypt";
+constexpr const char* open_endpoint = "endpoint None None";
+
 } // namespace
+
+TEST_CASE_METHOD(Contradiction, "what a server cannot do without is named when it is missing")
+{
+    SECTION("random numbers")
+    {
+        environment.random = nullptr;
+        where = "environment.random";
+    }
+    SECTION("the time of day")
+    {
+        environment.wall_clock = nullptr;
+        where = "environment.wall_clock";
+    }
+    SECTION("a log")
+    {
+        environment.log = nullptr;
+        where = "environment.log";
+    }
+    reason = "is null";
+    check_refused();
+}
 
 TEST_CASE_METHOD(Contradiction, "what a server needs for its endpoints must be there")
 {
     SECTION("URL")
     {
         config.endpoint_url = "localhost:4840";
+        where = "endpoint_url";
         reason = "no URL";
+    }
+    SECTION("ApplicationUri")
+    {
+        config.application_uri.clear();
+        where = "application_uri";
+        reason = "is empty";
     }
     SECTION("no certificate")
     {
         config.identity.reset();
+        where = first_endpoint;
         reason = "SignAndEncrypt: needs a certificate";
     }
     SECTION("no validator")
     {
         environment.validator = nullptr;
+        where = first_endpoint;
         reason = "needs a certificate";
     }
     SECTION("a key that the policy does not allow")
     {
         policy.min_key_bits = 3072;
         config.endpoints[0].security.policy = &policy;
+        where = first_endpoint;
         reason = "needs a key of 3072 to 4096 bits";
+    }
+    SECTION("a key alone")
+    {
+        config.identity->certificates.clear();
+        where = "identity";
+        reason = "a key but no certificate";
     }
     SECTION("another's key")
     {
         config.identity->key = client_identity().key;
+        where = "identity";
         reason = "does not belong";
     }
     SECTION("another ApplicationUri")
     {
         config.application_uri = "urn:other";
+        where = "identity";
         reason = "urn:other";
     }
     check_refused();
@@ -97,34 +160,82 @@ TEST_CASE_METHOD(Contradiction, "endpoints must not contradict themselves or eac
     SECTION("plain password")
     {
         config.endpoints[2].password_policy = &crypto::policy_none();
+        where = open_endpoint;
         reason = "not allowed";
+    }
+    SECTION("encrypted passwords without a certificate")
+    {
+        config.identity.reset();
+        config.endpoints.erase(config.endpoints.begin(), config.endpoints.begin() + 2);
+        where = open_endpoint;
+        reason = "encrypted passwords need a certificate";
+    }
+    SECTION("user certificates with nothing to sign with")
+    {
+        environment.users = &every_kind;
+        config.endpoints[2].allows_certificate = true;
+        config.endpoints[2].certificate_policy = &crypto::policy_none();
+        where = open_endpoint;
+        reason = "a policy to sign with";
+    }
+    SECTION("user certificates without the server's")
+    {
+        environment.users = &every_kind;
+        config.identity.reset();
+        config.endpoints = {{}};
+        config.endpoints[0].allows_user_name = false;
+        config.endpoints[0].allows_certificate = true;
+        where = open_endpoint;
+        reason = "user certificates need the server's certificate";
     }
     SECTION("nobody")
     {
         environment.users = nullptr;
+        where = first_endpoint;
         reason = "nobody can log in";
     }
-    SECTION("policy and mode")
+    SECTION("a policy without its mode")
     {
         config.endpoints[0].security.mode = MessageSecurityMode::None;
+        where = "endpoint Basic256Sha256 None";
+        reason = "do not go together";
+    }
+    SECTION("a mode without its policy")
+    {
+        config.endpoints[2].security.mode = MessageSecurityMode::Sign;
+        where = "endpoint None Sign";
         reason = "do not go together";
     }
     SECTION("unknown policy")
     {
-        config.endpoints[0].security.policy = nullptr;
+        config.endpoints[1].security.policy = nullptr;
+        where = "endpoint 2";
         reason = "not known";
     }
     SECTION("twice")
     {
         config.endpoints.push_back(config.endpoints[0]);
+        where = first_endpoint;
         reason = "twice";
     }
     SECTION("none")
     {
         config.endpoints.clear();
+        where = "endpoints";
         reason = "endpoint";
     }
     check_refused();
+}
+
+TEST_CASE_METHOD(Contradiction, "a server needs room for its namespace")
+{
+    while (space.add_namespace("urn:" + std::to_string(space.namespace_count()))) {
+    }
+    REQUIRE(server::check_config(config, environment));
+    expected = status::Bad_TooManyOperations;
+    where = "application_uri";
+    reason = "no room for one more namespace";
+    static_cast<void>(check_created());
 }
 
 TEST_CASE_METHOD(Contradiction, "a deprecated policy is used under protest")

@@ -9,10 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include <tl/expected.hpp>
-
 #include <busbar/controller/plc_config.hpp>
 #include <busbar/core/api.hpp>
+#include <busbar/core/problem.hpp>
 #include <busbar/server/process_image.hpp>
 
 namespace busbar::controller {
@@ -29,8 +28,10 @@ class PlcWatch;
 /// thread.
 class BUSBAR_API Plc {
 public:
-    [[nodiscard]] static tl::expected<std::unique_ptr<Plc>, PlcConfigError>
-    create(const PlcConfig& config, server::ImageOptions options = {});
+    /// What is wrong with `config` is told with its place in there: "variables[2].type",
+    /// "programs[0].target", "events[1].limit".
+    [[nodiscard]] static Configured<std::unique_ptr<Plc>> create(const PlcConfig& config,
+                                                                 server::ImageOptions options = {});
     Plc(const Plc&) = delete;
     Plc& operator=(const Plc&) = delete;
     ~Plc();

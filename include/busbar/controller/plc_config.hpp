@@ -67,16 +67,4 @@ struct PlcConfig {
     std::vector<PlcEvent> events;
 };
 
-/// What is wrong with a PlcConfig.
-struct PlcConfigError {
-    enum class Part : std::uint8_t { Variable, Program, Event };
-    /// variables[index], programs[index] or events[index].
-    Part part{Part::Variable};
-    std::size_t index{0};
-    /// The field's name: "type", "target"...
-    std::string field;
-    /// What was found and what was expected.
-    std::string text;
-};
-
 } // namespace busbar::controller

@@ -3,11 +3,13 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <busbar/core/api.hpp>
+#include <busbar/core/problem.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
 #include <busbar/harness/seeded_random.hpp>
 #include <busbar/harness/world.hpp>
@@ -56,7 +58,7 @@ private:
 class BUSBAR_API ServerHost final : public Acceptor, private server::Waker {
 public:
     /// Listens at the configuration's endpoint_url. The world must outlive it. A configuration that
-    /// contradicts itself leaves the host without a server: see is_running(), and the world's log.
+    /// contradicts itself leaves the host without a server: see is_running() and problem().
     explicit ServerHost(World& world, server::ServerConfig config = open_server_config(),
                         const ServerParts& parts = {}, model::AddressSpace address_space = {});
     /// For links that are made by hand, without a network.
@@ -66,13 +68,15 @@ public:
     ~ServerHost() override;
 
     [[nodiscard]] bool is_running() const { return server_ != nullptr; }
+    /// Why there is no server; nothing if there is one.
+    [[nodiscard]] const std::optional<Problem>& problem() const { return problem_; }
     /// Only if it is_running(). What is changed from outside of a run is noticed at its begin.
     [[nodiscard]] server::Server& server()
     {
         touched_.raise();
         return *server_;
     }
-    /// Takes a Variable's value from `source`, which must outlive the host; its index.
+    /// Takes a Variable's value from `source`, which may end before the host; its index.
     std::uint32_t add_source(server::DataSource& source) { return server_->add_source(source); }
     [[nodiscard]] bool accept(const std::shared_ptr<Link>& link,
                               std::string_view peer_address) override;
@@ -100,6 +104,7 @@ private:
     Signal woken_;
     Signal touched_;
     std::unique_ptr<server::Server> server_;
+    std::optional<Problem> problem_;
     std::map<std::uint64_t, std::unique_ptr<Peer>> peers_;
 };
 

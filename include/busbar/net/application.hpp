@@ -9,7 +9,7 @@
 #include <busbar/client/client.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/core/log.hpp>
-#include <busbar/core/refusal.hpp>
+#include <busbar/core/problem.hpp>
 #include <busbar/crypto/certificate_store.hpp>
 #include <busbar/net/system.hpp>
 #include <busbar/server/server.hpp>
@@ -36,8 +36,9 @@ struct ApplicationSettings {
 class BUSBAR_API Application {
 public:
     /// May take seconds, for a new key. `log` must outlive the object.
-    [[nodiscard]] static Checked<std::unique_ptr<Application>> open(ApplicationSettings settings,
-                                                                    LogSink& log);
+    /// The problem is one of the folder or of what is in it.
+    [[nodiscard]] static Configured<std::unique_ptr<Application>> open(ApplicationSettings settings,
+                                                                       LogSink& log);
     Application(const Application&) = delete;
     Application& operator=(const Application&) = delete;
     ~Application();

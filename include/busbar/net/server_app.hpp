@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <busbar/core/api.hpp>
+#include <busbar/core/problem.hpp>
 #include <busbar/core/types.hpp>
 #include <busbar/model/new_node.hpp>
 #include <busbar/net/application.hpp>
@@ -53,7 +54,7 @@ public:
     /// Gives a Variable that was added with a value of its own another value.
     void set(std::uint64_t variable, Variant value);
 
-    [[nodiscard]] const Checked<void>& status() const;
+    [[nodiscard]] const Configured<void>& status() const;
     /// Null if it could not be made.
     [[nodiscard]] server::Server* server();
     [[nodiscard]] server::PasswordUsers& users();

@@ -9,6 +9,7 @@
 #include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/log.hpp>
+#include <busbar/core/problem.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
 #include <busbar/crypto/random.hpp>
 #include <busbar/model/address_space.hpp>
@@ -32,18 +33,19 @@ namespace busbar::server {
 /// output of the connections that next_changed() names.
 class BUSBAR_API Server {
 public:
-    /// Bad_ConfigurationError, with the reason in the log, if `config` contradicts itself (see
-    /// check_config, which has it as a value): an endpoint with security and no certificate, a
-    /// certificate that does not name the ApplicationUri, a plain password that was not allowed, an
-    /// URL that is none.
-    [[nodiscard]] static Result<Server> create(ServerConfig config,
-                                               const ServerEnvironment& environment,
-                                               model::AddressSpace address_space = {});
-    /// A server that has these modules, instead of all. Bad_ConfigurationError also if `config`
-    /// asks for what one of the others has.
-    [[nodiscard]] static Result<Server> create(ModuleTable modules, ServerConfig config,
-                                               const ServerEnvironment& environment,
-                                               model::AddressSpace address_space = {});
+    /// Refused, with the reason in the log too, if `environment` lacks what is required or `config`
+    /// contradicts itself, as check_config finds without making a server: an endpoint with security
+    /// and no certificate, a certificate that does not name the ApplicationUri, a plain password
+    /// that was not allowed, an URL that is none; or if the AddressSpace has no room for the
+    /// ApplicationUri among its namespaces.
+    [[nodiscard]] static Configured<Server> create(ServerConfig config,
+                                                   const ServerEnvironment& environment,
+                                                   model::AddressSpace address_space = {});
+    /// A server that has these modules, instead of all. Refused also if `config` asks for what one
+    /// of the others has.
+    [[nodiscard]] static Configured<Server> create(ModuleTable modules, ServerConfig config,
+                                                   const ServerEnvironment& environment,
+                                                   model::AddressSpace address_space = {});
     Server(Server&&) noexcept;
     Server& operator=(Server&&) noexcept;
     /// All Connections must be gone.
@@ -59,9 +61,11 @@ public:
     Result<void> describe_namespace(std::uint16_t index, const NamespaceMetadata& metadata);
     /// Types that values may have beyond those of namespace 0; to be filled before clients come.
     [[nodiscard]] binary::TypeRegistry& types();
-    /// The source's index, which nodes carry. The source must outlive the server.
+    /// The source's index, which nodes carry. The source may be destroyed before the server, on the
+    /// server's thread: see DataSource.
     std::uint32_t add_source(DataSource& source);
-    /// The same with a source, not null, that the server keeps alive until it is destroyed.
+    /// The same with a source, not null, that the server keeps alive until it is destroyed. For
+    /// what another thread may let go.
     std::uint32_t add_source(std::shared_ptr<DataSource> source);
 
     /// Raises an event from any thread that knows the server is there; see EventQueue::raise. False

@@ -11,8 +11,7 @@ namespace busbar::controller {
 Plc::Plc() = default;
 Plc::~Plc() = default;
 
-tl::expected<std::unique_ptr<Plc>, PlcConfigError> Plc::create(const PlcConfig& config,
-                                                               server::ImageOptions options)
+Configured<std::unique_ptr<Plc>> Plc::create(const PlcConfig& config, server::ImageOptions options)
 {
     return PlcBuilder{config}.build(options);
 }

@@ -35,17 +35,32 @@ const char* name_of(PlcProgramKind kind)
     return "?";
 }
 
-} // namespace
-
-PlcBuilder::Checked PlcBuilder::error(Part part, std::size_t index, std::string field,
-                                      std::string text)
+/// Where in a PlcConfig: "variables[2].type".
+std::string place(const char* list, std::size_t index, const char* field)
 {
-    return tl::unexpected{PlcConfigError{part, index, std::move(field), std::move(text)}};
+    return std::string{list} + '[' + std::to_string(index) + "]." + field;
 }
 
-tl::expected<std::unique_ptr<Plc>, PlcConfigError> PlcBuilder::build(server::ImageOptions options)
+tl::unexpected<Problem> wrong_variable(std::size_t index, const char* field, std::string text)
 {
-    Checked checked = add_variables();
+    return misconfigured(place("variables", index, field), std::move(text));
+}
+
+tl::unexpected<Problem> wrong_program(std::size_t index, const char* field, std::string text)
+{
+    return misconfigured(place("programs", index, field), std::move(text));
+}
+
+tl::unexpected<Problem> wrong_event(std::size_t index, const char* field, std::string text)
+{
+    return misconfigured(place("events", index, field), std::move(text));
+}
+
+} // namespace
+
+Configured<std::unique_ptr<Plc>> PlcBuilder::build(server::ImageOptions options)
+{
+    Configured<void> checked = add_variables();
     if (checked) {
         checked = check_names();
     }
@@ -60,12 +75,12 @@ tl::expected<std::unique_ptr<Plc>, PlcConfigError> PlcBuilder::build(server::Ima
         checked = add_events();
     }
     if (!checked) {
-        return tl::unexpected{checked.error()};
+        return tl::unexpected{std::move(checked).error()};
     }
     return std::move(plc_);
 }
 
-PlcBuilder::Checked PlcBuilder::add_variables()
+Configured<void> PlcBuilder::add_variables()
 {
     for (std::size_t i = 0; i < config_->variables.size(); ++i) {
         if (auto added = add_variable(i); !added) {
@@ -75,28 +90,29 @@ PlcBuilder::Checked PlcBuilder::add_variables()
     return {};
 }
 
-PlcBuilder::Checked PlcBuilder::add_variable(std::size_t index)
+Configured<void> PlcBuilder::add_variable(std::size_t index)
 {
     const PlcVariable& variable = config_->variables[index];
     if (variable.name.empty()) {
-        return error(Part::Variable, index, "name", "found no name, expected one");
+        return wrong_variable(index, "name", "found no name, expected one");
     }
     const Group group{static_cast<std::uint32_t>(layout_.size()), std::max(variable.count, 1U)};
     for (std::uint32_t i = 0; i < group.count; ++i) {
         const auto added = layout_.add({variable.type, variable.dimensions, variable.capacity});
         if (!added && added.error() == status::Bad_DataTypeIdUnknown) {
-            return error(Part::Variable, index, "type",
-                         "found " + std::string{name(variable.type)} +
-                             ", expected Boolean to Double, String, DateTime, Guid, ByteString, "
-                             "XmlElement or StatusCode");
+            return wrong_variable(
+                index, "type",
+                "found " + std::string{name(variable.type)} +
+                    ", expected Boolean to Double, String, DateTime, Guid, ByteString, "
+                    "XmlElement or StatusCode");
         }
         if (!added && added.error() == status::Bad_OutOfRange) {
-            return error(Part::Variable, index, "dimensions",
-                         "expected at most 16 dimensions and none of them 0");
+            return wrong_variable(index, "dimensions",
+                                  "expected at most 16 dimensions and none of them 0");
         }
         if (!added) {
-            return error(Part::Variable, index, "dimensions",
-                         "the variables need more memory than an image may have");
+            return wrong_variable(index, "dimensions",
+                                  "the variables need more memory than an image may have");
         }
         plc_->variables_.push_back(
             {variable.count == 0 ? variable.name : variable.name + std::to_string(i),
@@ -106,7 +122,7 @@ PlcBuilder::Checked PlcBuilder::add_variable(std::size_t index)
     return {};
 }
 
-PlcBuilder::Checked PlcBuilder::check_names()
+Configured<void> PlcBuilder::check_names()
 {
     auto& sorted = plc_->by_name_;
     const auto name_at = [this](std::uint32_t handle) -> const std::string& {
@@ -123,24 +139,26 @@ PlcBuilder::Checked PlcBuilder::check_names()
     const std::uint32_t later = std::max(twin[0], twin[1]);
     const auto group = std::ranges::find_if(
         groups_, [&](const Group& g) { return later >= g.first && later - g.first < g.count; });
-    return error(Part::Variable, static_cast<std::size_t>(group - groups_.begin()), "name",
-                 "found " + quoted(name_at(later)) + " again, expected a name of its own");
+    return wrong_variable(static_cast<std::size_t>(group - groups_.begin()), "name",
+                          "found " + quoted(name_at(later)) + " again, expected a name of its own");
 }
 
-PlcBuilder::Checked PlcBuilder::set_values()
+Configured<void> PlcBuilder::set_values()
 {
     for (std::size_t i = 0; i < groups_.size(); ++i) {
         const auto value = detail::initial_value(config_->variables[i]);
         if (!value) {
-            return error(Part::Variable, i, "initial",
-                         "expected a value that " + std::string{name(config_->variables[i].type)} +
-                             " can have, with all elements or one for all");
+            return wrong_variable(i, "initial",
+                                  "expected a value that " +
+                                      std::string{name(config_->variables[i].type)} +
+                                      " can have, with all elements or one for all");
         }
         for (std::uint32_t j = 0; j < groups_[i].count; ++j) {
             if (!plc_->image_->memory().store(groups_[i].first + j, *value).is_good()) {
-                return error(Part::Variable, i, "initial",
-                             "expected a text of at most " +
-                                 std::to_string(config_->variables[i].capacity) + " bytes");
+                return wrong_variable(i, "initial",
+                                      "expected a text of at most " +
+                                          std::to_string(config_->variables[i].capacity) +
+                                          " bytes");
             }
         }
     }
@@ -160,7 +178,7 @@ std::optional<PlcBuilder::Group> PlcBuilder::find(std::string_view name) const
     return std::nullopt;
 }
 
-PlcBuilder::Checked PlcBuilder::add_programs()
+Configured<void> PlcBuilder::add_programs()
 {
     for (std::size_t i = 0; i < config_->programs.size(); ++i) {
         if (auto added = add_program(i); !added) {
@@ -170,34 +188,35 @@ PlcBuilder::Checked PlcBuilder::add_programs()
     return {};
 }
 
-PlcBuilder::Checked PlcBuilder::add_program(std::size_t index)
+Configured<void> PlcBuilder::add_program(std::size_t index)
 {
     const PlcProgram& program = config_->programs[index];
     const auto target = find(program.target);
     if (!target) {
-        return error(Part::Program, index, "target",
-                     "found " + quoted(program.target) + ", expected a variable's name");
+        return wrong_program(index, "target",
+                             "found " + quoted(program.target) + ", expected a variable's name");
     }
     const BuiltInType type = layout_[target->first].type;
     if (!detail::PlcStep::accepts(program.kind, type)) {
-        return error(Part::Program, index, "target",
-                     "found a variable of " + std::string{name(type)} + ", which " +
-                         name_of(program.kind) + " cannot work on");
+        return wrong_program(index, "target",
+                             "found a variable of " + std::string{name(type)} + ", which " +
+                                 name_of(program.kind) + " cannot work on");
     }
     if (program.period.count() < 0 ||
         (program.period.count() == 0 && program.kind == PlcProgramKind::Sine)) {
-        return error(Part::Program, index, "period",
-                     "found " + std::to_string(program.period.count()) +
-                         " ms, expected more than 0");
+        return wrong_program(index, "period",
+                             "found " + std::to_string(program.period.count()) +
+                                 " ms, expected more than 0");
     }
     if (!std::isfinite(program.amplitude) || !std::isfinite(program.offset)) {
-        return error(Part::Program, index, "amplitude", "expected finite numbers");
+        return wrong_program(index, "amplitude", "expected finite numbers");
     }
     const bool is_whole = std::trunc(program.amplitude) == program.amplitude;
     if (program.kind == PlcProgramKind::Increment && type < BuiltInType::Float && !is_whole) {
-        return error(Part::Program, index, "amplitude",
-                     "found " + std::to_string(program.amplitude) +
-                         ", expected a whole number for a variable of " + std::string{name(type)});
+        return wrong_program(index, "amplitude",
+                             "found " + std::to_string(program.amplitude) +
+                                 ", expected a whole number for a variable of " +
+                                 std::string{name(type)});
     }
     if (program.kind == PlcProgramKind::Copy) {
         return check_copy(index, *target);
@@ -208,21 +227,22 @@ PlcBuilder::Checked PlcBuilder::add_program(std::size_t index)
     return {};
 }
 
-PlcBuilder::Checked PlcBuilder::check_copy(std::size_t index, const Group& target)
+Configured<void> PlcBuilder::check_copy(std::size_t index, const Group& target)
 {
     const PlcProgram& program = config_->programs[index];
     const auto source = find(program.source);
     if (!source) {
-        return error(Part::Program, index, "source",
-                     "found " + quoted(program.source) + ", expected a variable's name");
+        return wrong_program(index, "source",
+                             "found " + quoted(program.source) + ", expected a variable's name");
     }
     const server::ImagePlace& from = layout_[source->first];
     const server::ImagePlace& to = layout_[target.first];
     if (from.type != to.type || from.dimensions != to.dimensions || from.capacity > to.capacity ||
         (source->count != 1 && source->count != target.count)) {
-        return error(Part::Program, index, "source",
-                     "found " + quoted(program.source) +
-                         ", expected a variable of the type and size of " + quoted(program.target));
+        return wrong_program(index, "source",
+                             "found " + quoted(program.source) +
+                                 ", expected a variable of the type and size of " +
+                                 quoted(program.target));
     }
     for (std::uint32_t i = 0; i < target.count; ++i) {
         plc_->steps_.emplace_back(plc_->image_->memory(), program, target.first + i,
@@ -231,7 +251,7 @@ PlcBuilder::Checked PlcBuilder::check_copy(std::size_t index, const Group& targe
     return {};
 }
 
-PlcBuilder::Checked PlcBuilder::add_events()
+Configured<void> PlcBuilder::add_events()
 {
     for (std::size_t i = 0; i < config_->events.size(); ++i) {
         if (auto checked = check_event(i); !checked) {
@@ -246,25 +266,26 @@ PlcBuilder::Checked PlcBuilder::add_events()
     return {};
 }
 
-PlcBuilder::Checked PlcBuilder::check_event(std::size_t index) const
+Configured<void> PlcBuilder::check_event(std::size_t index) const
 {
     const PlcEvent& event = config_->events[index];
     const auto handle = plc_->find(event.variable);
     if (!handle) {
-        return error(Part::Event, index, "variable",
-                     "found " + quoted(event.variable) + ", expected a variable's name");
+        return wrong_event(index, "variable",
+                           "found " + quoted(event.variable) + ", expected a variable's name");
     }
     const server::ImagePlace& place = layout_[*handle];
     if (place.is_array() || !detail::PlcWatch::accepts(place.type)) {
-        return error(Part::Event, index, "variable",
-                     "found " + quoted(event.variable) + ", expected a scalar number or Boolean");
+        return wrong_event(index, "variable",
+                           "found " + quoted(event.variable) +
+                               ", expected a scalar number or Boolean");
     }
     if (!std::isfinite(event.limit)) {
-        return error(Part::Event, index, "limit", "expected a finite number");
+        return wrong_event(index, "limit", "expected a finite number");
     }
     if (event.severity < 1 || event.severity > 1000) {
-        return error(Part::Event, index, "severity",
-                     "found " + std::to_string(event.severity) + ", expected 1 to 1000");
+        return wrong_event(index, "severity",
+                           "found " + std::to_string(event.severity) + ", expected 1 to 1000");
     }
     return {};
 }

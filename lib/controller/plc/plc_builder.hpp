@@ -5,6 +5,7 @@
 #include <string>
 
 #include <busbar/controller/plc.hpp>
+#include <busbar/core/problem.hpp>
 
 #include "plc_step.hpp"
 
@@ -15,31 +16,25 @@ class PlcBuilder {
 public:
     explicit PlcBuilder(const PlcConfig& config) : config_{&config}, plc_{new Plc} {}
 
-    [[nodiscard]] tl::expected<std::unique_ptr<Plc>, PlcConfigError>
-    build(server::ImageOptions options);
+    [[nodiscard]] Configured<std::unique_ptr<Plc>> build(server::ImageOptions options);
 
 private:
-    using Checked = tl::expected<void, PlcConfigError>;
-    using Part = PlcConfigError::Part;
-
     /// The variables of one PlcVariable.
     struct Group {
         std::uint32_t first;
         std::uint32_t count;
     };
 
-    [[nodiscard]] Checked add_variables();
-    [[nodiscard]] Checked add_variable(std::size_t index);
-    [[nodiscard]] Checked check_names();
-    [[nodiscard]] Checked set_values();
-    [[nodiscard]] Checked add_programs();
-    [[nodiscard]] Checked add_program(std::size_t index);
-    [[nodiscard]] Checked add_events();
-    [[nodiscard]] Checked check_event(std::size_t index) const;
-    [[nodiscard]] Checked check_copy(std::size_t index, const Group& target);
+    [[nodiscard]] Configured<void> add_variables();
+    [[nodiscard]] Configured<void> add_variable(std::size_t index);
+    [[nodiscard]] Configured<void> check_names();
+    [[nodiscard]] Configured<void> set_values();
+    [[nodiscard]] Configured<void> add_programs();
+    [[nodiscard]] Configured<void> add_program(std::size_t index);
+    [[nodiscard]] Configured<void> add_events();
+    [[nodiscard]] Configured<void> check_event(std::size_t index) const;
+    [[nodiscard]] Configured<void> check_copy(std::size_t index, const Group& target);
     [[nodiscard]] std::optional<Group> find(std::string_view name) const;
-    [[nodiscard]] static Checked error(Part part, std::size_t index, std::string field,
-                                       std::string text);
 
     const PlcConfig* config_;
     std::unique_ptr<Plc> plc_;

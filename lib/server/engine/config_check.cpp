@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <busbar/channel/endpoint_url.hpp>
+#include <busbar/core/text.hpp>
 
 #include "server/users/user_policies.hpp"
 
@@ -27,95 +28,111 @@ bool has_fitting_key(const crypto::SecurityPolicy& policy,
     return bits >= policy.min_key_bits && bits <= policy.max_key_bits;
 }
 
-std::string check_users(const EndpointConfig& endpoint, const std::string& which,
-                        const ServerConfig& config, const ServerEnvironment& environment)
+Configured<void> check_users(const EndpointConfig& endpoint, const ServerConfig& config,
+                             const ServerEnvironment& environment)
 {
     UserStore* users = environment.users;
+    const auto wrong = [&](const char* text) {
+        return misconfigured(describe(endpoint.security), text);
+    };
     if (token_policies(config, endpoint, users).empty()) {
-        return which + ": nobody can log in, no kind of user is allowed";
+        return wrong("nobody can log in, no kind of user is allowed");
     }
     const bool has_secrets = accepts(endpoint, users, UserTokenType::UserName) ||
                              accepts(endpoint, users, UserTokenType::IssuedToken);
     const bool is_plain = password_policy(endpoint).is_none();
     if (has_secrets && is_plain && !endpoint.allows_plain_passwords) {
-        return which + ": passwords would be sent as they are, which is not allowed";
+        return wrong("passwords would be sent as they are, which is not allowed");
     }
     if (has_secrets && !is_plain && !config.identity) {
-        return which + ": encrypted passwords need a certificate and its key";
+        return wrong("encrypted passwords need a certificate and its key");
     }
     if (accepts(endpoint, users, UserTokenType::Certificate) &&
         (!config.identity || certificate_policy(endpoint).is_none())) {
-        return which +
-               ": user certificates need the server's certificate and a policy to sign with";
+        return wrong("user certificates need the server's certificate and a policy to sign with");
     }
     return {};
 }
 
-std::string check_endpoint(const EndpointConfig& endpoint, const ServerConfig& config,
-                           const ServerEnvironment& environment)
+Configured<void> check_endpoint(const EndpointConfig& endpoint, const ServerConfig& config,
+                                const ServerEnvironment& environment)
 {
-    if (endpoint.security.policy == nullptr) {
-        return "an endpoint has a security policy that is not known";
-    }
+    const crypto::SecurityPolicy& policy = *endpoint.security.policy;
     const std::string which = describe(endpoint.security);
-    const bool is_none = endpoint.security.policy->is_none();
     const auto mode = endpoint.security.mode;
-    if (is_none
+    if (policy.is_none()
             ? mode != MessageSecurityMode::None
             : mode != MessageSecurityMode::Sign && mode != MessageSecurityMode::SignAndEncrypt) {
-        return which + ": policy and mode do not go together";
+        return misconfigured(which, "policy and mode do not go together");
     }
-    if (!is_none && (!config.identity || environment.validator == nullptr)) {
-        return which + ": needs a certificate, its key and a certificate validator";
+    if (!policy.is_none() && (!config.identity || environment.validator == nullptr)) {
+        return misconfigured(which, "needs a certificate, its key and a certificate validator");
     }
-    if (!is_none && !has_fitting_key(*endpoint.security.policy, *config.identity)) {
-        return which + ": needs a key of " +
-               std::to_string(endpoint.security.policy->min_key_bits) + " to " +
-               std::to_string(endpoint.security.policy->max_key_bits) + " bits";
+    if (!policy.is_none() && !has_fitting_key(policy, *config.identity)) {
+        return misconfigured(which, "needs a key of " + std::to_string(policy.min_key_bits) +
+                                        " to " + std::to_string(policy.max_key_bits) + " bits");
     }
-    return check_users(endpoint, which, config, environment);
+    return check_users(endpoint, config, environment);
 }
 
-std::string check_identity(const ServerConfig& config)
+Configured<void> check_endpoints(const ServerConfig& config, const ServerEnvironment& environment)
+{
+    const auto& endpoints = config.endpoints;
+    if (endpoints.empty()) {
+        return misconfigured("endpoints", "there is no endpoint, expected one at least");
+    }
+    for (auto at = endpoints.begin(); at != endpoints.end(); ++at) {
+        if (at->security.policy == nullptr) {
+            return misconfigured("endpoint " + std::to_string(at - endpoints.begin() + 1),
+                                 "its security policy is not known");
+        }
+        if (auto checked = check_endpoint(*at, config, environment); !checked) {
+            return checked;
+        }
+        if (std::any_of(endpoints.begin(), at, [&](const EndpointConfig& other) {
+                return other.security == at->security;
+            })) {
+            return misconfigured(describe(at->security), "is there twice");
+        }
+    }
+    return {};
+}
+
+Configured<void> check_identity(const ServerConfig& config)
 {
     if (!config.identity) {
         return {};
     }
     const auto& [certificates, key] = *config.identity;
     if (certificates.empty()) {
-        return "there is a key but no certificate";
+        return misconfigured("identity", "there is a key but no certificate");
     }
     if (!key.belongs_to(certificates.front())) {
-        return "the private key does not belong to the certificate";
+        return misconfigured("identity", "the private key does not belong to the certificate");
     }
     if (certificates.front().application_uri() != config.application_uri) {
         // Part 6, 6.2.2
-        return "the certificate names \"" + printable(certificates.front().application_uri()) +
-               "\" and not the ApplicationUri \"" + config.application_uri + "\"";
+        return misconfigured("identity", "the certificate names \"" +
+                                             printable(certificates.front().application_uri()) +
+                                             "\" and not the ApplicationUri \"" +
+                                             printable(config.application_uri) + "\"");
     }
     return {};
 }
 
-std::string find_contradiction(const ServerConfig& config, const ServerEnvironment& environment)
+Configured<void> check_environment(const ServerEnvironment& environment)
 {
-    if (!channel::EndpointUrl::parse(config.endpoint_url)) {
-        return "\"" + config.endpoint_url + "\" is no URL like opc.tcp://host:port";
+    const auto missing = [](const char* field) {
+        return misconfigured(field, "is null, which a server cannot do without");
+    };
+    if (environment.random == nullptr) {
+        return missing("environment.random");
     }
-    if (config.application_uri.empty() || config.endpoints.empty()) {
-        return "an ApplicationUri and an endpoint are needed";
+    if (environment.wall_clock == nullptr) {
+        return missing("environment.wall_clock");
     }
-    if (std::string reason = check_identity(config); !reason.empty()) {
-        return reason;
-    }
-    for (auto at = config.endpoints.begin(); at != config.endpoints.end(); ++at) {
-        if (std::string reason = check_endpoint(*at, config, environment); !reason.empty()) {
-            return reason;
-        }
-        if (std::any_of(config.endpoints.begin(), at, [&](const EndpointConfig& other) {
-                return other.security == at->security;
-            })) {
-            return describe(at->security) + ": is there twice";
-        }
+    if (environment.log == nullptr) {
+        return missing("environment.log");
     }
     return {};
 }
@@ -140,13 +157,22 @@ void warn_of_deprecated_policies(const ServerConfig& config, LogSink& log)
 
 } // namespace detail
 
-Checked<void> check_config(const ServerConfig& config, const ServerEnvironment& environment)
+Configured<void> check_config(const ServerConfig& config, const ServerEnvironment& environment)
 {
-    if (std::string reason = detail::find_contradiction(config, environment); !reason.empty()) {
-        return refuse(
-            {status::Bad_ConfigurationError, "server configuration", std::move(reason), {}, {}});
+    if (auto checked = detail::check_environment(environment); !checked) {
+        return checked;
     }
-    return {};
+    if (!channel::EndpointUrl::parse(config.endpoint_url)) {
+        return misconfigured("endpoint_url", "\"" + printable(config.endpoint_url) +
+                                                 "\" is no URL like opc.tcp://host:port");
+    }
+    if (config.application_uri.empty()) {
+        return misconfigured("application_uri", "is empty, expected an URI");
+    }
+    if (auto checked = detail::check_identity(config); !checked) {
+        return checked;
+    }
+    return detail::check_endpoints(config, environment);
 }
 
 } // namespace busbar::server

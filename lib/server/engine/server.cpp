@@ -17,8 +17,8 @@ namespace busbar::server {
 struct Server::Impl : detail::Core {
     using Core::Core;
 
-    /// What the configuration asks for and no module has; nothing if all is there.
-    [[nodiscard]] std::string find_missing_module() const;
+    /// Refused if the configuration asks for what no module has.
+    [[nodiscard]] Configured<void> check_modules() const;
     /// Why a peer cannot be taken; nothing if it can.
     [[nodiscard]] std::string find_obstacle(std::string_view peer_address);
     /// Makes place by closing the oldest connection that has no session (Part 4, 5.6.2.1).
@@ -36,26 +36,31 @@ std::vector<EndpointConfig> secure_endpoints()
     return endpoints;
 }
 
-Result<Server> Server::create(ModuleTable modules, ServerConfig config,
-                              const ServerEnvironment& environment,
-                              model::AddressSpace address_space)
+Configured<Server> Server::create(ModuleTable modules, ServerConfig config,
+                                  const ServerEnvironment& environment,
+                                  model::AddressSpace address_space)
 {
-    if (const auto checked = check_config(config, environment); !checked) {
-        environment.log->write(LogLevel::Error, "server", checked.error().found);
-        return fail(checked.error().status);
+    if (auto checked = check_config(config, environment); !checked) {
+        if (environment.log != nullptr) {
+            environment.log->write(LogLevel::Error, "server", text(checked.error()));
+        }
+        return tl::unexpected{std::move(checked).error()};
     }
     detail::warn_of_deprecated_policies(config, *environment.log);
     // Part 5, 6.3.2: index 1 is the server's own namespace.
     const auto own = address_space.add_namespace(config.application_uri);
     if (!own) {
-        return fail(own.error());
+        const Problem problem{own.error(), "application_uri",
+                              "there is no room for one more namespace"};
+        environment.log->write(LogLevel::Error, "server", text(problem));
+        return tl::unexpected{problem};
     }
     auto impl =
         std::make_unique<Impl>(std::move(config), environment, std::move(address_space), *own);
     impl->add(modules);
-    if (std::string reason = impl->find_missing_module(); !reason.empty()) {
-        environment.log->write(LogLevel::Error, "server", reason);
-        return fail(status::Bad_ConfigurationError);
+    if (auto complete = impl->check_modules(); !complete) {
+        environment.log->write(LogLevel::Error, "server", text(complete.error()));
+        return tl::unexpected{std::move(complete).error()};
     }
     return Server{std::move(impl)};
 }
@@ -124,17 +129,17 @@ Result<Connection> Server::connect(std::string_view peer_address, TimePoint now)
     return Connection{std::make_unique<detail::PeerLink>(*impl_, peer_address, now)};
 }
 
-std::string Server::Impl::find_missing_module() const
+Configured<void> Server::Impl::check_modules() const
 {
     if (config.has_node_management && node_management == nullptr) {
-        return "has_node_management needs modules::node_management";
+        return misconfigured("has_node_management", "needs modules::node_management");
     }
     const bool has_issued = std::any_of(
         config.endpoints.begin(), config.endpoints.end(), [&](const EndpointConfig& endpoint) {
             return detail::accepts(endpoint, environment.users, UserTokenType::IssuedToken);
         });
     if (has_issued && session_needs.log_in_issued == nullptr) {
-        return "an endpoint that allows issued tokens needs modules::issued_tokens";
+        return misconfigured("allows_issued", "needs modules::issued_tokens");
     }
     return {};
 }
