@@ -92,8 +92,9 @@ private:
         server::ServerConfig config;
         config.endpoints = {{{}, true}};
         server_.emplace(
-            server::Server::create(std::move(config),
-                                   {&random_, &clock_, &log_, nullptr, nullptr, nullptr, &waker_})
+            server::Server::create(
+                std::move(config),
+                {.random = &random_, .wall_clock = &clock_, .log = &log_, .waker = &waker_})
                 .value());
         const std::uint32_t source = server_->add_source(*source_);
         for (std::uint32_t i = 0; i < options_.items; ++i) {
@@ -216,9 +217,10 @@ private:
         connection_.emplace(server_->connect("192.0.2.1", now_).value());
         channel::ClientChannelConfig config;
         config.endpoint_url = "opc.tcp://localhost:4840";
-        client_.emplace(std::move(config),
-                        channel::ChannelEnvironment{&random_, &clock_, &log_, nullptr, nullptr},
-                        now_);
+        client_.emplace(
+            std::move(config),
+            channel::ChannelEnvironment{.random = &random_, .wall_clock = &clock_, .log = &log_},
+            now_);
         talk();
         CreateSessionRequest create;
         create.endpoint_url = "opc.tcp://localhost:4840";

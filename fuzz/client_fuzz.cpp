@@ -75,7 +75,7 @@ private:
     }
     [[nodiscard]] channel::ChannelEnvironment environment()
     {
-        return {&random_, &wall_clock_, &log_, nullptr, nullptr};
+        return {.random = &random_, .wall_clock = &wall_clock_, .log = &log_};
     }
     template <typename Response, typename Request>
     void ask(Request request)

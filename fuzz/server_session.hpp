@@ -21,7 +21,9 @@ struct ServerSession {
         channel::ClientChannelConfig config;
         config.endpoint_url = "opc.tcp://localhost:4840";
         client.emplace(
-            config, channel::ChannelEnvironment{&random, &wall_clock, &log, nullptr, nullptr}, now);
+            config,
+            channel::ChannelEnvironment{.random = &random, .wall_clock = &wall_clock, .log = &log},
+            now);
         run();
     }
 
@@ -32,11 +34,8 @@ struct ServerSession {
         config.endpoints = {{}};
         config.endpoints[0].allows_anonymous = true;
         config.endpoints[0].allows_user_name = false;
-        server::ServerEnvironment environment;
-        environment.random = &random;
-        environment.wall_clock = &wall_clock;
-        environment.log = &log;
-        environment.users = users;
+        const server::ServerEnvironment environment{
+            .random = &random, .wall_clock = &wall_clock, .log = &log, .users = users};
         return *server::Server::create(config, environment);
     }
     void run()

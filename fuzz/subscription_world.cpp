@@ -49,8 +49,11 @@ server::ServerConfig SubscriptionWorld::config()
 }
 
 SubscriptionWorld::SubscriptionWorld()
-    : server_{server::Server::create(
-                  config(), {&random_, &wall_clock, &log_, nullptr, &users, &access, nullptr})
+    : server_{server::Server::create(config(), {.random = &random_,
+                                                .wall_clock = &wall_clock,
+                                                .log = &log_,
+                                                .users = &users,
+                                                .access = &access})
                   .value()}
 {
     const std::uint32_t source = server_.add_source(memory_);
@@ -86,7 +89,8 @@ void SubscriptionWorld::connect(std::size_t index)
     require(connection.has_value());
     clients_[index].emplace(
         *std::move(connection), channel::SecuritySetting{},
-        channel::ChannelEnvironment{&random_, &wall_clock, &log_, nullptr, nullptr}, now);
+        channel::ChannelEnvironment{.random = &random_, .wall_clock = &wall_clock, .log = &log_},
+        now);
 }
 
 void SubscriptionWorld::log_in(std::size_t index, std::string_view user)

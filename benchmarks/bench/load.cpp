@@ -92,7 +92,11 @@ Load::Load(Options options) : options_{std::move(options)}
 
 channel::ChannelEnvironment Load::environment()
 {
-    return {&random_, &wall_clock_, &log_, &validator_, identity_ ? &*identity_ : nullptr};
+    return {.random = &random_,
+            .wall_clock = &wall_clock_,
+            .log = &log_,
+            .validator = &validator_,
+            .identity = identity_ ? &*identity_ : nullptr};
 }
 
 Result<void> Load::open(net::ClientLoop& loop, bool wants_session,

@@ -65,10 +65,8 @@ void MemoryServer::timed(Work&& work)
 
 MemoryServer::MemoryServer() : clock_{std::make_unique<Clock>()}, source_{*clock_}
 {
-    server::ServerEnvironment environment;
-    environment.random = &random_;
-    environment.wall_clock = clock_.get();
-    environment.log = &log_;
+    const server::ServerEnvironment environment{
+        .random = &random_, .wall_clock = clock_.get(), .log = &log_};
     server_.emplace(server::Server::create(open_config(), environment).value());
     server_->start(now_);
     source_index_ = server_->add_source(source_);
@@ -118,7 +116,8 @@ Result<std::unique_ptr<Guest>> MemoryServer::admit()
     }
     client::ConnectionConfig config;
     config.channel.endpoint_url = "opc.tcp://localhost:4840";
-    const channel::ChannelEnvironment environment{&random_, clock_.get(), &log_, nullptr, nullptr};
+    const channel::ChannelEnvironment environment{
+        .random = &random_, .wall_clock = clock_.get(), .log = &log_};
     std::unique_ptr<Guest> guest{new Guest{
         *this, *std::move(connection), client::Connection{std::move(config), environment, now_}}};
     if (const auto ready = guest->wait(); ready.kind != client::ConnectionEvent::Kind::Ready) {

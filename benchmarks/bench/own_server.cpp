@@ -30,11 +30,8 @@ int serve(int pipe)
     config.endpoints[0].allows_anonymous = true;
     config.endpoints[0].allows_user_name = false;
     config.shutdown_delay = std::chrono::milliseconds{0};
-    server::ServerEnvironment environment;
-    environment.random = &random;
-    environment.wall_clock = &wall_clock;
-    environment.log = &log;
-    environment.waker = &loop.waker();
+    const server::ServerEnvironment environment{
+        .random = &random, .wall_clock = &wall_clock, .log = &log, .waker = &loop.waker()};
     auto server = server::Server::create(std::move(config), environment);
     const std::uint16_t told = server ? port : 0;
     if (::write(pipe, &told, sizeof told) != sizeof told || told == 0) {

@@ -156,8 +156,13 @@ Bytes hello()
 /// A server that waits for an OPN.
 struct Waiting {
     explicit Waiting(const crypto::SecurityPolicy& policy)
-        : server{
-              config(policy), {&random, &world().wall_clock, &log, &validator, &world().server}, {}}
+        : server{config(policy),
+                 {.random = &random,
+                  .wall_clock = &world().wall_clock,
+                  .log = &log,
+                  .validator = &validator,
+                  .identity = &world().server},
+                 {}}
     {
         feed(hello());
     }

@@ -47,7 +47,11 @@ Duration seconds(double count)
 
 Connection::Connection(Context& context, Endurance endurance)
     : context_{&context}, log_{context.options.is_verbose}, credentials_{context, log_},
-      environment_{&random_, &wall_clock_, &log_, &credentials_, credentials_.identity()},
+      environment_{.random = &random_,
+                   .wall_clock = &wall_clock_,
+                   .log = &log_,
+                   .validator = &credentials_,
+                   .identity = credentials_.identity()},
       user_{user_of(context)}
 {
     context.options.url = complete_url(context.options.url);

@@ -25,7 +25,7 @@ client::ClientConfig config_of(const Options& options, const std::string& url)
 
 DiscoveryConnection::DiscoveryConnection(Context& context)
     : url_{complete_url(context.options.url)}, log_{context.options.is_verbose},
-      environment_{&random_, &wall_clock_, &log_, nullptr, nullptr},
+      environment_{.random = &random_, .wall_clock = &wall_clock_, .log = &log_},
       client_{config_of(context.options, url_), environment_}
 {
     const auto connected = client_.connect(timeout_of(context.options));

@@ -16,8 +16,11 @@ client::ClientConfig open_client_config()
 
 ClientHost::ClientHost(World& world, client::ClientConfig config, const ClientParts& parts)
     : world_{world}, parts_{parts}, random_{world.new_chance(Actor::Client).next()},
-      environment_{&random_, &world.clock(), parts.log != nullptr ? parts.log : &world.log(),
-                   parts.validator != nullptr ? parts.validator : &accept_any_, parts.identity},
+      environment_{.random = &random_,
+                   .wall_clock = &world.clock(),
+                   .log = parts.log != nullptr ? parts.log : &world.log(),
+                   .validator = parts.validator != nullptr ? parts.validator : &accept_any_,
+                   .identity = parts.identity},
       client_{std::make_unique<client::Client>(std::move(config), environment_, world.now())},
       open_{world.scheduler(), [this] { open(); }}, deadline_{world.scheduler(),
                                                               [this] {

@@ -48,8 +48,11 @@ Result<void> ConnectionHost::open(Duration limit)
 void ConnectionHost::connect()
 {
     const channel::ChannelEnvironment environment{
-        &random_, &world_.clock(), parts_.log != nullptr ? parts_.log : &world_.log(),
-        parts_.validator != nullptr ? parts_.validator : &accept_any_, parts_.identity};
+        .random = &random_,
+        .wall_clock = &world_.clock(),
+        .log = parts_.log != nullptr ? parts_.log : &world_.log(),
+        .validator = parts_.validator != nullptr ? parts_.validator : &accept_any_,
+        .identity = parts_.identity};
     connection_.emplace(config_, environment, world_.now());
     auto link = world_.network().connect(config_.channel.endpoint_url, *this, parts_.address);
     if (!link) {

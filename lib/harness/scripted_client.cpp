@@ -33,8 +33,11 @@ Result<void> ScriptedClient::open(Duration limit)
     closed_by_.reset();
     messages_.clear();
     const channel::ChannelEnvironment environment{
-        &random_, &world_.clock(), &world_.log(),
-        parts_.validator != nullptr ? parts_.validator : &accept_any_, parts_.identity};
+        .random = &random_,
+        .wall_clock = &world_.clock(),
+        .log = &world_.log(),
+        .validator = parts_.validator != nullptr ? parts_.validator : &accept_any_,
+        .identity = parts_.identity};
     channel_.emplace(config_, environment, world_.now());
     auto link = world_.network().connect(config_.endpoint_url, *this, parts_.address);
     if (!link) {

@@ -210,8 +210,11 @@ bool ScriptedServer::accept(const std::shared_ptr<Link>& link, std::string_view 
     config.allowed = parts_.allowed;
     config.channel_id = ++last_channel_id_;
     const channel::ChannelEnvironment environment{
-        &random_, &world_.clock(), &world_.log(),
-        parts_.validator != nullptr ? parts_.validator : &accept_any_, parts_.identity};
+        .random = &random_,
+        .wall_clock = &world_.clock(),
+        .log = &world_.log(),
+        .validator = parts_.validator != nullptr ? parts_.validator : &accept_any_,
+        .identity = parts_.identity};
     peers_.push_back(std::make_unique<Peer>(*this, std::move(config), environment, link));
     link->attach(Side::Server, *peers_.back());
     return true;

@@ -198,8 +198,12 @@ TEST_CASE("a reverse connection begins with the server", "[channel]")
     ChannelPair pair;
     channel::ClientChannelConfig config;
     config.is_reverse = true;
-    pair.client = channel::ClientChannel{
-        config, {&pair.random, &pair.wall_clock, &pair.log, &pair.validator, nullptr}, pair.now};
+    pair.client = channel::ClientChannel{config,
+                                         {.random = &pair.random,
+                                          .wall_clock = &pair.wall_clock,
+                                          .log = &pair.log,
+                                          .validator = &pair.validator},
+                                         pair.now};
     CHECK(pair.client.output().empty());
     REQUIRE(pair.server.reverse_hello("urn:server", "opc.tcp://plc:4840"));
     pair.run();

@@ -233,8 +233,12 @@ TEST_CASE("what is not allowed is not opened", "[channel][hostile]")
     ChannelPair pair{setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt)};
     channel::ClientChannelConfig config;
     config.endpoint_url = "opc.tcp://localhost:4840";
-    pair.client = channel::ClientChannel{
-        config, {&pair.random, &pair.wall_clock, &pair.log, &pair.validator, nullptr}, pair.now};
+    pair.client = channel::ClientChannel{config,
+                                         {.random = &pair.random,
+                                          .wall_clock = &pair.wall_clock,
+                                          .log = &pair.log,
+                                          .validator = &pair.validator},
+                                         pair.now};
     pair.run();
     CHECK_FALSE(pair.client.is_open());
     const auto* closed = ChannelPair::find(pair.client_events, Kind::Closed);

@@ -17,7 +17,11 @@ namespace {
 struct Client {
     explicit Client(channel::SecuritySetting security = {}, bool is_reverse = false)
         : engine{config(security, is_reverse),
-                 {&random, &wall_clock, &log, &validator, &client_identity()},
+                 {.random = &random,
+                  .wall_clock = &wall_clock,
+                  .log = &log,
+                  .validator = &validator,
+                  .identity = &client_identity()},
                  {}}
     {
     }
@@ -260,10 +264,12 @@ TEST_CASE("a client trusts nobody without a validator", "[channel][client]")
     channel::ClientChannelConfig config;
     config.security = setting("Basic256Sha256", MessageSecurityMode::Sign);
     config.server_certificate = server_identity().certificates.front();
-    channel::ClientChannel blind{
-        config,
-        {&client.random, &client.wall_clock, &client.log, nullptr, &client_identity()},
-        client.now};
+    channel::ClientChannel blind{config,
+                                 {.random = &client.random,
+                                  .wall_clock = &client.wall_clock,
+                                  .log = &client.log,
+                                  .identity = &client_identity()},
+                                 client.now};
     CHECK(blind.is_closed());
     CHECK(blind.output().empty());
 }

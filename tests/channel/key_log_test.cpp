@@ -29,8 +29,11 @@ struct Watched {
         channel::ServerChannelConfig server;
         server.allowed = {security};
         server.channel_id = 4'000'000'077;
-        channel::ChannelEnvironment environment{&pair.random, &pair.wall_clock, &pair.log,
-                                                &pair.validator, &server_identity()};
+        channel::ChannelEnvironment environment{.random = &pair.random,
+                                                .wall_clock = &pair.wall_clock,
+                                                .log = &pair.log,
+                                                .validator = &pair.validator,
+                                                .identity = &server_identity()};
         environment.key_log = &server_keys;
         pair.server = channel::ServerChannel{server, environment, pair.now};
         channel::ClientChannelConfig client;

@@ -188,10 +188,12 @@ TEST_CASE("unfinished messages are charged to a budget and given back", "[channe
         CHECK(gone.told() == status::Bad_TcpNotEnoughResources);
     }
     client.feed(client.chunk("MSGC", 3, 60'000));
-    client.server = channel::ServerChannel{
-        {},
-        {&client.random, &client.wall_clock, &client.log, nullptr, nullptr, &client.budget},
-        client.now};
+    client.server = channel::ServerChannel{{},
+                                           {.random = &client.random,
+                                            .wall_clock = &client.wall_clock,
+                                            .log = &client.log,
+                                            .budget = &client.budget},
+                                           client.now};
     CHECK(client.budget.left() == whole);
 }
 

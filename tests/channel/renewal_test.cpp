@@ -156,10 +156,12 @@ TEST_CASE("a lifetime is brought into the server's range", "[channel][renewal]")
          {std::pair{1, 10}, std::pair{60, 60}, std::pair{1'000'000, 3'600}}) {
         config.requested_lifetime = seconds{asked};
         ChannelPair pair;
-        pair.client = channel::ClientChannel{
-            config,
-            {&pair.random, &pair.wall_clock, &pair.log, &pair.validator, nullptr},
-            pair.now};
+        pair.client = channel::ClientChannel{config,
+                                             {.random = &pair.random,
+                                              .wall_clock = &pair.wall_clock,
+                                              .log = &pair.log,
+                                              .validator = &pair.validator},
+                                             pair.now};
         pair.run();
         REQUIRE(pair.client.is_open());
         CHECK(pair.client.next_deadline() == pair.now + Duration{seconds{granted}} * 3 / 4);

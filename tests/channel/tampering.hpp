@@ -76,8 +76,11 @@ private:
     }
     [[nodiscard]] channel::ChannelEnvironment environment()
     {
-        return {&random, &wall_clock, &log, &validator,
-                is_server ? &server_identity() : &client_identity()};
+        return {.random = &random,
+                .wall_clock = &wall_clock,
+                .log = &log,
+                .validator = &validator,
+                .identity = is_server ? &server_identity() : &client_identity()};
     }
     [[nodiscard]] Engine make(const channel::SecuritySetting& security)
     {

@@ -62,7 +62,11 @@ public:
     }
     [[nodiscard]] channel::ChannelEnvironment environment()
     {
-        return {&random, &wall_clock, &log, &validator, &client_identity()};
+        return {.random = &random,
+                .wall_clock = &wall_clock,
+                .log = &log,
+                .validator = &validator,
+                .identity = &client_identity()};
     }
 
     /// Lets both sides talk until nothing moves.

@@ -88,7 +88,11 @@ private:
     [[nodiscard]] channel::ChannelEnvironment
     environment(const channel::ApplicationIdentity& identity)
     {
-        return {&random, &wall_clock, &log, &validator, &identity};
+        return {.random = &random,
+                .wall_clock = &wall_clock,
+                .log = &log,
+                .validator = &validator,
+                .identity = &identity};
     }
     void obey(const client::TransportOrder& order)
     {

@@ -17,7 +17,7 @@ public:
     {
         client::ConnectionConfig config;
         config.channel.endpoint_url = machine.url();
-        REQUIRE(loop.connect(config, {&random_, &clock_, &log_, nullptr, nullptr}));
+        REQUIRE(loop.connect(config, {.random = &random_, .wall_clock = &clock_, .log = &log_}));
         REQUIRE(loop.wait_until_ready());
     }
     [[nodiscard]] DataValue read(const NodeId& node)
@@ -119,7 +119,8 @@ TEST_CASE("nobody there is an error, not a hang", "[net]")
     client::ConnectionConfig config;
     config.channel.endpoint_url = "opc.tcp://127.0.0.1:1";
     net::ClientLoop loop;
-    const auto connected = loop.connect(config, {&random, &clock, &log, nullptr, nullptr});
+    const auto connected =
+        loop.connect(config, {.random = &random, .wall_clock = &clock, .log = &log});
     REQUIRE_FALSE(connected);
     CHECK(connected.error() == status::Bad_CommunicationError);
 }
@@ -135,7 +136,8 @@ TEST_CASE("a server that no discovery server takes serves and stops as ever", "[
     const auto port = loop.listen("127.0.0.1", 0);
     REQUIRE(port);
     const server::ServerConfig config = test::server_config(*port);
-    const channel::ChannelEnvironment surroundings{&random, &clock, &log, nullptr, nullptr};
+    const channel::ChannelEnvironment surroundings{
+        .random = &random, .wall_clock = &clock, .log = &log};
 
     net::DiscoveryRegistrationConfig registration;
     registration.settings = net::registration_of(config, {config.endpoint_url});
@@ -150,12 +152,11 @@ TEST_CASE("a server that no discovery server takes serves and stops as ever", "[
     CHECK(loop.register_with(registration, surroundings).error() ==
           status::Bad_DiscoveryUrlMissing);
 
-    server::ServerEnvironment environment;
-    environment.random = &random;
-    environment.wall_clock = &clock;
-    environment.log = &log;
-    environment.users = &users;
-    environment.waker = &loop.waker();
+    const server::ServerEnvironment environment{.random = &random,
+                                                .wall_clock = &clock,
+                                                .log = &log,
+                                                .users = &users,
+                                                .waker = &loop.waker()};
     auto server = server::Server::create(config, environment);
     REQUIRE(server);
     std::thread thread{[&] { loop.run(*server); }};

@@ -103,7 +103,7 @@ struct ClientSurroundings {
     NullLog log;
     net::SystemWallClock clock;
     crypto::SystemRandom random;
-    channel::ChannelEnvironment environment{&random, &clock, &log, nullptr, nullptr};
+    channel::ChannelEnvironment environment{.random = &random, .wall_clock = &clock, .log = &log};
 };
 
 /// For a server without security.

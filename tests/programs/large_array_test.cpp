@@ -120,7 +120,7 @@ private:
     crypto::SystemRandom random;
     net::SystemWallClock clock;
     net::StderrLog log{LogLevel::Error};
-    channel::ChannelEnvironment environment{&random, &clock, &log, nullptr, nullptr};
+    channel::ChannelEnvironment environment{.random = &random, .wall_clock = &clock, .log = &log};
     net::BlockingClient client;
 };
 

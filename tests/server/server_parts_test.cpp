@@ -21,6 +21,22 @@ TEST_CASE("the default configuration has no open door")
 
 namespace {
 
+// A pointer that stands in another's place would compile: the fields have names instead.
+template <typename Environment>
+concept FilledByPosition = requires(SeededRandom* random, const FixedWallClock* clock, LogBook* log)
+{
+    Environment{random, clock, log};
+};
+template <typename Environment>
+concept FilledByName = requires(SeededRandom* random, const FixedWallClock* clock, LogBook* log)
+{
+    Environment{.random = random, .wall_clock = clock, .log = log};
+};
+static_assert(FilledByName<server::ServerEnvironment>);
+static_assert(!FilledByPosition<server::ServerEnvironment>);
+static_assert(FilledByName<channel::ChannelEnvironment>);
+static_assert(!FilledByPosition<channel::ChannelEnvironment>);
+
 /// Users of every kind, none of whom exists.
 struct EveryKind final : server::UserStore {
     [[nodiscard]] Result<server::UserIdentity> log_in(std::string_view, std::string_view) override

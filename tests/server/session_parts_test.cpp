@@ -98,7 +98,7 @@ struct SessionParts {
     FixedWallClock clock;
     SeededRandom random;
     LogBook log;
-    server::ServerEnvironment given{&random, &clock, &log};
+    server::ServerEnvironment given{.random = &random, .wall_clock = &clock, .log = &log};
     Guards guards{given, log};
     server::ServerEnvironment environment{guards.environment()};
     server::ServerConfig config;

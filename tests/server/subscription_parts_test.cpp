@@ -97,7 +97,7 @@ struct SubscriptionParts {
     FixedWallClock clock;
     SeededRandom random;
     LogBook log;
-    server::ServerEnvironment environment{&random, &clock, &log};
+    server::ServerEnvironment environment{.random = &random, .wall_clock = &clock, .log = &log};
     server::ServerLimits limits;
     model::AddressSpace space;
     DataSources sources{nullptr};

@@ -48,8 +48,12 @@ struct Rights {
 struct RightsFixture : Rights, SubscriptionParts, ServerFixture {
     RightsFixture()
     {
-        server = server::Server::create(insecure_config(), {&random, &wall_clock, &log, &validator,
-                                                            &store, &access, nullptr})
+        server = server::Server::create(insecure_config(), {.random = &random,
+                                                            .wall_clock = &wall_clock,
+                                                            .log = &log,
+                                                            .validator = &validator,
+                                                            .users = &store,
+                                                            .access = &access})
                      .value();
         model::NewVariable variable;
         variable.source = server.add_source(memory);

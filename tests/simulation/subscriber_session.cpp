@@ -48,8 +48,11 @@ void Subscriber::connect()
         config.security = setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt);
         config.server_certificate = server_identity().certificates.front();
     }
-    const channel::ChannelEnvironment environment{&random_, &parts_.clock, &log_, &validator_,
-                                                  &client_identity()};
+    const channel::ChannelEnvironment environment{.random = &random_,
+                                                  .wall_clock = &parts_.clock,
+                                                  .log = &log_,
+                                                  .validator = &validator_,
+                                                  .identity = &client_identity()};
     log_.text.clear();
     ClientPort::Owner& owner = *this;
     port_ =

@@ -44,7 +44,12 @@ public:
     explicit ScriptedClient(std::vector<channel::SecuritySetting> allowed,
                             channel::TransportLimits limits = {})
         : server{config(std::move(allowed), limits),
-                 {&random, &wall_clock, &log, &validator, &server_identity(), &budget},
+                 {.random = &random,
+                  .wall_clock = &wall_clock,
+                  .log = &log,
+                  .validator = &validator,
+                  .identity = &server_identity(),
+                  .budget = &budget},
                  now}
     {
         channel::detail::OutputBuffer out;

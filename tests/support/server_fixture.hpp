@@ -287,7 +287,11 @@ public:
             std::string_view address = "192.0.2.1")
     {
         return {server.connect(address, now).value(), security,
-                channel::ChannelEnvironment{&random, &wall_clock, &log, &validator, &identity},
+                channel::ChannelEnvironment{.random = &random,
+                                            .wall_clock = &wall_clock,
+                                            .log = &log,
+                                            .validator = &validator,
+                                            .identity = &identity},
                 now};
     }
     [[nodiscard]] TestClient
@@ -332,9 +336,13 @@ public:
 private:
     ServerFixture(server::Waker* w, server::ServerConfig config,
                   const server::AccessControl* access = nullptr)
-        : waker{w}, server{server::Server::create(
-                               std::move(config),
-                               {&random, &wall_clock, &log, &validator, &users, access, waker})
+        : waker{w}, server{server::Server::create(std::move(config), {.random = &random,
+                                                                      .wall_clock = &wall_clock,
+                                                                      .log = &log,
+                                                                      .validator = &validator,
+                                                                      .users = &users,
+                                                                      .access = access,
+                                                                      .waker = waker})
                                .value()}
     {
     }

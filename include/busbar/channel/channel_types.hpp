@@ -12,6 +12,7 @@
 #include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/log.hpp>
+#include <busbar/core/named_fields.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/crypto/certificate.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
@@ -70,16 +71,24 @@ private:
     std::atomic<std::size_t> left_;
 };
 
-/// What channels need from outside. All must outlive them; identity and validator may be null where
-/// only policy None is used, the budget where connections are few.
+/// What channels, and clients on them, need from outside, filled field by field:
+/// `{.random = &random, .wall_clock = &clock, .log = &log}`. All must outlive them.
 struct ChannelEnvironment {
+    [[no_unique_address]] NamedFields named_fields{};
+
+    /// Required.
     crypto::Random* random{nullptr};
+    /// Required.
     const WallClock* wall_clock{nullptr};
+    /// Required; NullLog for none.
     LogSink* log{nullptr};
+    /// Required unless only policy None is used.
     crypto::CertificateValidator* validator{nullptr};
+    /// Required unless only policy None is used.
     const ApplicationIdentity* identity{nullptr};
+    /// Optional; null where connections are few.
     AssemblyBudget* budget{nullptr};
-    /// Null in every product; builds without BUSBAR_KEY_LOG do not look at it.
+    /// Optional; null in every product. Builds without BUSBAR_KEY_LOG do not look at it.
     KeyLog* key_log{nullptr};
 };
 

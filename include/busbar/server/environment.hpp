@@ -3,6 +3,7 @@
 #include <busbar/channel/key_log.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/log.hpp>
+#include <busbar/core/named_fields.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
 #include <busbar/crypto/random.hpp>
 #include <busbar/server/access_control.hpp>
@@ -10,20 +11,27 @@
 
 namespace busbar::server {
 
-/// What a server needs from outside; all must outlive it. Random, clock and log are never null.
+/// What a server needs from outside, filled field by field:
+/// `{.random = &random, .wall_clock = &clock, .log = &log, .users = &users}`. All must outlive the
+/// server. Server::create names a required field that is null.
 struct ServerEnvironment {
+    [[no_unique_address]] NamedFields named_fields{};
+
+    /// Required.
     crypto::Random* random{nullptr};
+    /// Required.
     const WallClock* wall_clock{nullptr};
+    /// Required; NullLog for none.
     LogSink* log{nullptr};
-    /// May be null where every endpoint has policy None.
+    /// Required unless every endpoint has policy None.
     crypto::CertificateValidator* validator{nullptr};
-    /// Null: nobody but anonymous users.
+    /// Optional; null: nobody but anonymous users.
     UserStore* users{nullptr};
-    /// May be null.
+    /// Optional; null: the rights that the nodes have are all there are.
     const AccessControl* access{nullptr};
-    /// Null if every data source completes inline.
+    /// Optional; null if every data source completes inline.
     Waker* waker{nullptr};
-    /// Null in every product; builds without BUSBAR_KEY_LOG do not look at it.
+    /// Optional; null in every product. Builds without BUSBAR_KEY_LOG do not look at it.
     channel::KeyLog* key_log{nullptr};
 };
 
