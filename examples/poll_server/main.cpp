@@ -91,16 +91,15 @@ int main(int argc, char** argv)
     config.endpoints.resize(1); // Basic256Sha256, SignAndEncrypt
     config.identity =
         channel::ApplicationIdentity{std::move(identity->certificates), std::move(identity->key)};
-    server::ServerEnvironment environment;
-    environment.random = &random;
-    environment.wall_clock = &clock;
-    environment.log = &log;
-    environment.validator = &validator;
-    environment.users = &users;
+    const server::ServerEnvironment environment{.random = &random,
+                                                .wall_clock = &clock,
+                                                .log = &log,
+                                                .validator = &validator,
+                                                .users = &users};
     auto made = server::Server::create(poll_server::modules(), std::move(config), environment,
                                        poll_server::address_space());
     if (!made) {
-        return fail_with("server", made.error());
+        return fail_with("server", made.error().status); // the log says more
     }
     server::MemorySource source{clock};
     made->add_source(source);

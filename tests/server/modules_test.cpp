@@ -26,7 +26,7 @@ struct ModuleFixture : ServerFixture {
     explicit ModuleFixture(server::ModuleTable modules) { server = *create(modules); }
 
     Configured<server::Server> create(server::ModuleTable modules,
-                                  server::ServerConfig config = insecure_config())
+                                      server::ServerConfig config = insecure_config())
     {
         server::ServerEnvironment environment;
         environment.random = &random;
