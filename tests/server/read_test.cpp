@@ -178,11 +178,13 @@ TEST_CASE_METHOD(AttributeFixture, "a bad status comes without value, an uncerta
 
 TEST_CASE_METHOD(AttributeFixture, "an IndexRange cuts values (Part 4, 7.27)")
 {
-    const NodeId levels = add("Levels", id::Int32, Array<std::int32_t>{1, 2, 3}, 3, 1);
+    const NodeId levels =
+        add("Levels", id::Int32, Array<std::int32_t>{1, 2, 3}, model::Access::ReadWrite, 1);
     const NodeId name = add("Name", id::String, "Press");
-    const NodeId matrix = add(
-        "Matrix", id::Int32,
-        Variant::matrix(Array<std::int32_t>{1, 2, 3, 4, 5, 6}, Array<std::uint32_t>{2, 3}), 3, 2);
+    const NodeId matrix =
+        add("Matrix", id::Int32,
+            Variant::matrix(Array<std::int32_t>{1, 2, 3, 4, 5, 6}, Array<std::uint32_t>{2, 3}),
+            model::Access::ReadWrite, 2);
     const auto cut = [&](const NodeId& node, const char* range) {
         return read(node, AttributeId::Value, range);
     };

@@ -97,10 +97,11 @@ TEST_CASE_METHOD(WriteFixture, "a user without the right is refused")
 TEST_CASE_METHOD(WriteFixture, "a value has the Variable's type and shape")
 {
     const NodeId speed = add("Speed", id::Int16, std::int16_t{7});
-    const NodeId levels = add("Levels", id::Double, Array<double>{1, 2}, 3, 1);
+    const NodeId levels =
+        add("Levels", id::Double, Array<double>{1, 2}, model::Access::ReadWrite, 1);
     const NodeId time = add("Time", id::UtcTime, DateTime{5});
     const NodeId number = add("Number", id::Number, 1);
-    const NodeId anything = add("Anything", id::BaseDataType, 1, 3, -2);
+    const NodeId anything = add("Anything", id::BaseDataType, 1, model::Access::ReadWrite, -2);
 
     for (const Variant& wrong :
          {Variant{8}, Variant{"8"}, Variant{Array<std::int16_t>{8}}, Variant{}, Variant{true}}) {
@@ -173,7 +174,8 @@ TEST_CASE_METHOD(WriteFixture, "an enumeration takes its own values only (Part 4
 
 TEST_CASE_METHOD(WriteFixture, "a ByteString is taken for an array of Byte (Part 4, 5.11.4.2)")
 {
-    const NodeId bytes = add("Bytes", id::Byte, Array<std::uint8_t>{1, 2, 3}, 3, 1);
+    const NodeId bytes =
+        add("Bytes", id::Byte, Array<std::uint8_t>{1, 2, 3}, model::Access::ReadWrite, 1);
     const NodeId byte = add("Byte", id::Byte, std::uint8_t{1});
     const NodeId blob = add("Blob", id::ByteString, ByteString{});
     const std::byte raw[] = {std::byte{8}, std::byte{9}};
@@ -189,7 +191,8 @@ TEST_CASE_METHOD(WriteFixture, "a ByteString is taken for an array of Byte (Part
 
 TEST_CASE_METHOD(WriteFixture, "a part of a value can be written where the source can do it")
 {
-    const NodeId levels = add("Levels", id::Int32, Array<std::int32_t>{1, 2, 3}, 3, 1);
+    const NodeId levels =
+        add("Levels", id::Int32, Array<std::int32_t>{1, 2, 3}, model::Access::ReadWrite, 1);
     const NodeId name = add("Name", id::String, "Press");
     CHECK(write(levels, Variant{Array<std::int32_t>{8, 9}}, "1:2") == status::Good);
     CHECK(value_of(levels) == Variant{Array<std::int32_t>{1, 8, 9}});
@@ -206,7 +209,8 @@ TEST_CASE_METHOD(WriteFixture, "a part of a value can be written where the sourc
     CHECK(write(add_far("Far", id::Int32, 1), Variant{Array<std::int32_t>{1}}, "0") ==
           status::Bad_WriteNotSupported);
     // A row that is longer than the array of strings.
-    const NodeId names = add("Names", id::String, Array<String>{"a", "b", "c"}, 3, 1);
+    const NodeId names =
+        add("Names", id::String, Array<String>{"a", "b", "c"}, model::Access::ReadWrite, 1);
     CHECK(write(names, Variant{Array<String>{"x"}}, "0:2,0").is_bad());
     CHECK(value_of(names) == Variant{Array<String>{"a", "b", "c"}});
 }
@@ -226,13 +230,15 @@ TEST_CASE_METHOD(WriteFixture, "an IndexRange is written and read of any shape (
     const auto matrix = [](Array<std::int32_t> values, std::uint32_t rows, std::uint32_t columns) {
         return Variant::matrix(std::move(values), {rows, columns});
     };
-    both_ways(add("Bytes", id::ByteString, bytes("abcd"), 3), "1:2", bytes("BC"), bytes("aBCd"));
-    const NodeId grid = add("Grid", id::Int32, matrix({1, 2, 3, 4, 5, 6}, 2, 3), 3, 2);
+    both_ways(add("Bytes", id::ByteString, bytes("abcd")), "1:2", bytes("BC"), bytes("aBCd"));
+    const NodeId grid =
+        add("Grid", id::Int32, matrix({1, 2, 3, 4, 5, 6}, 2, 3), model::Access::ReadWrite, 2);
     both_ways(grid, "0:1,1", matrix({20, 50}, 2, 1), matrix({1, 20, 3, 4, 50, 6}, 2, 3));
     both_ways(grid, "1,0:2", matrix({7, 8, 9}, 1, 3), matrix({1, 20, 3, 7, 8, 9}, 2, 3));
     CHECK(write(grid, matrix({1, 2}, 1, 2), "0:1,1") == status::Bad_IndexRangeDataMismatch);
     CHECK(write(grid, Variant{Array<std::int32_t>{1}}, "2,0").is_bad());
-    const NodeId names = add("Texts", id::String, Array<String>{"alpha", "beta"}, 3, 1);
+    const NodeId names =
+        add("Texts", id::String, Array<String>{"alpha", "beta"}, model::Access::ReadWrite, 1);
     both_ways(names, "1", Array<String>{"gamma"}, Array<String>{"alpha", "gamma"});
     both_ways(names, "0:1,1:2", Array<String>{"LP", "AM"}, Array<String>{"aLPha", "gAMma"});
     CHECK(write(names, Variant{Array<String>{"x", "y"}}, "0:1,9") == status::Bad_IndexRangeNoData);
@@ -241,7 +247,8 @@ TEST_CASE_METHOD(WriteFixture, "an IndexRange is written and read of any shape (
 
 TEST_CASE_METHOD(WriteFixture, "status and timestamps are written only where that is allowed")
 {
-    constexpr std::uint8_t everything = 3 | 32 | 64;
+    constexpr model::Access everything =
+        model::Access::ReadWrite | model::Access::StatusWrite | model::Access::TimestampWrite;
     const NodeId plain = add("Plain", id::Int32, 7);
     const NodeId open = add("Open", id::Int32, 7, everything);
     const DateTime then{12345};
