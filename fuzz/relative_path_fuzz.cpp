@@ -2,6 +2,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include <busbar/model/address_space.hpp>
 #include <busbar/model/relative_path.hpp>
 
 using namespace busbar;

@@ -80,7 +80,7 @@ Load load(const std::vector<std::string>& files)
     auto loaded = model::load_nodesets(space, sources, model::limits_for_large_models());
     const double load_us = elapsed_us(begin);
     if (!loaded) {
-        std::fprintf(stderr, "%s\n", loaded.error().front().text().c_str());
+        std::fprintf(stderr, "%s\n", text(loaded.error().front()).c_str());
         std::exit(1);
     }
     const std::size_t count = loaded->node_count;

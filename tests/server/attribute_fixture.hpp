@@ -128,7 +128,7 @@ public:
     std::vector<StatusCode> write(const WriteRequest& request)
     {
         REQUIRE(server::detail::check_write(request, 1'000) == status::Good);
-        server::detail::WriteJob job{{space, sources, {space, user, control}, &data_types},
+        server::detail::WriteJob job{{space, sources, {space, user, control}, definitions},
                                      request};
         REQUIRE(job.start(owner, TimePoint{}));
         return results(job);
@@ -169,6 +169,7 @@ public:
     server::detail::DataSources sources{nullptr};
     model::AddressSpace space;
     model::DataTypes data_types;
+    server::detail::DataTypeChecks definitions{space, {}};
     std::uint16_t namespace_index{0};
     server::UserIdentity user;
     const server::AccessControl* control{nullptr};

@@ -26,7 +26,7 @@ NodeId add_variable(server::Server& server, const char* name, std::uint32_t sour
     node.parent = server.address_space().find(id::ObjectsFolder);
     model::NewVariable variable;
     variable.data_type = NodeId{0, id::Int32};
-    variable.access_level = 3;
+    variable.access_level = model::Access::ReadWrite;
     variable.source = source;
     variable.handle = handle;
     REQUIRE(server.address_space().add_variable(node, variable));
