@@ -13,9 +13,9 @@ namespace busbar {
 
 /// A growable array of up to 2^32-1 elements in sixteen bytes that may be null.
 ///
-/// A default-constructed Array is null, which Part 6, 5.2.5 encodes with the length -1; any
-/// operation that gives it a size, be it 0, makes it an empty or filled array. Null and empty
-/// compare unequal. Iterators and spans are valid until the next change of size. Thread-compatible.
+/// A default-constructed Array is null, which Part 6, 5.2.5 encodes with the length -1; whatever
+/// sets its size, even to 0, makes it not null. Null and empty compare unequal. Iterators and spans
+/// are valid until the next change of size. Thread-compatible.
 template <typename T>
 class Array {
 public:

@@ -11,7 +11,7 @@ namespace busbar {
 using Duration = std::chrono::nanoseconds;
 using TimePoint = std::chrono::time_point<std::chrono::steady_clock, Duration>;
 
-/// As the Durations of services are written (Part 3, 8.13).
+/// A Duration in milliseconds, the unit of a Duration in services (Part 3, 8.13).
 [[nodiscard]] constexpr double to_milliseconds(Duration duration)
 {
     return std::chrono::duration<double, std::milli>{duration}.count();

@@ -8,8 +8,8 @@
 
 namespace busbar {
 
-/// DataValue (Part 4, 7.11; Part 6, 5.2.2.17): a value with status and timestamps.
-/// A timestamp of 0 and a Good status are not encoded; picoseconds count 10 ps, 0 to 9,999.
+/// DataValue (Part 4, 7.11; Part 6, 5.2.2.17): a value with status and timestamps. A timestamp of 0
+/// and a Good status are not encoded. Picoseconds are in units of 10 ps, 0 to 9,999.
 struct DataValue {
     Variant value;
     StatusCode status;

@@ -5,9 +5,10 @@
 
 namespace busbar {
 
-/// True if `value` differs from `last` by more than an absolute deadband (Part 4, 7.22.2). Of
-/// arrays one element that does is enough; other types and values of different types or sizes
-/// differ by any difference. NaN differs from every number and not from NaN.
+/// True if `value` is further from `last` than an absolute deadband, in the unit of the value (Part
+/// 4, 7.22.2). Of an array one such element is enough. Values that are no numbers, or that differ
+/// in type or size, are past it if they differ at all. NaN is past it from every number and not
+/// from NaN.
 [[nodiscard]] BUSBAR_API bool is_past_deadband(const Variant& last, const Variant& value,
                                                double deadband);
 

@@ -29,8 +29,8 @@ struct StaticId {
     }
 };
 
-/// What is known of a generated structure, as constant data: `Range::type`.
-/// The functions work on objects of that C++ type and none of them is null.
+/// What the library knows of a generated structure, as constant data: `Range::type`. The functions
+/// work on objects of that C++ type; none of the pointers is null.
 struct StructureType {
     std::string_view name;
     std::string_view namespace_uri;
@@ -60,7 +60,8 @@ public:
     ExtensionObject& operator=(ExtensionObject&& other) noexcept;
     ~ExtensionObject();
 
-    /// Holds a copy of `value`; `namespace_index` is where the server has the type's namespace.
+    /// Holds a copy of `value`. `namespace_index` is the index of the type's namespace in the
+    /// server.
     template <typename T>
     [[nodiscard]] static ExtensionObject from(T value, std::uint16_t namespace_index = 0)
     {

@@ -9,8 +9,8 @@ namespace busbar {
 
 enum class LogLevel : std::uint8_t { Debug, Info, Warning, Error };
 
-/// Where the library reports what an operator may want to know. Never given secrets; texts from
-/// peers have passed `printable`.
+/// Where the library reports what an operator may want to know. It is never given a secret; texts
+/// from peers have been through `printable`.
 class BUSBAR_API LogSink {
 public:
     LogSink() = default;

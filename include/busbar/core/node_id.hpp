@@ -46,7 +46,7 @@ public:
     [[nodiscard]] IdType id_type() const { return type_; }
     [[nodiscard]] bool is_numeric() const { return type_ == IdType::Numeric; }
 
-    /// The identifier; each is defined only for a NodeId of that IdType.
+    /// The identifier. Each may only be asked of a NodeId of its IdType.
     [[nodiscard]] std::uint32_t numeric() const { return numeric_; }
     [[nodiscard]] const String& string() const { return string_; }
     [[nodiscard]] const Guid& guid() const { return guid_; }

@@ -39,16 +39,17 @@ private:
     std::size_t count_{0};
 };
 
-/// The part of `value` that `range` names: of an array, a matrix, a String, a ByteString, or (one
-/// dimension more) of the texts in an array of them. The last bound may lie past the end, the
-/// first may not. Bad_IndexRangeNoData when nothing is there or the dimensions do not fit.
+/// The part of `value` that `range` selects. The value is an array, a matrix, a String, a
+/// ByteString or, with one dimension more in the range, an array of these two. The last bound may
+/// lie past the end, the first may not. Bad_IndexRangeNoData if nothing is there or the dimensions
+/// do not fit.
 [[nodiscard]] BUSBAR_API Result<Variant> read_range(const Variant& value,
                                                     const NumericRange& range);
 
-/// Replaces the part of `target` that `range` names by `part`, whose type must be the same and
-/// whose size that of the range. Bad_IndexRangeNoData if any of the range lies outside `target`,
-/// Bad_IndexRangeDataMismatch if the sizes differ, Bad_TypeMismatch if the types do;
-/// `target` is then as it was (Part 4, 5.11.4.4).
+/// Replaces the part of `target` that `range` selects with `part`, which must have the same type
+/// and the size of the range. Bad_IndexRangeNoData if any of the range lies outside `target`,
+/// Bad_IndexRangeDataMismatch if the sizes differ, Bad_TypeMismatch if the types do; `target` is
+/// then unchanged (Part 4, 5.11.4.4).
 [[nodiscard]] BUSBAR_API Result<void> write_range(Variant& target, const NumericRange& range,
                                                   const Variant& part);
 

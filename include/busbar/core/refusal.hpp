@@ -30,7 +30,7 @@ struct Refusal {
     std::string thumbprint{};
 };
 
-/// What a check that can refuse gives: a value, or the refusal.
+/// The result of a check that can refuse: a value, or the refusal.
 template <typename T>
 using Checked = tl::expected<T, Refusal>;
 
@@ -44,7 +44,7 @@ using Checked = tl::expected<T, Refusal>;
 /// Part 4, 6.1.3, Table 100. Move it from rejected to trusted."
 [[nodiscard]] BUSBAR_API std::string text(const Refusal& refusal);
 
-/// Writes that line as a warning. Whoever answers the peer does it, once for each refusal.
+/// Writes that line as a warning. Whoever answers the peer calls it, once for each refusal.
 BUSBAR_API void explain(LogSink& log, std::string_view source, const Refusal& refusal);
 
 } // namespace busbar

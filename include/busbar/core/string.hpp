@@ -15,11 +15,11 @@ namespace detail {
 /// The one empty, not null, blob; it is never written nor freed.
 inline constexpr char empty_blob = '\0';
 
-/// Sixteen bytes that own, or borrow, up to 4 GiB of bytes, or are null.
+/// Sixteen bytes that own or borrow up to 4 GiB of bytes, or are null.
 ///
-/// A borrowed blob points into memory of somebody else (a message that is being decoded) and is
-/// valid as long as that is. A copy of any blob owns its bytes; a moved-to blob is what the
-/// moved-from one was. Thread-compatible.
+/// A borrowed blob points into somebody else's memory (a message that is being decoded) and is
+/// valid as long as that is. A copy always owns its bytes; a move takes over what the other one
+/// had, borrowed or owned. Thread-compatible.
 class Blob {
 public:
     constexpr Blob() = default;
@@ -51,10 +51,10 @@ public:
 
     /// Null is a value of its own: Part 6, 5.2.2.4 gives it the length -1.
     [[nodiscard]] constexpr bool is_null() const { return data_ == nullptr; }
-    /// Null or of no length.
+    /// Null, or of length 0.
     [[nodiscard]] constexpr bool empty() const { return size_ == 0; }
     [[nodiscard]] constexpr std::size_t size() const { return size_; }
-    /// False for a blob that points into memory of somebody else.
+    /// False for a blob that points into somebody else's memory.
     [[nodiscard]] constexpr bool is_owned() const { return owned_ || size_ == 0; }
 
     /// Makes the blob null.
@@ -126,7 +126,7 @@ public:
         return result;
     }
 
-    /// The text; of no length when null. Valid while this String is and is not changed.
+    /// The text; empty when this is null. Valid until this String is changed or destroyed.
     [[nodiscard]] std::string_view view() const
     {
         return empty() ? std::string_view{} : std::string_view{chars(), size()};
@@ -169,7 +169,7 @@ public:
         return result;
     }
 
-    /// The bytes; none when null. Valid while this ByteString is and is not changed.
+    /// The bytes; none when this is null. Valid until this ByteString is changed or destroyed.
     [[nodiscard]] std::span<const std::byte> span() const
     {
         return empty() ? std::span<const std::byte>{}

@@ -31,7 +31,7 @@ struct QualifiedName {
 /// "2:Name"; without the index for namespace 0.
 [[nodiscard]] BUSBAR_API std::string to_string(const QualifiedName& name);
 
-/// LocalizedText (Part 3, 8.5). On the wire null and empty are one (Part 6, 5.2.2.14).
+/// LocalizedText (Part 3, 8.5). On the wire null and empty are the same (Part 6, 5.2.2.14).
 struct LocalizedText {
     String locale;
     String text;
@@ -44,8 +44,8 @@ struct LocalizedText {
     friend auto operator<=>(const LocalizedText&, const LocalizedText&) = default;
 };
 
-/// `text` with control characters and bytes that are no UTF-8 as \xHH, at most `max_bytes` long;
-/// for logs and terminals.
+/// `text` with control characters, and bytes that are not UTF-8, written as \xHH; at most
+/// `max_bytes` long. For logs and terminals.
 [[nodiscard]] BUSBAR_API std::string printable(std::string_view text, std::size_t max_bytes = 256);
 
 } // namespace busbar

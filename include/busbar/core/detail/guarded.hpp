@@ -12,8 +12,8 @@
 #include <busbar/core/log.hpp>
 #include <busbar/core/status_codes.hpp>
 
-/// What stands between the library and what its users wrote, so that a fault of theirs ends what
-/// they were called for and nothing else.
+/// Guards the calls of what users wrote: an exception ends the operation that the call belongs to,
+/// and nothing else.
 namespace busbar::detail {
 
 /// Calls `function`: Good, or what became of it if it threw, with the exception's own words in
@@ -42,7 +42,7 @@ template <typename Function>
     return status::Good;
 }
 
-/// Writes to a log of a user; a line that makes it throw is lost.
+/// Writes to a user's log; a line that makes it throw is lost.
 BUSBAR_API void write_safely(LogSink& log, LogLevel level, std::string_view source,
                              std::string_view text);
 
