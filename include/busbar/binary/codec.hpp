@@ -17,7 +17,7 @@ namespace busbar {
 
 namespace detail {
 
-/// The fewest bytes a T takes on the wire; what array_length checks a count with.
+/// The fewest bytes that a T takes on the wire: what array_length checks a count against.
 template <typename T>
 constexpr std::size_t min_wire_size()
 {
@@ -92,7 +92,7 @@ BUSBAR_API void decode(binary::Reader& reader, StatusCode& value);
 BUSBAR_API void decode(binary::Reader& reader, QualifiedName& value);
 BUSBAR_API void decode(binary::Reader& reader, LocalizedText& value);
 BUSBAR_API void decode(binary::Reader& reader, ExtensionObject& value);
-/// Reads over an ExtensionObject and makes nothing of it; its body is not looked at.
+/// Skips an ExtensionObject without looking into its body.
 BUSBAR_API void skip_extension_object(binary::Reader& reader);
 BUSBAR_API void decode(binary::Reader& reader, DataValue& value);
 BUSBAR_API void decode(binary::Reader& reader, Variant& value);
@@ -135,7 +135,7 @@ void decode(binary::Reader& reader, Array<T>& values)
 
 namespace binary {
 
-/// `value` alone as bytes, or why it cannot be encoded.
+/// The encoding of `value` alone, or why it cannot be encoded.
 template <typename T>
 [[nodiscard]] Result<std::vector<std::byte>> to_bytes(const T& value)
 {
@@ -148,7 +148,7 @@ template <typename T>
     return sink.take(writer.written());
 }
 
-/// The bytes that `values` take, one after the other.
+/// How many bytes `values` take on the wire, one after the other.
 template <typename... T>
 [[nodiscard]] std::size_t encoded_size(const T&... values)
 {

@@ -35,10 +35,11 @@ struct DataTypeEntry {
     std::variant<std::monostate, StructureDefinition, EnumDefinition> definition;
 };
 
-/// The DataTypes of OPC UA itself that this build has, with their definitions; half a megabyte.
+/// The DataTypes of OPC UA itself that this build has, with their definitions. They take about half
+/// a megabyte.
 [[nodiscard]] BUSBAR_API std::vector<DataTypeEntry> namespace0_data_types();
 
-/// What is accepted of definitions, which may come from a hostile server. Every limit is finite.
+/// Limits of definitions, which may come from a hostile server. All are finite.
 struct DynamicTypeLimits {
     std::size_t max_types{65'536};
     /// Of one structure.
@@ -84,10 +85,11 @@ struct DynamicField {
     std::uint32_t variant_types{UINT32_MAX};
     /// -1 for a scalar, else the number of dimensions.
     std::int32_t value_rank{-1};
-    /// The greatest length of each dimension, 0 for any; none at all for any array. Only checked
-    /// of what clients write: a decoder takes what a server sends.
+    /// The greatest length of each dimension, 0 for any; empty if every array fits. Checked only of
+    /// what clients write: a decoder takes what a server sends.
     std::vector<std::uint32_t> array_dimensions;
-    /// The most bytes of each String, ByteString or text of a LocalizedText; 0 for any. As above.
+    /// The most bytes of each String, ByteString or text of a LocalizedText, 0 for any. Checked as
+    /// above.
     std::uint32_t max_string_length{0};
     /// The value is a structure or union of `type` and lies there without ExtensionObject.
     bool is_structure{false};
@@ -133,18 +135,18 @@ struct BUSBAR_API DynamicType {
     }
     /// The index of the field of that name.
     [[nodiscard]] std::optional<std::size_t> find_field(std::string_view field_name) const;
-    /// True for the type itself, too.
+    /// True for the type itself as well.
     [[nodiscard]] bool is_subtype_of(const DynamicType& other) const;
 };
 
 /// A set of types, resolved once. Movable; DynamicType objects stay where they are and live as long
-/// as the set. To be read from any thread.
+/// as the set. Any thread may read it.
 class BUSBAR_API DynamicTypes {
 public:
     DynamicTypes() = default;
 
-    /// Resolves entries, whose order does not matter. A definition that is wrong is left out
-    /// with all that need it, and reported by errors(); the others can be used.
+    /// Resolves entries, in whatever order they come. A definition that is wrong is left out, with
+    /// all that need it, and reported by errors(); the others can be used.
     [[nodiscard]] static DynamicTypes compile(std::vector<DataTypeEntry> entries,
                                               const DynamicTypeLimits& limits = {});
 

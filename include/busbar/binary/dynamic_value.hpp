@@ -27,8 +27,8 @@ struct DynamicContent;
 /// Variants in a Variant. What was moved from can only be assigned or destroyed. Thread-compatible.
 class BUSBAR_API DynamicValue {
 public:
-    /// Of zeros, nulls, absent optional fields; a union that holds none of its fields. `type` must
-    /// be a structure or union.
+    /// A value of zeros and nulls, without optional fields; a union holds none of its fields.
+    /// `type` must be a structure or union.
     explicit DynamicValue(const DynamicType& type);
     DynamicValue(const DynamicValue& other);
     DynamicValue(DynamicValue&& other) noexcept;
@@ -74,8 +74,8 @@ public:
     // a field that does not exist, Bad_TypeMismatch for content of another type or shape; nothing
     // changes then.
 
-    /// Structures in it that are C++ objects are encoded, as they would come from the wire, so that
-    /// equal values compare equal; errors of that as encode.
+    /// Structures in `content` that are C++ objects are encoded, as if they had come from the wire,
+    /// so that equal values compare equal. Errors of that are those of encode.
     Result<void> set(std::size_t field, Variant content);
     /// The structure itself, or for a field that allows subtypes one of any subtype.
     Result<void> set(std::size_t field, DynamicValue content);
@@ -150,12 +150,12 @@ decode_dynamic(std::span<const std::byte> body, const DynamicType& type,
 decode_dynamic(const ExtensionObject& object, const DynamicTypes& types,
                const DecodeLimits& limits = dynamic_decode_limits());
 
-/// Good, or why a structure of one of the `types` that `value` holds, also in an array or within
-/// another, is none that may be written: the errors of decode_dynamic, Bad_TypeMismatch where a
-/// field that allows subtypes holds something else, and Bad_OutOfRange for a dimension or text that
-/// is longer than its field allows (Part 3, 8.51; Part 4, 5.11.4.4). Structures of other types are
-/// not looked at. Takes memory for structures that are C++ objects only, which it encodes; levels
-/// are counted through all that lies encoded in each other.
+/// Good, or why `value` must not be written: looks at every structure in it whose type is one of
+/// the `types`, also in arrays and within each other. The errors of decode_dynamic;
+/// Bad_TypeMismatch where a field that allows subtypes holds something else; Bad_OutOfRange for a
+/// dimension or text that is longer than its field allows (Part 3, 8.51; Part 4, 5.11.4.4). Only
+/// structures that are C++ objects take memory, since they are encoded first; levels are counted
+/// through everything that lies encoded in something else.
 [[nodiscard]] BUSBAR_API StatusCode
 check_dynamic(const Variant& value, const DynamicTypes& types,
               const DecodeLimits& limits = dynamic_decode_limits());
@@ -163,15 +163,15 @@ check_dynamic(const Variant& value, const DynamicTypes& types,
 /// The value with the encoding id of its type. Bad_EncodingError for a type that has none.
 [[nodiscard]] BUSBAR_API Result<ExtensionObject> to_extension_object(const DynamicValue& value);
 
-/// A generated structure as dynamic value; errors as decode_dynamic. `namespace_index` is where the
-/// server has the type's namespace.
+/// A generated structure as a dynamic value; errors as decode_dynamic. `namespace_index` is the
+/// index of the type's namespace in the server.
 template <typename T>
 [[nodiscard]] Result<DynamicValue> to_dynamic(const T& object, const DynamicTypes& types,
                                               std::uint16_t namespace_index = 0)
 {
     return decode_dynamic(ExtensionObject::from(object, namespace_index), types);
 }
-/// A dynamic value as generated structure. Bad_TypeMismatch if it is of another type;
+/// A dynamic value as a generated structure. Bad_TypeMismatch if it is of another type;
 /// Bad_DecodingError if the definition is not that of the generated type.
 template <typename T>
 [[nodiscard]] Result<T> to_generated(const DynamicValue& value, const TypeRegistry* registry,

@@ -15,7 +15,7 @@ namespace busbar::binary {
 
 class TypeRegistry;
 
-/// What a decoder accepts beyond the specification's own rules. Every limit is finite.
+/// Limits of a decoder beyond the specification's own. Every limit is finite.
 struct DecodeLimits {
     std::uint32_t max_string_length{1U << 20U};
     std::uint32_t max_byte_string_length{4U << 20U};
@@ -24,8 +24,8 @@ struct DecodeLimits {
     std::uint32_t max_depth{100};
     /// Levels of DiagnosticInfo (Part 6, 5.2.2.12).
     std::uint32_t max_diagnostic_depth{10};
-    /// Memory that the elements of arrays and decoded structures may take, so that many one-byte
-    /// elements cannot blow up: bytes of C++ objects per byte of input, and beyond that in all.
+    /// The memory of decoded arrays and structures, so that many one-byte elements cannot blow up:
+    /// bytes of C++ objects for each byte of input, and bytes that are free on top of that.
     std::uint32_t max_expansion{8};
     std::uint32_t free_memory{64U << 10U};
 };
@@ -106,19 +106,20 @@ public:
     [[nodiscard]] std::int32_t array_length(std::size_t min_element_size, std::size_t object_size);
     /// The length of a String or ByteString within `limit` and the bytes left: -1 for null.
     [[nodiscard]] std::int32_t text_length(std::uint32_t limit);
-    /// Charges `bytes` of C++ objects to the message; fails with Bad_EncodingLimitsExceeded when
-    /// the message has not earned them.
+    /// Charges `bytes` of C++ objects to the message. False, with Bad_EncodingLimitsExceeded, if
+    /// the message is too small for them.
     [[nodiscard]] bool charge(std::uint64_t bytes);
 
-    /// Enters a nested value; false, and failed with Bad_EncodingLimitsExceeded, if too deep.
+    /// Enters a nested value. False if it is too deep, which fails the Reader with
+    /// Bad_EncodingLimitsExceeded.
     [[nodiscard]] bool enter();
     void leave() { --depth_; }
     [[nodiscard]] bool enter_diagnostic();
     void leave_diagnostic() { --diagnostic_depth_; }
 
-    /// Restricts reading to the next `size` bytes until `close_window`; the value to give it.
+    /// Restricts reading to the next `size` bytes. Gives what close_window needs.
     [[nodiscard]] const std::byte* open_window(std::size_t size);
-    /// Skips what the window still has and reads on behind it.
+    /// Skips what is left of the window and goes on after it.
     void close_window(const std::byte* outer_end);
 
 private:

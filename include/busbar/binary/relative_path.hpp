@@ -14,8 +14,9 @@ namespace busbar::binary {
 /// "<1:ConnectedTo>1:Boiler/1:HeatSensor", "<#!HasChild>Truck".
 ///
 /// `find_type` gives the NodeId of the ReferenceType of that BrowseName, null if it knows none.
-/// Bad_SyntaxError for text that is none, Bad_ReferenceTypeIdInvalid for an unknown ReferenceType.
-/// The result owns its strings. Takes linear time and memory; the caller limits the text.
+/// Bad_SyntaxError for a text of another form, Bad_ReferenceTypeIdInvalid for an unknown
+/// ReferenceType. The result owns its strings. Takes linear time and memory; the caller limits the
+/// length of the text.
 [[nodiscard]] BUSBAR_API Result<RelativePath>
 parse_relative_path(std::string_view text, FunctionRef<NodeId(const QualifiedName&)> find_type);
 

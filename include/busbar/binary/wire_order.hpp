@@ -32,7 +32,7 @@ void copy_number(void* to, const void* from)
     }
 }
 
-/// The same for `count` numbers one behind the other.
+/// The same for `count` numbers, one after the other.
 template <std::size_t Size, std::endian Native = std::endian::native>
 void copy_numbers(void* to, const void* from, std::size_t count)
 {

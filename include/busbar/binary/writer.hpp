@@ -16,7 +16,8 @@
 
 namespace busbar::binary {
 
-/// Where a Writer's bytes go: a row of memory blocks, such as the bodies of a message's chunks.
+/// Where a Writer's bytes go: a sequence of memory blocks, such as the bodies of a message's
+/// chunks.
 class BUSBAR_API Sink {
 public:
     Sink() = default;
@@ -24,8 +25,8 @@ public:
     Sink& operator=(const Sink&) = delete;
     virtual ~Sink() = default;
 
-    /// Takes back the block given last, of which the Writer has filled everything, and gives the
-    /// next; an empty one when there is no more, which fails the Writer with `status()`.
+    /// Takes back the last block, which the Writer has filled, and gives the next one. An empty
+    /// block means that there are no more, and fails the Writer with `status()`.
     [[nodiscard]] virtual std::span<std::byte> next() = 0;
     /// Why next() gave nothing.
     [[nodiscard]] virtual StatusCode status() const = 0;
@@ -38,7 +39,8 @@ public:
 class BUSBAR_API Writer {
 public:
     explicit Writer(Sink& sink) : sink_{&sink} {}
-    /// A Writer that stands `outer` deep, to find the size of a part before it is written.
+    /// For a Writer that only counts, as deep in the message as `outer`: it finds the size of a
+    /// part before that is written.
     struct Measure {
         const Writer& outer;
     };
@@ -62,7 +64,7 @@ public:
     {
         return before_ + static_cast<std::size_t>(position_ - begin_);
     }
-    /// How many bytes of the block given last are filled.
+    /// How many bytes of the current block are filled.
     [[nodiscard]] std::size_t filled() const
     {
         return static_cast<std::size_t>(position_ - begin_);
@@ -94,7 +96,7 @@ public:
     }
     /// True for a Writer that only counts; nobody will read what it is given.
     [[nodiscard]] bool is_measuring() const { return is_measuring_; }
-    /// The whole of an array of numbers.
+    /// Writes the elements of an array of numbers at once.
     template <busbar::detail::WireNumber T>
     void numbers(std::span<const T> values)
     {
@@ -109,7 +111,8 @@ public:
     /// An Int32 count; fails with Bad_EncodingLimitsExceeded past 2^31-1.
     void length(std::size_t count);
 
-    /// Enters a nested value (Part 6, 5.1.5); false, and failed, past 100 levels.
+    /// Enters a nested value (Part 6, 5.1.5). False if that makes more than 100 levels, which fails
+    /// the Writer.
     [[nodiscard]] bool enter();
     void leave() { --depth_; }
 
