@@ -26,8 +26,8 @@ namespace busbar::channel {
 /// The smallest buffer either side may ask for (Part 6, 7.1.2.3).
 inline constexpr std::uint32_t min_buffer_size = 8'192;
 
-/// Limits of one connection, in bytes. All are finite: 0 stands for the default, and what the peer
-/// calls unlimited is held to these too.
+/// Limits of one connection, in bytes. All are finite: 0 stands for the default, and a peer that
+/// sets no limit is held to these, too.
 struct TransportLimits {
     /// Largest chunk that is accepted and sent.
     std::uint32_t receive_buffer_size{65'535};
@@ -42,7 +42,7 @@ struct TransportLimits {
 /// "Invalid", "None", "Sign" or "SignAndEncrypt" (Part 4, 7.20); empty for any other number.
 [[nodiscard]] BUSBAR_API std::string_view name(MessageSecurityMode mode);
 
-/// What a channel is secured with. A policy and mode that belong together.
+/// How a channel is secured: a policy and a mode that belong together.
 struct SecuritySetting {
     const crypto::SecurityPolicy* policy{&crypto::policy_none()};
     MessageSecurityMode mode{MessageSecurityMode::None};
@@ -56,13 +56,13 @@ struct ApplicationIdentity {
     crypto::PrivateKey key;
 };
 
-/// The bytes that the unfinished messages of all channels which share it may hold together, so that
-/// many peers cannot do what one of them may not. Any thread.
+/// How many bytes the unfinished messages of all channels that share it may hold together, so that
+/// many peers cannot do what a single one must not. Any thread.
 class BUSBAR_API AssemblyBudget {
 public:
     explicit AssemblyBudget(std::size_t limit) : left_{limit} {}
 
-    /// False, and nothing taken, if that much is not left.
+    /// Takes `size` bytes. False, with nothing taken, if fewer are left.
     [[nodiscard]] bool take(std::size_t size);
     void give_back(std::size_t size) { left_.fetch_add(size, std::memory_order_relaxed); }
     [[nodiscard]] std::size_t left() const { return left_.load(std::memory_order_relaxed); }

@@ -30,8 +30,8 @@ struct ClientChannelConfig {
     std::string expected_server_uri;
 };
 
-/// The client's end of one connection; the shape of ServerChannel. Opens the channel by itself,
-/// renews its SecurityToken when 75 % of the lifetime are over (Part 4, 5.6.2.1).
+/// The client's end of one connection; the shape of ServerChannel. Opens the channel by itself and
+/// renews its SecurityToken once 75 % of its lifetime are over (Part 4, 5.6.2.1).
 class BUSBAR_API ClientChannel {
 public:
     ClientChannel(ClientChannelConfig config, const ChannelEnvironment& environment, TimePoint now);
@@ -46,14 +46,15 @@ public:
     [[nodiscard]] TimePoint next_deadline() const;
     void handle_deadline(TimePoint now);
 
-    /// Sends the request that `encode` writes; the id that its response will carry. Nothing is sent
-    /// and the channel is as it was if it is not open (Bad_SecureChannelClosed), `encode` fails or
-    /// the server's limits are exceeded (Bad_RequestTooLarge).
+    /// Sends the request that `encode` writes and gives the id that its response will carry.
+    /// Nothing is sent, and the channel stays as it was, if it is not open
+    /// (Bad_SecureChannelClosed), `encode` fails, or the request is past the server's limits
+    /// (Bad_RequestTooLarge).
     [[nodiscard]] Result<std::uint32_t> send(FunctionRef<void(binary::Writer&)> encode);
-    /// Sends CloseSecureChannel; output() is still to be delivered.
+    /// Puts CloseSecureChannel into output(), which is still to be delivered.
     void close();
 
-    /// Gives a Message's body back, so that the next one needs no allocation. Never needed.
+    /// Gives a Message's body back, so that the next one needs no allocation. Optional.
     void recycle(std::vector<std::byte> body);
     /// Bytes that the buffers of this connection hold now.
     [[nodiscard]] std::size_t memory_in_use() const;

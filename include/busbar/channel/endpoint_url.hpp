@@ -17,8 +17,8 @@ struct BUSBAR_API EndpointUrl {
     /// With its slash; may be empty.
     std::string path;
 
-    /// Bad_TcpEndpointUrlInvalid for another scheme, an empty host, a port that is none, and 4,096
-    /// bytes or more (Part 6, 7.1.2.3).
+    /// Bad_TcpEndpointUrlInvalid for another scheme, an empty host, a port that is no port number,
+    /// and 4,096 bytes or more (Part 6, 7.1.2.3).
     [[nodiscard]] static Result<EndpointUrl> parse(std::string_view text);
     [[nodiscard]] std::string text() const;
 };

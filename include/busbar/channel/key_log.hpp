@@ -8,9 +8,9 @@
 namespace busbar::channel {
 
 /// Where the symmetric keys of channels go, so that a test bench can decrypt what it captured.
-/// Whoever has them reads, and forges, all that the channels carry. Used only by builds with
-/// the option BUSBAR_KEY_LOG, which products do not have; and only what is set in
-/// ChannelEnvironment is ever written to.
+/// Whoever has them can read, and forge, all that the channels carry. Used only by builds with the
+/// option BUSBAR_KEY_LOG, which products do not have; and there nothing is written unless
+/// ChannelEnvironment names it.
 class BUSBAR_API KeyLog {
 public:
     KeyLog() = default;

@@ -45,9 +45,9 @@ public:
     [[nodiscard]] Result<void> reverse_hello(std::string_view server_uri,
                                              std::string_view endpoint_url);
 
-    /// Takes bytes from the peer. Bad once the channel is closed. Poll next_event() after it until
-    /// there is none: that is when the bytes are worked on. An owner whose peer does not read, so
-    /// that output() grows, stops feeding.
+    /// Takes bytes from the peer; bad once the channel is closed. Then poll next_event() until
+    /// there is none: that is what works on the bytes. An owner whose peer does not read, so that
+    /// output() grows, should stop feeding.
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
     [[nodiscard]] std::optional<ChannelEvent> next_event();
     /// Bytes for the peer, valid until the next call of any other member but consume().
@@ -56,22 +56,22 @@ public:
     [[nodiscard]] TimePoint next_deadline() const;
     void handle_deadline(TimePoint now);
 
-    /// Sends the message that `encode` writes, in as many chunks as it takes. If it does not fit
-    /// the client's limits (Bad_ResponseTooLarge) or `encode` fails, nothing is sent and the
-    /// channel is as it was; the caller then sends a ServiceFault.
+    /// Sends the message that `encode` writes, in as many chunks as it takes. If it is past the
+    /// client's limits (Bad_ResponseTooLarge) or `encode` fails, nothing is sent and the channel
+    /// stays as it was; the caller then sends a ServiceFault.
     [[nodiscard]] Result<void> send(std::uint32_t request_id,
                                     FunctionRef<void(binary::Writer&)> encode);
     /// Sends an Error message and closes.
     void close(StatusCode status, std::string_view reason);
 
-    /// Bytes of a message's body that certainly fit the client's limits and one's own.
+    /// The size in bytes of a message body that certainly fits the client's limits and one's own.
     [[nodiscard]] std::size_t max_response_size() const;
 
-    /// From now on a message of the client with more than `size` bytes ends the channel with
-    /// Bad_TcpMessageTooLarge; what was agreed in Acknowledge stays the most. For peers of whom
-    /// less is known than the limits allow.
+    /// From now on a message of more than `size` bytes from the client ends the channel with
+    /// Bad_TcpMessageTooLarge; the limit agreed in Acknowledge stays the upper bound. For peers who
+    /// are not to have all that the limits allow yet.
     void limit_messages(std::uint32_t size);
-    /// Gives a Message's body back, so that the next one needs no allocation. Never needed.
+    /// Gives a Message's body back, so that the next one needs no allocation. Optional.
     void recycle(std::vector<std::byte> body);
     /// Bytes that the buffers of this connection hold now, for the owner's accounts.
     [[nodiscard]] std::size_t memory_in_use() const;
@@ -79,7 +79,7 @@ public:
     [[nodiscard]] bool is_open() const;
     [[nodiscard]] bool is_closed() const;
     [[nodiscard]] std::uint32_t channel_id() const;
-    /// Of an open channel.
+    /// How the channel is secured; only while it is open.
     [[nodiscard]] const SecuritySetting& security() const;
     /// The client's certificates; empty with policy None.
     [[nodiscard]] const crypto::CertificateChain& peer_certificates() const;
