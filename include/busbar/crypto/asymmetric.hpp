@@ -10,15 +10,15 @@
 #include <busbar/crypto/private_key.hpp>
 #include <busbar/crypto/security_policy.hpp>
 
-/// RSA as the policies use it (Part 6, 6.7.4). Every failure is Bad_SecurityChecksFailed: a peer
-/// must not learn which step failed, and one that can depend on a secret takes as much work as any
-/// other. A key that the policy does not allow, and any use of policy None, is a failure too. Any
-/// thread.
+/// RSA as the policies use it (Part 6, 6.7.4). Every failure is Bad_SecurityChecksFailed, since a
+/// peer must not learn which step failed; a failure that can depend on a secret takes as much work
+/// as success. A key that the policy does not allow, and any use of policy None, is a failure, too.
+/// Any thread.
 namespace busbar::crypto {
 
 using Bytes = std::vector<std::byte>;
 
-/// What one secret may make the receiver's private key do.
+/// The most blocks that one secret may make the receiver's private key decrypt.
 inline constexpr std::size_t max_cipher_blocks = 32;
 /// The legacy format is for secrets of at most this size (Part 4, 7.40.2.1), bound to a nonce of
 /// at least that size (Part 4, 5.7.2.2). In bytes.
@@ -33,27 +33,29 @@ inline constexpr std::size_t min_server_nonce_size = 32;
                                                         std::span<const std::byte> data,
                                                         std::span<const std::byte> signature);
 
-/// Bytes of plain text in one block of a key with `key_size` bytes; 0 if the key is too small.
+/// How many bytes of plain text one block holds for a key of `key_size` bytes; 0 if the key is too
+/// small.
 [[nodiscard]] BUSBAR_API std::size_t plain_block_size(const SecurityPolicy& policy,
                                                       std::size_t key_size);
 
-/// Block by block, of what is not empty; the last block's text may be shorter than the others'.
+/// Encrypts block by block what must not be empty; the last block may hold less text than the
+/// others.
 [[nodiscard]] BUSBAR_API Result<Bytes> asymmetric_encrypt(const SecurityPolicy& policy,
                                                           const Certificate& certificate,
                                                           std::span<const std::byte> plain);
-/// As many plain_block_size as `cipher` has blocks, max_cipher_blocks at most. A block that does
-/// not decrypt comes out as chance, and so does what is missing of a block with a shorter text:
-/// nothing but the caller's next check, of a signature or of a nonce, tells whether this is what
-/// was sent, and no one learns that it was the padding (implicit rejection, RFC 5246, 7.4.7.1). Bad
-/// only for what any peer can see: the key and the size of `cipher`.
+/// The result has plain_block_size bytes for each block of `cipher`, which has at most
+/// max_cipher_blocks. A block that does not decrypt comes out as random bytes, and so does what a
+/// block with a shorter text lacks: only the caller's next check, of a signature or a nonce, tells
+/// whether this is what was sent, and nobody learns that it was the padding (implicit rejection,
+/// RFC 5246, 7.4.7.1). Bad only for what any peer can see: the key and the size of `cipher`.
 [[nodiscard]] BUSBAR_API Result<Bytes> asymmetric_decrypt(const SecurityPolicy& policy,
                                                           const PrivateKey& key,
                                                           std::span<const std::byte> cipher);
 
-/// The secret of a UserNameIdentityToken: length, secret and the server's nonce, encrypted
-/// (Part 4, 7.40.2.2). The nonce is the last one of the session; a secret that was encrypted for
-/// another one is refused. An empty secret comes back as such: the caller decides what it is worth.
-/// Issued tokens use the format too, and are larger than passwords may be.
+/// The secret of a UserNameIdentityToken: length, secret and the server's nonce, encrypted (Part 4,
+/// 7.40.2.2). The nonce is the last one of the session; a secret that was encrypted for another
+/// nonce is refused. An empty secret comes back as empty: the caller decides what that means.
+/// Issued tokens have the same format and may be larger than passwords.
 [[nodiscard]] BUSBAR_API Result<Bytes> encrypt_secret(const SecurityPolicy& policy,
                                                       const Certificate& certificate,
                                                       std::span<const std::byte> secret,

@@ -20,8 +20,8 @@ namespace busbar::crypto {
 /// One X.509 v3 ApplicationInstanceCertificate (Part 6, 6.2.2). Immutable; copies share.
 class BUSBAR_API Certificate {
 public:
-    /// Exactly one DER certificate of at most 16 KiB with a key that makes sense and has at most
-    /// 8192 bits; Bad_CertificateInvalid for anything else.
+    /// Exactly one DER certificate of at most 16 KiB, whose key is valid and has at most 8192 bits;
+    /// Bad_CertificateInvalid for anything else.
     [[nodiscard]] static Result<Certificate> parse(std::span<const std::byte> der);
     /// PEM or DER, as files have it.
     [[nodiscard]] static Result<Certificate> parse_file(std::span<const std::byte> contents);
@@ -33,8 +33,8 @@ public:
     [[nodiscard]] std::string thumbprint_text() const;
     /// "CN=Name, O=..." for people.
     [[nodiscard]] std::string subject() const;
-    /// The URI of subjectAltName; empty if there is none or more than one (Part 6, 6.2.2). As it
-    /// stands there: `printable` it for people.
+    /// The URI of subjectAltName, as it stands there; empty if there is none or more than one (Part
+    /// 6, 6.2.2). Use `printable` to show it to people.
     [[nodiscard]] std::string application_uri() const;
     /// DNS names and IP addresses of subjectAltName.
     [[nodiscard]] std::vector<std::string> host_names() const;
@@ -58,14 +58,14 @@ private:
     std::shared_ptr<const std::vector<std::byte>> der_;
 };
 
-/// A leaf certificate and, behind it, those that signed it (Part 6, 6.2.6).
+/// A leaf certificate, followed by those that signed it (Part 6, 6.2.6).
 using CertificateChain = std::vector<Certificate>;
 
 inline constexpr std::size_t max_chain_length = 10;
 inline constexpr std::size_t max_chain_size = 65'536; // bytes of DER
 
-/// Splits concatenated DER certificates; Bad_CertificateInvalid if there is none, something else is
-/// among them, or they are more than max_chain_length or larger than max_chain_size.
+/// Splits concatenated DER certificates. Bad_CertificateInvalid if there is none, if something else
+/// is among them, or if they are more than max_chain_length or larger than max_chain_size.
 [[nodiscard]] BUSBAR_API Result<CertificateChain> parse_chain(std::span<const std::byte> der);
 
 } // namespace busbar::crypto

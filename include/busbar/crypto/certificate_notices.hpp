@@ -12,14 +12,14 @@
 
 namespace busbar::crypto {
 
-/// What an operator should know of a certificate that is still, or again, in use.
+/// What an operator should know about a certificate that is in use.
 struct CertificateNotice {
     enum class Kind : std::uint8_t { NotYetValid, ExpiresSoon, Expired, HostNotNamed };
 
     Kind kind;
     /// What was found and what to do about it.
     std::string text;
-    /// The same for as long as the matter is the same, also when `text` counts days.
+    /// Stays the same as long as the matter does, even if `text` counts days.
     std::string matter;
 
     friend bool operator==(const CertificateNotice&, const CertificateNotice&) = default;
@@ -29,22 +29,21 @@ struct CertificateNotice {
 inline constexpr std::int64_t expiry_notice_days = 30;
 
 /// The notices at `now`, in the order of their kinds, at most one of each. `hosts` are the names
-/// and addresses by which clients reach this machine; those that the certificate does not name are
-/// in one notice, since clients refuse to connect by them (Part 4, 6.1.3).
+/// and addresses by which clients reach this machine. Those that the certificate does not name
+/// share one notice: clients refuse to connect by them (Part 4, 6.1.3).
 [[nodiscard]] BUSBAR_API std::vector<CertificateNotice>
 certificate_notices(const Certificate& certificate, DateTime now,
                     std::span<const std::string> hosts);
 
-/// Says notices to a log: each when it comes up, and again once a day. An expired certificate is an
-/// error, everything else a warning. One thread at a time.
+/// Writes notices to a log: each when it comes up, and again once a day. An expired certificate is
+/// an error, everything else a warning. One thread at a time.
 class BUSBAR_API CertificateWatch {
 public:
-    /// `log` must outlive this.
+    /// `log` must outlive this object.
     explicit CertificateWatch(LogSink& log) : log_{&log} {}
 
-    /// To be called at the time that the last call returned, and whenever the certificate or the
-    /// hosts change. Returns when to look again: a day later or earlier, if something comes up
-    /// before.
+    /// Call it at the time that the last call returned, and whenever the certificate or the hosts
+    /// change. Returns when to look again: in a day, or earlier if something comes up before.
     [[nodiscard]] DateTime check(const Certificate& certificate, DateTime now,
                                  std::span<const std::string> hosts);
 

@@ -65,42 +65,43 @@ struct StoreEntry {
 /// Operations block on the disk. One thread at a time.
 class BUSBAR_API CertificateStore {
 public:
-    /// `log` must outlive this.
+    /// `log` must outlive this object.
     CertificateStore(std::string folder, const StoreLimits& limits, LogSink& log);
     ~CertificateStore();
     CertificateStore(const CertificateStore&) = delete;
     CertificateStore& operator=(const CertificateStore&) = delete;
 
     /// Makes the folders that are missing and removes temporary files that were left behind;
-    /// Bad_ConfigurationError if a folder cannot be made. Keys that others may read are closed to
-    /// them, with a warning and not a refusal: a plant must start again after a backup was restored
-    /// with wrong rights, and what was read already is not unread by standing still.
+    /// Bad_ConfigurationError if a folder cannot be made. Private keys that others may read are
+    /// closed to them, with a warning instead of a refusal: a plant must start again after a backup
+    /// was restored with wrong permissions, and refusing would not undo what others have read
+    /// already.
     [[nodiscard]] Result<void> create();
 
-    /// What validation goes by: up to the limits, read again as far as files changed. `now` tells
-    /// fresh files, which may still change without showing it in their times. Valid until the next
-    /// call of anything here.
+    /// The lists that validation uses, up to the limits; files that changed are read again. `now`
+    /// tells fresh files apart, which may still change without a change of their times. Valid until
+    /// the next call of any member.
     [[nodiscard]] const TrustList& trust_list(DateTime now);
 
-    /// Saves a stranger's certificate in `rejected`, unless it lies there already, within the
-    /// limits; the log says what became of it. `now` counts the minutes.
+    /// Saves a certificate that is not trusted in `rejected`, unless it is there already, within
+    /// the limits; the log says what became of it. `now` is for the limit per minute.
     void reject(const Certificate& certificate, DateTime now);
 
-    // For the administrator. Refusals say in words what was wrong; the log gets what was done.
+    // For the administrator. Refusals say in words what was wrong; the log says what was done.
 
     /// In the order of the file names; no limits but those of reading.
     [[nodiscard]] std::vector<StoreEntry> list(StoreList list);
     /// One certificate or revocation list, from whatever list it lies in, as lines of text for
     /// people (see certificate_text). Bad_NotFound.
     [[nodiscard]] Checked<std::string> show(std::string_view thumbprint);
-    /// `contents`: one certificate or revocation list, DER or PEM. Bad_CertificateInvalid if it is
-    /// neither, Bad_EntryExists, Bad_ResourceUnavailable if the list is full or the disk fails,
-    /// Bad_NotSupported for the own list: a certificate of ours comes with its key.
+    /// `contents` is one certificate or revocation list, DER or PEM. Bad_CertificateInvalid if it
+    /// is neither; Bad_EntryExists; Bad_ResourceUnavailable if the list is full or the disk fails;
+    /// Bad_NotSupported for the own list, where a certificate comes with its key.
     [[nodiscard]] Checked<StoreEntry> add(StoreList list, std::span<const std::byte> contents);
-    /// Every file of the list that holds it. Bad_NotFound, Bad_ResourceUnavailable,
+    /// Removes every file of the list that holds it. Bad_NotFound, Bad_ResourceUnavailable,
     /// Bad_NotSupported as for add.
     [[nodiscard]] Checked<void> remove(StoreList list, std::string_view thumbprint);
-    /// In no moment it is in neither list; if it was in `to` already, it just leaves `from`. Errors
+    /// At no moment is it in neither list. If it was in `to` already, it just leaves `from`. Errors
     /// as for add and remove.
     [[nodiscard]] Checked<void> move(std::string_view thumbprint, StoreList from, StoreList to);
 
@@ -113,8 +114,8 @@ private:
     std::unique_ptr<detail::RejectedList> rejected_;
 };
 
-/// What a certificate says, for people: one line for each of subject, issuer, serial number,
-/// validity, names, key, signature, usage and thumbprint. Printable whatever is in it.
+/// What a certificate says, for people: one line each for subject, issuer, serial number, validity,
+/// names, key, signature, usage and thumbprint. Printable whatever it contains.
 [[nodiscard]] BUSBAR_API std::string certificate_text(const Certificate& certificate);
 [[nodiscard]] BUSBAR_API std::string revocation_list_text(const RevocationList& list);
 

@@ -52,9 +52,9 @@ struct ValidationSettings {
     bool suppress_find_issuer_revocation_list{false}; // Bad_CertificateIssuerRevocationUnknown
 };
 
-/// Bounds of one validation, whatever the peer sends and the trust list holds: a path is at most
-/// max_chain_length certificates long, and at most so many signatures of certificates and
-/// revocation lists are verified; none before the names lead from the leaf to a root.
+/// Bounds of one validation, whatever the peer sends and the trust list holds: a path has at most
+/// max_chain_length certificates, and at most this many signatures of certificates and revocation
+/// lists are verified. None is verified before the names lead from the leaf to a root.
 inline constexpr std::size_t max_signature_checks = 32;
 
 /// Part 4, 6.1.3, Table 100, step by step and in its order, over the path from the leaf to a root.
@@ -78,9 +78,9 @@ public:
     CertificateValidator& operator=(const CertificateValidator&) = delete;
     virtual ~CertificateValidator() = default;
 
-    /// `chain` is not empty, its leaf first. The refusal's status is one of Part 4, 6.1.3, Table
-    /// 100; who asks writes it to the log, and shows the peer Bad_SecurityChecksFailed for all but
-    /// the few it may show.
+    /// `chain` is not empty; its leaf comes first. The refusal's status is one of Part 4, 6.1.3,
+    /// Table 100. The caller writes it to the log, and tells the peer Bad_SecurityChecksFailed but
+    /// for the few that a peer may see.
     [[nodiscard]] virtual Checked<void> validate(const CertificateChain& chain,
                                                  const ValidationContext& context) = 0;
 };
@@ -91,7 +91,7 @@ public:
 [[nodiscard]] BUSBAR_API Checked<void> check_certificate(const Certificate& leaf,
                                                          const ValidationContext& context);
 
-/// Accepts whoever has a key that the policy allows. For tests and the marked demo only.
+/// Accepts every certificate with a key that the policy allows. For tests and the marked demo only.
 class BUSBAR_API InsecureAcceptAnyCertificate final : public CertificateValidator {
 public:
     [[nodiscard]] Checked<void> validate(const CertificateChain& chain,

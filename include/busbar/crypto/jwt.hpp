@@ -26,8 +26,8 @@ enum class JwtAlgorithm : std::uint8_t { RS256, PS256, ES256, HS256 };
 
 [[nodiscard]] BUSBAR_API std::string_view name(JwtAlgorithm algorithm);
 
-/// A key that tokens may be signed with, and the one algorithm it is used for: a token that names
-/// another one is refused, whatever key it names (RFC 8725, 3.1). Immutable; copies share.
+/// A key that tokens may be signed with, and the only algorithm it is used for: a token with
+/// another algorithm is refused, whatever key it names (RFC 8725, 3.1). Immutable; copies share.
 class BUSBAR_API JwtKey {
 public:
     /// The public key of an RSA (2048 bits or more) or P-256 certificate or PEM public key.
@@ -37,8 +37,8 @@ public:
     from_public_key(JwtAlgorithm algorithm, std::span<const std::byte> pem, std::string id = {});
     [[nodiscard]] static Result<JwtKey>
     from_certificate(JwtAlgorithm algorithm, const Certificate& certificate, std::string id = {});
-    /// HS256, with a secret of 32 bytes or more. Whoever can verify such tokens can make them,
-    /// which Part 6, 6.5.2.3 does not foresee: for closed plants only.
+    /// HS256, with a secret of 32 bytes or more. Whoever can verify such tokens can also make them,
+    /// which Part 6, 6.5.2.3 does not provide for: for closed plants only.
     [[nodiscard]] static Result<JwtKey> from_shared_secret(std::span<const std::byte> secret,
                                                            std::string id = {});
 
@@ -60,9 +60,9 @@ private:
 struct JwtRules {
     /// At most max_jwt_keys are tried for one token.
     std::vector<JwtKey> keys;
-    /// What `iss` has to be. Empty: the tokens of these keys have none.
+    /// The `iss` that a token must have. Empty: the tokens of these keys have none.
     std::string issuer;
-    /// What `aud` has to be or to contain, the resourceId. Empty: the server's ApplicationUri.
+    /// What `aud` must be or contain: the resourceId. Empty: the server's ApplicationUri.
     std::string audience;
     /// How far the issuer's clock may be off.
     std::chrono::seconds clock_skew{60};
@@ -85,13 +85,14 @@ struct JwtClaims {
     DateTime expires;
 };
 
-/// The claims of a token in JWS Compact Serialization whose signature one of the keys verifies and
-/// which is meant for `rules.audience`, or if that is empty `application_uri`, at `now`. `sub`,
-/// `aud` and `exp` must be there (Part 6, 6.5.2.3); `nbf` and `iat` count if they are.
+/// The claims of a token in JWS Compact Serialization, whose signature one of the keys must verify
+/// and which must be meant for `rules.audience` (`application_uri` if that is empty) and valid at
+/// `now`. `sub`, `aud` and `exp` must be there (Part 6, 6.5.2.3); `nbf` and `iat` count if they
+/// are.
 ///
-/// Bad_IdentityTokenInvalid for what is no such token, Bad_IdentityTokenRejected for one that does
-/// not count here or now. The refusal says why and holds nothing of the token but printable claims.
-/// Claims are not looked at before the signature is verified. Bounded work for any text.
+/// Bad_IdentityTokenInvalid for what is no such token, Bad_IdentityTokenRejected for one that is
+/// not accepted here or now. The refusal says why and contains nothing of the token but printable
+/// claims. Claims are not looked at before the signature is verified. Bounded work for any text.
 [[nodiscard]] BUSBAR_API Checked<JwtClaims> verify_jwt(std::string_view token,
                                                        const JwtRules& rules,
                                                        std::string_view application_uri,

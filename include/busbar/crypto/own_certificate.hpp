@@ -16,7 +16,7 @@
 
 namespace busbar::crypto {
 
-/// The certificate of this application, behind it those that signed it, and its private key.
+/// The certificate of this application, followed by those that signed it, and its private key.
 struct OwnCertificate {
     CertificateChain certificates;
     PrivateKey key;
@@ -24,7 +24,7 @@ struct OwnCertificate {
 
 /// What a certificate that the application makes for itself says, or asks a CA for.
 struct OwnCertificateSettings {
-    /// `valid_from` is not looked at: it is the time of making, less a day, since clocks differ.
+    /// `valid_from` is ignored: it is the time of making less a day, since clocks differ.
     /// `valid_days` count from the time of making.
     CertificateSubject subject;
     /// 2048 to 4096.
@@ -50,13 +50,13 @@ struct OwnCertificateSettings {
 /// process, one thread at a time. All functions block on the disk; making a key takes seconds.
 class BUSBAR_API OwnCertificateStore {
 public:
-    /// A key pair of its own for the request, or that of the certificate in force.
+    /// A new key pair for the request, or that of the certificate in force.
     enum class RequestKey : std::uint8_t { New, Present };
 
     explicit OwnCertificateStore(std::string folder);
 
-    /// What is in force; none if neither a certificate nor a key is there. Refused if it does not
-    /// name `application_uri` (Part 6, 6.2.2), unless that is empty.
+    /// The certificate and key in force; nothing if neither is there. Refused if the certificate
+    /// does not name `application_uri` (Part 6, 6.2.2), unless that is empty.
     [[nodiscard]] Checked<std::optional<OwnCertificate>>
     load(std::string_view application_uri = {}) const;
     /// The same; a self-signed certificate is made if there is none, with the pending key if there
@@ -91,7 +91,7 @@ private:
 [[nodiscard]] BUSBAR_API Checked<std::vector<Certificate>>
 read_certificates(std::span<const std::byte> contents);
 
-/// Writes the certificate alone, for the peers that shall trust it; replaces the file `path`.
+/// Writes the certificate alone, for the peers that are to trust it; replaces the file `path`.
 [[nodiscard]] BUSBAR_API Result<void> export_der(const Certificate& certificate,
                                                  const std::string& path);
 

@@ -12,8 +12,8 @@ namespace busbar::crypto {
 /// A password as it may be stored: "$scrypt$<log2 N>$<r>$<p>$<salt>$<hash>" (RFC 7914), base64.
 [[nodiscard]] BUSBAR_API Result<std::string> hash_password(std::string_view password,
                                                            Random& random);
-/// True if `stored` is the hash of `password`; false for any text that is no hash, and for
-/// parameters that would take more than 64 MiB.
+/// True if `stored` is the hash of `password`. False for a text that is no hash, and for parameters
+/// that would take more than 64 MiB.
 [[nodiscard]] BUSBAR_API bool verify_password(std::string_view password, std::string_view stored);
 /// True if verify_password can use `stored`.
 [[nodiscard]] BUSBAR_API bool is_password_hash(std::string_view stored);

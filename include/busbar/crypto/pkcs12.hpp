@@ -11,8 +11,8 @@
 
 namespace busbar::crypto {
 
-/// What reading a file may cost. The iterations of all its key derivations count together and are
-/// looked at before each: a million takes about a second.
+/// What reading a file may cost. The iterations of all its key derivations are added up and checked
+/// before each of them: a million takes about a second.
 struct Pkcs12Limits {
     std::size_t max_bytes{65'536};
     std::uint64_t max_iterations{3'000'000};

@@ -20,11 +20,11 @@ namespace busbar::crypto {
 class BUSBAR_API PrivateKey {
 public:
     /// PEM or DER of at most 64 KiB, PKCS#1 or PKCS#8, the latter also encrypted.
-    /// Bad_ConfigurationError if it is none of them, no RSA key, the passphrase is wrong, or
-    /// decrypting would take more than three million iterations. Never asks anyone.
+    /// Bad_ConfigurationError if it is none of these or no RSA key, if the passphrase is wrong, or
+    /// if decrypting would take more than three million iterations. Never prompts for a passphrase.
     [[nodiscard]] static Result<PrivateKey> parse(std::span<const std::byte> contents,
                                                   std::string_view passphrase = {});
-    /// A new key of 2048 to 4096 bits; else Bad_InvalidArgument.
+    /// A new key of 2048 to 4096 bits; Bad_InvalidArgument for any other size.
     [[nodiscard]] static Result<PrivateKey> generate(std::uint32_t bits);
 
     /// PKCS#8 PEM, without a passphrase. For a file that only its owner may read.

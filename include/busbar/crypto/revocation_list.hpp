@@ -19,12 +19,12 @@ namespace busbar::crypto {
 
 /// One certificate revocation list (Part 6, 6.2.5; RFC 5280, 5). Immutable; copies share.
 ///
-/// Nothing here says that a list is genuine: ask is_signed_by before believing it.
+/// It need not be genuine: call is_signed_by before relying on it.
 class BUSBAR_API RevocationList {
 public:
     static constexpr std::size_t max_size = 1'048'576; // bytes of DER
 
-    /// Exactly one DER list of at most max_size; Bad_CertificateInvalid for anything else.
+    /// Exactly one DER list of at most max_size bytes; Bad_CertificateInvalid for anything else.
     [[nodiscard]] static Result<RevocationList> parse(std::span<const std::byte> der);
     /// PEM or DER, as files have it.
     [[nodiscard]] static Result<RevocationList> parse_file(std::span<const std::byte> contents);

@@ -10,10 +10,10 @@
 
 namespace busbar::crypto {
 
-/// Overwrites `bytes` in a way that the compiler keeps.
+/// Overwrites `bytes` in a way that the compiler cannot leave out.
 BUSBAR_API void cleanse(std::span<std::byte> bytes);
 
-/// Bytes of a key or password: move-only, overwritten when they go.
+/// Bytes of a key or password: move-only, overwritten when it is destroyed.
 class Secret {
 public:
     Secret() = default;

@@ -31,16 +31,16 @@ struct SecurityPolicy {
     std::size_t encrypting_key_size{0};
     std::size_t block_size{1};
     std::size_t nonce_size{0}; // SecureChannelNonceLength
-    /// CertificateSignatureAlgorithm: certificates signed with SHA-1 will do.
+    /// CertificateSignatureAlgorithm: certificates signed with SHA-1 are accepted.
     bool allows_sha1_certificates{false};
-    /// No longer recommended by Part 7, because of SHA-1 and PKCS#1 v1.5: only for peers that know
-    /// nothing better, and never used unless a configuration names it.
+    /// No longer recommended by Part 7, because of SHA-1 and PKCS#1 v1.5: only for peers that
+    /// support nothing better, and never used unless a configuration names it.
     bool is_deprecated{false};
 
     [[nodiscard]] bool is_none() const { return signature == AsymmetricSignature::None; }
 };
 
-/// All policies this build knows: None, then from the weakest to the strongest. The deprecated
+/// All policies that this build knows: None, then from the weakest to the strongest. The deprecated
 /// ones, Basic128Rsa15 and Basic256, are among them only if BUSBAR_LEGACY_POLICIES was on.
 [[nodiscard]] BUSBAR_API std::span<const SecurityPolicy> security_policies();
 /// The policy with this URI or this name, null if there is none.

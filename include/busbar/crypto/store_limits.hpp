@@ -5,7 +5,7 @@
 
 namespace busbar::crypto {
 
-/// What happens to a stranger's certificate when the rejected list is full.
+/// What happens to a certificate that is not trusted when the rejected list is full.
 enum class RejectedFull : std::uint8_t {
     OldestOut, // it takes the place of the one that lies there longest
     Discard,   // it is not saved
@@ -20,11 +20,11 @@ struct StoreLimits {
     std::size_t max_revocation_lists{256};
     std::size_t max_rejected{100};
     RejectedFull when_rejected_is_full{RejectedFull::OldestOut};
-    /// Strangers' certificates that are saved, discarded and told about within one minute: they
-    /// must not wear out a flash disk.
+    /// Certificates that are not trusted and are saved, discarded and logged within one minute:
+    /// strangers must not wear out a flash disk.
     std::size_t max_rejected_per_minute{10};
 
-    // One folder: names that are looked at, bytes of a file and of all files together.
+    // Of one folder: names that are looked at, bytes of a file, and bytes of all files together.
 
     std::size_t max_files{1'000};
     std::size_t max_certificate_file_size{65'536};

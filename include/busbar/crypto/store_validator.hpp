@@ -10,14 +10,14 @@
 namespace busbar::crypto {
 
 /// Decides by the lists of a store, as they are on the disk at that moment (see check_chain for the
-/// rules). The certificate of a peer that is not trusted, whose issuers are not known or that was
+/// rules). The certificate of a peer that is not trusted, whose issuers are unknown, or that was
 /// revoked is saved in `rejected`, for the administrator to look at and perhaps to move.
 ///
-/// The refusal is the caller's to log. What a setting let pass is logged here. One thread at a
-/// time, as the store.
+/// The caller logs the refusal; what a setting let pass is logged here. One thread at a time, as
+/// the store.
 class BUSBAR_API StoreValidator final : public CertificateValidator {
 public:
-    /// `store` and `log` must outlive this.
+    /// `store` and `log` must outlive this object.
     StoreValidator(CertificateStore& store, LogSink& log, const ValidationSettings& settings = {});
 
     [[nodiscard]] Checked<void> validate(const CertificateChain& chain,

@@ -26,8 +26,8 @@ struct SymmetricKeys {
                                                            std::span<const std::byte> seed);
 
 /// AES-CBC and the policy's HMAC with prepared keys: a chunk costs its bytes and no key schedule.
-/// Move-only, one thread at a time. Allocates nothing itself after create(); OpenSSL 3.0 makes two
-/// small digest contexts for each signature.
+/// Move-only, one thread at a time. It allocates nothing itself after create(); OpenSSL 3.0 makes
+/// two small digest contexts for each signature.
 class BUSBAR_API SymmetricCipher {
 public:
     /// Bad_SecurityChecksFailed if the keys are not of the policy's sizes, as with policy None.
@@ -42,7 +42,7 @@ public:
     /// True if `signature` is that of `data`; compared in constant time.
     [[nodiscard]] bool verify(std::span<const std::byte> data,
                               std::span<const std::byte> signature);
-    /// In place; false unless the size is a multiple of the block size.
+    /// In place. False unless the size is a multiple of the block size.
     [[nodiscard]] bool encrypt(std::span<std::byte> data);
     [[nodiscard]] bool decrypt(std::span<std::byte> data);
 
