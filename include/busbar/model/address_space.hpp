@@ -69,10 +69,10 @@ public:
     Result<NodeIndex> add_variable_type(const NewNode& node, const NewVariableType& type);
     Result<NodeIndex> add_reference_type(const NewNode& node, const NewReferenceType& type);
     Result<NodeIndex> add_data_type(const NewNode& node, const NewDataType& type);
-    /// Copies generated nodes of another namespace, whose namespaces are added as needed. What they
-    /// refer to must be there already. Bad_NodeIdExists if one of them is. Namespace indices in
+    /// Copies generated nodes of another namespace; namespaces are added as needed. What they refer
+    /// to must be there already. Bad_NodeIdExists if one of them is there. Namespace indices in
     /// values become those of this AddressSpace, also within structures whose DataTypeDefinitions
-    /// are here; bodies of others are taken over as they are.
+    /// are here; bodies of others are copied as they are.
     Result<void> add(const StaticNodes& nodes);
 
     /// Adds the reference in both directions. Bad_DuplicateReferenceNotAllowed if it is there,
@@ -88,7 +88,7 @@ public:
 
     /// Gives a Variable a value of its own. Bad_TypeMismatch as check_value.
     Result<void> set_value(NodeIndex node, Variant value);
-    /// Has a data source serve the Variable or carry out the Method, constant or dynamic.
+    /// Makes a data source serve the Variable or carry out the Method, constant or dynamic.
     void bind(NodeIndex node, std::uint32_t source, std::uint64_t handle);
     /// Of `user_access_level` only the bits that `access_level` has count.
     void set_access_level(NodeIndex node, Access access_level,

@@ -32,16 +32,16 @@ struct DataItem {
 
 /// AnalogItemType, AnalogUnitType or AnalogUnitRangeType (Part 8, 5.3.2).
 struct AnalogItem : DataItem {
-    /// Needed but for AnalogUnitType.
+    /// Required, except by AnalogUnitType.
     std::optional<Range> eu_range;
-    /// Needed but for AnalogItemType.
+    /// Required, except by AnalogItemType.
     std::optional<EUInformation> engineering_units;
     std::optional<Range> instrument_range;
     NodeId type{0, id::AnalogItemType};
 };
 
-/// Bad_NodeAttributesInvalid for a DataType that is no Number, a range whose low is above its
-/// high, or without a Property that `type` demands.
+/// Bad_NodeAttributesInvalid for a DataType that is no Number, for a range whose low is above its
+/// high, and if a Property that `type` requires is missing.
 BUSBAR_API Result<NodeIndex> add_analog_item(AddressSpace& space, const NewNode& node,
                                              const AnalogItem& item);
 
@@ -72,9 +72,9 @@ struct MultiStateValueItem : DataItem {
 BUSBAR_API Result<NodeIndex> add_multi_state_value(AddressSpace& space, const NewNode& node,
                                                    const MultiStateValueItem& item);
 
-/// Gives the Variable a value and its ValueAsText the text that EnumValues has for it, a null text
-/// if there is none. Bad_TypeMismatch as AddressSpace::set_value; Bad_NotFound if the Variable does
-/// not have the Properties.
+/// Gives the Variable a value, and its ValueAsText the text that EnumValues has for it, or a null
+/// text if there is none. Bad_TypeMismatch as AddressSpace::set_value; Bad_NotFound if the Variable
+/// does not have the Properties.
 BUSBAR_API Result<void> set_multi_state_value(AddressSpace& space, NodeIndex node, Variant value);
 
 /// What the ArrayItemTypes have in common (Part 8, 5.3.4.2).
@@ -84,15 +84,15 @@ struct ArrayItem : DataItem {
     LocalizedText title;
     AxisScaleEnumeration axis_scale_type{};
     std::optional<Range> instrument_range;
-    /// One for YArrayItemType and XYArrayItemType, two for ImageItemType, three for CubeItemType
-    /// (x, y, z), any number, which is then the ValueRank, for NDimensionArrayItemType.
+    /// One axis for YArrayItemType and XYArrayItemType, two for ImageItemType, three for
+    /// CubeItemType (x, y, z); for NDimensionArrayItemType any number, which is then the ValueRank.
     Array<AxisInformation> axes;
     /// Any concrete subtype of ArrayItemType that Part 8 has.
     NodeId type{0, id::YArrayItemType};
 };
 
-/// The ValueRank follows from the type, the DataType of an XYArrayItemType is XVType.
-/// Bad_NodeAttributesInvalid if the number of axes is not that of the type or a range has its low
+/// The ValueRank follows from the type; the DataType of an XYArrayItemType is XVType.
+/// Bad_NodeAttributesInvalid if the number of axes does not fit the type, or the low of a range is
 /// above its high.
 BUSBAR_API Result<NodeIndex> add_array_item(AddressSpace& space, const NewNode& node,
                                             const ArrayItem& item);

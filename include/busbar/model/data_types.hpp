@@ -9,12 +9,12 @@
 
 namespace busbar::model {
 
-/// The DataTypes of an AddressSpace, compiled when they are first asked for and again when the
-/// space has got another type since. Not thread-safe.
+/// The DataTypes of an AddressSpace, compiled when they are first asked for, and again when types
+/// have been added since. One thread at a time.
 class BUSBAR_API DataTypes {
 public:
     /// All DataTypes with their DataTypeDefinitions. The result, and what refers to it, is valid
-    /// until the next call after a type was added. Always to be called with the same space.
+    /// until the first call after a type was added. Every call must be for the same space.
     [[nodiscard]] const binary::DynamicTypes& of(const SpaceReader& space);
 
 private:

@@ -29,7 +29,7 @@ inline constexpr std::uint32_t DeviceSet = 5001;
 } // namespace di_id
 
 /// The Properties of a DeviceType (Part 100, 4.5.2). Those up to revision_counter are always there;
-/// of the others those whose text is not null.
+/// the others are if their text is not null.
 struct Nameplate {
     LocalizedText manufacturer;
     LocalizedText model;
@@ -39,7 +39,7 @@ struct Nameplate {
     /// Where the manual is, a path or an URL.
     String device_manual;
     String serial_number;
-    /// How often what the device is configured with was changed; -1: not counted.
+    /// How often the configuration of the device was changed; -1 if that is not counted.
     std::int32_t revision_counter{-1};
     String manufacturer_uri;
     String product_code;
@@ -59,8 +59,8 @@ BUSBAR_API Result<NodeIndex> add_device(AddressSpace& space, NewNode node, NodeI
 BUSBAR_API Result<NodeIndex> add_functional_group(AddressSpace& space, NodeIndex parent,
                                                   const QualifiedName& name);
 
-/// Creates a parameter in the device's ParameterSet, which is made if need be, and has `group`,
-/// unless it is no_node, organize it (Part 100, 4.3).
+/// Creates a parameter in the device's ParameterSet, which is made if need be. `group`, unless it
+/// is no_node, organizes it (Part 100, 4.3).
 BUSBAR_API Result<NodeIndex> add_parameter(AddressSpace& space, NodeIndex device, NodeIndex group,
                                            const QualifiedName& name, const NewVariable& variable);
 

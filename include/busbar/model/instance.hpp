@@ -20,10 +20,11 @@
 /// and one that fails leaves nothing behind.
 namespace busbar::model {
 
-/// Where the NodeIds of an instance's nodes come from. They have the namespace of the instance
+/// Where the NodeIds of the nodes of an instance come from. They have the namespace of the instance
 /// itself, whatever that of their BrowseNames.
 enum class InstanceIds : std::uint8_t {
-    /// Of a node with a String identifier: that, '/' and the child's name; of others as Numeric.
+    /// Below a node with a String identifier: that, '/' and the child's name; below others as
+    /// Numeric.
     Path,
     /// A number that is free.
     Numeric,
@@ -38,7 +39,7 @@ enum class InstanceMethods : std::uint8_t {
     Copied,
 };
 
-/// How much one call creates at most; a type that contains itself needs an end. Past any of them
+/// How much one call creates at most, since a type may contain itself. Beyond any of these:
 /// Bad_TooManyOperations.
 struct InstanceLimits {
     std::size_t max_depth{16};
@@ -47,8 +48,8 @@ struct InstanceLimits {
     std::size_t max_memory{SIZE_MAX};
 };
 
-/// About what a node takes with its names, texts, value and references. An estimate that is rather
-/// too high, for limits.
+/// About how many bytes a node takes with its names, texts, value and references. The estimate is
+/// rather too high; it is meant for limits.
 [[nodiscard]] BUSBAR_API std::size_t memory_of(const SpaceReader& space, NodeIndex node);
 
 struct InstanceOptions {
@@ -57,10 +58,10 @@ struct InstanceOptions {
     std::vector<std::string> optional;
     /// The types of members in place of those that the InstanceDeclarations have, by BrowsePath: a
     /// declaration may have an abstract type and leave the choice to the instance. Each must be the
-    /// declared type or below it, Bad_TypeDefinitionInvalid if not.
+    /// declared type or a subtype of it; Bad_TypeDefinitionInvalid if not.
     std::vector<std::pair<std::string, NodeId>> types;
-    /// Has every Optional one whose type is not abstract, or those for which the function, which
-    /// may be empty, is true.
+    /// Adds every Optional member whose type is not abstract, or those for which the function,
+    /// which may be empty, is true.
     bool all_optional{false};
     std::function<bool(std::string_view path, NodeIndex declaration)> is_wanted;
     InstanceIds ids{InstanceIds::Path};
@@ -68,7 +69,7 @@ struct InstanceOptions {
     /// The EventNotifier of an Object.
     std::uint8_t event_notifier{0};
     /// What an instance of a VariableType has in place of the type's attributes; its
-    /// type_definition is not looked at.
+    /// type_definition is ignored.
     std::optional<NewVariable> variable;
     InstanceLimits limits;
 };
@@ -95,14 +96,14 @@ BUSBAR_API Result<void> add_optional(AddressSpace& space, NodeIndex instance,
                                      const InstanceOptions& options);
 
 /// Makes `object` implement `interface_type`: adds HasInterface and the members that it does not
-/// have yet (Part 3, 4.10.2). Bad_TypeDefinitionInvalid if it is no subtype of BaseInterfaceType.
+/// have yet (Part 3, 4.10.2). Bad_TypeDefinitionInvalid if that is no subtype of BaseInterfaceType.
 BUSBAR_API Result<void> add_interface(AddressSpace& space, NodeIndex object,
                                       NodeIndex interface_type,
                                       const InstanceOptions& options = {});
 
-/// Adds an instance of `type` to `parent` by HasAddIn (Part 3, 4.10.3). It has the BrowseName of
-/// the type's DefaultInstanceBrowseName; Bad_BrowseNameInvalid if the type says none. A null `id`
-/// follows InstanceOptions::ids.
+/// Adds an instance of `type` to `parent` by HasAddIn (Part 3, 4.10.3). Its BrowseName is the
+/// type's DefaultInstanceBrowseName; Bad_BrowseNameInvalid if the type has none. A null `id` is
+/// chosen by InstanceOptions::ids.
 BUSBAR_API Result<NodeIndex> add_add_in(AddressSpace& space, NodeIndex parent, NodeIndex type,
                                         const NodeId& id = {}, const InstanceOptions& options = {});
 

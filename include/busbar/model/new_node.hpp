@@ -36,7 +36,7 @@ enum class Access : std::uint8_t {
     return Access{static_cast<std::uint8_t>(static_cast<unsigned>(a) & static_cast<unsigned>(b))};
 }
 
-/// What every new node has.
+/// What every new node has, of whatever NodeClass.
 struct NewNode {
     /// Null: a numeric id that is free in the BrowseName's namespace.
     NodeId id;
@@ -63,7 +63,7 @@ struct NewVariable {
     bool historizing{false};
     std::uint32_t source{no_source};
     std::uint64_t handle{0};
-    /// The value, of a variable without source.
+    /// The value of a Variable without source.
     Variant value;
     /// BaseDataVariableType; add_property has PropertyType.
     NodeId type_definition{0, id::BaseDataVariableType};

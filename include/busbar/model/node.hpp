@@ -10,12 +10,12 @@
 
 namespace busbar::model {
 
-/// Names a node of an AddressSpace while that node exists; the index may then be given to another
-/// node. For anything that is kept longer than a call there is NodeHandle.
+/// Identifies a node of an AddressSpace while that node exists; afterwards the index may be given
+/// to another node. Whatever is kept longer than a call takes a NodeHandle.
 enum class NodeIndex : std::uint32_t {};
 inline constexpr NodeIndex no_node{UINT32_MAX};
 
-/// Names a node for ever: after its removal the handle leads to no node.
+/// Identifies a node for ever: after its removal the handle leads to no node.
 struct NodeHandle {
     NodeIndex index{no_node};
     std::uint32_t generation{0};

@@ -12,7 +12,7 @@ namespace detail {
 class WatchTable;
 } // namespace detail
 
-/// What of a node is watched. Its removal is told whatever that is.
+/// What is watched of a node. Its removal is told in any case.
 enum class NodeAspect : std::uint8_t {
     /// Nothing but its removal.
     Existence,
@@ -21,8 +21,8 @@ enum class NodeAspect : std::uint8_t {
     Binding,
     /// Which references it has, forward and inverse, as far as they are kept.
     References,
-    /// Where its references lie: positions of a ReferenceCursor lead elsewhere. This is seldom:
-    /// what is added comes last, and what is removed leaves its place free for a while.
+    /// Where its references lie: positions of a ReferenceCursor lead elsewhere afterwards. This is
+    /// rare: what is added comes last, and what is removed leaves its place free for a while.
     ReferencePositions,
 };
 
@@ -60,7 +60,7 @@ private:
     NodeAspect aspect_{NodeAspect::Existence};
 };
 
-/// What a watch takes in the AddressSpace besides its own object; bytes, an upper estimate.
+/// How many bytes a watch takes in the AddressSpace besides its own object; an upper estimate.
 inline constexpr std::size_t node_watch_memory = 64;
 
 } // namespace busbar::model

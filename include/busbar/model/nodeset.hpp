@@ -18,7 +18,7 @@
 /// pugixml; a server whose nodes are constant data alone links busbar::model without it.
 namespace busbar::model {
 
-/// One file, or text in memory that is called by a name in messages.
+/// One file, or a text in memory with a name for messages.
 struct NodeSetSource {
     /// The path, unless there is a text.
     std::string name;
@@ -32,9 +32,9 @@ struct NodeSetSummary {
     std::size_t skipped_count{0};
     /// Indices of the namespaces that got nodes.
     std::vector<std::uint16_t> namespaces;
-    /// What is wrong and no error: references of no hierarchical type that lead nowhere, which were
-    /// left out, and values that are not of their Variable's DataType, which were kept. At most
-    /// NodeSetLimits::max_errors.
+    /// What is wrong but no error: references that are not hierarchical and lead nowhere, which
+    /// were left out, and values that do not fit their Variable's DataType, which were kept. At
+    /// most NodeSetLimits::max_errors.
     std::vector<Problem> notes;
     /// What write_nodeset needs beside the AddressSpace.
     NodeSetExtras extras;
@@ -57,10 +57,9 @@ load_nodesets(AddressSpace& space, std::span<const NodeSetSource> sources,
 
 /// The nodes of these namespaces as one NodeSet2 file, which load_nodesets reads as the same nodes.
 ///
-/// References to nodes of other namespaces are part of it, but for those of namespaces whose model
+/// References to nodes of other namespaces are written too, unless the model of the other namespace
 /// requires one that is written: they are in the file of that other model. Structures whose
-/// DataType is not known are written as bytes. Bad_NotFound for a namespace index without
-/// namespace.
+/// DataType is not known are written as bytes. Bad_NotFound for an index without a namespace.
 [[nodiscard]] BUSBAR_API Result<std::string>
 write_nodeset(const SpaceReader& space, std::span<const std::uint16_t> namespaces,
               const NodeSetExtras& extras = {});

@@ -11,7 +11,7 @@
 
 namespace busbar::model {
 
-/// What NodeSet2 files may contain. Files come from users.
+/// Limits of NodeSet2 files, which come from users.
 ///
 /// A load takes 2.5 to 3 kB of memory for each node of its files, most of which is free again when
 /// it is done: half a gigabyte for a file of 64 MB. For larger ones see limits_for_large_models.
@@ -33,12 +33,12 @@ struct NodeSetLimits {
     std::size_t max_kept_xml{64U << 20U};
     /// Levels of HasSubtype above a type.
     std::size_t max_type_levels{100};
-    /// Errors, and notes, of one load that are kept.
+    /// How many errors, and how many notes, of one load are kept.
     std::size_t max_errors{100};
 };
 
-/// For files that are trusted to be large, as those of a plant's variables: four million nodes,
-/// 1 GB a file. A million Variables are 350 MB of XML and take 2.7 GB while they are loaded.
+/// For files that may be large, such as the variables of a plant: four million nodes, 1 GB a file.
+/// A million Variables are 350 MB of XML and take 2.7 GB while they are loaded.
 [[nodiscard]] constexpr NodeSetLimits limits_for_large_models()
 {
     NodeSetLimits limits;

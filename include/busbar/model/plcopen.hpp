@@ -81,7 +81,7 @@ BUSBAR_API Result<NodeIndex> add_function_block_type(AddressSpace& space,
 BUSBAR_API Result<NodeIndex> add_pou_variable(AddressSpace& space, NodeIndex unit,
                                               PouVariable section, const QualifiedName& name,
                                               const NewVariable& variable);
-/// Has the unit use a global Variable that is there.
+/// Makes the unit use a global Variable that exists.
 BUSBAR_API Result<void> add_external_variable(AddressSpace& space, NodeIndex unit,
                                               NodeIndex global);
 

@@ -15,8 +15,8 @@ namespace busbar::model {
 using binary::parse_relative_path;
 using binary::to_text;
 
-/// binary::parse_relative_path with the ReferenceTypes of an address space; those of namespace 0
-/// are in any.
+/// binary::parse_relative_path with the ReferenceTypes of an address space. Those of namespace 0
+/// are always known.
 [[nodiscard]] BUSBAR_API Result<RelativePath> parse_relative_path(std::string_view text,
                                                                   const SpaceReader& space);
 /// binary::to_text with the ReferenceTypes of an address space.

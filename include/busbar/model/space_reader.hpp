@@ -30,9 +30,9 @@ class BUSBAR_API ReferenceCursor {
 public:
     /// The next reference, or nothing at the end.
     [[nodiscard]] std::optional<Reference> next();
-    /// How many references were passed; SpaceReader::references continues there.
+    /// How many references were passed; SpaceReader::references continues from there.
     [[nodiscard]] std::size_t position() const { return position_; }
-    /// No more than this many references follow.
+    /// An upper bound of how many references follow.
     [[nodiscard]] std::size_t at_most() const { return end_ - position_; }
 
 private:
@@ -72,10 +72,10 @@ public:
     [[nodiscard]] NodeHandle handle(NodeIndex node) const;
     /// The node of the handle, no_node if it was removed.
     [[nodiscard]] NodeIndex resolve(NodeHandle handle) const;
-    /// True for the index of an existing node; any number may be asked for.
+    /// True for the index of an existing node; takes any number.
     [[nodiscard]] bool exists(NodeIndex node) const;
     [[nodiscard]] std::size_t node_count() const;
-    /// Counts the dynamic nodes that were ever added, by calls that failed too; goes round.
+    /// How many dynamic nodes were ever added, also by calls that failed; wraps around.
     [[nodiscard]] std::uint32_t addition_count() const;
     /// Calls `visit` for each node.
     void for_each(FunctionRef<void(NodeIndex)> visit) const;
@@ -90,7 +90,7 @@ public:
     [[nodiscard]] VariableAttributes variable(NodeIndex node) const;
     /// Of a Method; for others the defaults.
     [[nodiscard]] MethodAttributes method(NodeIndex node) const;
-    /// Null if the node has nothing of these; valid until it is changed.
+    /// Null if the node has none of these; valid until they are changed.
     [[nodiscard]] const NodeAccess* node_access(NodeIndex node) const;
     /// The AccessRestrictions that count for the node: its own or those of its namespace (Part 3,
     /// 5.2.11). The server enforces them.
@@ -113,11 +113,11 @@ public:
     void for_each_below(NodeIndex node, FunctionRef<bool(NodeIndex)> visit) const;
     [[nodiscard]] ReferenceCursor references(NodeIndex node, std::size_t position = 0) const;
     /// The first instance of an ObjectType or VariableType itself, not of its subtypes, from index
-    /// `from` on; no_node if there is none. Looks at every node and takes one off `visits` for
-    /// each, until there are none left. `from` becomes where to go on, no_node at the end.
+    /// `from` on; no_node if there is none. Looks at every node and counts `visits` down for each;
+    /// stops when that is 0. `from` becomes the index to go on with, no_node at the end.
     [[nodiscard]] NodeIndex next_instance(NodeIndex type, NodeIndex& from,
                                           std::size_t& visits) const;
-    /// Changes whenever a type was added; types are never removed.
+    /// A number that changes whenever a type is added; types are never removed.
     [[nodiscard]] std::uint64_t type_count() const;
     /// The target of HasTypeDefinition of an Object or Variable, else no_node.
     [[nodiscard]] NodeIndex type_definition(NodeIndex node) const;

@@ -18,7 +18,7 @@ struct StaticText {
     std::uint32_t size{0};
 };
 
-/// How StaticIdentifier::value is meant.
+/// What StaticIdentifier::value means.
 enum class StaticIdKind : std::uint8_t { Numeric, Text };
 
 /// A NodeId: a number, or the index of the entry of `texts` with what NodeId::parse reads, without
@@ -82,7 +82,7 @@ struct StaticExtra {
     StaticText text;
 };
 
-/// NodeAccess of the few nodes that have something of it.
+/// NodeAccess of the few nodes that have any of it.
 struct StaticAccess {
     std::uint32_t node{0};
     std::uint32_t write_mask{0};

@@ -19,7 +19,7 @@ struct Unit {
     std::string_view name;
 };
 
-/// The UnitId of a common code; -1 for a text that can be none.
+/// The UnitId of a common code; -1 for a text that cannot be one.
 [[nodiscard]] constexpr std::int32_t unit_id(std::string_view common_code)
 {
     if (common_code.empty() || common_code.size() > 3) {
@@ -38,8 +38,8 @@ struct Unit {
 /// The units that controllers use most.
 [[nodiscard]] BUSBAR_API std::span<const Unit> common_units();
 
-/// The value of EngineeringUnits for one of common_units(). Any other common code gives its UnitId
-/// with the code for a symbol; what can be no code gives UnitId -1.
+/// The value of EngineeringUnits for one of common_units(). Any other common code gives its UnitId,
+/// with the code as its symbol; what cannot be a code gives UnitId -1.
 [[nodiscard]] BUSBAR_API EUInformation engineering_units(std::string_view common_code);
 /// The same for a unit that is not in the list.
 [[nodiscard]] BUSBAR_API EUInformation engineering_units(const Unit& unit);
