@@ -22,24 +22,24 @@ namespace busbar::server {
 struct UserIdentity {
     UserTokenType token_type{UserTokenType::Anonymous};
     /// The user's name, the subject of a user certificate or the `sub` of an issued token (Part 5,
-    /// 6.4.3, ClientUserId); empty for an anonymous user. From the peer: goes through `printable`
-    /// before it is shown.
+    /// 6.4.3, ClientUserId); empty for an anonymous user. It comes from the peer: pass it through
+    /// `printable` before it is shown.
     std::string name;
-    /// Bits of AccessLevelType that the user has at most, at any node. Without CurrentWrite he may
-    /// not call Methods either, but for those that the server itself has.
+    /// The most bits of AccessLevelType that the user has at any node. Without CurrentWrite the
+    /// user may call no Methods either, except those of the server itself.
     std::uint8_t access_level_mask{0xFF};
     /// Names of the roles that the store or the issuer of the token gave the user.
     std::vector<std::string> roles{};
     /// Who issued the token, `iss`; empty for other kinds of user.
     std::string issuer{};
-    /// When certificate or token expire; null for never. The session is anonymous from then on, or
-    /// closed where that is not allowed (Part 4, 7.40.5).
+    /// When the certificate or token expires; null for never. The session is anonymous from then
+    /// on, or closed where that is not allowed (Part 4, 7.40.5).
     DateTime valid_until{};
 
     friend bool operator==(const UserIdentity&, const UserIdentity&) = default;
 };
 
-/// True if both are one user, whatever he may do or how long (Part 5, 6.4.3).
+/// True if both are the same user, whatever either may do and for how long (Part 5, 6.4.3).
 [[nodiscard]] inline bool is_same_user(const UserIdentity& a, const UserIdentity& b)
 {
     return a.token_type == b.token_type && a.name == b.name && a.issuer == b.issuer;
@@ -65,9 +65,9 @@ struct UserRights {
 };
 
 /// Knows the users. The server checks what clients send; the store says whom it trusts and what
-/// users may do. Called on the server's thread, but for log_in
-/// (see worker()); must not keep a password or a token. An exception is Bad_InternalError for the
-/// login, which does not count as a wrong one.
+/// users may do. Called on the server's thread, except for log_in (see worker()). Must not keep a
+/// password or a token. An exception ends the login with Bad_InternalError, and does not count as a
+/// wrong password.
 class BUSBAR_API UserStore {
 public:
     UserStore() = default;
@@ -75,14 +75,14 @@ public:
     UserStore& operator=(const UserStore&) = delete;
     virtual ~UserStore() = default;
 
-    /// The user with that name and password. Any failure is Bad_UserAccessDenied and takes as long
-    /// for a user that is not there as for a wrong password. Called with a stand-in when a token
-    /// did not decrypt, so that this takes as long too; the result is not looked at then.
+    /// The user with that name and password. Any failure is Bad_UserAccessDenied, and takes as long
+    /// for an unknown user as for a wrong password. When a token cannot be decrypted this is called
+    /// with a stand-in and the result ignored, so that it takes as long, too.
     [[nodiscard]] virtual Result<UserIdentity> log_in(std::string_view name,
                                                       std::string_view password) = 0;
-    /// Where log_in runs; it must be ready to be called from there, also several times at once.
-    /// Null, or a server without a Waker: on the server's thread, which waits meanwhile. The worker
-    /// must be done before the store goes.
+    /// Where log_in runs, which must then be ready to run there, also several times at once. Null,
+    /// or a server without a Waker: on the server's thread, which waits meanwhile. The worker must
+    /// have finished before the store is destroyed.
     [[nodiscard]] virtual Worker* worker() { return nullptr; }
     /// What an anonymous user may do, where the endpoint allows one at all: read, unless the store
     /// says otherwise.
@@ -91,8 +91,8 @@ public:
     /// Decides which user certificates are trusted, by a trust list of their own. Null: none is,
     /// and no endpoint offers them.
     [[nodiscard]] virtual crypto::CertificateValidator* certificate_validator() { return nullptr; }
-    /// What the user of a certificate may do that the validator has accepted and whose key has
-    /// signed. Bad_IdentityTokenRejected for one that is not let in all the same.
+    /// What the user of a certificate may do. The validator has accepted it and its key has signed.
+    /// Bad_IdentityTokenRejected for one who is not let in all the same.
     [[nodiscard]] virtual Result<UserRights> certificate_user(const crypto::Certificate&)
     {
         return fail(status::Bad_IdentityTokenRejected);
@@ -100,8 +100,8 @@ public:
 
     /// Which issued tokens are accepted. Null: none, and no endpoint offers them.
     [[nodiscard]] virtual const crypto::JwtRules* token_rules() const { return nullptr; }
-    /// What the user of a token may do that has been verified. Bad_IdentityTokenRejected for one
-    /// that is not let in all the same.
+    /// What the user of a verified token may do. Bad_IdentityTokenRejected for one who is not let
+    /// in all the same.
     [[nodiscard]] virtual Result<UserRights> token_user(const crypto::JwtClaims&)
     {
         return fail(status::Bad_IdentityTokenRejected);
@@ -109,14 +109,14 @@ public:
 };
 
 /// Decides for each node; without one, AccessLevel and the user's mask decide. Called on the
-/// server's thread, for every node of a request. An exception is a no, and the request that asked
-/// answers Bad_InternalError.
+/// server's thread, for every node of a request. An exception counts as a refusal, and the request
+/// that asked answers Bad_InternalError.
 ///
-/// What a node itself says is enforced besides: its AccessRestrictions against the channel
+/// What a node itself says is enforced as well: its AccessRestrictions against the channel
 /// (Bad_SecurityModeInsufficient; those of its namespace where it has none), and its
-/// RolePermissions against the user's roles, which are Anonymous, after a login AuthenticatedUser,
+/// RolePermissions against the user's roles. These are Anonymous, after a login AuthenticatedUser,
 /// and UserIdentity::roles by the names of the well-known roles or of the roles' nodes.
-/// DefaultRolePermissions of namespaces are not looked at.
+/// DefaultRolePermissions of namespaces are ignored.
 class BUSBAR_API AccessControl {
 public:
     AccessControl() = default;
@@ -131,15 +131,15 @@ public:
                                                          const NodeId& node,
                                                          std::uint8_t access_level) const = 0;
     /// Whether the user may call the Method, on whatever Object: its UserExecutable attribute.
-    /// Asked for a Method that is Executable and that the user's mask leaves to him.
+    /// Asked only for a Method that is Executable and that the user's mask allows.
     [[nodiscard]] virtual bool may_call(const UserIdentity& /*user*/,
                                         const NodeId& /*method*/) const
     {
         return true;
     }
-    // The NodeManagement services, as the bits of PermissionType (Part 3, 8.55); without an
-    // AccessControl too they are for ConfigureAdmin alone. Asked only for nodes that the user may
-    // browse.
+    // The NodeManagement services, as the bits of PermissionType (Part 3, 8.55). By default, as
+    // without an AccessControl, they are for ConfigureAdmin alone. Asked only for nodes that the
+    // user may browse.
 
     /// Whether the user may add a node below `parent`.
     [[nodiscard]] virtual bool may_add_node(const UserIdentity& user,
@@ -147,7 +147,7 @@ public:
     {
         return is_configure_admin(user);
     }
-    /// Asked for each of the nodes that would go.
+    /// Asked for each of the nodes that would be deleted.
     [[nodiscard]] virtual bool may_delete_node(const UserIdentity& user,
                                                const NodeId& /*node*/) const
     {

@@ -32,7 +32,7 @@ struct ConnectionEvent {
 };
 
 /// One client's connection to a Server, as an engine: bytes and the time go in, bytes and the next
-/// deadline come out. Made by Server::connect; the Server must outlive it and has its thread.
+/// deadline come out. Made by Server::connect. The Server must outlive it; both share one thread.
 class BUSBAR_API Connection {
 public:
     Connection(Connection&&) noexcept;
@@ -40,19 +40,19 @@ public:
     /// Sessions outlive their connection until they time out.
     ~Connection();
 
-    /// Names the connection in Server::next_changed(); never given twice by one server.
+    /// Identifies the connection in Server::next_changed(); never given twice by one server.
     [[nodiscard]] std::uint64_t id() const;
 
     /// Begins with ReverseHello instead of waiting for Hello (Part 6, 7.1.2.6). Before any feed().
     [[nodiscard]] Result<void> reverse_hello(std::string_view endpoint_url);
 
-    /// Takes bytes and answers what requests they complete. Bad once closed. While more output
-    /// waits than the limits allow, requests stay unanswered until consume() has made room: stop
-    /// reading from the peer as long as there is output.
+    /// Takes bytes and answers the requests that they complete. Bad once closed. While more output
+    /// waits than the limits allow, requests stay unanswered until consume() has made room: do not
+    /// read from the peer as long as there is output.
     ///
     /// A call does a bounded amount of work, whatever was asked for. What is left is done by
-    /// handle_deadline(), for which next_deadline() is not after the last time that was given: look
-    /// after other connections and the server first.
+    /// handle_deadline(); next_deadline() is then not after the time that was given last. Serve
+    /// other connections and the server first.
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
     [[nodiscard]] std::optional<ConnectionEvent> next_event();
     /// Bytes for the peer, valid until the next call of a member of the server or its connections.

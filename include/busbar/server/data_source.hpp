@@ -37,8 +37,8 @@ class ProcessImage;
 struct ReadItem {
     /// What the backend called the variable when its node was created.
     std::uint64_t handle{0};
-    /// The part that is asked for, null for all of it. Always null unless the source's options
-    /// say that it cuts ranges; the server then cuts them out of the whole value.
+    /// The part that is asked for, null for all of it. Always null unless the options of the source
+    /// say that it cuts ranges; otherwise the server cuts them out of the whole value.
     const NumericRange* range{nullptr};
 };
 
@@ -66,14 +66,14 @@ struct WriteItem {
     const DataValue* data{nullptr};
 };
 
-/// The values that one service call wants of one source: all of them are to be answered from one
-/// point in time if the source knows of such a thing.
+/// The values that one service call wants of one source: all of them should be from one point in
+/// time if the source has such a thing.
 ///
-/// Owns its memory together with the server: items, slots and what keep_alive was given are valid
-/// until the batch is completed or destroyed, even if client, session and server are long gone.
-/// Completed once, inline in DataSource::read or later, from any thread, but by one thread at a
-/// time. Destroyed without that, it counts as completed with the slots as they are: one that was
-/// never filled answers Bad_NoCommunication.
+/// It owns its memory together with the server: items, slots and what keep_alive was given are
+/// valid until the batch is completed or destroyed, even if client, session and server are long
+/// gone. Complete it once, inline in DataSource::read or later, on any thread, but on one at a
+/// time. Destroying it completes it with the slots as they are: one that was never filled answers
+/// Bad_NoCommunication.
 class BUSBAR_API ReadBatch {
 public:
     explicit ReadBatch(detail::ReadPart& part);
@@ -89,16 +89,16 @@ public:
     [[nodiscard]] std::span<const ReadItem> items() const { return items_; }
     /// One slot for each item, in the same order.
     [[nodiscard]] std::span<ReadSlot> results() { return {slots_, items_.size()}; }
-    /// A source that keeps copies of remote values may answer with one that is no older (Part 4,
+    /// A source that caches remote values may answer with one that is no older than this (Part 4,
     /// 5.11.2.2); zero asks for a new one.
     [[nodiscard]] std::chrono::milliseconds max_age() const { return max_age_; }
 
     /// Holds `memory` as long as anything in the slots may be used: String::borrow,
     /// ByteString::borrow and ReadSlot::shared may point into it. For a batch that is completed
-    /// inline that is until the answer is encoded, right behind the call of DataSource::read; if
-    /// the answer has to wait for another source, the server makes copies first. Such a batch may
-    /// also point, without this call, at what only the server's thread changes or frees.
-    /// Released by any thread. A second call replaces the first.
+    /// inline that is until the answer is encoded, right after the call of DataSource::read; if the
+    /// answer has to wait for another source, the server makes copies first. Without this call,
+    /// such a batch may also point at what only the server's thread changes or frees. Any thread
+    /// may release it. A second call replaces the first.
     void keep_alive(std::shared_ptr<const void> memory);
 
     /// Hands the slots to the server. The batch is empty afterwards; more calls do nothing.
@@ -113,10 +113,10 @@ private:
     std::chrono::milliseconds max_age_;
 };
 
-/// The values that one Write call has for one source, to be applied together if the source knows
-/// of such a thing. A later item wins over an earlier one with the same handle.
+/// The values that one Write call has for one source, to be applied together if the source can do
+/// that. A later item wins over an earlier one with the same handle.
 ///
-/// As ReadBatch in everything else: a result that was never set answers Bad_NoCommunication.
+/// In everything else like ReadBatch: a result that was never set answers Bad_NoCommunication.
 class BUSBAR_API WriteBatch {
 public:
     explicit WriteBatch(detail::WritePart& part);
@@ -160,15 +160,15 @@ struct DataSourceOptions {
     /// The source replaces the part that WriteItem::range names. Without it a write with an
     /// IndexRange answers Bad_WriteNotSupported.
     bool writes_ranges{false};
-    /// A Write is either done for all its items of this source or for none: the server hands over
-    /// none if it must refuse one, and those it did not refuse answer Bad_InvalidState; the source
-    /// promises the same for what it finds itself.
+    /// A Write is done either for all its items of this source or for none: the server hands over
+    /// none if it must refuse one, and those that it did not refuse answer Bad_InvalidState. The
+    /// source promises the same for what it finds itself.
     bool all_or_nothing{false};
     /// How long a batch may take until its items answer Bad_Timeout; never more than the client's
     /// own timeout. The batch stays valid; its late completion is dropped.
     std::chrono::milliseconds timeout{5000};
-    /// Batches, and items in them, that the source may hold uncompleted, timed-out ones included.
-    /// What comes on top answers Bad_TooManyOperations.
+    /// How many batches, and items in them, the source may hold uncompleted, including those that
+    /// have timed out. What comes on top answers Bad_TooManyOperations.
     std::size_t max_batches{256};
     std::size_t max_items{1'000'000};
 };
@@ -204,10 +204,10 @@ public:
     /// Answers every item of the batch: with its value and source timestamp, or with a bad status,
     /// such as Bad_NoCommunication for a PLC that is not there. The same handle may come twice.
     virtual void read(ReadBatch batch) = 0;
-    /// Applies every item of the batch. A source that is read only leaves this as it is.
+    /// Applies every item of the batch. A read-only source does not override this.
     virtual void write(WriteBatch batch) { batch.finish(status::Bad_NotWritable); }
-    /// Carries out every Method of the batch, in any order. A source that has none leaves this as
-    /// it is.
+    /// Carries out every Method of the batch, in any order. A source without Methods does not
+    /// override this.
     virtual void call(CallBatch batch) { batch.fail(status::Bad_NotImplemented); }
 
     /// Tells which variables are monitored, for a backend that prepares for it: that begins a
@@ -224,8 +224,8 @@ public:
 
     /// For a source whose own thread must not complete batches, since that may free memory: that
     /// thread calls the waker, and the server's thread then calls handle_completions(), which
-    /// completes them. Called with null, as it is before the waker ends, attach() returns when the
-    /// waker is not in use any more.
+    /// completes them. attach() is called with null before the waker ends; when that call returns,
+    /// the source must no longer use it.
     virtual void attach(Waker* /*waker*/) {}
     virtual void handle_completions() {}
     /// Not null for a source whose values all lie in a process image, by the handles of its layout:

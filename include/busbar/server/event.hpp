@@ -43,11 +43,11 @@ struct Event {
     NodeId source_node{0, id::Server};
     String source_name;
     LocalizedText message;
-    /// 1 to 1,000; what lies outside is brought into that range.
+    /// 1 to 1,000; other values are brought into that range.
     std::uint16_t severity{1};
     /// When it occurred; null: when it is raised.
     DateTime time;
-    /// The node that stands for the event in the address space, a Condition; most have none.
+    /// The node that represents the event in the address space, a Condition; most events have none.
     NodeId instance;
     std::vector<EventField> fields;
 
@@ -58,8 +58,8 @@ struct Event {
         path.push_back(std::move(name));
         return set(std::move(path), std::move(value));
     }
-    /// Adds a field that lies deeper than the properties of the type: {{0, "EnabledState"},
-    /// {0, "Id"}}.
+    /// Adds a field that lies deeper than the Properties of the type: {{0, "EnabledState"}, {0,
+    /// "Id"}}.
     Event& set(std::vector<QualifiedName> path, Variant value)
     {
         fields.push_back({std::move(path), std::move(value)});
@@ -67,8 +67,8 @@ struct Event {
     }
 };
 
-/// Events on their way from any thread to the server's. Holds so many and no more, so that a storm
-/// of events costs neither memory nor the time of those who raise them.
+/// Events on their way from any thread to the server's. Holds a fixed number, so that a storm of
+/// events costs neither memory nor the time of those who raise them.
 class BUSBAR_API EventQueue {
 public:
     /// For the server. `wall_clock` and `waker`, which may be null, must be valid until close().
@@ -78,12 +78,12 @@ public:
     EventQueue& operator=(const EventQueue&) = delete;
     ~EventQueue();
 
-    /// From any thread. Never blocks and, but for the Waker, calls nothing. False if there is no
-    /// room, which dropped() counts and clients learn of by an EventQueueOverflowEventType, or
-    /// if the server is gone.
+    /// From any thread. Never blocks, and calls nothing but the Waker. False if the server is gone
+    /// or there is no room, which dropped() counts and clients learn of by an
+    /// EventQueueOverflowEventType.
     bool raise(Event event);
-    /// The same of an event that is made beforehand and raised as often as it occurs, at `time`.
-    /// Nothing is allocated or freed here, as long as the caller keeps `event`: for a thread that
+    /// The same for an event that is made beforehand and raised each time it occurs, at `time`.
+    /// Nothing is allocated or freed here as long as the caller keeps `event`: for a thread that
     /// controls a machine.
     bool raise(const std::shared_ptr<const Event>& event, DateTime time);
     /// How many events there was no room for.
@@ -91,11 +91,11 @@ public:
 
     // For the server's thread.
 
-    /// To be called before a row of next(): whatever is raised later wakes the server again.
+    /// Call it before a series of next(): whatever is raised later wakes the server again.
     void begin() { is_awake_ = false; }
     /// Takes the oldest event; false if there is none.
     [[nodiscard]] bool next(Event& event);
-    /// Refuses what still comes. Clock and Waker are not in use any more afterwards.
+    /// Refuses whatever is raised from now on. Clock and Waker are not used any more afterwards.
     void close();
 
 private:

@@ -5,7 +5,7 @@
 
 namespace busbar::server {
 
-/// What the EventFilter of one MonitoredItem may be; past any of these it is refused.
+/// Limits of the EventFilter of one MonitoredItem; past any of these it is refused.
 struct EventFilterLimits {
     std::size_t max_select_clauses{100};
     /// Elements of the whereClause, and operands of one of them.

@@ -18,13 +18,13 @@ struct ImageVariable {
     BuiltInType type{BuiltInType::Null};
     /// None for a scalar, one for an array, more for a matrix; none of them 0.
     std::vector<std::uint32_t> dimensions;
-    /// The most bytes of a text; not looked at for other types.
+    /// The most bytes of a text; ignored for other types.
     std::uint32_t capacity{0};
 };
 
 namespace detail {
 
-/// How a text lies in an image: this, then as many bytes as it may have.
+/// How a text lies in an image: this, followed by as many bytes as it may have.
 struct ImageText {
     static constexpr std::uint32_t null_size = UINT32_MAX;
     std::uint32_t size;
@@ -41,12 +41,12 @@ template <typename T>
 concept ImageNumber = BuiltIn<T> && std::is_trivially_copyable_v<T> && !std::is_empty_v<T> &&
                       !detail::is_image_text<T> && sizeof(T) <= 16;
 
-/// Where a variable lies. Arrays of anything but texts lie in a block of memory of their own,
-/// because the server's side of the image has them as ready-made Variants.
+/// Where a variable lies. Arrays of anything but texts are in a block of memory of their own,
+/// because the server's side of the image keeps them as ready-made Variants.
 struct ImagePlace {
     BuiltInType type{BuiltInType::Null};
     bool in_arrays{false};
-    /// Index among what lies in the block of arrays.
+    /// The index among the arrays in the block of arrays.
     std::uint32_t array{0};
     /// From the start of its block, in bytes.
     std::uint32_t offset{0};
@@ -72,14 +72,14 @@ public:
     static constexpr std::size_t max_variables = 1'000'000;
 
     /// Adds a variable and gives its handle: 0, 1, 2... Bad_DataTypeIdUnknown for a type that an
-    /// image cannot have, Bad_OutOfRange for a dimension of 0 or more than 16 of them,
-    /// Bad_OutOfMemory if the image came to more than the constants above allow.
+    /// image cannot have, Bad_OutOfRange for a dimension of 0 or more than 16 dimensions,
+    /// Bad_OutOfMemory if the image would be larger than the constants above allow.
     [[nodiscard]] Result<std::uint32_t> add(const ImageVariable& variable);
 
     [[nodiscard]] std::size_t size() const { return places_.size(); }
     [[nodiscard]] const ImagePlace& operator[](std::size_t handle) const { return places_[handle]; }
     [[nodiscard]] std::span<const ImagePlace> places() const { return places_; }
-    /// The blocks' sizes.
+    /// The sizes of the blocks.
     [[nodiscard]] std::size_t plain_bytes() const { return plain_bytes_; }
     [[nodiscard]] std::size_t array_bytes() const { return array_bytes_; }
     [[nodiscard]] std::size_t array_count() const { return array_count_; }

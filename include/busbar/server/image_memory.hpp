@@ -14,7 +14,7 @@ namespace busbar::server {
 /// The memory that a PLC task works in, laid out flat as an ImageLayout says. The layout must
 /// outlive it.
 ///
-/// References and spans are valid as long as it is, so that a task can keep them from scan to
+/// References and spans stay valid as long as the object, so that a task can keep them from scan to
 /// scan. Only store() and load() allocate. Belongs to one thread.
 class BUSBAR_API ImageMemory {
 public:
@@ -38,12 +38,12 @@ public:
     /// A text of String, ByteString or XmlElement; none if it is null.
     [[nodiscard]] std::optional<std::string_view> text(std::uint32_t handle,
                                                        std::uint32_t element = 0) const;
-    /// False, and nothing is changed, if the text is longer than the variable's capacity.
+    /// False, with nothing changed, if the text is longer than the variable's capacity.
     bool set_text(std::uint32_t handle, std::optional<std::string_view> text,
                   std::uint32_t element = 0);
 
-    /// Gives a variable the value of a Variant of its type and dimensions. Bad_TypeMismatch if it
-    /// is of others, Bad_OutOfRange for a text that is too long: nothing is changed then.
+    /// Gives a variable the value of a Variant of its type and dimensions. Bad_TypeMismatch if the
+    /// Variant has others, Bad_OutOfRange for a text that is too long; nothing is changed then.
     [[nodiscard]] StatusCode store(std::uint32_t handle, const Variant& value);
     /// A copy of a variable's value.
     [[nodiscard]] Variant load(std::uint32_t handle) const;
@@ -58,7 +58,7 @@ public:
         return (place.in_arrays ? arrays_.get() : plain_.get()) + place.offset;
     }
 
-    /// The block of all that is not an array of numbers.
+    /// The block of everything that is not an array of numbers.
     [[nodiscard]] const std::byte* plain() const { return plain_.get(); }
 
 private:

@@ -11,7 +11,8 @@
 
 namespace busbar::server {
 
-/// The most operations one request may have (Part 5, 6.3.11); more answers Bad_TooManyOperations.
+/// The most operations that one request may have (Part 5, 6.3.11); more answer
+/// Bad_TooManyOperations.
 struct OperationLimits {
     std::uint32_t max_nodes_per_read{65'536};
     std::uint32_t max_nodes_per_write{65'536};
@@ -20,11 +21,11 @@ struct OperationLimits {
     std::uint32_t max_nodes_per_translate_browse_paths{10'000};
     std::uint32_t max_nodes_per_method_call{1'000};
     std::uint32_t max_nodes_per_node_management{1'000};
-    /// Also of Subscriptions, where a request names many.
+    /// Also the most Subscriptions, where a request names several.
     std::uint32_t max_monitored_items_per_call{25'000};
 };
 
-/// Everything that peers can make a server hold or do has its limit here. All are finite.
+/// Limits of everything that peers can make a server hold or do. All are finite.
 struct ServerLimits {
     channel::TransportLimits transport;
     binary::DecodeLimits decode;
@@ -34,13 +35,13 @@ struct ServerLimits {
 
     std::size_t max_connections{120};
     std::size_t max_connections_per_address{60};
-    /// A connection without an activated session is closed after this time; the oldest one goes
-    /// earlier if a new one needs its place (Part 4, 5.6.2.1).
+    /// A connection without an activated session is closed after this time; the oldest one is
+    /// closed earlier if a new one needs its place (Part 4, 5.6.2.1).
     std::chrono::milliseconds sessionless_timeout{30'000};
     /// Bytes of a request over a channel to which no activated session is bound.
     std::uint32_t max_sessionless_message{64U << 10U};
-    /// Bytes that may wait for a peer to take them, and how long it may take none. Past half of it
-    /// no more requests are worked on.
+    /// Bytes that may wait for a peer to take them, and how long it may take none. While more than
+    /// half of that waits, no requests are worked on.
     std::size_t max_send_queue{32U << 20U};
     std::chrono::milliseconds send_timeout{30'000};
     /// Requests of one connection that wait for their answers; more answer Bad_ServerTooBusy.
@@ -53,7 +54,7 @@ struct ServerLimits {
 
     // Sessions.
 
-    /// Past it CreateSession evicts the oldest session that was never activated, or answers
+    /// Beyond it CreateSession evicts the oldest session that was never activated, or answers
     /// Bad_TooManySessions.
     std::size_t max_sessions{100};
     std::size_t max_sessions_per_channel{5};
@@ -73,8 +74,8 @@ struct ServerLimits {
     std::uint32_t max_references_per_node{10'000};
     std::uint32_t max_browse_path_elements{64};
     std::uint32_t max_browse_path_targets{1'000};
-    /// Nodes and references that clients may have added at a time, all together, and the bytes of
-    /// the nodes. Whatever removes them makes place again.
+    /// Nodes and references added by clients that may exist at a time, of all clients together, and
+    /// the bytes of the nodes. Removing them, by whomever, makes room again.
     std::size_t max_client_nodes{10'000};
     std::size_t max_client_references{10'000};
     std::size_t max_client_node_memory{16U << 20U};
@@ -87,11 +88,11 @@ struct ServerLimits {
     std::size_t max_login_failures{5};
     std::size_t max_login_failures_per_source{20};
     std::chrono::milliseconds login_lock{300'000};
-    /// A repeated failure is answered this much later, each further one doubly late, up to the
-    /// second.
+    /// A repeated failure is answered this much later, each further one after twice the delay, up
+    /// to the second value.
     std::chrono::milliseconds first_login_delay{250};
     std::chrono::milliseconds max_login_delay{4'000};
-    /// Lines that sessions may put into the log.
+    /// Lines that sessions may write to the log.
     std::size_t max_log_lines_per_minute{600};
     /// Clients and users that are remembered for failures, and pairs of both for successes.
     std::size_t max_login_entries{512};

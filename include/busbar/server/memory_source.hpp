@@ -9,8 +9,8 @@
 
 namespace busbar::server {
 
-/// Variables that lie in this object: for values that a program computes itself, for tests, and as
-/// the example of a backend.
+/// Variables whose values this object holds: for values that a program computes itself, for tests,
+/// and as the example of a backend.
 ///
 /// Used on the server's thread only. `clock` must outlive it.
 class BUSBAR_API MemorySource final : public DataSource {

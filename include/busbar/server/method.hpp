@@ -13,16 +13,17 @@
 #include <busbar/core/variant.hpp>
 #include <busbar/server/access_control.hpp>
 
-/// How Methods reach those who carry them out (Part 4, 5.12.2): a Method's node names a DataSource
-/// and a handle, as a Variable's does (model::NewMethod, AddressSpace::bind), and DataSource::call
-/// gets what one Call has for that source. `method_table.hpp` is a source made of functions.
+/// How Methods reach the code that carries them out (Part 4, 5.12.2): a Method's node names a
+/// DataSource and a handle, as a Variable's does (model::NewMethod, AddressSpace::bind), and
+/// DataSource::call gets what one Call has for that source. `method_table.hpp` is a source made of
+/// functions.
 namespace busbar::server {
 
 namespace detail {
 class CallPart;
 } // namespace detail
 
-/// Whose Call it is.
+/// Who calls.
 struct MethodCaller {
     NodeId session_id;
     UserIdentity user;
@@ -36,32 +37,32 @@ struct CallItem {
     /// null.
     const NodeId* object_id{nullptr};
     const NodeId* method_id{nullptr};
-    /// As many as the Method's InputArguments says, each with its data type, value rank and
-    /// dimensions: nothing but the range is left to check. Copies of them own their memory.
+    /// One for each of the Method's InputArguments, with its data type, value rank and dimensions:
+    /// only the range is left to check. Copies of them own their memory.
     std::span<const Variant> inputs;
 };
 
-/// What one Method came to.
+/// The result of one Method.
 struct CallResult {
     CallResult() = default;
     explicit CallResult(StatusCode code) : status{code} {}
 
     /// Of any severity; Good has no sub code on the wire (Part 4, 5.12.2.4).
     StatusCode status{status::Bad_InternalError};
-    /// With Bad_InvalidArgument one for each input, such as Bad_OutOfRange; else not sent.
+    /// With Bad_InvalidArgument one for each input, such as Bad_OutOfRange; otherwise not sent.
     Array<StatusCode> input_results;
-    /// Unless `status` is bad: what the Method's OutputArguments says, in its order. Anything else
-    /// answers Bad_InternalError and is logged. Must own its memory.
+    /// Unless `status` is bad: the values of the Method's OutputArguments, in their order. Anything
+    /// else answers Bad_InternalError and is logged. They must own their memory.
     Array<Variant> outputs;
 };
 
-/// The Methods that one Call service has for one source. They are answered together: what takes
-/// long is better off in a source of its own.
+/// The Methods that one Call service has for one source. They are answered together: a slow Method
+/// is better off in a source of its own.
 ///
-/// As ReadBatch in ownership, completion and threads: items and caller are valid until the batch is
-/// completed or destroyed, which any thread may do, once, also when client, session and server are
-/// gone. A result that was never set answers Bad_InternalError. What was begun is not taken back
-/// when the client gives up (Part 4, 5.12.2.1).
+/// Like ReadBatch in ownership, completion and threads: items and caller are valid until the batch
+/// is completed or destroyed, once, on any thread, even when client, session and server are gone. A
+/// result that was never set answers Bad_InternalError. What was begun is not undone when the
+/// client gives up (Part 4, 5.12.2.1).
 class BUSBAR_API CallBatch {
 public:
     explicit CallBatch(detail::CallPart& part);
@@ -87,7 +88,7 @@ public:
 private:
     friend class MethodTable;
 
-    /// The server's; only while DataSource::call runs.
+    /// The server's log; only while DataSource::call runs.
     [[nodiscard]] LogSink& log() const;
 
     detail::CallPart* part_;

@@ -12,10 +12,10 @@
 
 namespace busbar::server {
 
-/// One Method on its way through a function, which answers by one of succeed, fail and refuse, from
-/// any thread, at once or later. Destroyed without that it answers Bad_InternalError.
+/// One call of a Method, which a function answers by one of succeed, fail and refuse, on any
+/// thread, at once or later. Destroyed without that, it answers Bad_InternalError.
 ///
-/// What the other functions give is valid until then.
+/// What the other members give is valid until then.
 class BUSBAR_API MethodCall {
 public:
     MethodCall(std::shared_ptr<CallBatch> batch, std::size_t index)
@@ -29,7 +29,7 @@ public:
     [[nodiscard]] const NodeId& object_id() const { return *item().object_id; }
     [[nodiscard]] const NodeId& method_id() const { return *item().method_id; }
     [[nodiscard]] std::span<const Variant> inputs() const { return item().inputs; }
-    /// Input `index` if it is a scalar of T, else `otherwise`: only a Method that takes more than
+    /// Input `index` if it is a scalar of T, else `otherwise`. Only a Method that accepts more than
     /// one type finds another one there.
     template <BuiltIn T>
     [[nodiscard]] T input(std::size_t index, T otherwise = {}) const
@@ -65,13 +65,13 @@ private:
 /// Used on the server's thread only; that of calls is their own business.
 class BUSBAR_API MethodTable final : public DataSource {
 public:
-    /// Must not block: what takes time keeps the call and answers later. One that throws answers
-    /// Bad_InternalError, unless it has answered, and is told to the log.
+    /// Must not block: slow work keeps the call and answers later. An exception answers
+    /// Bad_InternalError, unless the call was answered, and is logged.
     using Function = std::function<void(MethodCall)>;
 
     explicit MethodTable(const DataSourceOptions& options = {}) : options_{options} {}
 
-    /// Gives the handle that the Method's node is to carry.
+    /// Gives the handle that the Method's node must have.
     [[nodiscard]] std::uint64_t add(Function function);
 
     [[nodiscard]] DataSourceOptions options() const override { return options_; }

@@ -8,7 +8,7 @@
 
 namespace busbar::server {
 
-/// What Server.Namespaces tells of a namespace beyond its URI (Part 5, 6.3.13,
+/// What Server.Namespaces says of a namespace beyond its URI (Part 5, 6.3.13,
 /// NamespaceMetadataType). The default says nothing.
 struct NamespaceMetadata {
     std::string version;

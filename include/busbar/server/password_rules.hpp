@@ -14,20 +14,20 @@ inline constexpr std::string_view letters_and_digits =
 inline constexpr std::string_view letters_digits_and_underscore =
     "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ_abcdefghijklmnopqrstuvwxyz";
 
-/// How names and passwords of users have to look. Checked when a user is added or a password
-/// changed, never at a login: who logs in must not learn what the rules are, and passwords from
-/// before a change of rules stay good.
+/// What names and passwords of users must look like. Checked when a user is added or a password
+/// changed, never at a login: whoever logs in must not learn the rules, and passwords from before a
+/// change of the rules stay valid.
 ///
-/// The default asks for length and not for kinds of characters, and is bounded by what every client
+/// The default asks for length, not for kinds of characters, and is bounded by what every client
 /// can send: 64 bytes in the legacy format (Part 4, 7.40.2.1).
 struct PasswordRules {
-    // The least lengths are counted in characters, the greatest in bytes of UTF-8; inclusive.
+    // Minimum lengths are in characters, maximum lengths in bytes of UTF-8; both are inclusive.
 
     std::size_t min_name_length{1};
     std::size_t max_name_length{64};
     std::size_t min_password_length{12};
     std::size_t max_password_length{64};
-    /// The only characters that there may be; empty: all but control characters.
+    /// The only characters that are allowed; empty: all but control characters.
     std::string_view name_characters{};
     std::string_view password_characters{};
     /// A password needs an upper-case letter, a lower-case letter and a digit.
@@ -41,14 +41,14 @@ struct PasswordRules {
 /// same for nj501 and nx102.
 [[nodiscard]] BUSBAR_API PasswordRules nj501_password_rules();
 /// Passwords of 6 to 32 letters, digits and underscores with an upper-case letter, a lower-case
-/// letter and a digit; names of the same characters. No length of names is documented for it: 32.
-/// The password that the product is delivered with would be refused.
+/// letter and a digit; names of the same characters. No length of names is documented for it; here
+/// it is 32. The password that the product is delivered with would be refused.
 [[nodiscard]] BUSBAR_API PasswordRules rd81opc96_password_rules();
 
 /// Bad_InvalidArgument with the reason; `found` never holds the password or a part of it.
 [[nodiscard]] BUSBAR_API Checked<void> check_user_name(const PasswordRules& rules,
                                                        std::string_view name);
-/// The same; a password that is the name is refused too.
+/// The same; a password that equals the name is refused, too.
 [[nodiscard]] BUSBAR_API Checked<void>
 check_password(const PasswordRules& rules, std::string_view name, std::string_view password);
 

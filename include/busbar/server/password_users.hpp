@@ -15,8 +15,7 @@
 namespace busbar::server {
 
 /// Users in memory, with scrypt hashes of their passwords (crypto::hash_password). A login costs
-/// one hash, some tens of milliseconds, whether the name is there or not; see set_worker. Any
-/// thread.
+/// one hash, some tens of milliseconds, whether the name exists or not; see set_worker. Any thread.
 class BUSBAR_API PasswordUsers final : public UserStore {
 public:
     explicit PasswordUsers(PasswordRules rules = {}) : rules_{std::move(rules)} {}
@@ -34,14 +33,15 @@ public:
     /// False if the user is not there.
     bool remove(std::string_view name);
 
-    /// Adds or replaces a user as a file has it, past the rules. Bad_InvalidArgument for an empty
-    /// name or what is no hash.
+    /// Adds or replaces a user as a file has it, without checking the rules. Bad_InvalidArgument
+    /// for an empty name or for a text that is no hash.
     [[nodiscard]] Result<void> set(std::string name, std::string password_hash,
                                    std::uint8_t access_level_mask = 0xFF);
-    /// What is to be stored of the user; empty if he is not there.
+    /// What to store of the user; empty if there is no such user.
     [[nodiscard]] std::string password_hash(std::string_view name) const;
     void set_anonymous_access(std::uint8_t access_level_mask) { anonymous_ = access_level_mask; }
-    /// Where passwords are checked; null for the server's thread. It must be done before this goes.
+    /// Where passwords are checked; null for the server's thread. The worker must have finished
+    /// before this object is destroyed.
     void set_worker(Worker* worker) { worker_ = worker; }
 
     [[nodiscard]] Result<UserIdentity> log_in(std::string_view name,

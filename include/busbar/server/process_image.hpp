@@ -21,26 +21,26 @@ class ImageWrites;
 } // namespace detail
 
 struct ImageOptions {
-    /// Scans that may be held at the same time by ImagePins. The image has two buffers more than
-    /// this and the next number, so that the task always finds one to publish into.
+    /// Scans that ImagePins may hold at the same time. The image has as many buffers as this and
+    /// the next number together, and two more, so that the task always finds one to publish into.
     std::uint32_t max_pins{8};
-    /// Scans that wait for the server while items are sampled at each of them. There are so many
-    /// more buffers and one.
+    /// Scans that wait for the server while items are sampled at each of them; one more buffer for
+    /// each of them, and one besides.
     std::uint32_t max_queued_scans{4};
     /// Write calls that may wait for the scan's edge, of all clients together, and the bytes that
-    /// they may take: as many as come within a slow scan. More answer Bad_TooManyOperations.
+    /// they may take: as many as arrive during a slow scan. More answer Bad_TooManyOperations.
     std::uint32_t max_waiting_writes{1'024};
     std::size_t max_waiting_bytes{64U << 20U};
     /// What the task applies at one scan's edge: single variables, array rows or texts, and their
-    /// bytes. One call with more answers Bad_TooManyOperations; calls that together have more are
-    /// applied at several edges, each of them at one.
+    /// bytes. One call with more answers Bad_TooManyOperations; if several calls together have
+    /// more, they are applied at several edges, each call at one.
     std::uint32_t max_changes_per_scan{32'768};
     std::uint32_t max_bytes_per_scan{1U << 20U};
 };
 
 class ProcessImage;
 
-/// Holds one published scan: what is read through it is from one point in time and does not
+/// Holds one published scan: everything read through it is from one point in time and does not
 /// change. Empty if there is none. Used by one thread at a time; keeps the image's memory alive.
 class BUSBAR_API ImagePin {
 public:
@@ -59,9 +59,9 @@ public:
     ~ImagePin() { release(); }
 
     [[nodiscard]] explicit operator bool() const { return buffer_ != nullptr; }
-    /// When the scan was, as the task told.
+    /// The time of the scan, as the task gave it.
     [[nodiscard]] DateTime time() const;
-    /// Counts the scans from 1.
+    /// The number of the scan, counted from 1.
     [[nodiscard]] std::uint64_t scan() const;
     /// Puts a variable's value into the slot, with the scan's time. True if the slot points into
     /// the scan, so that the pin has to be kept as long as the slot is used. `handle` must exist.
@@ -115,29 +115,30 @@ public:
     /// The scan's edge: applies what clients wrote, all items of a Write call together.
     void begin_scan(WriteGuard guard);
     void begin_scan();
-    /// Makes the memory as it is now what readers see, with `time` as source timestamp; then the
+    /// Makes the memory, as it is now, what readers see, with `time` as source timestamp. Then the
     /// Write calls of this scan are answered, so that a client which reads after its Write sees it.
     void publish(DateTime time);
-    /// The task stops. Readers get the last scan with Uncertain_LastUsableValue (Part 8, 7.3.2),
-    /// Writes, those that wait included, Bad_NoCommunication. The next publish() ends this state.
+    /// The task stops. Readers get the last scan with Uncertain_LastUsableValue (Part 8, 7.3.2);
+    /// Writes, including those that wait, answer Bad_NoCommunication. The next publish() ends this
+    /// state.
     void halt();
 
     // From any thread.
 
     /// True from the first publish() until halt().
     [[nodiscard]] bool is_running() const { return running_.load(std::memory_order_acquire); }
-    /// The latest scan; empty if there is none yet or as many pins are held as may be. Takes a
-    /// constant number of steps.
+    /// The latest scan; empty if there is none yet, or if as many pins are held as are allowed.
+    /// Takes a constant number of steps.
     [[nodiscard]] ImagePin pin() const;
     /// True from the first publish() on.
     [[nodiscard]] bool has_scan() const;
 
     // For the server's thread.
 
-    /// Whether each scan is kept until next_scan() takes it, and the server woken for it. A scan
-    /// that finds max_queued_scans of them waiting is not kept.
+    /// Sets whether each scan is kept until next_scan() takes it, and the server woken for it. A
+    /// scan that finds max_queued_scans waiting is not kept.
     void follow_scans(bool follows);
-    /// The oldest scan that was kept; empty if there is none. Give it back before the next call.
+    /// The oldest scan that was kept; empty if there is none. Destroy it before the next call.
     [[nodiscard]] ImagePin next_scan();
 
 private:

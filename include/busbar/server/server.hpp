@@ -48,18 +48,18 @@ public:
                                                    model::AddressSpace address_space = {});
     Server(Server&&) noexcept;
     Server& operator=(Server&&) noexcept;
-    /// All Connections must be gone.
+    /// All Connections must have been destroyed.
     ~Server();
 
     [[nodiscard]] const ServerConfig& config() const;
     /// May be changed between calls of other members. Clients are told of nodes and references that
-    /// come and go by a GeneralModelChangeEvent where these have a property NodeVersion
-    /// (Part 3, 9.32.2), which the server counts up; next_deadline() is in the past until then.
+    /// come and go by a GeneralModelChangeEvent where these have a Property NodeVersion (Part 3,
+    /// 9.32.2), which the server counts up; until that is done next_deadline() is in the past.
     [[nodiscard]] model::AddressSpace& address_space();
-    /// What Server.Namespaces tells of a namespace, which is there without it too.
+    /// Sets what Server.Namespaces says of a namespace, which it lists without this, too.
     /// Bad_NotFound for an unknown index, Bad_NotSupported if namespace 0 is too small for it.
     Result<void> describe_namespace(std::uint16_t index, const NamespaceMetadata& metadata);
-    /// Types that values may have beyond those of namespace 0; to be filled before clients come.
+    /// Types that values may have beyond those of namespace 0; fill it before clients connect.
     [[nodiscard]] binary::TypeRegistry& types();
     /// The source's index, which nodes carry. The source may be destroyed before the server, on the
     /// server's thread: see DataSource.
@@ -75,19 +75,19 @@ public:
     [[nodiscard]] std::shared_ptr<EventQueue> event_queue() const;
 
     /// A connection for a peer that has connected, or that was connected to (see
-    /// Connection::reverse_hello). `peer_address` without port is what failed logins are counted
-    /// by. Bad_TcpServerTooBusy if there is no place; closing the socket is all that is left then.
+    /// Connection::reverse_hello). Failed logins are counted by `peer_address`, which has no port.
+    /// Bad_TcpServerTooBusy if there is no room; then just close the socket.
     [[nodiscard]] Result<Connection> connect(std::string_view peer_address, TimePoint now);
 
     /// Begins what needs the time but no client: notices before the server's certificate expires,
-    /// on the day, and of host names that it does not have. Once, before anything else.
+    /// on the day, and of host names that it does not have. Call it once, before all else.
     void start(TimePoint now);
     [[nodiscard]] TimePoint next_deadline() const;
     void handle_deadline(TimePoint now);
-    /// Answers the requests whose data has come meanwhile and hands on events that were raised.
+    /// Answers the requests whose data has arrived and passes on events that were raised.
     void handle_completions(TimePoint now);
-    /// The id of a connection that got output or an earlier deadline, or ended, other than by a
-    /// call of its own members. Each is named once for any number of changes.
+    /// The id of a connection that got output or an earlier deadline, or ended, for another reason
+    /// than a call of its own members. Each is named once, however much changed.
     [[nodiscard]] std::optional<std::uint64_t> next_changed();
 
     /// Sets State Shutdown, ends what is pending with Bad_Shutdown and refuses all requests but
@@ -97,15 +97,15 @@ public:
     /// more will be sent.
     [[nodiscard]] bool is_stopped() const;
 
-    /// The next sample of each item of the Variable's value is reported with the SemanticsChanged
-    /// bit (Part 8, 5.2), and a SemanticChangeEvent raised: EURange or EngineeringUnits, say, are
-    /// others now. What clients write into such Properties is announced by itself.
+    /// Reports the next sample of each item of the Variable's value with the SemanticsChanged bit
+    /// (Part 8, 5.2) and raises a SemanticChangeEvent: call it when EURange, EngineeringUnits or
+    /// the like have changed. What clients write into such Properties is announced without it.
     void announce_semantics_change(const NodeId& variable);
     /// The same with the StructureChanged bit (Part 4, 7.38.1).
     void announce_structure_change(const NodeId& variable);
-    /// The AccessControl decides otherwise than before: what MonitoredItems may see is looked at
-    /// again, and an item that lost or got its rights reports that (Part 4, 5.13.2.1). Requests ask
-    /// anew in any case.
+    /// Call it when the AccessControl decides otherwise than before: what MonitoredItems may see is
+    /// checked again, and an item that lost or regained its rights reports that (Part 4, 5.13.2.1).
+    /// Requests ask each time in any case.
     void announce_access_change(TimePoint now);
 
     struct SamplingState {

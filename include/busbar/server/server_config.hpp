@@ -17,14 +17,14 @@ struct EndpointConfig {
     channel::SecuritySetting security;
     bool allows_anonymous{false};
     bool allows_user_name{true};
-    /// What passwords and issued tokens are encrypted with. Null: the endpoint's own policy or, if
-    /// that is None, Basic256Sha256. Policy None sends them as they are and is refused by
+    /// The policy that encrypts passwords and issued tokens. Null: the endpoint's own policy or, if
+    /// that is None, Basic256Sha256. Policy None sends them in clear text and is refused by
     /// Server::create unless allows_plain_passwords is set.
     const crypto::SecurityPolicy* password_policy{nullptr};
     bool allows_plain_passwords{false};
     /// Users with X.509 certificates, if the UserStore has a validator for them.
     bool allows_certificate{false};
-    /// What users with certificates sign with. Null: as for passwords; never None.
+    /// The policy that users with certificates sign by. Null: as for passwords; never None.
     const crypto::SecurityPolicy* certificate_policy{nullptr};
     /// Users with JSON Web Tokens, if the UserStore has rules for them; see ServerConfig::issuer.
     bool allows_issued{false};
@@ -46,7 +46,7 @@ struct TokenIssuer {
 /// Basic256Sha256 with Sign and with SignAndEncrypt, user names only.
 [[nodiscard]] BUSBAR_API std::vector<EndpointConfig> secure_endpoints();
 
-/// BuildInfo of the Server object (Part 5, 12.5) but for the name and URI of the product.
+/// BuildInfo of the Server object (Part 5, 12.5), except for the name and URI of the product.
 struct BuildDescription {
     std::string manufacturer_name;
     std::string software_version;
@@ -57,7 +57,7 @@ struct BuildDescription {
 /// What a server is. The default is the secure one: no endpoint without security, no anonymous
 /// user.
 struct ServerConfig {
-    /// Globally unique; the certificate has to name it too.
+    /// Globally unique; the certificate must name it, too.
     std::string application_uri{"urn:busbar:server"};
     std::string product_uri{"urn:busbar"};
     std::string application_name{"Busbar"};
@@ -69,16 +69,16 @@ struct ServerConfig {
     /// one that the client used.
     std::vector<std::string> host_names;
     std::vector<EndpointConfig> endpoints{secure_endpoints()};
-    /// Answers FindServers and GetEndpoints over SecurityPolicy None, as clients expect, also if
-    /// no endpoint has it. Sessions need an endpoint.
+    /// Answers FindServers and GetEndpoints over SecurityPolicy None, as clients expect, even if no
+    /// endpoint has it. Sessions need an endpoint.
     bool has_open_discovery{true};
-    /// Sent as they are and needed by every policy but None.
+    /// The server's certificates, sent as they are, and its key; needed for every policy but None.
     std::optional<channel::ApplicationIdentity> identity;
     /// For endpoints with allows_issued.
     TokenIssuer issuer;
 
     /// AddNodes, AddReferences, DeleteNodes and DeleteReferences (Part 4, 5.8), for users whom the
-    /// AccessControl lets; otherwise they answer Bad_ServiceUnsupported.
+    /// AccessControl allows them; without this they answer Bad_ServiceUnsupported.
     bool has_node_management{false};
 
     /// Locales of the server's texts.

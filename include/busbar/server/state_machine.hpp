@@ -44,7 +44,7 @@ struct MachineTransition {
     std::vector<NodeId> effects;
 };
 
-/// What a StateMachine works with; all must outlive it.
+/// What a StateMachine works with; all of it must outlive the machine.
 struct StateMachineContext {
     model::AddressSpace* space{nullptr};
     /// Serves the machine's Variables, so that they have a status and the time of their change.
@@ -53,18 +53,18 @@ struct StateMachineContext {
     std::uint32_t source{model::no_source};
     /// Null: no events.
     EventQueue* events{nullptr};
-    /// TransitionEventType or a subtype, for a transition whose type does not say what it has for
-    /// an effect, as in PackML (Part 16, 4.4.2); null: no event for these.
+    /// TransitionEventType or a subtype, for transitions whose type does not name an effect, as in
+    /// PackML (Part 16, 4.4.2); null: no event for these.
     NodeId default_event_type;
 };
 
 /// One Object of a subtype of FiniteStateMachineType, made by model::instantiate.
 ///
 /// A machine begins inactive: CurrentState and LastTransition have Bad_StateNotActive (Part 16,
-/// 4.4.20). Of a machine with sub-machines, those of the current state are active (4.4.16): they
-/// begin in their initial state, or wait for set_state if they have none.
+/// 4.4.20). If it has sub-machines, those of the current state are active (4.4.16): they begin in
+/// their initial state, or wait for set_state if they have none.
 ///
-/// Used on the server's thread only. What fails changes nothing.
+/// Used on the server's thread only. A call that fails changes nothing.
 class BUSBAR_API StateMachine {
 public:
     /// Reads states and transitions from the Object's type and takes its Variables over:
@@ -91,7 +91,7 @@ public:
     /// the type has no initial state, Bad_StateNotActive for a sub-machine of another state than
     /// the current one.
     Result<void> activate();
-    /// Ends activity, also of its sub-machines.
+    /// Makes the machine inactive, and its sub-machines.
     void deactivate();
 
     /// Goes to the state with that BrowseName by the transition that leads there, and raises the
@@ -105,9 +105,9 @@ public:
     /// The same by a Method that is the cause of a transition from the current state.
     Result<void> call(const NodeId& method, DateTime time);
 
-    /// The states that this instance uses, by BrowseName; transitions between them are the ones
-    /// available. Bad_NotFound if one is none, Bad_InvalidState if the current one is not among
-    /// them.
+    /// The states that this instance uses, by BrowseName; the transitions between them are the
+    /// available ones. Bad_NotFound for an unknown state, Bad_InvalidState if the current one is
+    /// not among them.
     Result<void> set_available_states(std::span<const std::string_view> states);
 
     /// The sub-machine with that BrowseName, null if there is none. Valid as long as the machine.

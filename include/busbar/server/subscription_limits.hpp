@@ -13,15 +13,15 @@ namespace busbar::server {
 
 /// How the sampling interval that a client requests becomes the revised one (Part 4, 7.21).
 struct BUSBAR_API SamplingPolicy {
-    /// The range of intervals. 0 requests the shortest, and what is negative or no number the
+    /// The range of intervals. 0 requests the shortest; a negative value or NaN requests the
     /// Subscription's publishing interval.
     std::chrono::milliseconds min_interval{10};
     std::chrono::milliseconds max_interval{3'600'000};
-    /// Not empty: there are only these intervals, in ascending order; the nearest one is taken, of
-    /// two that are equally near the shorter.
+    /// Not empty: only these intervals exist, in ascending order; the nearest one is taken, or the
+    /// shorter of two that are equally near.
     std::vector<std::chrono::milliseconds> intervals;
     /// An item that requests 0 and whose source is a process image has each scan looked at; its
-    /// revised interval is 0, as that of what reports by exception.
+    /// revised interval is then 0, as for sources that report by exception.
     bool samples_each_scan{true};
     /// Set: a Good value that was sampled this many percent later than the revised interval says
     /// has Good_Overload.
@@ -38,7 +38,7 @@ struct BUSBAR_API SamplingPolicy {
 /// 200 to 900 ms by 100, 1 to 9 s by one second, 10 to 60 s by ten, with Good_Overload past 5 %.
 [[nodiscard]] BUSBAR_API SamplingPolicy stepped_sampling();
 
-/// What Subscriptions and MonitoredItems may make a server hold and do. All limits are finite.
+/// Limits of what Subscriptions and MonitoredItems may make a server hold and do. All are finite.
 struct SubscriptionLimits {
     // Past these CreateSubscription and TransferSubscriptions answer Bad_TooManySubscriptions.
 
@@ -57,10 +57,10 @@ struct SubscriptionLimits {
 
     std::chrono::milliseconds min_publishing_interval{10};
     std::chrono::milliseconds max_publishing_interval{3'600'000};
-    /// Of the time without message after which a keep-alive is sent.
+    /// Limits of the time without a message after which a keep-alive is sent.
     std::chrono::milliseconds min_keep_alive{0};
     std::chrono::milliseconds max_keep_alive{3'600'000};
-    /// Of the time that a Subscription lives without its client. At least three keep-alives.
+    /// Limits of the time that a Subscription lives without its client. At least three keep-alives.
     std::chrono::milliseconds min_lifetime{0};
     std::chrono::milliseconds max_lifetime{3 * 3'600'000};
     std::uint32_t max_notifications_per_publish{100'000};
@@ -70,7 +70,7 @@ struct SubscriptionLimits {
 
     // Publishing.
 
-    /// Past it the oldest Publish request of the session answers Bad_TooManyPublishRequests.
+    /// Beyond it the oldest Publish request of the session answers Bad_TooManyPublishRequests.
     std::size_t max_publish_requests{20};
     std::size_t max_acknowledgements{10'000};
     /// Messages that one Subscription keeps for Republish. Part 4, 5.14.1.1 wants at least twice

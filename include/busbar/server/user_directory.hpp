@@ -13,7 +13,7 @@
 namespace busbar::server {
 
 /// Users of all kinds: with passwords, with certificates and with issued tokens. On the server's
-/// thread, but for passwords().
+/// thread, except for passwords().
 class BUSBAR_API UserDirectory final : public UserStore {
 public:
     explicit UserDirectory(PasswordRules rules = {}) : passwords_{std::move(rules)} {}
@@ -21,16 +21,16 @@ public:
     /// Users with names and passwords, and what anonymous users may do.
     [[nodiscard]] PasswordUsers& passwords() { return passwords_; }
 
-    /// User certificates are accepted if `validator` trusts them. It must outlive this, and is to
+    /// Accepts user certificates that `validator` trusts. It must outlive this object and should
     /// have a trust list of its own: a trusted application is not a user.
     void accept_certificates(crypto::CertificateValidator& validator) { validator_ = &validator; }
     /// The rights of the user with the certificate of this thumbprint (upper-case hexadecimal).
     void set_certificate_rights(std::string thumbprint, UserRights rights);
-    /// The rights of any other user with a trusted certificate; nothing lets none of them in.
+    /// The rights of any other user with a trusted certificate; nothing: none of them is let in.
     void set_other_certificate_rights(std::optional<UserRights> rights);
 
-    /// Issued tokens are accepted if these rules verify them. The user has the token's roles, and
-    /// the access of all of them together; read access with none that is known.
+    /// Accepts issued tokens that these rules verify. The user has the token's roles, and the
+    /// access of all of them together; read access if none of them is known.
     void accept_tokens(crypto::JwtRules rules) { token_rules_ = std::move(rules); }
     /// The access of a role, by the name that tokens have for it.
     void set_role_access(std::string role, std::uint8_t access_level_mask);

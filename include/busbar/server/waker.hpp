@@ -4,7 +4,7 @@
 
 namespace busbar::server {
 
-/// Tells whoever drives a server that it has work which no socket and no deadline announces.
+/// Tells whoever drives a server that there is work which no socket and no deadline announces.
 class BUSBAR_API Waker {
 public:
     Waker() = default;

@@ -6,7 +6,7 @@
 
 namespace busbar::server {
 
-/// Somewhere to do slow work away from the server's thread.
+/// Does slow work away from the server's thread.
 class BUSBAR_API Worker {
 public:
     Worker() = default;
@@ -14,7 +14,7 @@ public:
     Worker& operator=(const Worker&) = delete;
     virtual ~Worker() = default;
 
-    /// Runs `job` once, later and on another thread; false if there is no place for it. Called on
+    /// Runs `job` once, later and on another thread; false if there is no room for it. Called on
     /// the server's thread; must neither block nor run the job itself.
     [[nodiscard]] virtual bool run(std::function<void()> job) = 0;
 };
