@@ -23,9 +23,9 @@ class PlcWatch;
 
 /// A simulated PLC: variables in a process image and small programs that move them.
 ///
-/// It knows no clock: whoever calls scan() says what time it is. scan(), halt() and image()'s task
-/// side belong to one thread at a time; they never wait, allocate or free. The rest is for any
-/// thread.
+/// It has no clock: whoever calls scan() says what time it is. scan(), halt() and the task's side
+/// of image() belong to one thread at a time; they never wait, allocate or free. The rest is for
+/// any thread.
 class BUSBAR_API Plc {
 public:
     /// What is wrong with `config` is told with its place in there: "variables[2].type",
@@ -42,12 +42,12 @@ public:
     /// The PLC stops until the next scan, see ProcessImage::halt.
     void halt() { image_->halt(); }
 
-    /// The events of the last scan, by their places in events(). For the thread that scans; valid
+    /// The events of the last scan, as indices into events(). For the thread that scans; valid
     /// until the next scan.
     [[nodiscard]] std::span<const std::uint32_t> occurrences() const { return occurrences_; }
-    /// The targets of Increment programs are 0 after the next scan.
+    /// Sets the targets of Increment programs to 0 at the next scan.
     void reset_counters() { is_reset_requested_ = true; }
-    /// How many variables these are.
+    /// How many variables reset_counters() affects.
     [[nodiscard]] std::size_t counter_count() const;
 
     [[nodiscard]] const std::shared_ptr<server::ProcessImage>& image() const { return image_; }
@@ -58,7 +58,7 @@ public:
     };
     /// The variables by their handles.
     [[nodiscard]] const std::vector<Variable>& variables() const { return variables_; }
-    /// What the configuration has.
+    /// The events of the configuration.
     [[nodiscard]] const std::vector<PlcEvent>& events() const { return events_; }
     /// The handle of a variable.
     [[nodiscard]] std::optional<std::uint32_t> find(std::string_view name) const;

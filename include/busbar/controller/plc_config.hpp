@@ -18,9 +18,9 @@ struct PlcVariable {
     BuiltInType type{BuiltInType::Int32};
     /// None for a scalar, one for an array, more for a matrix.
     std::vector<std::uint32_t> dimensions;
-    /// Not 0: so many variables of this kind, called <name>0, <name>1...
+    /// Not 0: this many variables of the kind, called <name>0, <name>1...
     std::uint32_t count{0};
-    /// Null: zeros, and texts that are empty. Else of the type and dimensions above; a scalar
+    /// Null: zeros and empty texts. Otherwise a value of the type and dimensions above; a scalar
     /// fills all elements of an array. Int64 and Double stand for any number that the type can
     /// have, String for a ByteString, XmlElement or Guid.
     Variant initial;
@@ -42,7 +42,7 @@ struct PlcProgram {
     std::string target;
     /// Of Copy only: a variable of the same type and size.
     std::string source;
-    /// How often it does its work; 0 in every scan. For Sine the length of a wave.
+    /// How often it does its work; 0: in every scan. For Sine the length of a wave.
     std::chrono::milliseconds period{0};
     double amplitude{1};
     double offset{0};

@@ -10,7 +10,7 @@
 
 namespace busbar::controller {
 
-/// Tells a server of what happens in a PLC. An event is a BaseEventType whose source is the
+/// Reports to a server what happens in a PLC. An event is a BaseEventType whose source is the
 /// variable; it has the configuration's severity and message, and the scan's time.
 class BUSBAR_API PlcEvents {
 public:

@@ -18,9 +18,9 @@ struct PlcNodesOptions {
     Duration cycle{std::chrono::milliseconds{20}};
 };
 
-/// Adds a folder and in it a node for each of the PLC's variables: its NodeId and BrowseName are
-/// the variable's name, its handle the one in the PLC's image. Gives the folder; errors are those
-/// of AddressSpace, and what was added before one stays.
+/// Adds a folder, and in it a node for each of the PLC's variables: its NodeId and BrowseName are
+/// the variable's name, its handle the one in the PLC's image. Gives the folder. Errors are those
+/// of AddressSpace; what was added before an error stays.
 BUSBAR_API Result<model::NodeIndex> publish_variables(model::AddressSpace& address_space,
                                                       const Plc& plc,
                                                       const PlcNodesOptions& options);

@@ -13,10 +13,10 @@
 
 namespace busbar::controller {
 
-/// Runs a PLC's scans in a thread of its own, at equal distances of time.
+/// Runs a PLC's scans in a thread of its own, at equal intervals.
 ///
-/// With a `realtime_priority` of 1 to 99 the thread asks the system for it (SCHED_FIFO), which
-/// takes rights; Statistics::is_realtime says whether it was granted. Without, everything that runs
+/// With a `realtime_priority` of 1 to 99 the thread asks the system for SCHED_FIFO, which takes
+/// privileges; Statistics::is_realtime says whether it was granted. Without it, anything that runs
 /// on the machine can make a scan begin late.
 ///
 /// `plc` and `clock` must outlive it; from start() to stop() nobody else may use the scan's side of
@@ -29,9 +29,9 @@ public:
     PlcTask& operator=(const PlcTask&) = delete;
     ~PlcTask() { stop(); }
 
-    /// What is to be done in the task's thread after each scan, which was at `time`; it may take
-    /// some time, but what is left of the cycle is all it has. What it throws is told to `log`,
-    /// which may be null and must outlive the task; the scans go on. Before start().
+    /// Runs `action` in the task's thread after each scan, with the scan's time. It may take what
+    /// is left of the cycle and no longer. What it throws goes to `log`, which may be null and must
+    /// outlive the task; the scans go on. Before start().
     void after_scan(std::function<void(DateTime time)> action, LogSink* log = nullptr)
     {
         after_scan_ = std::move(action);
