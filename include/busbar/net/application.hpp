@@ -22,9 +22,9 @@ struct ApplicationSettings {
     /// Globally unique, for this installation; the certificate names it.
     std::string uri;
     std::string name;
-    /// Of certificates and keys, in the layout of Part 12, F.1; made if it is missing.
+    /// For certificates and keys, in the layout of Part 12, F.1; made if it is missing.
     std::string folder;
-    /// DNS names and addresses of this machine that a new certificate is to have.
+    /// DNS names and addresses of this machine that a new certificate names.
     std::vector<std::string> host_names{"localhost"};
 };
 
@@ -32,7 +32,7 @@ struct ApplicationSettings {
 /// time of day, its certificate, made when missing, and its trust lists. Nobody is trusted before
 /// somebody moves a certificate from rejected/certs to trusted/certs.
 ///
-/// One thread, that of the servers and clients, which it must outlive.
+/// Used on one thread, that of the servers and clients, which it must outlive.
 class BUSBAR_API Application {
 public:
     /// May take seconds, for a new key. `log` must outlive the object.
@@ -46,12 +46,13 @@ public:
     /// A secure server with the application's names and certificate, which clients find at
     /// `endpoint_url`; its port is the one to listen on. The endpoints are those of ServerConfig.
     [[nodiscard]] server::ServerConfig server_config(std::string endpoint_url) const;
-    /// `loop` wakes the server up for its data sources. Without users nobody can log in.
+    /// `loop` wakes the server when its data sources have something. Without users nobody can log
+    /// in.
     [[nodiscard]] server::ServerEnvironment server_environment(ServerLoop& loop,
                                                                server::UserStore* users = nullptr);
     /// A client with the application's names.
     [[nodiscard]] client::ClientConfig client_config(std::string endpoint_url) const;
-    /// For clients; valid as long as the Application.
+    /// What clients need from outside; valid as long as the Application.
     [[nodiscard]] const channel::ChannelEnvironment& client_environment() const;
 
     [[nodiscard]] crypto::CertificateStore& certificates();

@@ -27,7 +27,7 @@ namespace busbar::net {
 /// that has its request may still carry it out.
 class BUSBAR_API AsyncClient {
 public:
-    /// `environment`, which needs a log, must outlive the object.
+    /// `environment`, which must have a log, must outlive the object.
     AsyncClient(asio::any_io_executor executor, client::ClientConfig config,
                 const channel::ChannelEnvironment& environment);
     AsyncClient(const AsyncClient&) = delete;
@@ -40,13 +40,13 @@ public:
 
     using executor_type = asio::any_io_executor;
     [[nodiscard]] executor_type get_executor() const { return executor_of(*impl_); }
-    /// What is driven here; after changing its wishes call wake().
+    /// The Client that is driven here; after changing what it is to do, call wake().
     [[nodiscard]] client::Client& client();
     void wake();
 
-    /// Completes with Result<void> when the session is there, or with the first failure that
-    /// another attempt cannot mend, or after `timeout`: Bad_Timeout, never later. The Client goes
-    /// on trying unless it is closed.
+    /// Completes with Result<void> when the session is there, with the first failure that another
+    /// attempt cannot mend, or at `timeout` with Bad_Timeout, never later. The Client goes on
+    /// trying unless it is closed.
     template <typename CompletionToken>
     auto connect(Duration timeout, CompletionToken&& token)
     {
@@ -86,7 +86,7 @@ public:
     }
 
 private:
-    /// Outlives the object until the operations that were begun have completed.
+    /// Outlives the object until all operations have completed.
     struct Impl;
 
     template <typename Operation, typename... Arguments>

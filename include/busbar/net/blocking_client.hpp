@@ -14,26 +14,26 @@
 
 namespace busbar::net {
 
-/// A client::Client for programs that do one thing after the other. The connection is served while
-/// a call of this class waits, and only then. One thread. Calls that wait are not for handlers,
-/// where they end as if interrupted. What handlers throw is logged.
+/// A client::Client for programs that do one thing after the other. The connection is served only
+/// while a call of this class waits. One thread. Handlers must not make calls that wait: these end
+/// there as if interrupted. What handlers throw is logged.
 class BUSBAR_API BlockingClient {
 public:
-    /// `environment`, which needs a log, must outlive the object.
+    /// `environment`, which must have a log, must outlive the object.
     BlockingClient(client::ClientConfig config, const channel::ChannelEnvironment& environment);
     BlockingClient(const BlockingClient&) = delete;
     BlockingClient& operator=(const BlockingClient&) = delete;
-    /// Drops the connection at once; close() takes leave of the server.
+    /// Drops the connection at once; use close() to take leave of the server.
     ~BlockingClient();
 
-    /// Listens for the server, with ClientConfig::is_reverse, and as a ReverseListener does, but
-    /// only while a call of this class waits. Before connect(). The port, or
+    /// Listens for the server, with ClientConfig::is_reverse, as a ReverseListener does, but only
+    /// while a call of this class waits. Before connect(). Gives the port, or
     /// Bad_CommunicationError with the reason in the log.
     [[nodiscard]] Result<std::uint16_t> listen(std::string_view address, std::uint16_t port,
                                                const ReverseListenerLimits& limits = {});
-    /// Waits for the session (or channel, if no session is wanted), at most `timeout`: Bad_Timeout,
-    /// Bad_RequestInterrupted, or the first failure that another attempt cannot mend. The Client
-    /// goes on trying, in later calls, unless it is closed.
+    /// Waits for the session (or the channel, if no session is wanted), at most `timeout`.
+    /// Bad_Timeout, Bad_RequestInterrupted, or the first failure that another attempt cannot mend.
+    /// The Client goes on trying in later calls, unless it is closed.
     [[nodiscard]] Result<void> connect(Duration timeout = std::chrono::seconds{20});
     /// Sends `request` and waits for its response; also Bad_RequestInterrupted.
     template <typename Response, typename Request>
@@ -67,20 +67,20 @@ public:
         }
         return *std::move(result);
     }
-    /// Serves the connection until `is_done`, which is asked after everything that happened. False
-    /// if it was interrupted or `timeout` is over.
+    /// Serves the connection until `is_done`, which is asked after everything that happens, is
+    /// true. False if it was interrupted or `timeout` has passed.
     bool run_until(const std::function<bool()>& is_done, Duration timeout = Duration::max());
-    /// Serves the connection for so long: Subscriptions deliver meanwhile. Ends early, with false,
-    /// when interrupted.
+    /// Serves the connection for this long: Subscriptions deliver meanwhile. Ends early, with
+    /// false, when interrupted.
     bool run_for(Duration time);
-    /// run_until() asks `is_done` also when `descriptor` has something to read, as the terminal's
-    /// has; once in each call, so that a call that is not interested goes on waiting. The
-    /// descriptor is neither read nor changed, and must be open as long as this lives. A later one
-    /// replaces it. Bad_CommunicationError for what cannot be waited for, such as a file.
+    /// Makes run_until() also ask `is_done` when `descriptor` has something to read, as that of a
+    /// terminal does; once in each call, so that a call that is not interested goes on waiting. The
+    /// descriptor is neither read nor changed, and must stay open as long as this object lives. A
+    /// later one replaces it. Bad_CommunicationError for what cannot be waited for, such as a file.
     Result<void> wake_on(int descriptor);
     /// Ends the call that waits now, or the next one. From any thread and from a signal handler.
     void interrupt();
-    /// Closes session and channel and waits until that is sent, two seconds at most.
+    /// Closes session and channel and waits until that is sent, at most two seconds.
     void close();
 
     [[nodiscard]] client::Client& client();

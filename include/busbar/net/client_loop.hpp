@@ -19,8 +19,8 @@ public:
     ClientLoop& operator=(const ClientLoop&) = delete;
     ~ClientLoop();
 
-    /// Connects to the configuration's endpoint URL and begins the handshake. Blocks for the
-    /// connection, at most `timeout`: Bad_Timeout, Bad_CommunicationError, or
+    /// Connects to the configuration's endpoint URL and begins the handshake. Blocks until there is
+    /// a connection, at most `timeout`. Bad_Timeout, Bad_CommunicationError or
     /// Bad_TcpEndpointUrlInvalid. `environment` must outlive the loop.
     [[nodiscard]] Result<void> connect(client::ConnectionConfig config,
                                        const channel::ChannelEnvironment& environment,
@@ -40,7 +40,7 @@ public:
         }
         return wait_for(*handle);
     }
-    /// Waits until the session is there; why not, if it does not come.
+    /// Waits until the session is there; the status says why it is not.
     [[nodiscard]] Result<void> wait_until_ready();
     /// Closes session and connection, and waits until that is sent.
     void close();

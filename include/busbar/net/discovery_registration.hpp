@@ -9,15 +9,14 @@
 
 namespace busbar::net {
 
-/// A discovery server, and what it is told; see ServerLoop::register_with.
+/// A discovery server and what it is told; see ServerLoop::register_with.
 struct DiscoveryRegistrationConfig {
     /// From client::registration_client().
     client::ClientConfig client;
     client::RegistrationSettings settings;
 };
 
-/// What is to be registered of a server with this configuration, which clients reach at
-/// `discovery_urls`.
+/// What to register of a server with this configuration, which clients reach at `discovery_urls`.
 [[nodiscard]] BUSBAR_API client::RegistrationSettings
 registration_of(const server::ServerConfig& config, const std::vector<std::string>& discovery_urls);
 

@@ -13,18 +13,19 @@
 namespace busbar::net {
 
 /// A KeyLog in a file that only its owner may read, for Wireshark's preference opcua.debug_file.
-/// Lines are added behind those that are there; several processes may share a file. Any thread. For
-/// test benches only: part of builds with BUSBAR_KEY_LOG alone.
+/// Lines are appended; several processes may share a file. Any thread. For test benches only: it
+/// exists in builds with BUSBAR_KEY_LOG alone.
 class BUSBAR_API KeyLogFile final : public channel::KeyLog {
 public:
     /// Opens the file or makes it, and says so in `log`, which must outlive it, as an error: nobody
     /// is to overlook that a machine gives its keys away. Bad_ConfigurationError, with the reason
-    /// in the log, if it cannot be written, is a link or no file, or is not its owner's alone.
+    /// in the log, if it cannot be written, is a link or no file, or is open to others than its
+    /// owner.
     [[nodiscard]] static Result<std::unique_ptr<KeyLogFile>> open(const std::string& path,
                                                                   LogSink& log);
     ~KeyLogFile() override;
 
-    /// What cannot be written is missed, with an error in the log.
+    /// Lines that cannot be written are lost, with an error in the log.
     void write(std::string_view lines) override;
 
 private:

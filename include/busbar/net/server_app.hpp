@@ -17,27 +17,27 @@
 namespace busbar::net {
 
 /// A server as a program: its loop, log, certificate, users, data sources and variables in memory,
-/// owned in the right order. What is not here is reached by server(), before run() and from its
-/// callbacks.
+/// owned in the right order. What is not here is reached through server(), before run() and from
+/// its callbacks.
 ///
-/// What fails first is kept: later calls do nothing, and status() and run() tell it, so that a
-/// program has one place where it looks. One thread.
+/// The first failure is kept: later calls do nothing, and status() and run() report it, so that a
+/// program has one place to look. One thread.
 class BUSBAR_API ServerApp {
 public:
-    /// Clients find the server at `endpoint_url`, of which the port is listened on, on every
-    /// address of the machine. Makes the certificate if it is missing, which may take seconds.
+    /// Clients find the server at `endpoint_url`. Its port is listened on, on every address of the
+    /// machine. Makes the certificate if it is missing, which may take seconds.
     explicit ServerApp(ApplicationSettings settings,
                        std::string endpoint_url = "opc.tcp://localhost:4840");
     ServerApp(const ServerApp&) = delete;
     ServerApp& operator=(const ServerApp&) = delete;
     ~ServerApp();
 
-    /// Somebody who may log in; `password` may be null, as what an environment does not have, and
-    /// is refused then. Nobody may before there is one.
+    /// Adds a user. `password` may be null, as getenv() gives it, and is then refused. Nobody can
+    /// log in before there is a user.
     void add_user(std::string_view name, const char* password);
     /// The index of the namespace; 0 if something has failed.
     std::uint16_t add_namespace(std::string_view uri);
-    /// Makes a data source of the program's own, which lives as long as the server needs it.
+    /// Makes a data source, which lives as long as the server needs it.
     template <typename Source, typename... Arguments>
     Source& make_source(Arguments&&... arguments)
     {
@@ -46,12 +46,12 @@ public:
         add_source(std::move(made));
         return source;
     }
-    /// A Variable below the Objects folder, as AddressSpace::add_variable adds it: what a source
-    /// serves (DataSource::variable), or a value, which is kept in memory then. Gives the handle; 0
-    /// if something has failed.
+    /// Adds a Variable below the Objects folder, as AddressSpace::add_variable does: one that a
+    /// source serves (DataSource::variable), or a value, which is then kept in memory. Gives the
+    /// handle; 0 if something has failed.
     std::uint64_t add_variable(const QualifiedName& name, const model::BoundValue& value,
                                model::Access access = model::Access::Read);
-    /// Gives a Variable that was added with a value of its own another value.
+    /// Changes the value of a Variable that was added with a value of its own.
     void set(std::uint64_t variable, Variant value);
 
     [[nodiscard]] const Configured<void>& status() const;

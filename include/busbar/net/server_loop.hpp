@@ -17,9 +17,9 @@ namespace busbar::net {
 
 /// Serves one Server over TCP on the thread that calls run().
 ///
-/// Made before the Server, which is given waker(); then listen(), then run(). What a user's
-/// callback throws ends the request it was called for; of a request that finds no memory the
-/// connection ends. The log is told, and everything else goes on.
+/// Make it before the Server, which is given waker(); then call listen(), then run(). What a user's
+/// callback throws ends the request it was called for; a request that finds no memory ends its
+/// connection. Both are logged, and everything else goes on.
 class BUSBAR_API ServerLoop {
 public:
     explicit ServerLoop(LogSink& log);
@@ -27,18 +27,19 @@ public:
     ServerLoop& operator=(const ServerLoop&) = delete;
     ~ServerLoop();
 
-    /// What data sources wake the loop with; from any thread, without blocking or allocating.
+    /// Wakes the loop for data sources; from any thread, without blocking or allocating.
     [[nodiscard]] server::Waker& waker();
     /// Listens on `address` ("" is every address of the machine, IPv4 and IPv6) and `port` (0 is
-    /// any that is free). The port, or Bad_CommunicationError with the reason in the log.
+    /// any that is free). Gives the port, or Bad_CommunicationError with the reason in the log.
     [[nodiscard]] Result<std::uint16_t> listen(std::string_view address, std::uint16_t port);
-    /// Connects to clients that cannot reach the server, and keeps one connection to each open that
-    /// waits to be used, from run() on. Bad_TcpEndpointUrlInvalid. Once, before run().
+    /// Connects to clients that cannot reach the server, from run() on, and keeps one connection to
+    /// each open that waits to be used. Bad_TcpEndpointUrlInvalid. Once, before run().
     [[nodiscard]] Result<void> connect_to_clients(ReverseConnectConfig config);
-    /// Keeps the server registered with a discovery server from run() on, and takes that back when
-    /// it is stopped, which may take settings.farewell longer. What `environment` points to must
-    /// live until run() has returned. What Registration::check says, Bad_TcpEndpointUrlInvalid.
-    /// Before run(); once for each discovery server.
+    /// Keeps the server registered with a discovery server from run() on, and takes the
+    /// registration back when it is stopped, which may take up to settings.farewell longer. What
+    /// `environment` points to must live until run() has returned. Errors are those of
+    /// Registration::check, and Bad_TcpEndpointUrlInvalid. Before run(); once for each discovery
+    /// server.
     [[nodiscard]] Result<void> register_with(DiscoveryRegistrationConfig config,
                                              const channel::ChannelEnvironment& environment);
     /// Ends run() cleanly when the process gets SIGINT or SIGTERM.

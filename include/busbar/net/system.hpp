@@ -14,7 +14,7 @@ public:
     [[nodiscard]] DateTime now() const override;
 };
 
-/// Writes a line to stderr for each message from a level on. Any thread.
+/// Writes a line to stderr for each message of a level or above. Any thread.
 class BUSBAR_API StderrLog final : public LogSink {
 public:
     explicit StderrLog(LogLevel from = LogLevel::Info) : from_{from} {}

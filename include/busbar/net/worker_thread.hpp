@@ -10,7 +10,7 @@
 
 namespace busbar::net {
 
-/// One thread that does slow work one piece after the other, such as checking passwords, so that a
+/// One thread that does slow work, such as checking passwords, one piece after the other, so that a
 /// login never holds up the server.
 class BUSBAR_API WorkerThread final : public server::Worker {
 public:
