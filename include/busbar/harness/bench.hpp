@@ -37,8 +37,8 @@ public:
     [[nodiscard]] server::Server& server() { return server_.server(); }
     [[nodiscard]] ConnectionHost& client() { return client_; }
 
-    /// Makes a data source of the server, which lives as long as the server needs it: what a member
-    /// of a class derived from Bench would not.
+    /// Makes a data source and adds it to the server. It lives as long as the server needs it,
+    /// which a member of a class derived from Bench would not.
     template <typename Source, typename... Arguments>
     Source& make_source(Arguments&&... arguments)
     {
@@ -54,13 +54,13 @@ public:
     Result<NodeId> add_variable(std::string_view name, const model::BoundValue& value,
                                 model::Access access = model::Access::ReadWrite);
 
-    /// Connects and logs in, if it is not; also after a loss.
+    /// Connects and logs in if there is no session, also after a loss.
     Result<void> connect();
     void run_for(Duration time) { world_.run_for(time); }
 
     /// The Value attribute with both timestamps; a DataValue with the status if the service fails.
     [[nodiscard]] DataValue read(const NodeId& node);
-    /// In one request.
+    /// Reads all of them in one request.
     [[nodiscard]] Result<Array<DataValue>> read(const std::vector<NodeId>& nodes);
     StatusCode write(const NodeId& node, Variant value);
     [[nodiscard]] Result<CallMethodResult> call(const NodeId& object, const NodeId& method,
@@ -71,7 +71,7 @@ public:
     /// interval of half the client's request_timeout or more.
     StatusCode subscribe(const NodeId& node, Duration interval = std::chrono::milliseconds{100},
                          std::uint32_t queue_size = 100);
-    /// What has come of a node that is watched, since the last call; at most the last 100,000.
+    /// The values of a watched node that have come since the last call; at most the last 100,000.
     [[nodiscard]] std::vector<DataValue> values(const NodeId& node);
 
 private:

@@ -1,7 +1,7 @@
 #pragma once
 
-// For tests with Catch2, version 2; the library does not need it. A test that has the header of
-// Catch2 at another place includes it before this one.
+// For tests with Catch2, version 2; the library itself does not need it. A test that has the header
+// of Catch2 in another place includes it before this one.
 
 #include <string>
 #include <type_traits>

@@ -7,8 +7,8 @@
 
 namespace busbar::harness {
 
-/// Where the randomness of a world comes from: the same numbers on every machine, and a stream of
-/// its own for each actor, so that what one of them draws does not move the others.
+/// The randomness of a world: the same numbers on every machine, and a stream for each actor, so
+/// that what one of them draws does not change what the others get.
 class Chance {
 public:
     Chance(std::uint64_t seed, std::uint64_t stream)

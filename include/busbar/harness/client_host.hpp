@@ -22,7 +22,7 @@ public:
                         const ClientParts& parts = {});
     ~ClientHost() override;
 
-    /// What was asked of it from outside of a run begins with the next run.
+    /// What is asked of it outside of a run begins with the next run.
     [[nodiscard]] client::Client& client()
     {
         touched_.raise();
@@ -32,8 +32,8 @@ public:
     /// Called after each of the Client's steps.
     void on_step(std::function<void()> handler) { on_step_ = std::move(handler); }
 
-    /// Lets the Client connect and runs the world until it is Ready. Its last_error() if it gave up
-    /// or the time is over, Bad_Timeout if there is none.
+    /// Lets the Client connect and runs the world until it is Ready. The error is its last_error()
+    /// if it gave up or `limit` has passed, Bad_Timeout if there is none.
     Result<void> connect(Duration limit = std::chrono::minutes{1});
     /// Closes it properly and runs the world until that is done.
     void close(Duration limit = std::chrono::minutes{1});

@@ -25,7 +25,7 @@ struct ClientParts {
     LogSink* log{nullptr};
     /// What the server takes for the client's address.
     std::string address{"192.0.2.1"};
-    /// From the wish for a connection to its being there, or refused.
+    /// From asking for a connection until it is there, or refused.
     Duration connect_time{std::chrono::milliseconds{1}};
 };
 
@@ -41,16 +41,16 @@ public:
                             const ClientParts& parts = {});
     ~ConnectionHost() override;
 
-    /// Connects and opens a session, or the channel only if none is wanted; what there was before
-    /// is dropped without a word. Runs the world until that is done. Why not: Bad_Timeout, or what
-    /// the Connection was closed with.
+    /// Connects and opens a session, or only the channel if no session is wanted; an earlier
+    /// connection is dropped without notice. Runs the world until that is done. Bad_Timeout, or
+    /// what the Connection was closed with.
     Result<void> open(Duration limit = std::chrono::minutes{1});
     /// Closes the session and the connection properly.
     void close();
-    /// Goes without a word: the server keeps the session until it times out.
+    /// Leaves without notice: the server keeps the session until it times out.
     void drop();
     [[nodiscard]] bool is_ready() const { return is_ready_; }
-    /// Why the last connection is no more; nothing while it is.
+    /// Why the last connection ended; nothing while it lasts.
     [[nodiscard]] std::optional<StatusCode> closed_by() const { return closed_by_; }
     /// Only while there is one.
     [[nodiscard]] client::Connection& connection() { return *connection_; }
@@ -79,7 +79,7 @@ private:
     void link_lost() override { end(status::Bad_ConnectionClosed); }
 
     void connect();
-    /// The Connection counts a request's time from when it last heard what time it is.
+    /// Tells the Connection the time, from which it counts the time of a request.
     void tell_time();
     void update();
     void handle(client::ConnectionEvent event);

@@ -14,8 +14,8 @@
 
 namespace busbar::harness {
 
-/// What a discovery server keeps; what is more is refused with Bad_ResourceUnavailable, or with
-/// Bad_InvalidArgument if it is one server's.
+/// Limits of what a discovery server keeps. Beyond them it answers Bad_ResourceUnavailable, or
+/// Bad_InvalidArgument if a single server exceeds them.
 struct DiscoveryServerLimits {
     std::size_t max_servers{1'000};
     /// Names of one server, its URLs, capabilities and configurations, each.
@@ -28,13 +28,13 @@ struct DiscoveryServerLimits {
 struct DiscoveryServerOptions {
     std::string url{"opc.tcp://discovery:4840/UADiscovery"};
     std::string application_uri{"urn:busbar:harness:discovery"};
-    /// The endpoints. Without security there is always FindServers and GetEndpoints (Part 4,
+    /// The endpoints. FindServers and GetEndpoints are always there without security (Part 4,
     /// 5.5.1).
     std::vector<channel::SecuritySetting> endpoints{{}};
-    /// Takes registrations over None as well.
+    /// Accepts registrations over None as well.
     bool allows_unsecured{true};
     bool knows_register_server_2{true};
-    /// An entry that is not renewed for so long is forgotten (Part 4, 5.5.5.1).
+    /// An entry that is not renewed for this long is forgotten (Part 4, 5.5.5.1).
     Duration lifetime{std::chrono::minutes{10}};
     DiscoveryServerLimits limits;
     /// Null: every certificate is accepted.

@@ -50,18 +50,18 @@ struct BUSBAR_API Fault {
 
     /// Before the message's first byte is sent.
     [[nodiscard]] Fault before(const Message& which) const { return on(Moment::Before, which); }
-    /// To the message itself; for what acts between messages the same as before().
+    /// To the message itself; the same as before() for faults that act between messages.
     [[nodiscard]] Fault at(const Message& which) const { return on(Moment::At, which); }
     /// When the message's last byte has been sent.
     [[nodiscard]] Fault after(const Message& which) const { return on(Moment::After, which); }
-    /// When a side, the client unless sent_by() says otherwise, has sent so many bytes since the
-    /// connection's begin. Not Answer.
+    /// When a side, the client unless sent_by() says otherwise, has sent this many bytes since the
+    /// connection began. Not for Answer.
     [[nodiscard]] Fault at_byte(std::uint64_t offset) const;
-    /// So long after the script was played. Not Corrupt, Delay and Answer.
+    /// This long after the script was played. Not for Corrupt, Delay and Answer.
     [[nodiscard]] Fault after(Duration delay) const;
     /// Only on the network's `number`th connection, from 1.
     [[nodiscard]] Fault on_connection(std::size_t which) const;
-    /// Only what this side sends. Of Hold and HalfOpen: whose bytes are held; who notices.
+    /// Only what this side sends. For Hold and HalfOpen: whose bytes are held, or who notices.
     [[nodiscard]] Fault sent_by(Side sender) const;
     /// How often it acts, on its message and those of the same name that follow; 0: always.
     [[nodiscard]] Fault times(std::size_t number) const;
@@ -93,23 +93,23 @@ namespace fault {
 [[nodiscard]] BUSBAR_API Fault cut();
 /// The message, and all behind it, arrives later.
 [[nodiscard]] BUSBAR_API Fault delay(Duration by);
-/// Bytes are held without a word for so long, or for ever; of both sides unless sent_by() says
-/// otherwise. The connection stays: what TCP does when a cable is pulled.
+/// Bytes are held for this long, or for ever, and nobody is told; from both sides unless sent_by()
+/// says otherwise. The connection stays: what TCP does when a cable is pulled.
 [[nodiscard]] BUSBAR_API Fault hold(Duration time = {});
-/// The connection is gone, but only the client notices, or who sent_by() says.
+/// The connection is gone, but only the client notices it, or the side that sent_by() names.
 [[nodiscard]] BUSBAR_API Fault half_open();
-/// A bit of byte `position` of the message's first chunk is another; past its end, of its last
-/// byte. With at_byte() it is a bit of that byte.
+/// Flips a bit of byte `position` of the message's first chunk, or of its last byte if that is
+/// shorter. With at_byte() it is a bit of that byte.
 [[nodiscard]] BUSBAR_API Fault corrupt(std::size_t position, unsigned bit = 0);
-/// From then on bytes arrive one by one, or in pieces of that size.
+/// From then on bytes arrive one by one, or in pieces of this size.
 [[nodiscard]] BUSBAR_API Fault split(std::size_t size = 1);
-/// The request does not reach the server; its answer is a ServiceFault with this status. Only on a
-/// channel with policy None, where requests can be read on their way; the numbers of the following
-/// chunks are made to fit, so that neither side notices more.
+/// The request does not reach the server; it is answered by a ServiceFault with this status. Only
+/// on a channel with policy None, where requests can be read on their way; the sequence numbers of
+/// the following chunks are adjusted, so that neither side notices anything else.
 [[nodiscard]] BUSBAR_API Fault answer(StatusCode status);
-/// The time of day, for all in the world, is another by so much.
+/// The time of day jumps by this much, for everybody in the world.
 [[nodiscard]] BUSBAR_API Fault jump_clock(Duration by);
-/// The next connections are refused: their number is the fault's times().
+/// The next connections are refused, as many as the fault's times().
 [[nodiscard]] BUSBAR_API Fault refuse();
 
 } // namespace fault

@@ -10,7 +10,7 @@
 namespace busbar::harness {
 
 /// What the certificate of a test says. The default is right for a server of its name and for a
-/// client; a test of a wrong one changes what it wants wrong.
+/// client; a test of a wrong certificate changes what is to be wrong.
 struct IdentityOptions {
     std::string name{"server"};
     /// Empty: "urn:busbar:harness:<name>", as open_server_config() and open_connection_config()
@@ -24,8 +24,9 @@ struct IdentityOptions {
     std::uint32_t key_bits{2'048};
 };
 
-/// A new key and a self-signed certificate for it. Keys do not depend on the seed of a world, and
-/// take a tenth of a second: tests make one and share it. What crypto::create_self_signed says.
+/// A new key and a self-signed certificate for it. Keys do not depend on the seed of a world and
+/// take a tenth of a second: tests make one and share it. Errors are those of
+/// crypto::create_self_signed.
 [[nodiscard]] BUSBAR_API Result<channel::ApplicationIdentity>
 make_identity(const IdentityOptions& options);
 

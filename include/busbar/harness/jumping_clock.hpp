@@ -22,7 +22,7 @@ public:
         const Duration time = scheduler_->now().time_since_epoch() + offset_;
         return {begin_.ticks + time.count() / 100};
     }
-    /// Monotonic time does not notice.
+    /// Monotonic time is not affected.
     void jump(Duration by) { offset_ += by; }
 
 private:

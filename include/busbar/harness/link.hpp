@@ -33,34 +33,35 @@ public:
     [[nodiscard]] virtual std::span<const std::byte> output() const = 0;
     virtual void consume(std::size_t size) = 0;
     virtual void feed(std::span<const std::byte> in) = 0;
-    /// The link has ended; it knows this end no more.
+    /// The link has ended and does not use this end any more.
     virtual void link_lost() = 0;
 };
 
-/// What a network does to its connections. Shared by all links and may be changed at any time. The
-/// default is a fine day.
+/// What a network does to its connections. Shared by all links; may be changed at any time. By
+/// default nothing goes wrong.
 struct Weather {
-    /// Of each burst of bytes.
+    /// The latency of each burst of bytes.
     Duration min_latency{std::chrono::milliseconds{1}};
     Duration max_latency{std::chrono::milliseconds{1}};
-    /// Bytes arrive in pieces of at most so many.
+    /// Bytes arrive in pieces of at most this size.
     std::size_t max_piece{SIZE_MAX};
     /// Each burst is cut at two random places, and its parts arrive one after the other.
     bool has_random_cuts{false};
-    /// Of so many bursts of bytes one is held up, and by how much at most; 0: none.
+    /// One in this many bursts of bytes is held up, and at most by how much; 0: none.
     std::size_t stall_one_in{0};
     Duration max_stall{0};
-    /// How long connections live before they are reset, on average; 0: for ever. And whether those
+    /// How long connections live on average before they are reset; 0: for ever. And whether those
     /// whose time has come are reset.
     Duration mean_life{0};
     bool has_resets{true};
-    /// How long an end may go on without learning that it is alone.
+    /// How long an end may go on without noticing that the other one is gone.
     Duration max_notice{0};
 };
 
 class Link;
 
-/// Sees what ends send before it is under way, and decides what of it is. Belongs to one link.
+/// Sees what ends send before it is on its way, and decides what becomes of it. Belongs to one
+/// link.
 class BUSBAR_API LinkFilter {
 public:
     LinkFilter() = default;
@@ -68,7 +69,7 @@ public:
     LinkFilter& operator=(const LinkFilter&) = delete;
     virtual ~LinkFilter() = default;
 
-    /// `from` has sent `bytes`; what is to go on its way is given to Link::send().
+    /// `from` has sent `bytes`; pass what is to go on its way to Link::send().
     virtual void pass(Link& link, Side from, std::span<const std::byte> bytes) = 0;
 };
 
@@ -88,23 +89,23 @@ public:
 };
 
 /// A connection as TCP makes it: bytes arrive in order, at some time, in any pieces, and are not
-/// lost as long as it lives. A reset takes all that is under way with it. One thread; scheduler
-/// and weather must outlive it. Held by shared pointers: what is under way keeps it.
+/// lost as long as it lives. A reset discards everything on its way. One thread; scheduler and
+/// weather must outlive it. Held by shared pointers: what is on its way keeps it alive.
 class BUSBAR_API Link : public std::enable_shared_from_this<Link> {
 public:
     Link(Scheduler& scheduler, const Weather& weather, Chance chance);
 
-    /// The end must stay until link_lost(), leave() or close(). With both ends the link's life,
-    /// and its death, is under way.
+    /// The end must exist until link_lost(), leave() or close(). With both ends attached the link's
+    /// life begins, and with it the time until it dies.
     void attach(Side side, LinkEnd& end);
-    /// Sends what waits in the end's output; before the other end is there nothing.
+    /// Sends what waits in the end's output; nothing before the other end is there.
     void flush(Side side);
-    /// The end goes without a word. The other one learns of it later, if ever.
+    /// The end leaves without notice. The other one learns of it later, if ever.
     void leave(Side side);
-    /// The end goes after the last byte of its output has arrived.
+    /// The end leaves after the last byte of its output has arrived.
     void close(Side side);
 
-    // What a test may do to it. A link that was cut is cut for good.
+    // What a test may do to it. A link that was cut stays cut.
 
     /// A reset: nothing arrives any more, and both ends learn of it at once.
     void cut();
@@ -116,7 +117,7 @@ public:
     /// From now on pieces of at most `size` bytes arrive, whatever the weather.
     void split(std::size_t size) { max_piece_ = size; }
 
-    /// Before there are ends. Both may be null.
+    /// Call these before there are ends. Both may be null.
     void set_filter(std::unique_ptr<LinkFilter> filter) { filter_ = std::move(filter); }
     void set_observer(std::shared_ptr<LinkObserver> observer) { observer_ = std::move(observer); }
     /// Puts bytes on their way as if `from` had sent them; they and what follows arrive `delay`

@@ -9,7 +9,8 @@
 
 namespace busbar::harness {
 
-/// Keeps what was logged, a line each, up to a size; what comes then is dropped. Any thread.
+/// Keeps what was logged, one line each, up to a size; what comes after that is dropped. Any
+/// thread.
 class BUSBAR_API LogBook final : public LogSink {
 public:
     static constexpr std::size_t max_size = 1U << 20U;

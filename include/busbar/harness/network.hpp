@@ -27,7 +27,7 @@ public:
     Acceptor& operator=(const Acceptor&) = delete;
     virtual ~Acceptor() = default;
 
-    /// Gives the link its server's end; false if there is no place.
+    /// Gives the link its server's end; false if there is no room.
     [[nodiscard]] virtual bool accept(const std::shared_ptr<Link>& link,
                                       std::string_view peer_address) = 0;
 };
@@ -40,27 +40,29 @@ public:
     Network(const Network&) = delete;
     Network& operator=(const Network&) = delete;
 
-    /// Who connects to the host and port of `url` ("opc.tcp://host:port/path") comes to `acceptor`
-    /// from now on, which must outlive the network or be taken back. Bad_TcpEndpointUrlInvalid.
+    /// From now on whoever connects to the host and port of `url` ("opc.tcp://host:port/path")
+    /// comes to `acceptor`, which must outlive the network or be removed by unlisten().
+    /// Bad_TcpEndpointUrlInvalid.
     Result<void> listen(std::string_view url, Acceptor& acceptor);
-    /// Nobody comes to `acceptor` any more; connections that there are stay.
+    /// From now on nobody comes to `acceptor`; existing connections stay.
     void unlisten(const Acceptor& acceptor);
 
-    /// Connects at once; an engine that wants it to take time waits before. `client` must stay as
-    /// Link::attach says; call Link::flush when it has something to send. Bad_ConnectionRejected if
-    /// nobody listens there, it has no place or the connection is refused.
+    /// Connects at once; an engine for which that takes time waits before. `client` must exist as
+    /// long as Link::attach says; call Link::flush when it has something to send.
+    /// Bad_ConnectionRejected if nobody listens there, the acceptor has no room, or the connection
+    /// is refused.
     [[nodiscard]] Result<std::shared_ptr<Link>>
     connect(std::string_view url, LinkEnd& client, std::string_view client_address = "192.0.2.1");
 
     /// What the network does to all its connections; changed at any time.
     [[nodiscard]] Weather& weather() { return weather_; }
-    /// Makes the script happen, beside those that were played before.
+    /// Makes the script happen, in addition to those that were played before.
     void play(const FaultScript& script);
     void play(const Fault& fault) { play(FaultScript{fault}); }
-    /// The faults of all scripts that have not acted once, a line each: a test whose fault never
-    /// came proves nothing.
+    /// The faults of all scripts that have not acted even once, one a line: a test whose fault
+    /// never came proves nothing.
     [[nodiscard]] std::string pending_faults() const;
-    /// Is told what happens on all later connections. Null for nobody.
+    /// Sets who is told what happens on all later connections; null for nobody.
     void set_observer(std::shared_ptr<LinkObserver> observer) { observer_ = std::move(observer); }
 
     /// Cuts all connections.

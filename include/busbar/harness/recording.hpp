@@ -13,7 +13,7 @@
 
 namespace busbar::harness {
 
-/// What may be recorded, and read of a file.
+/// Limits of what is recorded, and of what is read from a file.
 struct RecordingLimits {
     std::size_t max_bytes{64U << 20U};
     std::size_t max_entries{1'000'000};
@@ -25,13 +25,13 @@ struct BUSBAR_API Recording {
     enum class Kind : std::uint8_t { Opened, Bytes, Ended };
     struct Entry {
         Kind kind{Kind::Bytes};
-        /// Since the world's begin; never before the entry above.
+        /// Since the world began; never before the previous entry.
         Duration time{0};
         /// From 1, in the order in which they were opened. Bytes and ends only come after it.
         std::uint32_t connection{0};
-        /// Who has sent the bytes; who is gone for the other end. Client for Opened.
+        /// Who has sent the bytes, or who is gone for the other end. Client for Opened.
         Side from{Side::Client};
-        /// At least one, of Bytes.
+        /// Of Bytes: at least one byte.
         std::vector<std::byte> bytes{};
 
         friend bool operator==(const Entry&, const Entry&) = default;

@@ -18,8 +18,8 @@ public:
     void stop(Duration limit = std::chrono::minutes{1});
     [[nodiscard]] const client::Registration& registration() const { return registration_; }
     [[nodiscard]] bool is_registered() const { return registration_.is_registered(); }
-    /// Runs the world until the last attempt has succeeded, or failed if `is_wanted` is false;
-    /// whether it did.
+    /// Runs the world until the last attempt has succeeded, or has failed if `is_wanted` is false.
+    /// Whether it did.
     [[nodiscard]] bool await_registered(bool is_wanted, Duration limit);
 
 private:

@@ -13,26 +13,27 @@ namespace busbar::harness {
 /// Plays one side of a recorded connection against an engine, at the recorded times, and compares
 /// what the engine answers with what was recorded.
 ///
-/// Byte for byte the same are sessions without security, in a world with the recording's seed and
-/// the same actors. The weather must have one latency. One thread; the world must outlive it.
+/// Sessions without security are the same byte for byte, in a world with the recording's seed and
+/// the same actors. The weather must have one fixed latency. One thread; the world must outlive it.
 class BUSBAR_API Replay final : public Acceptor, private LinkEnd {
 public:
-    /// The bytes of `played` are sent; what the other side sent is what has to come.
+    /// Sends the bytes of `played`, and expects what the other side sent.
     Replay(World& world, const Recording& recording, Side played, std::uint32_t connection = 1);
     ~Replay() override;
 
-    /// Client: connects at the recorded time, or now if that is over, and runs the world until the
-    /// side that is played has ended and what was under way has arrived. What
-    /// Network::connect() says.
+    /// Plays the client: connects at the recorded time, or now if that has passed, and runs the
+    /// world until the side that is played has ended and everything on its way has arrived. Errors
+    /// are those of Network::connect().
     Result<void> run(std::string_view url);
-    /// Server: a client has connected. Network::listen() with this makes it possible.
+    /// Plays the server: a client has connected. Call Network::listen() with this object to make
+    /// that possible.
     [[nodiscard]] bool accept(const std::shared_ptr<Link>& link,
                               std::string_view peer_address) override;
-    /// Whether all has been sent and as much as was recorded has come.
+    /// Whether everything has been sent, and as much as was recorded has come.
     [[nodiscard]] bool is_over() const;
 
-    /// Empty if what came is what was recorded, so far as it has come. Else the first byte that
-    /// differs, and in which message it stands.
+    /// Empty if everything that has come so far is what was recorded. Otherwise the first byte that
+    /// differs, and the message that it is in.
     [[nodiscard]] std::string difference() const;
 
 private:

@@ -14,28 +14,28 @@ namespace busbar::harness {
 
 class Signal;
 
-/// Virtual time: what is to happen, in the order of its time and, at the same time, of asking.
-/// Nothing else moves the time, so that the same actions make the same run. One thread, but for
-/// Signal::raise().
+/// Virtual time: what is to happen, in the order of its time and, at the same time, in the order in
+/// which it was asked for. Nothing else moves the time, so that the same actions make the same run.
+/// One thread, except for Signal::raise().
 class BUSBAR_API Scheduler {
 public:
     using Action = std::function<void()>;
 
     [[nodiscard]] TimePoint now() const { return now_; }
-    /// A time in the past means now, after the action that runs.
+    /// A time in the past means now, after the current action.
     void at(TimePoint time, Action action);
     void after(Duration delay, Action action) { at(now_ + delay, std::move(action)); }
 
-    /// Lets all happen that is to happen until then; it is `end` afterwards.
+    /// Runs everything that is due until then; afterwards it is `end`.
     void run_until(TimePoint end);
     void run_for(Duration time) { run_until(now_ + time); }
-    /// The same, but stops as soon as `condition`, asked before the first and after each action,
-    /// holds. False, and it is `end`, if it never did.
+    /// The same, but stops as soon as `condition` holds, which is asked before the first action and
+    /// after each. False, and it is `end`, if it never did.
     bool run_until(FunctionRef<bool()> condition, TimePoint end);
-    /// Lets the next thing happen, whenever that is; false if there is none.
+    /// Runs the next action, whenever that is due; false if there is none.
     bool step();
-    /// When the next thing is to happen, which may be in the past; no_deadline if there is none.
-    /// A driver in real time waits until then, or for less, and calls run_until() with its clock.
+    /// When the next action is due, which may be in the past; no_deadline if there is none. A
+    /// driver in real time waits until then, or for less, and calls run_until() with its clock.
     [[nodiscard]] TimePoint next_due() const;
 
 private:
@@ -55,8 +55,8 @@ private:
     std::vector<Signal*> signals_;
 };
 
-/// Does one thing at a time that can be changed. Forgets it when destroyed. Must not be destroyed
-/// by what it does. The scheduler must outlive it.
+/// Does one thing at a time that can be changed. Forgets it when destroyed; that must not be done
+/// by the action itself. The scheduler must outlive it.
 class BUSBAR_API Alarm {
 public:
     Alarm(Scheduler& scheduler, Scheduler::Action action);
@@ -84,8 +84,8 @@ private:
 };
 
 /// Lets other threads, and whoever must not be called back at once, make something happen now:
-/// before the next action, or at the begin of the next run. Raised again before that, it is once.
-/// Must not be destroyed by what it does. The scheduler must outlive it.
+/// before the next action, or when the next run begins. Raising it again before that makes no
+/// difference. The action must not destroy it. The scheduler must outlive it.
 class BUSBAR_API Signal {
 public:
     Signal(Scheduler& scheduler, Scheduler::Action action);

@@ -11,20 +11,21 @@
 
 namespace busbar::harness {
 
-/// A client that sends what a test wants, in and out of turn: the channel's part it does by itself,
-/// sessions and services are the test's, and so are bytes that are no message. For what a proper
-/// client sends there is ConnectionHost. One thread; the world must outlive it.
+/// A client that sends what a test wants, in and out of turn. It handles the channel by itself;
+/// sessions and services are up to the test, and so are bytes that are no message. For what a
+/// proper client sends there is ConnectionHost. One thread; the world must outlive it.
 class BUSBAR_API ScriptedClient final : private LinkEnd {
 public:
-    /// `config.endpoint_url` says where to.
+    /// It connects to `config.endpoint_url`.
     ScriptedClient(World& world, channel::ClientChannelConfig config,
                    const ClientParts& parts = {});
     ~ScriptedClient() override;
 
-    /// Connects and opens the channel; runs the world until it is open. Why not, or Bad_Timeout.
+    /// Connects and opens the channel; runs the world until it is open. Why it did not open, or
+    /// Bad_Timeout.
     Result<void> open(Duration limit = std::chrono::minutes{1});
-    /// Sends a request as it is, but that a request handle of 0 becomes a new one. Its RequestId;
-    /// Bad_NotConnected without a channel.
+    /// Sends a request as it is, except that a request handle of 0 becomes a new one. Gives its
+    /// RequestId; Bad_NotConnected without a channel.
     template <typename Request>
     Result<std::uint32_t> send(Request request)
     {
@@ -47,7 +48,7 @@ public:
     }
     /// Runs the world until the connection is over; what the server said, Good if it said nothing.
     [[nodiscard]] Result<StatusCode> expect_close(Duration limit = std::chrono::minutes{1});
-    /// What was expected and did not come; a line each, empty if all came.
+    /// What was expected and did not come, one a line; empty if everything came.
     [[nodiscard]] const std::string& report() const { return report_; }
 
 private:

@@ -42,7 +42,7 @@ struct ScriptStep {
     Duration delay{0};
     /// The body of the response; null: there is none.
     Answer answer;
-    /// The connection ends, with an Error message unless it is Good.
+    /// The connection ends, with an Error message unless this is Good.
     std::optional<StatusCode> end;
 };
 
@@ -148,7 +148,7 @@ private:
     detail::ScriptStep* step_;
 };
 
-/// What a scripted server needs for policies other than None. Must outlive it.
+/// What a scripted server needs for policies other than None. All of it must outlive the server.
 struct ScriptedServerParts {
     std::vector<channel::SecuritySetting> allowed{{}};
     crypto::CertificateValidator* validator{nullptr};
@@ -170,14 +170,14 @@ public:
     ScriptedServer(World& world, std::string_view url, const ScriptedServerParts& parts = {});
     ~ScriptedServer() override;
 
-    /// The next request that has to come, behind those that were named before.
+    /// The next request that has to come, after those that were named before.
     template <typename Request>
     Expectation<Request> expect()
     {
         return Expectation<Request>{add(steps_.emplace_back(), Request::binary_encoding_id)};
     }
-    /// A request that may come at any time, any number of times; asked after the next one that has
-    /// to come.
+    /// A request that may come at any time and any number of times; considered after the next one
+    /// that has to come.
     template <typename Request>
     Expectation<Request> allow()
     {
@@ -188,8 +188,8 @@ public:
     void accept_session();
 
     [[nodiscard]] bool is_done() const { return steps_.empty(); }
-    /// What was expected and did not come, and what came unexpectedly; a line each, empty if all
-    /// went by the script. The lines for what came are at most 100.
+    /// What was expected and did not come, and what came unexpectedly; one a line, empty if
+    /// everything went by the script. At most 100 lines for what came.
     [[nodiscard]] std::string report() const;
     /// Names of all requests that came, in their order, the first 10,000.
     [[nodiscard]] const std::vector<std::string>& came() const { return came_; }

@@ -21,17 +21,17 @@ namespace busbar::harness {
 struct ServerParts {
     /// Null: every certificate is accepted.
     crypto::CertificateValidator* validator{nullptr};
-    /// Null: nobody but anonymous users.
+    /// Null: there are only anonymous users.
     server::UserStore* users{nullptr};
     const server::AccessControl* access{nullptr};
-    /// How much later than it was woken the server looks for what data sources have completed: as
-    /// threads get their turn. One in eight times up to the second one.
+    /// How much later than it was woken the server looks for what data sources have completed, as
+    /// when threads wait for their turn. One in eight times it is up to the second value.
     Duration wake_delay{0};
     Duration rare_wake_delay{0};
 };
 
-/// One endpoint without security, on which everybody may do everything: for what is under test is
-/// another thing.
+/// One endpoint without security, on which everybody may do everything: for tests of something
+/// else.
 [[nodiscard]] BUSBAR_API server::ServerConfig open_server_config();
 
 /// Users of a test, with passwords that are not hashed, which would take most of a test's time.
@@ -54,7 +54,7 @@ private:
 };
 
 /// Runs a server in a world as the network layer does in real time. One thread; data sources may
-/// complete from others, though the world has to be driven in real time for that to make sense.
+/// complete from other threads, but that only makes sense if the world is driven in real time.
 class BUSBAR_API ServerHost final : public Acceptor, private server::Waker {
 public:
     /// Listens at the configuration's endpoint_url. The world must outlive it. A configuration that

@@ -12,7 +12,7 @@ namespace busbar::harness {
 [[nodiscard]] BUSBAR_API std::string text_of(StatusCode code);
 /// "Int32 42", "String \"abc\"", "Double[3] {1, 2, 3}", "null".
 [[nodiscard]] BUSBAR_API std::string text_of(const Variant& value);
-/// Value, status unless Good, and timestamps that are there.
+/// Value, status unless it is Good, and the timestamps that are set.
 [[nodiscard]] BUSBAR_API std::string text_of(const DataValue& value);
 
 } // namespace busbar::harness

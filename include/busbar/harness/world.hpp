@@ -12,7 +12,7 @@
 
 namespace busbar::harness {
 
-/// Who draws from a world's randomness.
+/// Who uses a world's randomness.
 enum class Actor : std::uint8_t { Server, Client, Other };
 
 /// Servers, clients and the network between them, in virtual time: a day takes seconds, and the
@@ -33,10 +33,10 @@ public:
 
     /// The number in the environment's BUSBAR_SEED; 1 if there is none.
     [[nodiscard]] static std::uint64_t seed_from_environment();
-    /// To be shown with a test that fails: BUSBAR_SEED replays it.
+    /// Show it with a test that fails: BUSBAR_SEED replays it.
     [[nodiscard]] std::uint64_t seed() const { return seed_; }
-    /// Randomness for the next actor of a kind, with numbers of its own: the second client has the
-    /// same in each run, however many servers there are.
+    /// Randomness for the next actor of a kind, numbered by kind: the second client gets the same
+    /// in each run, however many servers there are.
     [[nodiscard]] Chance new_chance(Actor kind)
     {
         const auto index = static_cast<std::size_t>(kind);
@@ -46,14 +46,14 @@ public:
     [[nodiscard]] TimePoint now() const { return scheduler_.now(); }
     void run_for(Duration time) { scheduler_.run_for(time); }
     void run_until(TimePoint end) { scheduler_.run_until(end); }
-    /// Runs until `condition` holds, asked after each thing that happens, or the time is over;
-    /// whether it holds.
+    /// Runs until `condition`, asked after each thing that happens, holds, or the time is over.
+    /// Whether it holds.
     [[nodiscard]] bool run_until(FunctionRef<bool()> condition,
                                  Duration limit = std::chrono::minutes{1})
     {
         return scheduler_.run_until(condition, now() + limit);
     }
-    /// Lets one thing happen; false if nothing is to happen any more.
+    /// Lets one thing happen; false if nothing is left to happen.
     bool step() { return scheduler_.step(); }
     /// Sets the time of day, forwards or back; monotonic time goes on.
     void jump_clock(Duration by) { clock_.jump(by); }
