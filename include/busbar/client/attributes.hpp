@@ -13,13 +13,13 @@
 namespace busbar::client {
 
 struct ReadSettings {
-    /// How old values may be (Part 4, 5.11.2); zero: as new as can be.
+    /// How old values may be (Part 4, 5.11.2); zero: as new as possible.
     Duration max_age{0};
     TimestampsToReturn timestamps{TimestampsToReturn::Both};
 };
 
-/// Reads attributes (Part 4, 5.11.2). `done` gets a DataValue for each item in their order; what a
-/// failed request had is the status of its items.
+/// Reads attributes (Part 4, 5.11.2). `done` gets a DataValue for each item in their order; the
+/// items of a failed request have its status.
 BUSBAR_API Operation read(Requester& requester, std::vector<ReadValueId> items,
                           std::function<void(std::vector<DataValue>)> done,
                           ReadSettings settings = {}, const ServiceOptions& options = {});

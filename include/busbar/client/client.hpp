@@ -20,14 +20,14 @@
 namespace busbar::client {
 
 /// When a lost connection is tried again: after `first`, then after `factor` times as long each
-/// time, up to `longest`, each shortened at random by up to a fifth so that the clients of a plant
-/// do not come back all at once.
+/// time, up to `longest`, each shortened at random by up to a fifth, so that the clients of a plant
+/// do not all come back at once.
 struct ReconnectPolicy {
     bool is_enabled{true};
     Duration first{std::chrono::seconds{1}};
     double factor{2};
     Duration longest{std::chrono::seconds{30}};
-    /// Give up with the last error after so many attempts in a row; 0 never.
+    /// Gives up with the last error after this many attempts in a row; 0: never.
     std::uint32_t max_attempts{0};
 };
 
@@ -41,14 +41,14 @@ struct ClientConfig {
     std::string session_name{"Busbar"};
     Duration session_timeout{std::chrono::minutes{1}};
     Duration request_timeout{std::chrono::seconds{10}};
-    /// From the wish for a connection to a session, for one attempt.
+    /// For one attempt, from asking for a connection to a session.
     Duration connect_timeout{std::chrono::seconds{20}};
-    /// How long the server may take to end the connection that endpoints were asked for over,
+    /// How long the server may take to end the connection over which endpoints were asked for,
     /// before the next one is opened: a server with few connections refuses it until then.
     Duration peer_close_timeout{std::chrono::seconds{1}};
-    /// Server_State is read when nothing was heard for so long, or for a third of the session's
-    /// timeout; twice without an answer and the connection is given up. Zero: never, and a session
-    /// without requests times out.
+    /// Server_State is read when nothing was heard for this long, or for a third of the session's
+    /// timeout; after two such reads without an answer the connection is given up. Zero: never, and
+    /// a session without requests times out.
     Duration keep_alive_interval{std::chrono::seconds{5}};
     ReconnectPolicy reconnect;
     Duration channel_lifetime{std::chrono::hours{1}};
@@ -60,11 +60,11 @@ struct ClientConfig {
     /// in the server's NamespaceArray, whatever the index is there.
     std::vector<binary::TypeRegistry::Table> types;
     SubscriberLimits subscriptions;
-    /// Requests that may wait or be under way together; past it Bad_TooManyOperations.
+    /// How many requests may wait or be under way together; one more is Bad_TooManyOperations.
     std::size_t max_requests{10'000};
     /// Entries that are kept of the server's NamespaceArray and of its ServerArray.
     std::size_t max_server_names{10'000};
-    /// Not empty: only a server with this ApplicationUri will do.
+    /// Not empty: only a server with this ApplicationUri is accepted.
     std::string server_uri;
     /// False for FindServers, GetEndpoints and RegisterServer, which need no session. Where
     /// security.allows_none is set too, the channel is opened without security and without asking
@@ -86,20 +86,20 @@ enum class ClientState : std::uint8_t {
     Closed, // by close(), or for good
 };
 
-/// What whoever drives a Client is to do with its transport. One at a time: the next Open comes
-/// when disconnected() has confirmed a Drop, or two seconds later; what is still there of the old
-/// connection is let go at once then.
+/// What whoever drives a Client has to do with its transport. One at a time: the next Open comes
+/// when disconnected() has confirmed a Drop, or two seconds later; whatever is left of the old
+/// connection is then to be closed at once.
 struct TransportOrder {
     enum class Kind : std::uint8_t {
         Open, // connect to `url`, or wait for a ReverseHello if the configuration says so
         Drop, // send what output() still has, then let the connection go
     };
     Kind kind{Kind::Open};
-    /// Names the attempt; what is told of older ones is ignored.
+    /// Identifies the attempt; what is told of older ones is ignored.
     std::uint64_t id{0};
     std::string url{};
-    /// Drop: call disconnected() only when the server has ended the connection too, at best after a
-    /// half-close. The Client waits for ClientConfig::peer_close_timeout.
+    /// Drop: call disconnected() only when the server has ended the connection, too, preferably
+    /// after a half-close. The Client waits for ClientConfig::peer_close_timeout.
     bool awaits_peer{false};
 };
 
@@ -120,10 +120,10 @@ public:
     /// Drops everything at once; handlers are not called any more.
     ~Client() override;
 
-    /// Wants to be connected from now on, also after Closed.
+    /// From now on the Client wants to be connected, also after Closed.
     void connect(TimePoint now);
     /// Closes session and channel, and deletes Subscriptions at the server or leaves them to a
-    /// client that will have them transferred. Requests end with Bad_ConnectionClosed. The state is
+    /// client that will take them over. Requests end with Bad_ConnectionClosed. The state is
     /// Closing until the transport is gone.
     void close(TimePoint now, bool deletes_subscriptions = true);
 
@@ -131,11 +131,11 @@ public:
     /// Why the Client is not Ready: the last failure; Good before the first and after
     /// close().
     [[nodiscard]] StatusCode last_error() const;
-    /// The endpoint that is used, or will be tried next; null while none is chosen.
+    /// The endpoint that is used or will be tried next; null while none is chosen.
     [[nodiscard]] const EndpointDescription* endpoint() const;
-    /// Called in poll() for each change of state, with the failure that led to it; Good if none
-    /// did. Waiting: it is tried again. Closed: it is not, for a failure that another attempt
-    /// cannot mend or one too many.
+    /// Called in poll() for each change of state, with the failure that caused it, or Good.
+    /// Waiting: it will be tried again. Closed: it will not, because another attempt cannot mend
+    /// the failure or there were too many.
     void on_state(std::function<void(ClientState, StatusCode)> handler);
     [[nodiscard]] Subscriptions& subscriptions();
 
@@ -159,8 +159,8 @@ public:
     [[nodiscard]] TimePoint next_deadline() const;
     /// Only takes the time; poll() does what is due.
     void handle_deadline(TimePoint now);
-    /// Handles at most `max_steps` things that happened, a response each, and calls their handlers.
-    /// True if there is more to do.
+    /// Handles at most `max_steps` things that happened, such as a response, and calls their
+    /// handlers. True if there is more to do.
     bool poll(TimePoint now, std::size_t max_steps = 1'000);
 
 private:

@@ -26,7 +26,7 @@ struct SessionTicket {
     NodeId authentication_token;
     /// The last one, which the next proofs are made with.
     ByteString server_nonce;
-    /// RevisedSessionTimeout, within sensible bounds whatever the server said.
+    /// RevisedSessionTimeout, held within sensible bounds whatever the server said.
     std::chrono::milliseconds timeout{0};
 };
 
@@ -45,7 +45,8 @@ struct ConnectionConfig {
     /// let us, another one created.
     std::optional<SessionTicket> resumed_session;
     std::chrono::milliseconds session_timeout{60'000};
-    /// After this an open request is given up with Bad_Timeout, unless it has a time of its own.
+    /// After this time an open request is given up with Bad_Timeout, unless it has a timeout of its
+    /// own.
     std::chrono::milliseconds request_timeout{10'000};
     /// False for FindServers and GetEndpoints, which need no session.
     bool wants_session{true};
@@ -70,9 +71,9 @@ struct ConnectionEvent {
     /// Response: what send_encoded() was given with the request.
     std::uint64_t context{0};
 
-    /// The response as a T, whose strings borrow from this event; Bad_DecodingError if it is none,
+    /// The response as a T, whose strings borrow from this event. Bad_DecodingError if it is none,
     /// the ServiceResult if that is bad. `types` has the structures of namespace 0 and others, by
-    /// the server's namespace indexes.
+    /// the server's namespace indices.
     template <typename T>
     [[nodiscard]] Result<T> response(const binary::DecodeLimits& limits = response_limits,
                                      const binary::TypeRegistry& types = standard_types()) const;
@@ -98,9 +99,9 @@ public:
     void handle_deadline(TimePoint now);
     [[nodiscard]] bool is_closed() const;
 
-    /// Sends `request`, whose header is filled in here; the handle that its Response will carry.
-    /// Any number may be under way. Given up `timeout` after the last time that feed() or
-    /// handle_deadline() told; zero: as configured.
+    /// Sends `request`, whose header is filled in here, and gives the handle that its Response will
+    /// carry. Any number may be under way. It is given up `timeout` after the time that feed() or
+    /// handle_deadline() was given last; zero: as configured.
     template <typename Request>
     [[nodiscard]] Result<std::uint32_t> send(Request&& request, Duration timeout = {});
     /// The same for a request that `encode` writes with the header that it is given; its Response

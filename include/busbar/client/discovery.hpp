@@ -8,8 +8,8 @@
 #include <busbar/core/api.hpp>
 #include <busbar/types/discovery.hpp>
 
-/// The Discovery Service Set (Part 4, 5.5), which needs no session. `url` is the one that the
-/// server is reached by; it may choose what it answers by that.
+/// The Discovery Service Set (Part 4, 5.5), which needs no session. `url` is the one by which the
+/// server is reached; the answer may depend on it.
 namespace busbar::client {
 
 /// FindServers (Part 4, 5.5.2). `server_uris` empty: all servers that it knows.

@@ -26,7 +26,7 @@ struct SecurityWishes {
 struct EndpointChoice {
     EndpointDescription endpoint;
     const crypto::SecurityPolicy* policy{nullptr};
-    /// What the user's identity is sent with.
+    /// The token policy that the user's identity is sent with.
     UserTokenPolicy token_policy;
 };
 

@@ -44,8 +44,9 @@ public:
     [[nodiscard]] const std::string& text() const { return text_; }
     [[nodiscard]] bool is_path() const { return !path_.empty(); }
 
-    /// The NodeId if no server must be asked: Bad_NodeIdUnknown if the server has no such
-    /// namespace, Bad_ServerIndexInvalid for a node of another server, Bad_NotSupported for a path.
+    /// The NodeId, if the server need not be asked for it. Bad_NodeIdUnknown if the server has no
+    /// such namespace, Bad_ServerIndexInvalid for a node of another server, Bad_NotSupported for a
+    /// path.
     [[nodiscard]] Result<NodeId> node_id(const ServerInfo& server) const;
     /// The path as the server takes it. `find_type` gives the NodeId of a ReferenceType, null if it
     /// knows none. Errors as node_id, Bad_ReferenceTypeIdInvalid, and Bad_NotSupported if it is no
@@ -65,7 +66,7 @@ private:
     std::string path_;
 };
 
-/// What `id` is called on this server; errors as NodeAddress::node_id.
+/// The NodeId of `id` on this server; errors as NodeAddress::node_id.
 [[nodiscard]] BUSBAR_API Result<NodeId> local_id(const ExpandedNodeId& id,
                                                  const ServerInfo& server);
 

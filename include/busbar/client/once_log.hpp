@@ -14,14 +14,14 @@ namespace busbar::client {
 /// thread.
 class BUSBAR_API OnceLog final : public LogSink {
 public:
-    /// Texts that are told apart; what is new past them is dropped until forget().
+    /// How many texts are told apart; further new ones are dropped until forget().
     static constexpr std::size_t max_texts = 64;
 
     /// `log` must outlive the object.
     explicit OnceLog(LogSink& log) : log_{&log} {}
 
     void write(LogLevel level, std::string_view source, std::string_view text) override;
-    /// Something has changed: everything is worth being told again.
+    /// Something has changed: everything may be logged again.
     void forget();
 
 private:

@@ -14,7 +14,7 @@ namespace busbar::client {
 struct ServiceOptions {
     /// For each request.
     RequestOptions request;
-    /// What a request has at most, whatever the server allows.
+    /// The most items of one request, whatever the server allows.
     std::uint32_t max_items_per_request{10'000};
     /// How many requests of one operation may be under way.
     std::uint32_t max_parallel{4};
@@ -36,9 +36,9 @@ public:
 
 } // namespace detail
 
-/// A service that is under way, in one request or more. To be dropped by who does not want to
-/// cancel. Its handler is called once, never from within the function that began it. Safe to keep
-/// after the end of the operation and of the Requester.
+/// A service that is under way, in one request or more. Drop it if you do not want to cancel. Its
+/// handler is called once, never from within the function that began it. Safe to keep after the end
+/// of the operation and of the Requester.
 class Operation {
 public:
     Operation() = default;

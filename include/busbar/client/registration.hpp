@@ -12,8 +12,8 @@
 
 namespace busbar::client {
 
-/// How often a server may register. A discovery server forgets who has been silent for longer than
-/// the longest interval (Part 4, 5.5.5.1).
+/// How often a server may register. A discovery server forgets servers that have been silent for
+/// longer than the longest interval (Part 4, 5.5.5.1).
 inline constexpr Duration min_registration_interval = std::chrono::seconds{10};
 inline constexpr Duration max_registration_interval = std::chrono::minutes{10};
 
@@ -25,11 +25,11 @@ struct RegistrationSettings {
     /// For discovery servers that announce servers by mDNS; without capabilities "NA" is sent
     /// (Part 12, Annex D).
     MdnsDiscoveryConfiguration mdns;
-    /// Half of what a discovery server waits for: one registration may be lost.
+    /// Half of the time that a discovery server waits: one registration may be lost.
     Duration interval{std::chrono::minutes{5}};
     /// The wait after a failure, twice as long after each further one, at most the interval.
     Duration first_retry{std::chrono::seconds{1}};
-    /// What taking the registration back may hold up a shutdown for.
+    /// How long taking the registration back may hold up a shutdown.
     Duration farewell{std::chrono::seconds{2}};
 };
 
@@ -63,10 +63,10 @@ public:
     Registration& operator=(const Registration&) = delete;
     ~Registration();
 
-    /// Registers now, and from now on.
+    /// Registers now, and again from now on.
     void start(TimePoint now);
-    /// Tells the discovery server once that the server goes, if it may know of it. is_stopped()
-    /// when that is done, or its time is over.
+    /// Tells the discovery server once that the server goes, if it may know of it. is_stopped() is
+    /// true when that is done or its time is over.
     void stop(TimePoint now);
     [[nodiscard]] bool is_stopped() const;
 

@@ -16,8 +16,8 @@
 
 namespace busbar::client {
 
-/// How much one request may carry; 0 is as much as fits (Part 5, 6.3.11). A service with more work
-/// to do sends several requests.
+/// How much one request may carry; 0: as much as fits (Part 5, 6.3.11). A service with more work to
+/// do sends several requests.
 struct ServerOperationLimits {
     std::uint32_t max_nodes_per_read{0};
     std::uint32_t max_nodes_per_write{0};
@@ -40,7 +40,7 @@ struct ServerInfo {
     /// Grows by one whenever something above has changed.
     std::uint64_t revision{0};
 
-    /// As it was read last, which is when the server had been silent.
+    /// As it was read last, which happens when the server has been silent.
     ServerState state{ServerState::Running};
     std::uint32_t seconds_till_shutdown{0};
 };
@@ -48,10 +48,10 @@ struct ServerInfo {
 using RequestId = std::uint64_t;
 
 struct RequestOptions {
-    /// After this the request ends with Bad_Timeout; zero: as the client is configured.
+    /// After this time the request ends with Bad_Timeout; zero: as the client is configured.
     Duration timeout{0};
-    /// Without a session the request waits for one, for its timeout at most; false: it ends at
-    /// once with Bad_ServerNotConnected.
+    /// Without a session the request waits for one, at most for its timeout; false: it ends at once
+    /// with Bad_ServerNotConnected.
     bool waits_for_session{true};
 };
 
@@ -68,8 +68,8 @@ struct ResponseBody {
     }
 };
 
-/// Sends requests within a session and hands their responses over: what everything above a
-/// connection is written against, be it Client or a test's stand-in. One thread.
+/// Sends requests within a session and passes their responses on: what everything above a
+/// connection is written against, be it the Client or a test's stand-in. One thread.
 class BUSBAR_API Requester {
 public:
     /// Called once for each request, never from within call(), but not after cancel(). It may make
@@ -110,7 +110,7 @@ public:
     [[nodiscard]] virtual const binary::DecodeLimits& decode_limits() const = 0;
     /// The structures that responses are decoded with: those of namespace 0 at least.
     [[nodiscard]] virtual const binary::TypeRegistry& types() const { return standard_types(); }
-    /// Told what handlers throw; null for nobody.
+    /// Is told what handlers throw; null for nobody.
     [[nodiscard]] virtual LogSink* log() const { return nullptr; }
 
 protected:

@@ -4,8 +4,8 @@
 
 namespace busbar::client {
 
-/// What a response may contain: what was asked for may be answered by elements of a few bytes each,
-/// say 65,536 Booleans without timestamps.
+/// Limits of a response: the answer may consist of elements of a few bytes each, such as 65,536
+/// Booleans without timestamps.
 inline constexpr binary::DecodeLimits response_limits{.free_memory = 4U << 20U};
 
 } // namespace busbar::client

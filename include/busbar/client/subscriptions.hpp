@@ -16,8 +16,8 @@
 
 namespace busbar::client {
 
-/// Names of this client, valid for the life of the Subscriptions object; the server's ids change
-/// when a Subscription had to be made anew.
+/// Handles of this client, valid for the life of the Subscriptions object; the server's ids change
+/// when a Subscription has to be made anew.
 using SubscriptionHandle = std::uint32_t;
 using ItemHandle = std::uint32_t;
 
@@ -45,7 +45,7 @@ struct ItemSettings {
     ExtensionObject filter;
 };
 
-/// What the server made of it.
+/// What the server made of an item.
 struct ItemStatus {
     StatusCode status;
     double revised_sampling_interval{0};
@@ -66,15 +66,16 @@ struct EventArrived {
     Array<Variant> fields;
 };
 
-/// Something was really lost, or may have been: nothing that the server still had is in a Gap.
-/// Changes and events that lie in it are never told.
+/// Something was lost, or may have been: a Gap has nothing that the server still had. Changes and
+/// events that lie in it are never reported.
 ///
-/// Present values are: a data item that reports, and has had no notification since, gets one soon
-/// after the Gap, be it the value that was told last. In a Subscription that was made anew all
-/// items begin with one. In one that goes on the server is asked for them (Part 4, 6.7): by the
-/// Method ResendData, which repeats the values of the other items as well, or, where that is not to
-/// be had, by Read (is_read_again). Nobody asks for what is only sampled for a trigger, or reads
-/// what a filter calculates, as an AggregateFilter does: those wait for the next notification.
+/// Present values are: a data item that reports and has had no notification since gets one soon
+/// after the Gap, even if it is the value that was reported last. In a Subscription that was made
+/// anew all items begin with one. In one that goes on the server is asked for them (Part 4, 6.7):
+/// by the Method ResendData, which repeats the values of the other items as well, or, where that is
+/// not available, by Read (is_read_again). Items that are only sampled for a trigger are not asked
+/// for, and what a filter calculates, as an AggregateFilter does, is not read: these wait for the
+/// next notification.
 struct Gap {
     SubscriptionHandle subscription;
     /// Empty: all items of the subscription.
@@ -98,9 +99,9 @@ enum class DeliveryMode : std::uint8_t {
     Polling,    // the server has no Subscriptions: items are read at their sampling interval
 };
 
-/// What the user is told. All in poll() of the Client, on its thread; spans are valid during the
-/// call. Empty functions are skipped; what one throws is logged. They may use Subscriptions as they
-/// like, and remove what they are called for, but not destroy it.
+/// What the user is told. All are called in poll() of the Client, on its thread; spans are valid
+/// during the call. Empty functions are skipped; what one throws is logged. They may use
+/// Subscriptions freely, and remove what they are called for, but not destroy it.
 struct SubscriptionHandlers {
     std::function<void(std::span<const DataChange>)> on_data;
     std::function<void(std::span<const EventArrived>)> on_events;
@@ -123,13 +124,13 @@ struct SubscriberLimits {
 };
 
 /// The Subscriptions that a user wants, and what it takes to have them whatever happens to the
-/// server: wishes are kept here, and brought to every session.
+/// server: what is wanted is kept here and brought to every session.
 ///
-/// After a session that was resumed: what is missing is fetched by Republish. After a new session:
-/// TransferSubscriptions and Republish; where that is refused the Subscription is made anew with
+/// After a session that was resumed, what is missing is fetched by Republish. After a new session:
+/// TransferSubscriptions and Republish; where that is refused, the Subscription is made anew with
 /// its items. Where the server has no Subscription service set, items are polled by Read. Whatever
-/// could not be had again is a Gap. Driven by the Client that owns it. The session's Publish
-/// requests are made here alone: a Subscription that answers one and is not known here is deleted.
+/// could not be recovered is a Gap. Driven by the Client that owns it. Only this object makes the
+/// session's Publish requests: a Subscription that answers one and is unknown here is deleted.
 class BUSBAR_API Subscriptions {
 public:
     explicit Subscriptions(Requester& requester, SubscriberLimits limits = {});
@@ -155,7 +156,7 @@ public:
     Result<void> set_triggering(ItemHandle trigger, std::vector<ItemHandle> links);
 
     [[nodiscard]] DeliveryMode mode(SubscriptionHandle subscription) const;
-    /// What the server calls it; 0 while there is none.
+    /// The server's id of it; 0 while there is none.
     [[nodiscard]] std::uint32_t server_id(SubscriptionHandle subscription) const;
 
     // The life of the session, told by the Client.

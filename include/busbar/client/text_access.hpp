@@ -26,8 +26,8 @@ struct AccessError {
 template <typename T>
 using Accessed = tl::expected<T, AccessError>;
 
-/// As what the text of a value with that DataType and ValueRank is to be read.
-/// Bad_DataTypeIdUnknown if the DataType is neither built in nor among the types.
+/// How to read the text of a value with that DataType and ValueRank. Bad_DataTypeIdUnknown if the
+/// DataType is neither built in nor among the types.
 [[nodiscard]] BUSBAR_API Result<ValueType>
 value_type_of(const NodeId& data_type, std::int32_t value_rank, const binary::DynamicTypes& types);
 
@@ -37,8 +37,8 @@ BUSBAR_API Operation write_text(Requester& requester, TypeCache& types, const No
                                 const ServiceOptions& options = {});
 
 /// Reads the InputArguments of a Method and calls it with a text for each. A bad status of the call
-/// is an error, with a note of the argument that the server did not like. Nothing is called if
-/// there are more or fewer arguments than the Method has.
+/// is an error, with a note of the argument that the server refused. Nothing is called if there are
+/// more or fewer texts than the Method has arguments.
 BUSBAR_API Operation call_text(Requester& requester, TypeCache& types, const NodeAddress& object,
                                const NodeAddress& method, std::vector<std::string> arguments,
                                std::function<void(Accessed<CallMethodResult>)> done,

@@ -12,7 +12,7 @@
 
 namespace busbar::client {
 
-/// What is taken from a server, which may describe types without end.
+/// Limits of what is taken from a server, which may describe types without end.
 struct TypeCacheLimits {
     /// DataTypes that are kept beside those of namespace 0, with those that only have no
     /// definition.
@@ -40,7 +40,7 @@ struct TypeCacheLimits {
 /// indices then. One thread; the Requester must outlive it and its operations.
 class BUSBAR_API TypeCache {
 public:
-    /// `parser`: parse_type_dictionary of busbar::dictionary, or null for a client that does
+    /// `parser` is parse_type_dictionary of busbar::dictionary, or null for a client that does
     /// without type dictionaries.
     explicit TypeCache(Requester& requester, TypeCacheLimits limits = {},
                        DictionaryParser parser = nullptr);
@@ -52,13 +52,13 @@ public:
     /// as long as it is held.
     [[nodiscard]] std::shared_ptr<const binary::DynamicTypes> types() const;
 
-    /// What of the type dictionaries cannot be used, and why: the first 1,000. What is wrong with
-    /// definitions, also with those that were made of dictionaries, types()->errors() has. Valid
-    /// until the next call.
+    /// What cannot be used of the type dictionaries, and why: the first 1,000 errors.
+    /// types()->errors() has what is wrong with definitions, also with those made of dictionaries.
+    /// Valid until the next call.
     [[nodiscard]] const std::vector<binary::DefinitionError>& dictionary_errors() const;
 
-    /// Asks for those of the DataTypes that are not known, and for all that they need. `done` is
-    /// called when types() has them, or the server does not describe them.
+    /// Asks for those of the DataTypes that are not known, and for everything that they need.
+    /// `done` is called when types() has them, or when the server turns out not to describe them.
     Operation learn(std::vector<NodeId> data_types, std::function<void()> done,
                     const ServiceOptions& options = {});
     /// Asks for the types of all structures in the values, also of those within others.

@@ -14,7 +14,7 @@
 /// Annexes C and D of 1.05; Annexes E and D of 1.04).
 namespace busbar::client {
 
-/// What is taken of a dictionary, which may come from a hostile server.
+/// Limits of a dictionary, which may come from a hostile server.
 struct DictionaryLimits {
     /// Of the XML.
     std::size_t max_bytes{2'000'000};
@@ -64,7 +64,7 @@ struct TypeDictionary {
     std::vector<DictionaryType> types;
 };
 
-/// Reads a dictionary, an XML document. Refused is what is no dictionary, has a DOCTYPE or passes a
+/// Reads a dictionary, an XML document. Refuses what is no dictionary, has a DOCTYPE or exceeds a
 /// limit; a type that OPC UA Binary cannot have is there with its reason.
 using DictionaryParser = Checked<TypeDictionary> (*)(std::span<const std::byte> xml,
                                                      const DictionaryLimits& limits);

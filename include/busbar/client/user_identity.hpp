@@ -10,7 +10,7 @@
 
 namespace busbar::client {
 
-/// Who a session is for (Part 4, 7.40).
+/// Whom a session is for (Part 4, 7.40).
 struct AnonymousUser {};
 struct NamedUser {
     std::string user_name;

@@ -8,7 +8,7 @@
 
 /// Values as JSON for scripts, in the compact form of Part 6, 5.4: Int64 and UInt64 as strings, NaN
 /// and Infinity as strings, ByteStrings in base64, NodeIds as text. The result is always valid JSON
-/// in UTF-8; control characters are escaped, bytes that are no UTF-8 become U+FFFD.
+/// in UTF-8; control characters are escaped, bytes that are not UTF-8 become U+FFFD.
 namespace busbar::client {
 
 struct JsonOptions {
@@ -17,7 +17,7 @@ struct JsonOptions {
     /// A Variant as {"UaType": 6, "Value": 5, "Dimensions": [...]}; false: its value alone, a
     /// matrix as lists of lists.
     bool with_types{true};
-    /// Values within one another; what is deeper is null.
+    /// Levels of values within one another; deeper ones are null.
     std::size_t max_depth{100};
 };
 

@@ -27,7 +27,7 @@ struct TextOptions {
 [[nodiscard]] BUSBAR_API std::string to_text(const DataValue& value,
                                              const TextOptions& options = {});
 
-/// What a text is to be read as: what the attributes DataType and ValueRank of a Variable say.
+/// How a text is to be read: what the attributes DataType and ValueRank of a Variable say.
 struct ValueType {
     /// Variant: any type. The text names it, "Int16:5", or it follows from the text's form.
     BuiltInType built_in{BuiltInType::Variant};
@@ -40,7 +40,7 @@ struct ValueType {
     const binary::DynamicTypes* types{nullptr};
 };
 
-/// Why a text is no value of a type.
+/// Why a text cannot be read as a value of a type.
 struct ValueError {
     /// "expected a Byte, 0 to 255, found 300"; printable.
     std::string message;

@@ -11,12 +11,13 @@
 
 namespace busbar::client {
 
-/// What is taken from a server that has more, or never ends.
+/// Limits of what is taken from a server that has more, or never ends.
 struct BrowseLimits {
     /// References of one node, and of all nodes of one operation.
     std::size_t max_references_per_node{100'000};
     std::size_t max_references{1'000'000};
-    /// Answers without a reference in a row, with which a server says that there is more.
+    /// How many answers in a row may have no reference, with which a server says that there is
+    /// more.
     std::uint32_t max_empty_answers{10};
     /// RequestedMaxReferencesPerNode (Part 4, 5.9.2); 0: as many as the server likes.
     std::uint32_t references_per_answer{0};
@@ -32,8 +33,8 @@ BUSBAR_API Operation browse(Requester& requester, std::vector<BrowseDescription>
                             std::function<void(std::vector<BrowseResult>)> done,
                             BrowseLimits limits = {}, const ServiceOptions& options = {});
 
-/// What browse() takes for the forward hierarchical references of a node, with all there is to
-/// know of their targets.
+/// What browse() takes for the forward hierarchical references of a node, with everything there is
+/// to know of their targets.
 [[nodiscard]] BUSBAR_API BrowseDescription children_of(NodeId node);
 
 struct TreeLimits {
@@ -45,12 +46,12 @@ struct TreeLimits {
 
 struct TreeNode {
     static constexpr std::size_t no_parent = SIZE_MAX;
-    /// The index of the node it was found at first; no_parent for a root.
+    /// The index of the node at which it was found first; no_parent for a root.
     std::size_t parent{no_parent};
     std::size_t depth{0};
     /// How it was found; of a root only the node_id.
     ReferenceDescription reference;
-    /// What browsing it gave; Good if it was not tried, being of another server.
+    /// The result of browsing it; Good if it was not tried, since it is a node of another server.
     StatusCode status;
 };
 
@@ -61,8 +62,8 @@ struct BrowsedTree {
     bool is_complete{true};
 };
 
-/// Browses from `roots` down. `how` says along which references; its node_id is not used. Nodes of
-/// other servers are listed, not entered.
+/// Browses from `roots` downwards, along the references that `how` names; its node_id is not used.
+/// Nodes of other servers are listed, not entered.
 BUSBAR_API Operation browse_tree(Requester& requester, std::vector<NodeId> roots,
                                  const BrowseDescription& how,
                                  std::function<void(BrowsedTree)> done, TreeLimits limits = {},
