@@ -315,7 +315,8 @@ TEST_CASE_METHOD(WriteFixture, "a source may use the values after the request is
         WriteRequest request;
         decode(reader, request);
         REQUIRE(reader.ok());
-        WriteJob job{{space, sources, {space, user, control}}, request};
+        server::detail::DefinitionChecks none;
+        WriteJob job{{space, sources, {space, user, control}, none}, request};
         REQUIRE_FALSE(job.start(owner, TimePoint{}));
         SECTION("it was cancelled")
         {
