@@ -61,10 +61,11 @@ TEST_CASE("a source that is declared behind its server is called as long as it i
     test::TestWaker waker;
     DataSources sources{&waker};
     Owner owner;
-    std::optional<SourceRead> before{std::in_place, sources, std::size_t{1}};
+    std::optional<SourceRead> before;
     {
         ToldSource source;
         CHECK(sources.add(source) == 0);
+        before.emplace(sources, 1U);
         CHECK_FALSE(start(*before, owner));
         CHECK(source.reads.size() == 1);
     }
