@@ -48,9 +48,13 @@ int main(int argc, char** argv)
     net::StderrLog log{LogLevel::Warning};
     const auto application = net::Application::open(
         {"urn:example:first-client", "First client", "first_client_pki"}, log);
+    if (!application) {
+        std::fprintf(stderr, "%s\n", text(application.error()).c_str());
+        return 2;
+    }
     const char* password = std::getenv("FIRST_CLIENT_PASSWORD");
-    if (!application || argc < 2 || password == nullptr) {
-        return 2; // the log says why, or see above
+    if (argc < 2 || password == nullptr) {
+        return 2; // see above
     }
     client::ClientConfig config = (*application)->client_config(argv[1]);
     config.identity = client::NamedUser{"operator", password};
