@@ -78,7 +78,8 @@ struct DataValueParts {
     }
 };
 
-inline void write_data_value(binary::Writer& writer, const DataValueParts& parts)
+/// Static, so that it becomes a part of its one caller in a file.
+static inline void write_data_value(binary::Writer& writer, const DataValueParts& parts)
 {
     namespace bits = data_value_mask;
     const unsigned mask = parts.mask();

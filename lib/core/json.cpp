@@ -9,8 +9,6 @@ namespace busbar::detail {
 
 namespace {
 
-constexpr std::string_view digits = "0123456789";
-
 void append_utf8(std::string& to, std::uint32_t code)
 {
     const auto add = [&](std::uint32_t byte) { to += static_cast<char>(byte); };
@@ -41,28 +39,28 @@ std::uint32_t digit_of(char c)
 }
 
 /// The length of the digits in front of `text`.
-std::size_t count_digits(std::string_view text)
+std::size_t digits_in_front(std::string_view text)
 {
-    return std::min(text.find_first_not_of(digits), text.size());
+    return std::min(text.find_first_not_of("0123456789"), text.size());
 }
 
 /// RFC 8259, 6.
 bool is_number(std::string_view word)
 {
     word.remove_prefix(word.starts_with('-') ? 1 : 0);
-    const std::size_t whole = count_digits(word);
+    const std::size_t whole = digits_in_front(word);
     if (whole == 0 || (whole > 1 && word.front() == '0')) {
         return false;
     }
     word.remove_prefix(whole);
     if (word.starts_with('.')) {
-        const std::size_t fraction = count_digits(word.substr(1));
+        const std::size_t fraction = digits_in_front(word.substr(1));
         word.remove_prefix(fraction == 0 ? 0 : 1 + fraction);
     }
     if (word.starts_with('e') || word.starts_with('E')) {
         word.remove_prefix(1);
         word.remove_prefix(word.starts_with('+') || word.starts_with('-') ? 1 : 0);
-        return !word.empty() && count_digits(word) == word.size();
+        return !word.empty() && digits_in_front(word) == word.size();
     }
     return word.empty();
 }
