@@ -8,12 +8,8 @@
 #include <busbar/binary/type_registry.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
-#include <busbar/core/log.hpp>
 #include <busbar/core/problem.hpp>
-#include <busbar/crypto/certificate_validator.hpp>
-#include <busbar/crypto/random.hpp>
 #include <busbar/model/address_space.hpp>
-#include <busbar/server/access_control.hpp>
 #include <busbar/server/connection.hpp>
 #include <busbar/server/data_source.hpp>
 #include <busbar/server/environment.hpp>
@@ -21,7 +17,6 @@
 #include <busbar/server/modules.hpp>
 #include <busbar/server/namespace_metadata.hpp>
 #include <busbar/server/server_config.hpp>
-#include <busbar/server/waker.hpp>
 
 namespace busbar::server {
 
@@ -36,8 +31,7 @@ public:
     /// Refused, with the reason in the log too, if `environment` lacks what is required or `config`
     /// contradicts itself, as check_config finds without making a server: an endpoint with security
     /// and no certificate, a certificate that does not name the ApplicationUri, a plain password
-    /// that was not allowed, an URL that is none; or if the AddressSpace has no room for the
-    /// ApplicationUri among its namespaces.
+    /// that was not allowed, an URL that is none; or if there is no room for one more namespace.
     [[nodiscard]] static Configured<Server> create(ServerConfig config,
                                                    const ServerEnvironment& environment,
                                                    model::AddressSpace address_space = {});
