@@ -190,7 +190,7 @@ public:
     DataSource() = default;
     DataSource(const DataSource&) = delete;
     DataSource& operator=(const DataSource&) = delete;
-    virtual ~DataSource();
+    virtual ~DataSource() { detach(); }
 
     /// The index that nodes carry (NewVariable::source), of the server that the source was added to
     /// last; model::no_source before.
@@ -236,9 +236,10 @@ private:
     friend class detail::DataSources;
     friend class detail::SourceEntry;
 
+    void detach();
+
     std::uint32_t index_{UINT32_MAX};
-    /// What the servers that the source was added to find it by: null when it is gone. Made when
-    /// the first of them asks.
+    /// What its servers find it by, made for the first of them; holds null when it is gone.
     std::shared_ptr<DataSource*> self_;
 };
 

@@ -35,8 +35,7 @@ public:
     [[nodiscard]] static Configured<Server> create(ServerConfig config,
                                                    const ServerEnvironment& environment,
                                                    model::AddressSpace address_space = {});
-    /// A server that has these modules, instead of all. Refused also if `config` asks for what one
-    /// of the others has.
+    /// A server with these modules only; also refused if `config` asks for what others have.
     [[nodiscard]] static Configured<Server> create(ModuleTable modules, ServerConfig config,
                                                    const ServerEnvironment& environment,
                                                    model::AddressSpace address_space = {});

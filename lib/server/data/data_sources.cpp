@@ -6,7 +6,7 @@
 
 namespace busbar::server {
 
-DataSource::~DataSource()
+void DataSource::detach()
 {
     if (self_ != nullptr) {
         *self_ = nullptr;
