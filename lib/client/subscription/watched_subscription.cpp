@@ -172,14 +172,14 @@ void WatchedSubscription::report_status(StatusCode status,
     }
 }
 
-void WatchedSubscription::report_items(ItemTable& items, const ItemStatuses& statuses) const
+void WatchedSubscription::report_items(ItemTable& table, const ItemStatuses& statuses) const
 {
     const auto told = handlers;
     if (!told->on_item) {
         return;
     }
     for (const auto& [item, status] : statuses) {
-        if (items.find(item) != nullptr) {
+        if (table.find(item) != nullptr) {
             told->on_item(item, status);
         }
     }

@@ -84,17 +84,17 @@ struct WatchedSubscription {
     void begin_anew();
     /// The session ended: requests under way have no answers. Changes of items are made again, they
     /// are the same twice.
-    void interrupt(ItemTable& items);
+    void interrupt(ItemTable& table);
     /// Queues all items to be made, and all links.
-    void queue_all_items(ItemTable& items);
+    void queue_all_items(ItemTable& table);
     /// Queues one, if it is still there.
-    void queue_creation(ItemTable& items, ItemHandle item);
+    void queue_creation(ItemTable& table, ItemHandle item);
 
     // These call a handler, which may remove it.
     /// Tells of what was lost until `until`, if something was.
     void report_gap(DateTime until);
     void report_status(StatusCode status, const CreateSubscriptionResponse& response);
-    void report_items(ItemTable& items, const ItemStatuses& statuses) const;
+    void report_items(ItemTable& table, const ItemStatuses& statuses) const;
 
     SubscriptionHandle handle;
     SubscriptionSettings settings;
