@@ -4,6 +4,8 @@
 
 #include <busbar/core/text.hpp>
 
+#include "buffer_bounds.hpp"
+
 namespace busbar::channel {
 
 bool AssemblyBudget::take(std::size_t size)
@@ -18,13 +20,6 @@ bool AssemblyBudget::take(std::size_t size)
 }
 
 namespace detail {
-
-namespace {
-
-/// A larger buffer is not worth keeping for the next message.
-constexpr std::size_t max_recycled_size = 1U << 20U;
-
-} // namespace
 
 Result<std::optional<ChannelEvent>> Assembly::add(char flag, const SymmetricContent& content)
 {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "buffer_bounds.hpp"
+
 namespace busbar::channel::detail {
 
 namespace {
@@ -11,27 +13,6 @@ std::uint32_t stricter(std::uint32_t peer, std::uint32_t own)
 {
     return peer == 0 ? own : std::min(peer, own);
 }
-
-/// A limit of ours that is not given is the default.
-TransportLimits completed(TransportLimits limits)
-{
-    constexpr TransportLimits defaults;
-    const auto size = [](std::uint32_t given, std::uint32_t standard) {
-        return given == 0 ? standard : std::max(given, min_buffer_size);
-    };
-    limits.receive_buffer_size = size(limits.receive_buffer_size, defaults.receive_buffer_size);
-    limits.send_buffer_size = size(limits.send_buffer_size, defaults.send_buffer_size);
-    if (limits.max_message_size == 0) {
-        limits.max_message_size = defaults.max_message_size;
-    }
-    if (limits.max_chunk_count == 0) {
-        limits.max_chunk_count = defaults.max_chunk_count;
-    }
-    return limits;
-}
-
-/// An idle connection does not keep more for its input.
-constexpr std::size_t max_idle_input = 256U << 10U;
 
 } // namespace
 

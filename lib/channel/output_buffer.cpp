@@ -1,6 +1,7 @@
 #include "output_buffer.hpp"
 
-#include <algorithm>
+#include <cstring>
+#include <utility>
 
 namespace busbar::channel::detail {
 
@@ -30,24 +31,37 @@ void OutputBuffer::shrink_if_idle()
         return;
     }
     begin_ = end_ = 0;
-    if (storage_.size() > max_idle_size) {
-        storage_ = {};
+    if (capacity_ > max_idle_size) {
+        storage_.reset();
+        capacity_ = 0;
     }
+}
+
+void OutputBuffer::move_to_front(std::byte* front)
+{
+    if (begin_ != end_) {
+        std::memmove(front, storage_.get() + begin_, end_ - begin_);
+    }
+    end_ -= begin_;
+    begin_ = 0;
 }
 
 std::span<std::byte> OutputBuffer::reserve(std::size_t size)
 {
-    // Only where as much was sent as is moved, so that a slow reader costs no copy per chunk.
-    if (storage_.size() - end_ < size && begin_ != 0 && begin_ >= end_ - begin_) {
-        std::copy(storage_.begin() + static_cast<std::ptrdiff_t>(begin_),
-                  storage_.begin() + static_cast<std::ptrdiff_t>(end_), storage_.begin());
-        end_ -= begin_;
-        begin_ = 0;
+    if (capacity_ - end_ < size) {
+        // Half of what waits is free behind it then, so that each byte is moved a few times at
+        // most, however slowly the peer reads.
+        const std::size_t needed = max_capacity(end_ - begin_, size);
+        if (needed <= capacity_) {
+            move_to_front(storage_.get());
+        } else {
+            auto larger = std::make_unique_for_overwrite<std::byte[]>(needed);
+            move_to_front(larger.get());
+            storage_ = std::move(larger);
+            capacity_ = needed;
+        }
     }
-    if (storage_.size() - end_ < size) {
-        storage_.resize(std::max(end_ + size, storage_.size() + storage_.size() / 2));
-    }
-    return std::span{storage_}.subspan(end_, size);
+    return {storage_.get() + end_, size};
 }
 
 } // namespace busbar::channel::detail

@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include "channel/buffer_bounds.hpp"
 #include "support/allocation_count.hpp"
 #include "support/scripted_client.hpp"
 
@@ -230,4 +231,86 @@ TEST_CASE("chunks of two messages may not mix", "[channel][limits]")
     client.feed(client.chunk("MSGC", 1, 4));
     client.feed(client.chunk("MSGF", 2, 4));
     CHECK(client.told() == status::Bad_TcpMessageTypeInvalid);
+}
+
+TEST_CASE("what waits for a peer is moved a few times only, and lies in little more than its size",
+          "[channel][limits]")
+{
+    constexpr std::size_t chunk = 1'000;
+    constexpr std::size_t most = 50 * chunk;
+    channel::detail::OutputBuffer out;
+    std::size_t sent = 0;
+    std::size_t taken = 0;
+    std::size_t moves = 0;
+    const std::byte* front = nullptr;
+    for (std::size_t i = 0; i < 5'000; ++i) {
+        const auto room = out.reserve(chunk);
+        moves += out.output().data() != front ? 1U : 0U;
+        const std::size_t size = 1 + i * 7 % chunk;
+        for (std::byte& byte : room.first(size)) {
+            byte = static_cast<std::byte>(sent++ % 251);
+        }
+        out.commit(size);
+        REQUIRE(out.capacity() <= channel::detail::OutputBuffer::max_capacity(most, chunk));
+        // A slow peer: what waits grows to the most, then stays there.
+        const std::size_t excess = std::max(out.output().size(), most - chunk) - (most - chunk);
+        for (const std::byte byte : out.output().first(excess)) {
+            REQUIRE(byte == static_cast<std::byte>(taken++ % 251));
+        }
+        out.consume(excess);
+        front = out.output().data();
+    }
+    CHECK(out.output().size() == sent - taken);
+    CHECK(moves < 500);
+    out.consume(out.output().size());
+    CHECK(out.output().empty());
+}
+
+TEST_CASE("a channel's buffers stay within their bounds", "[channel][limits]")
+{
+    channel::TransportLimits limits;
+    limits.receive_buffer_size = 8'192;
+    limits.send_buffer_size = 8'192;
+    limits.max_message_size = 100'000;
+    constexpr std::size_t queue = 50'000;
+    const auto bounds = channel::detail::bounds_of(limits, queue);
+    OpenServer client{limits};
+    SECTION("a chunk that never ends, byte by byte")
+    {
+        Bytes chunk = client.chunk("MSGC", 1, 8'192 - 24);
+        chunk.pop_back();
+        for (const std::byte byte : chunk) {
+            static_cast<void>(client.server.feed(std::span{&byte, 1}, client.now));
+            CHECK_FALSE(client.server.next_event());
+        }
+        CHECK(client.server.memory_in_use() >= chunk.size());
+        CHECK(client.server.memory_in_use() <=
+              bounds.input + client.server.output().size() + 8'300);
+    }
+    SECTION("answers that nobody takes")
+    {
+        const Bytes answer(limits.max_message_size);
+        while (client.server.output().size() <= queue) {
+            REQUIRE(client.server.send(1, [&](binary::Writer& writer) { writer.bytes(answer); }));
+        }
+        CHECK(client.server.memory_in_use() >= answer.size());
+        CHECK(client.server.memory_in_use() <= bounds.output + bounds.input);
+    }
+    SECTION("the buffer of a message that was given back")
+    {
+        client.server.recycle(Bytes(2 * limits.max_message_size));
+        CHECK(client.server.memory_in_use() <= bounds.kept + bounds.input + bounds.output);
+        client.server.recycle(Bytes(channel::detail::max_recycled_size + 1));
+        CHECK(client.server.memory_in_use() <= bounds.kept + bounds.input + bounds.output);
+    }
+}
+
+TEST_CASE("limits that are not given have the bounds of the defaults", "[channel][limits]")
+{
+    const channel::TransportLimits none{0, 0, 0, 0};
+    const auto given = channel::detail::bounds_of({}, 1'000);
+    const auto bounds = channel::detail::bounds_of(none, 1'000);
+    CHECK(bounds.input == given.input);
+    CHECK(bounds.output == given.output);
+    CHECK(bounds.output > channel::TransportLimits{}.max_message_size);
 }
