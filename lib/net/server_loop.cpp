@@ -33,6 +33,9 @@ using asio::ip::tcp;
 /// Peers that are being told that there is no place for them.
 constexpr std::size_t most_turned_away = 16;
 
+/// Else a link would read on from a peer whose requests wait for their turn.
+static_assert(requires(const server::Connection& connection) { connection.has_enough(); });
+
 /// A pipe to oneself: writing one byte neither blocks nor allocates.
 class PipeWaker final : public server::Waker {
 public:

@@ -62,6 +62,7 @@ TEST_CASE("D2: a connection that asks for much waits for its next turn")
     std::size_t turns = 0;
     for (; answered < requests; ++turns) {
         REQUIRE(greedy.connection.next_deadline() <= fixture.now);
+        REQUIRE(greedy.connection.has_enough());
         // Between any two turns others are served at once.
         if (turns % 16 == 0) {
             REQUIRE(good.status_of<ReadResponse>(SlowFixture::fast()) == status::Good);
@@ -72,6 +73,26 @@ TEST_CASE("D2: a connection that asks for much waits for its next turn")
     CHECK(turns >= requests);
     greedy.connection.handle_deadline(fixture.now);
     CHECK(greedy.connection.next_deadline() > fixture.now);
+    CHECK_FALSE(greedy.connection.has_enough());
+}
+
+TEST_CASE("what a request was decoded to is paid for while it waits for its turn")
+{
+    auto config = ServerFixture::insecure_config();
+    config.limits.max_session_memory = 60'000;
+    ServerFixture fixture{config};
+    auto client = fixture.log_in();
+    // Some 20 bytes each on the wire, a hundred as an object.
+    CHECK(client.status_of<BrowseResponse>(dear_browse(1'000)) == status::Bad_TooManyOperations);
+    prepare(client, dear_browse(100));
+    carry(client.channel, client.connection, fixture.now);
+    std::size_t answered = take_answers(client, fixture.now);
+    for (std::size_t turns = 0; answered == 0 && turns < 1'000; ++turns) {
+        client.connection.handle_deadline(fixture.now);
+        answered += take_answers(client, fixture.now);
+    }
+    CHECK(answered == 1);
+    CHECK(client.status_of<ReadResponse>(SlowFixture::fast()) == status::Good);
 }
 
 TEST_CASE("D2: what waits for its turn ends with its session")

@@ -54,6 +54,9 @@ public:
     /// handle_deadline(); next_deadline() is then not after the time that was given last. Serve
     /// other connections and the server first.
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
+    /// Some of what was fed waits for its turn: read no more from the peer until handle_deadline()
+    /// has done it, or what comes piles up here.
+    [[nodiscard]] bool has_enough() const;
     [[nodiscard]] std::optional<ConnectionEvent> next_event();
     /// Bytes for the peer, valid until the next call of a member of the server or its connections.
     [[nodiscard]] std::span<const std::byte> output() const;

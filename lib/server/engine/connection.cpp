@@ -24,6 +24,11 @@ Result<void> Connection::feed(std::span<const std::byte> in, TimePoint now)
     return link_->feed(in, now);
 }
 
+bool Connection::has_enough() const
+{
+    return link_->has_enough();
+}
+
 std::optional<ConnectionEvent> Connection::next_event()
 {
     return link_->next_event();

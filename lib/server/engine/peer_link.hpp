@@ -42,6 +42,7 @@ public:
     [[nodiscard]] Core& core() { return core_; }
     [[nodiscard]] Result<void> reverse_hello(std::string_view endpoint_url);
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
+    [[nodiscard]] bool has_enough() const { return has_more_ && !is_closed(); }
     [[nodiscard]] std::optional<ConnectionEvent> next_event();
     [[nodiscard]] std::span<const std::byte> output() const;
     void consume(std::size_t size);
