@@ -18,7 +18,8 @@ std::size_t budget_for(std::size_t input, const DecodeLimits& limits)
 Reader::Reader(std::span<const std::byte> input, Strings strings, const TypeRegistry* types,
                const DecodeLimits& limits)
     : begin_{input.data()}, position_{begin_}, end_{begin_ + input.size()}, types_{types},
-      limits_{limits}, budget_{budget_for(input.size(), limits)}, strings_{strings}
+      limits_{limits}, earned_{budget_for(input.size(), limits)}, budget_{earned_}, strings_{
+                                                                                        strings}
 {
 }
 

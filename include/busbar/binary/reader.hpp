@@ -109,6 +109,8 @@ public:
     /// Charges `bytes` of C++ objects to the message. False, with Bad_EncodingLimitsExceeded, if
     /// the message is too small for them.
     [[nodiscard]] bool charge(std::uint64_t bytes);
+    /// Bytes of C++ objects that were charged so far: what was decoded takes no more.
+    [[nodiscard]] std::size_t charged() const { return earned_ - budget_; }
 
     /// Enters a nested value. False if it is too deep, which fails the Reader with
     /// Bad_EncodingLimitsExceeded.
@@ -128,6 +130,8 @@ private:
     const std::byte* end_;
     const TypeRegistry* types_;
     DecodeLimits limits_;
+    /// Bytes of C++ objects that the input may become, and what is left of them.
+    std::size_t earned_;
     std::size_t budget_;
     std::uint32_t depth_{0};
     std::uint32_t diagnostic_depth_{0};

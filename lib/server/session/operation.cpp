@@ -70,6 +70,7 @@ StatusCode ServiceOperation::decode(std::vector<std::byte> message, std::size_t 
     binary::Reader reader{std::span{message_}.subspan(offset), binary::Strings::Borrow, &types,
                           limits};
     decode_request(reader);
+    decoded_ = reader.charged();
     if (reader.ok() && reader.remaining() != 0) {
         return status::Bad_DecodingError;
     }

@@ -79,8 +79,9 @@ public:
                                     const binary::DecodeLimits& limits);
     /// It is to be answered there; before start().
     void open(const Question& question, ServiceContext& context);
-    /// Charges the session with the message; what has not answered behind start() needs it still.
-    [[nodiscard]] bool charge_message() { return charge(message_.capacity()); }
+    /// Charges the session with the message and what it was decoded to; what has not answered
+    /// behind start() needs both still.
+    [[nodiscard]] bool charge_message() { return charge(message_.capacity() + decoded_); }
     /// Nobody waits for the answer any more.
     void drop() { static_cast<void>(finish()); }
 
@@ -110,6 +111,8 @@ private:
     Peer& finish();
 
     std::vector<std::byte> message_;
+    /// Bytes of the request's objects.
+    std::size_t decoded_{0};
     Peer* peer_{nullptr};
     Session* session_{nullptr};
     /// Of the request's type.

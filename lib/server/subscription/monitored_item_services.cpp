@@ -1,5 +1,8 @@
 #include "monitored_item_services.hpp"
 
+#include <utility>
+
+#include <busbar/binary/codec.hpp>
 #include <busbar/core/attribute_id.hpp>
 
 #include "sampler.hpp"
@@ -118,6 +121,15 @@ protected:
     [[nodiscard]] virtual StatusCode check() const { return status::Good; }
     [[nodiscard]] Subscription& subscription() const { return *subscription_; }
     [[nodiscard]] ItemContext item_context() const { return {all_, *subscription_, now_}; }
+    /// What a result has besides itself the session pays for; it is left out if it cannot.
+    [[nodiscard]] ExtensionObject paid_for(ExtensionObject filter_result)
+    {
+        // Objects are larger than their encoding, by no more than their fields' headers.
+        if (filter_result.is_null() || this->charge(64 + 8 * binary::encoded_size(filter_result))) {
+            return filter_result;
+        }
+        return {};
+    }
 
 private:
     [[nodiscard]] StatusCode begin(ServiceContext& context) override
@@ -159,8 +171,10 @@ private:
     [[nodiscard]] MonitoredItemCreateResult work(std::size_t index, Turn& turn) override
     {
         turn.spend(Turn::units_of_item);
-        return create_one(item_context(), request().items_to_create[index],
-                          request().timestamps_to_return);
+        MonitoredItemCreateResult result = create_one(
+            item_context(), request().items_to_create[index], request().timestamps_to_return);
+        result.filter_result = paid_for(std::move(result.filter_result));
+        return result;
     }
     void undo(const CreateMonitoredItemsResponse& response) override
     {
@@ -194,7 +208,7 @@ private:
             revision.status = status::Bad_MonitoredItemIdInvalid;
         }
         return {revision.status, revision.sampling_interval, revision.queue_size,
-                std::move(revision.filter_result)};
+                paid_for(std::move(revision.filter_result))};
     }
 };
 

@@ -103,7 +103,8 @@ std::unique_ptr<ValueItem> ValueItem::make(const ItemContext& context,
     item->filter_text_ = parameters.filter;
     const std::size_t cost = sizeof(ValueItem) + 2 * sizeof(void*) * 8 +
                              MonitoredHandles::bytes_per_item + model::node_watch_memory +
-                             item->value_id_.index_range.size();
+                             2 * binary::encoded_size(item->value_id_) +
+                             (item->range_ != nullptr ? sizeof(NumericRange) : 0);
     if (!context.subscription.memory().charge(cost)) {
         revision.status = status::Bad_TooManyMonitoredItems;
         return nullptr;

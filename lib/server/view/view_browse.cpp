@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <utility>
 
+#include <busbar/binary/codec.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "server/rights/hierarchy.hpp"
@@ -79,6 +80,19 @@ void describe(const model::AddressSpace& space, const Reference& reference, std:
         const NodeIndex type = space.type_definition(reference.target);
         to.type_definition.node_id = type == model::no_node ? NodeId{} : space.node_id(type);
     }
+}
+
+std::size_t text_size(const NodeId& id)
+{
+    return id.is_numeric() ? 0 : binary::encoded_size(id);
+}
+
+/// Bytes that the description holds besides the object itself.
+std::size_t text_size(const ReferenceDescription& described)
+{
+    return described.browse_name.name.size() + described.display_name.locale.size() +
+           described.display_name.text.size() + text_size(described.node_id.node_id) +
+           text_size(described.reference_type_id) + text_size(described.type_definition.node_id);
 }
 
 /// The references of a node, followed by the instances of one that is a type.
@@ -180,7 +194,9 @@ void take_matches(ViewContext& context, const BrowseFilter& filter, Walk& walk, 
         if (!reference) {
             break;
         }
-        describe(context.space, *reference, filter.result_mask, result.references.emplace_back());
+        ReferenceDescription& described = result.references.emplace_back();
+        describe(context.space, *reference, filter.result_mask, described);
+        context.text_bytes += text_size(described);
         context.turn.spend(Turn::units_of_reference);
     }
     context.references_left -= result.references.size() - has;

@@ -25,6 +25,9 @@ struct ViewNeeds {
 
 /// What they need of the server and the session for one request.
 struct ViewContext {
+    /// References that one request is told of.
+    static constexpr std::size_t max_references = 200'000;
+
     const model::AddressSpace& space;
     NodeRights rights;
     const ServerLimits& limits;
@@ -32,7 +35,9 @@ struct ViewContext {
     Session& session;
     /// Work and memory of one request.
     std::size_t visits_left{10'000'000};
-    std::size_t references_left{200'000};
+    std::size_t references_left{max_references};
+    /// Bytes of names and NodeIds in what was described.
+    std::size_t text_bytes{0};
     /// What may be done of it before others have their turn.
     Turn turn{};
     /// With so many visits left, or none, what looks at references has to stop for now.

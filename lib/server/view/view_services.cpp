@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "browse_work.hpp"
 #include "server/session/session_rights.hpp"
@@ -27,7 +28,10 @@ public:
     void start(ServiceContext& context) override
     {
         ViewContext view = view_context(needs_, context);
-        const StatusCode status = work_.begin(view, this->request(), response_);
+        StatusCode status = work_.begin(view, this->request(), response_);
+        if (status.is_good() && !this->charge(response_.results.size() * sizeof(BrowseResult))) {
+            status = status::Bad_TooManyOperations;
+        }
         visits_left_ = view.visits_left;
         references_left_ = view.references_left;
         if (status.is_bad()) {
@@ -54,7 +58,7 @@ public:
                 encode(writer, response_.results);
                 encode(writer, response_.diagnostic_infos);
             });
-        } else if (!this->charge(added * sizeof(ReferenceDescription))) {
+        } else if (!this->charge(added * sizeof(ReferenceDescription) + view.text_bytes)) {
             this->fault(status::Bad_OutOfMemory);
         }
     }
@@ -87,7 +91,7 @@ private:
         view_.emplace(view_context(needs_, context));
         view_->visits_left = visits_left_;
         view_->references_left = references_left_;
-        return status::Good;
+        return this->charge(std::exchange(owed_, 0)) ? StatusCode{} : status::Bad_OutOfMemory;
     }
     [[nodiscard]] BrowsePathResult work(std::size_t index, Turn& turn) override
     {
@@ -98,6 +102,7 @@ private:
     }
     void pause(ServiceContext&) override
     {
+        owed_ = (references_left_ - view_->references_left) * sizeof(BrowsePathTarget);
         visits_left_ = view_->visits_left;
         references_left_ = view_->references_left;
         view_.reset();
@@ -110,6 +115,8 @@ private:
     std::optional<ViewContext> view_;
     std::size_t visits_left_{0};
     std::size_t references_left_{0};
+    /// Bytes of the targets that were found in the last turn.
+    std::size_t owed_{0};
 };
 
 } // namespace
