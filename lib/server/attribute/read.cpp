@@ -16,8 +16,12 @@ void ReadOperation::start(ServiceContext& context)
     };
     job_.emplace(ReadContext{needs_.space, needs_.sources,
                              rights_of(*context.session, needs_.space, needs_.access), live_value,
-                             needs_.wall_clock.now()},
+                             needs_.wall_clock.now(), response_limit()},
                  request());
+    if (!job_->fits()) {
+        job_.reset();
+        return fault(status::Bad_ResponseTooLarge);
+    }
     if (job_->start(*this, context.now)) {
         return call_completed();
     }

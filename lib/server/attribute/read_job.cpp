@@ -35,14 +35,26 @@ StatusCode check_read(const ReadRequest& request, std::size_t max_nodes)
 }
 
 ReadJob::ReadJob(const ReadContext& context, const ReadRequest& request)
-    : call_{context.sources, request.nodes_to_read.size()},
+    : call_{context.sources, request.nodes_to_read.size()}, room_{context.max_response},
       timestamps_{request.timestamps_to_return, context.server_time}, max_age_{to_max_age(
                                                                           request.max_age)}
 {
     const auto ids = request.nodes_to_read.span();
-    for (std::size_t i = 0; i < ids.size(); ++i) {
+    for (std::size_t i = 0; i < ids.size() && fits(); ++i) {
         plan(context, i, ids[i]);
     }
+}
+
+/// One value may be asked for many times in one small request, of which each takes its own copy.
+void ReadJob::take_answer(std::size_t index, DataValue answer, const NumericRange* range)
+{
+    ReadSlot& slot = call_.answer(index);
+    static_cast<DataValue&>(slot) = std::move(answer);
+    if (range != nullptr) {
+        cut_range(slot, *range);
+        ranges_->pop_back();
+    }
+    room_ -= std::min(room_, binary::encoded_size(slot.value));
 }
 
 void ReadJob::plan(const ReadContext& context, std::size_t index, const ReadValueId& id)
@@ -58,8 +70,7 @@ void ReadJob::plan(const ReadContext& context, std::size_t index, const ReadValu
         return;
     }
     if (planned.source == nullptr) {
-        call_.answer(index) = std::move(planned.answer);
-        return;
+        return take_answer(index, std::move(planned.answer), *range);
     }
     const bool is_cut_by_source = *range != nullptr && planned.source->options().reads_ranges;
     if (is_cut_by_source) {

@@ -29,6 +29,9 @@ public:
     /// Keeps no reference to `request`, and of `context` only the sources.
     ReadJob(const ReadContext& context, const ReadRequest& request);
 
+    /// False if what was found in the address space alone is more than the response may have: the
+    /// rest was not looked at, and nothing is to be started.
+    [[nodiscard]] bool fits() const { return room_ != 0; }
     /// True if the results are there, else `owner` is told.
     [[nodiscard]] bool start(SourceCallOwner& owner, TimePoint now);
     [[nodiscard]] TimePoint next_deadline() const { return call_.next_deadline(); }
@@ -52,7 +55,11 @@ private:
     /// Null if there is no range.
     [[nodiscard]] Result<NumericRange*> keep_range(std::size_t index, const String& text);
 
+    void take_answer(std::size_t index, DataValue answer, const NumericRange* range);
+
     SourceRead call_;
+    /// Bytes that the response has left for answers; none once it cannot fit.
+    std::size_t room_;
     Timestamps timestamps_;
     std::chrono::milliseconds max_age_;
     std::shared_ptr<std::vector<Range>> ranges_;
