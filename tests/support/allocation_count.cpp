@@ -4,11 +4,15 @@
 #include <cstdlib>
 #include <new>
 
+#include <malloc.h>
+
 namespace {
 
 std::atomic<std::size_t> count{0};
 std::atomic<std::size_t> bytes{0};
 std::atomic<std::size_t> frees{0};
+std::atomic<std::size_t> held{0};
+std::atomic<std::size_t> peak{0};
 thread_local std::size_t calls{0};
 
 void* allocate(std::size_t size)
@@ -16,7 +20,11 @@ void* allocate(std::size_t size)
     ++count;
     ++calls;
     bytes += size;
-    return std::malloc(size == 0 ? 1 : size);
+    void* const memory = std::malloc(size == 0 ? 1 : size);
+    const std::size_t now = held += memory != nullptr ? ::malloc_usable_size(memory) : 0;
+    for (std::size_t before = peak; before < now && !peak.compare_exchange_weak(before, now);) {
+    }
+    return memory;
 }
 
 void* allocate_or_end(std::size_t size)
@@ -32,6 +40,7 @@ void release(void* memory)
 {
     frees += memory != nullptr ? 1 : 0;
     calls += memory != nullptr ? 1 : 0;
+    held -= memory != nullptr ? ::malloc_usable_size(memory) : 0;
     std::free(memory);
 }
 
@@ -55,6 +64,21 @@ std::size_t busbar::test::calls_of_thread()
 std::size_t busbar::test::allocated_bytes()
 {
     return bytes;
+}
+
+std::size_t busbar::test::held_bytes()
+{
+    return held;
+}
+
+std::size_t busbar::test::peak_bytes()
+{
+    return peak;
+}
+
+void busbar::test::forget_peak()
+{
+    peak = held.load();
 }
 
 // The other forms call these. No type here asks for more than malloc aligns to.

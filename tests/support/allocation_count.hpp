@@ -13,4 +13,10 @@ namespace busbar::test {
 /// How many bytes it was asked for, all calls together.
 [[nodiscard]] std::size_t allocated_bytes();
 
+/// How many bytes it gave that were not given back, with what malloc adds to each.
+[[nodiscard]] std::size_t held_bytes();
+/// The most that these were since forget_peak().
+[[nodiscard]] std::size_t peak_bytes();
+void forget_peak();
+
 } // namespace busbar::test

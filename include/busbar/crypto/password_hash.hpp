@@ -9,6 +9,10 @@
 
 namespace busbar::crypto {
 
+/// Bytes that each call of hash_password or verify_password takes while it lasts; with a hash that
+/// others made with larger numbers up to twice as many. So that guessing takes them too.
+inline constexpr std::size_t password_hash_memory = 16'780'288;
+
 /// A password as it may be stored: "$scrypt$<log2 N>$<r>$<p>$<salt>$<hash>" (RFC 7914), base64.
 [[nodiscard]] BUSBAR_API Result<std::string> hash_password(std::string_view password,
                                                            Random& random);

@@ -6,6 +6,7 @@
 
 #include <busbar/binary/reader.hpp>
 #include <busbar/channel/channel_types.hpp>
+#include <busbar/core/api.hpp>
 #include <busbar/server/event_limits.hpp>
 #include <busbar/server/subscription_limits.hpp>
 
@@ -97,5 +98,10 @@ struct ServerLimits {
     /// Clients and users that are remembered for failures, and pairs of both for successes.
     std::size_t max_login_entries{512};
 };
+
+/// For a machine with little memory: a handful of clients with a thousand items. What peers can
+/// make a server hold with these is below 16 MiB (see worst_case_memory); the time that each
+/// password takes, and its crypto::password_hash_memory, come on top.
+[[nodiscard]] BUSBAR_API ServerLimits small_controller_limits();
 
 } // namespace busbar::server

@@ -20,6 +20,8 @@
 
 namespace busbar::server {
 
+struct WorstCaseMemory;
+
 /// One OPC UA server: address space, data sources and sessions, to which Connections bring the
 /// clients. Does no I/O; any number of them live in one process.
 ///
@@ -39,6 +41,8 @@ public:
     [[nodiscard]] static Configured<Server> create(ModuleTable modules, ServerConfig config,
                                                    const ServerEnvironment& environment,
                                                    model::AddressSpace address_space = {});
+    /// What peers can make a server with these limits hold; see the function of that name.
+    [[nodiscard]] static WorstCaseMemory worst_case_memory(const ServerLimits& limits);
     Server(Server&&) noexcept;
     Server& operator=(Server&&) noexcept;
     /// All Connections must have been destroyed.

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <busbar/core/api.hpp>
+#include <busbar/server/data_source.hpp>
+#include <busbar/server/limits.hpp>
+
+namespace busbar::server {
+
+/// What the number of a limit counts.
+enum class LimitUnit : std::uint8_t { Count, Bytes, Milliseconds };
+
+/// A limit, and what peers can make a server hold because of it.
+struct MemoryRow {
+    /// As ServerLimits has it: "max_sessions", "subscriptions.max_memory". Static.
+    std::string_view limit;
+    /// The limit as it is in force.
+    std::uint64_t value{0};
+    LimitUnit unit{LimitUnit::Count};
+    /// How many there can be at a time, and what each takes at most; 0 if it is paid for by another
+    /// limit, or holds nothing.
+    std::uint64_t count{0};
+    std::uint64_t bytes_each{0};
+    /// What is held, or which limit pays for it; empty if nothing is. Static.
+    std::string_view held;
+
+    /// Of all of them; the largest number if they are more.
+    [[nodiscard]] BUSBAR_API std::uint64_t bytes() const;
+};
+
+/// What a server has besides its limits.
+struct MemoryAssumptions {
+    /// Passwords that are hashed at a time: 1 with PasswordUsers, on whichever thread; 0 where
+    /// nobody logs in with a password.
+    std::size_t password_checks{1};
+    /// Of the sources that do not complete their batches inline. They must outlive the call.
+    std::span<const DataSourceOptions> slow_sources{};
+};
+
+struct WorstCaseMemory {
+    /// In the order of ServerLimits, each limit once or more; then what has no limit there.
+    std::vector<MemoryRow> rows;
+
+    /// Of all rows; the largest number if it is more.
+    [[nodiscard]] BUSBAR_API std::uint64_t total() const;
+};
+
+/// What peers together can make a server hold with these limits, at worst: the sum of what lies on
+/// the heap at a time, without what the allocator adds. It is an upper bound, and a high one: that
+/// all is used up at once takes many peers who are logged in.
+///
+/// Not in it are the server's own address space and users, and the values that its data sources
+/// give: a Read holds those of all its nodes until it is answered. Nor is what drives the server:
+/// net::ServerLoop has 64 KiB for each connection.
+[[nodiscard]] BUSBAR_API WorstCaseMemory worst_case_memory(const ServerLimits& limits,
+                                                           const MemoryAssumptions& other = {});
+
+} // namespace busbar::server
