@@ -1,6 +1,8 @@
 #include "limits_section.hpp"
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 #include <type_traits>
 
 namespace busbar::example {
@@ -14,6 +16,25 @@ constexpr std::int64_t least_message = 8'192; // Part 6, 7.1.2.3: the least buff
 constexpr std::uint32_t bytes_of_a_chunk = 32'768;
 /// What a response has besides the value.
 constexpr std::uint64_t headers = 1'024;
+
+/// A key of [limits] and the limit that it sets.
+struct Key {
+    std::string_view name;
+    std::string_view limit;
+};
+constexpr std::array keys{
+    Key{"connections", "max_connections"},
+    Key{"connections_per_address", "max_connections_per_address"},
+    Key{"sessions", "max_sessions"},
+    Key{"nodes_per_read", "operations.max_nodes_per_read"},
+    Key{"nodes_per_write", "operations.max_nodes_per_write"},
+    Key{"nodes_per_browse", "operations.max_nodes_per_browse"},
+    Key{"references_per_node", "max_references_per_node"},
+    Key{"message_size", "transport.max_message_size"},
+    Key{"array_length", "decode.max_array_length"},
+    Key{"string_length", "decode.max_string_length"},
+    Key{"byte_string_length", "decode.max_byte_string_length"},
+};
 
 template <typename T>
 void read(const TomlTable& table, std::string_view key, T& limit, std::int64_t least,
@@ -81,6 +102,13 @@ void check_text(const TomlTable& entry, const controller::PlcVariable& variable,
 }
 
 } // namespace
+
+std::string_view key_of(std::string_view limit)
+{
+    const auto* const found =
+        std::find_if(keys.begin(), keys.end(), [&](const Key& key) { return key.limit == limit; });
+    return found == keys.end() ? std::string_view{} : found->name;
+}
 
 void read_limits(const TomlTable& table, server::ServerLimits& limits)
 {

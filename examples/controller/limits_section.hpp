@@ -7,6 +7,9 @@ namespace busbar::example {
 /// What array_length can be raised to.
 inline constexpr std::int64_t most_elements = 16'777'216;
 
+/// The key of [limits] that sets a limit, by the limit's name in server::MemoryRow; empty if none
+/// does.
+[[nodiscard]] std::string_view key_of(std::string_view limit);
 /// [limits]
 void read_limits(const TomlTable& table, server::ServerLimits& limits);
 /// Refuses a variable whose whole value would not go through these limits.

@@ -34,6 +34,7 @@
 #include "first_account.hpp"
 #include "identity.hpp"
 #include "models.hpp"
+#include "print_limits.hpp"
 #include "reload.hpp"
 #include "welcome.hpp"
 
@@ -294,6 +295,23 @@ int serve(ControllerConfig config, const std::string& file)
 
 constexpr int usage_exit = 2;
 
+/// The built-in one without a file.
+ControllerConfig read_config(const std::string& file)
+{
+    return file.empty() ? example::parse_config(example::default_config, "built-in")
+                        : example::read_config(file);
+}
+
+int print_limits(const std::string& file)
+{
+    ControllerConfig config = read_config(file);
+    if (file.empty()) { // its first start makes an account
+        config.users.accounts.emplace_back();
+    }
+    std::fputs(example::describe_limits(config).c_str(), stdout);
+    return 0;
+}
+
 /// 0 for --help.
 int end_early(const CLI::App& app, const CLI::ParseError& error)
 {
@@ -320,6 +338,7 @@ int run(int argc, char** argv)
     bool wants_hash = false;
     bool wants_config = false;
     bool wants_certificate = false;
+    std::string limits_file;
     CLI::App app{"An OPC UA server in front of a simulated PLC. SIGHUP has it read users and trust "
                  "lists again."};
     app.add_option("--config", file, "configuration; the built-in one by default");
@@ -329,6 +348,12 @@ int run(int argc, char** argv)
                  "read a password from standard input, print what a configuration may store");
     app.add_flag("--regenerate-certificate", wants_certificate,
                  "make a new certificate and key with the names of the configuration, and end");
+    const CLI::Option* const limits =
+        app.add_option("--print-limits", limits_file,
+                       "print all limits, of a configuration if it is given, and the memory that "
+                       "clients can make the controller hold by them")
+            ->expected(0, 1)
+            ->type_name("[FILE]");
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -341,14 +366,15 @@ int run(int argc, char** argv)
     if (wants_hash) {
         return hash_password();
     }
+    if (limits->count() != 0) {
+        return print_limits(limits_file.empty() ? file : limits_file);
+    }
     // Messages of some 100 kB come and go all the time: keep their pages.
     ::mallopt(M_MMAP_THRESHOLD, 64 << 20);
     ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
     // Who reads the log may go; the machine goes on.
     std::signal(SIGPIPE, SIG_IGN);
-    ControllerConfig config = file.empty()
-                                  ? example::parse_config(example::default_config, "built-in")
-                                  : example::read_config(file);
+    ControllerConfig config = read_config(file);
     config.port = port.value_or(config.port);
     if (wants_certificate) {
         return regenerate_certificate(std::move(config));

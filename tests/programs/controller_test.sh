@@ -105,6 +105,21 @@ kill "$pid"
 await ended
 pid=""
 
+# E14: which limit costs how much memory.
+limits() {
+    timeout 30 "$controller" "$@" > out 2> log < /dev/null || fail "busbar-controller $*: $?"
+    grep -q '^limit .*key in \[limits\] .*memory' out || fail "no columns: $*"
+    grep -q '^in all, at worst .*iB$' out || fail "no sum: $*"
+}
+limits --print-limits
+grep -q '^max_sessions  *100  *sessions ' out || fail "the built-in limit"
+printf '[limits]\nsessions = 7\n' > limits.toml
+limits --print-limits limits.toml
+grep -q '^max_sessions  *7  *sessions ' out || fail "the limit of the file"
+limits --config limits.toml --print-limits
+grep -q '^max_sessions  *7  *sessions ' out || fail "the limit of --config"
+refused "none/limits.toml" --print-limits none/limits.toml
+
 # C3: what clients get follows the address and the URL that they used.
 cat > plain.toml << END
 [server]

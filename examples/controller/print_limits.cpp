@@ -1,0 +1,124 @@
+#include "print_limits.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+#include <busbar/server/worst_case_memory.hpp>
+
+#include "limits_section.hpp"
+
+namespace busbar::example {
+
+namespace {
+
+using server::LimitUnit;
+using server::MemoryRow;
+
+using Line = std::array<std::string, 5>;
+
+/// What one connection takes in net::ServerLoop: the bytes that were just received, and the link.
+constexpr std::uint64_t bytes_of_link = 68'000;
+
+std::string value_text(const MemoryRow& row)
+{
+    switch (row.unit) {
+    case LimitUnit::Bytes:
+        return std::to_string(row.value) + " B";
+    case LimitUnit::Milliseconds:
+        return std::to_string(row.value) + " ms";
+    case LimitUnit::Count:
+        break;
+    }
+    return std::to_string(row.value);
+}
+
+/// What the controller has beside the server's limits.
+void add_own(const ControllerConfig& config, std::vector<MemoryRow>& rows)
+{
+    rows.push_back({"ImageOptions::max_waiting_bytes", config.image.max_waiting_bytes,
+                    LimitUnit::Bytes, 1, config.image.max_waiting_bytes,
+                    "Write requests that wait for a scan's edge"});
+    rows.push_back({"net::ServerLoop", bytes_of_link, LimitUnit::Bytes,
+                    2 * std::uint64_t{config.server.limits.max_connections}, bytes_of_link,
+                    "bytes of connections that were just received"});
+}
+
+std::vector<Line> lines_of(const server::WorstCaseMemory& all)
+{
+    std::vector<Line> lines{{"limit", "value", "key in [limits]", "memory", "what is held"}};
+    std::string_view last;
+    for (const MemoryRow& row : all.rows) {
+        const bool is_same = row.limit == last;
+        last = row.limit;
+        const std::string memory = row.count != 0 ? size_text(row.bytes()) : std::string{};
+        lines.push_back({is_same ? std::string{} : std::string{row.limit},
+                         is_same ? std::string{} : value_text(row),
+                         is_same ? std::string{} : std::string{key_of(row.limit)}, memory,
+                         std::string{row.held}});
+    }
+    lines.push_back({"in all, at worst", "", "", size_text(all.total()), ""});
+    return lines;
+}
+
+/// Numbers to the right, texts to the left, nothing behind the last.
+std::string in_columns(const std::vector<Line>& lines)
+{
+    std::array<std::size_t, 5> widths{};
+    for (const Line& line : lines) {
+        for (std::size_t i = 0; i < line.size(); ++i) {
+            widths[i] = std::max(widths[i], line[i].size());
+        }
+    }
+    std::string text;
+    for (const Line& line : lines) {
+        std::string out;
+        for (std::size_t i = 0; i < line.size(); ++i) {
+            const std::string space(widths[i] - line[i].size(), ' ');
+            const bool is_number = i == 1 || i == 3;
+            out += (i == 0 ? "" : "  ") + (is_number ? space + line[i] : line[i] + space);
+        }
+        out.erase(out.find_last_not_of(' ') + 1);
+        text += out + "\n";
+    }
+    return text;
+}
+
+} // namespace
+
+std::string size_text(std::uint64_t bytes)
+{
+    if (bytes == std::numeric_limits<std::uint64_t>::max()) {
+        return "no end";
+    }
+    constexpr std::array units{"KiB", "MiB", "GiB", "TiB", "PiB", "EiB"};
+    if (bytes < 1'024) {
+        return std::to_string(bytes) + " B";
+    }
+    double size = static_cast<double>(bytes) / 1'024;
+    std::size_t unit = 0;
+    for (; size >= 1'023.95 && unit + 1 < units.size(); ++unit) {
+        size /= 1'024;
+    }
+    char text[32];
+    static_cast<void>(std::snprintf(text, sizeof text, "%.1f %s", size, units[unit]));
+    return text;
+}
+
+std::string describe_limits(const ControllerConfig& config)
+{
+    server::DataSourceOptions image; // as ProcessImage has them: its writes wait for a scan's edge
+    image.max_batches =
+        std::max(image.max_batches, std::size_t{config.image.max_waiting_writes} + 2);
+    const bool has_passwords = !config.users.accounts.empty();
+    server::WorstCaseMemory all =
+        server::worst_case_memory(config.server.limits, {.password_checks = has_passwords ? 1U : 0U,
+                                                         .slow_sources = {&image, 1}});
+    add_own(config, all.rows);
+    return in_columns(lines_of(all));
+}
+
+} // namespace busbar::example

@@ -1,0 +1,115 @@
+#include <catch2/catch.hpp>
+
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <busbar/server/worst_case_memory.hpp>
+
+#include "limits_section.hpp"
+#include "print_limits.hpp"
+
+using namespace busbar;
+using example::describe_limits;
+
+namespace {
+
+example::ControllerConfig parse(const std::string& text)
+{
+    return example::parse_config(text, "plant.toml");
+}
+
+std::vector<std::string> lines_of(const std::string& text)
+{
+    std::vector<std::string> lines;
+    std::istringstream in{text};
+    for (std::string line; std::getline(in, line);) {
+        lines.push_back(line);
+    }
+    return lines;
+}
+
+/// The words of the line that begins with the limit's name.
+std::vector<std::string> words_of(const std::string& text, const std::string& limit)
+{
+    std::vector<std::string> words;
+    for (const std::string& line : lines_of(text)) {
+        std::istringstream in{line};
+        if (words.empty() && line.starts_with(limit + " ")) {
+            for (std::string word; in >> word;) {
+                words.push_back(word);
+            }
+        }
+    }
+    return words;
+}
+
+} // namespace
+
+TEST_CASE("all limits are printed with what they cost")
+{
+    const example::ControllerConfig config = parse("");
+    const std::string text = describe_limits(config);
+    for (const server::MemoryRow& row : server::worst_case_memory(config.server.limits).rows) {
+        INFO(row.limit);
+        CHECK(words_of(text, std::string{row.limit}).size() >= 2);
+    }
+    const auto lines = lines_of(text);
+    REQUIRE(lines.size() > 80);
+    CHECK(lines.front().starts_with("limit "));
+    CHECK(lines.back().starts_with("in all, at worst "));
+    // In columns: what is held begins at one place everywhere.
+    const std::size_t column = lines.front().find("what is held");
+    for (const std::string& line : lines) {
+        CHECK((line.size() <= column || (line[column - 1] == ' ' && line[column] != ' ')));
+    }
+}
+
+TEST_CASE("a limit of the file is printed with its key")
+{
+    const std::string text = describe_limits(parse("[limits]\nsessions = 7\n"));
+    CHECK(words_of(text, "max_sessions")[1] == "7");
+    CHECK(words_of(text, "max_sessions")[2] == "sessions");
+    CHECK(words_of(text, "max_session_memory")[2] == "B");
+    CHECK(words_of(text, "max_session_memory")[3] == "448.0"); // 7 times 64 MiB
+    CHECK(words_of(text, "max_session_memory")[4] == "MiB");
+    CHECK(words_of(text, "send_timeout") ==
+          std::vector<std::string>{"send_timeout", "30000", "ms"});
+}
+
+TEST_CASE("each key of [limits] is one that the file may have")
+{
+    std::size_t count = 0;
+    for (const server::MemoryRow& row : server::worst_case_memory({}).rows) {
+        const std::string key{example::key_of(row.limit)};
+        if (!key.empty()) {
+            ++count;
+            // The value that is in force is one that may be set.
+            const std::string text = "[limits]\n" + key + " = " + std::to_string(row.value) + "\n";
+            INFO(text);
+            CHECK(words_of(describe_limits(parse(text)), std::string{row.limit})[1] ==
+                  std::to_string(row.value));
+        }
+    }
+    CHECK(count == 12); // max_message_size has two rows
+    CHECK(example::key_of("max_send_queue").empty());
+}
+
+TEST_CASE("passwords cost memory only where there are some")
+{
+    example::ControllerConfig config = parse("[users]\nanonymous = \"read\"\n");
+    CHECK(words_of(describe_limits(config), "crypto::password_hash_memory")[3] != "16.0");
+    config.users.accounts.emplace_back();
+    CHECK(words_of(describe_limits(config), "crypto::password_hash_memory")[3] == "16.0");
+}
+
+TEST_CASE("sizes are printed as people read them")
+{
+    CHECK(example::size_text(0) == "0 B");
+    CHECK(example::size_text(1'023) == "1023 B");
+    CHECK(example::size_text(1'024) == "1.0 KiB");
+    CHECK(example::size_text(1'048'575) == "1.0 MiB");
+    CHECK(example::size_text(std::uint64_t{3} << 29U) == "1.5 GiB");
+    CHECK(example::size_text(UINT64_MAX - 1) == "16.0 EiB");
+    CHECK(example::size_text(UINT64_MAX) == "no end");
+}
