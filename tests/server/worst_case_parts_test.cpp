@@ -230,3 +230,55 @@ TEST_CASE("memory of continuation points and of nodes that clients add")
               rows(limits, {"max_client_nodes", "max_client_node_memory"}) + of_client);
     }
 }
+
+namespace {
+
+server::ServerConfig many_references()
+{
+    server::ServerConfig config = config_with(true, 10);
+    config.limits.max_client_references = 300;
+    return config;
+}
+
+struct ReferenceFixture : Outside, ServerFixture {
+    ReferenceFixture() : ServerFixture{no_waker, many_references(), &rights}, client{log_in()} {}
+
+    /// From the Objects folder to that node.
+    StatusCode add(std::uint32_t id)
+    {
+        const model::AddressSpace& space = server.address_space();
+        AddReferencesItem item;
+        item.source_node_id = NodeId{0, id::ObjectsFolder};
+        item.reference_type_id = NodeId{0, id::Organizes};
+        item.is_forward = true;
+        item.target_node_id = NodeId{0, id};
+        item.target_node_class = space.node_class(space.find(id));
+        AddReferencesRequest request;
+        request.references_to_add = {item};
+        const auto response = client.call<AddReferencesResponse>(request);
+        return response ? response->results[0] : response.error();
+    }
+
+    TestClient client;
+};
+
+} // namespace
+
+TEST_CASE("memory of references that clients add")
+{
+    ReferenceFixture fixture;
+    const server::ServerLimits limits = fixture.server.config().limits;
+    const Growth growth;
+    std::size_t count = 0;
+    StatusCode last;
+    for (std::uint32_t id = 1; id < 20'000 && last != status::Bad_OutOfMemory; ++id) {
+        if (fixture.server.address_space().find(id) != model::no_node) {
+            last = fixture.add(id);
+            count += last.is_good() ? 1U : 0U;
+        }
+    }
+    CHECK(last == status::Bad_OutOfMemory);
+    CHECK(count == limits.max_client_references);
+    CHECK(growth.now() >= count * 100);
+    CHECK(growth.now() <= rows(limits, {"max_client_references"}) + of_client);
+}
