@@ -16,6 +16,7 @@
 #include <busbar/server/event.hpp>
 #include <busbar/server/modules.hpp>
 #include <busbar/server/namespace_metadata.hpp>
+#include <busbar/server/sampling_state.hpp>
 #include <busbar/server/server_config.hpp>
 
 namespace busbar::server {
@@ -105,12 +106,6 @@ public:
     /// Requests ask each time in any case.
     void announce_access_change(TimePoint now);
 
-    struct SamplingState {
-        /// The shortest interval that an item was given; zero if there is none.
-        Duration smallest_revised_interval{0};
-        /// The shortest between two samples as they happened; zero before there were two.
-        Duration smallest_actual_interval{0};
-    };
     [[nodiscard]] SamplingState sampling_state() const;
 
     [[nodiscard]] std::size_t subscription_count() const;

@@ -306,7 +306,7 @@ void Server::announce_access_change(TimePoint now)
     impl_->subscriptions.access_changed(now);
 }
 
-Server::SamplingState Server::sampling_state() const
+SamplingState Server::sampling_state() const
 {
     const detail::Sampler& sampler = impl_->subscriptions.sampler();
     return {sampler.smallest_revised_interval(), sampler.smallest_actual_interval()};
