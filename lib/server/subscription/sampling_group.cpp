@@ -28,7 +28,8 @@ struct SamplingGroup::Flight final : SourceCallOwner {
 };
 
 SamplingGroup::SamplingGroup(Sampler& sampler, Duration interval)
-    : sampler_{sampler}, interval_{interval}, removed_roles_{sampler.removed_roles()}
+    : sampler_{sampler}, interval_{interval}, images_{sampler.memory()},
+      removed_roles_{sampler.removed_roles()}
 {
 }
 
@@ -56,11 +57,10 @@ void SamplingGroup::put_in(ValueItem& item)
 
 void SamplingGroup::take_out(ValueItem& item)
 {
-    const auto [image, index] = item.place_;
-    if (image != ValueItem::Place::no_image) {
-        images_[image].watch->remove(index);
+    if (item.place_.image != ValueItem::Place::no_image) {
+        images_.remove(item.place_);
     } else {
-        members_[index].item = nullptr;
+        members_[item.place_.index].item = nullptr;
         ++holes_;
     }
 }
@@ -117,53 +117,9 @@ void SamplingGroup::notice_changes()
     for (std::size_t i = 0; has_lost_role && i < members_.size(); ++i) {
         members_[i].binding = Binding::Unknown;
     }
-    // A watch does not close up where items were removed; it is made anew.
-    const bool is_wasteful = std::any_of(images_.begin(), images_.end(), [](const Image& image) {
-        return image.watch->is_wasteful();
-    });
-    if (has_lost_role || is_wasteful || has_lost_source()) {
-        unbind_images();
+    if (has_lost_role || images_.is_wasteful() || has_lost_source()) {
+        images_.take_all([this](ValueItem& item) { put_in(item); });
     }
-}
-
-bool SamplingGroup::has_lost_source() const
-{
-    return std::any_of(images_.begin(), images_.end(),
-                       [](const Image& image) { return !image.source->is_attached(); });
-}
-
-void SamplingGroup::unbind_images()
-{
-    for (const Image& image : images_) {
-        for (std::size_t i = 0; i < image.watch->size(); ++i) {
-            if (ValueItem* const item = image.watch->item(i)) {
-                put_in(*item);
-            }
-        }
-    }
-    images_.clear();
-}
-
-SamplingGroup::Image& SamplingGroup::find_or_add_image(ProcessImage& image,
-                                                       const SourceEntry& source)
-{
-    const auto found = std::find_if(images_.begin(), images_.end(), [&](const Image& known) {
-        return known.image.get() == &image && known.source == &source;
-    });
-    if (found != images_.end()) {
-        return *found;
-    }
-    images_.push_back({image.shared_from_this(), &source,
-                       std::make_unique<ImageWatch>(image.layout(), sampler_.memory())});
-    return images_.back();
-}
-
-void SamplingGroup::watch(Image& image, Member& member, std::uint64_t handle)
-{
-    ValueItem& item = *std::exchange(member.item, nullptr);
-    ++holes_;
-    item.place_ = {static_cast<std::uint32_t>(&image - images_.data()),
-                   image.watch->add(item, static_cast<std::uint32_t>(handle))};
 }
 
 void SamplingGroup::bind(std::size_t first)
@@ -203,7 +159,11 @@ void SamplingGroup::bind_one(std::size_t index)
     sampler_.watch_roles(node);
     ProcessImage* const image = plan.source->process_image();
     if (image != nullptr && plan.handle < image->layout().size()) {
-        return watch(find_or_add_image(*image, *plan.source), member, plan.handle);
+        item.place_ =
+            images_.add(item, *image, *plan.source, static_cast<std::uint32_t>(plan.handle));
+        member.item = nullptr;
+        ++holes_;
+        return;
     }
     member.source = plan.source_index;
     member.handle = plan.handle;
@@ -295,22 +255,9 @@ void SamplingGroup::deliver(Flight& flight)
     }
 }
 
-void SamplingGroup::sample_image(Image& image, const ImagePin& pin, bool is_only_new)
+WatchedImages::Sample SamplingGroup::image_sample(bool is_only_new) const
 {
-    const StatusCode no_pin =
-        image.image->has_scan() ? status::Bad_TooManyOperations : status::Bad_NoCommunication;
-    const StatusCode running = is_late_ ? status::Good_Overload : status::Good;
-    // Part 8, 7.3.2: what used to update the values has stopped.
-    const StatusCode status =
-        !pin ? no_pin : (image.image->is_running() ? running : status::Uncertain_LastUsableValue);
-    image.watch->sample({pin, status, sampler_.needs().wall_time(), is_only_new});
-}
-
-void SamplingGroup::sample_images(bool is_only_new)
-{
-    for (Image& image : images_) {
-        sample_image(image, image.image->pin(), is_only_new);
-    }
+    return {sampler_.needs().wall_time(), is_late_, is_only_new};
 }
 
 void SamplingGroup::sample_scan(const ImagePin& pin, TimePoint now, bool has_lost)
@@ -318,12 +265,10 @@ void SamplingGroup::sample_scan(const ImagePin& pin, TimePoint now, bool has_los
     notice_changes();
     compact();
     bind(0);
-    for (Image& image : images_) {
-        if (has_lost) {
-            image.watch->note_loss();
-        }
-        sample_image(image, pin, false);
+    if (has_lost) {
+        images_.note_loss();
     }
+    images_.sample(pin, image_sample(false));
     if (flights_.empty()) {
         first_new_ = members_.size();
         sample_members(0, now, false);
@@ -342,7 +287,7 @@ void SamplingGroup::bind_new()
 void SamplingGroup::sample_new(TimePoint now)
 {
     if (!is_full_of_holes()) {
-        sample_images(true);
+        images_.sample(image_sample(true));
         sample_new_members(now);
     }
 }
@@ -350,9 +295,7 @@ void SamplingGroup::sample_new(TimePoint now)
 void SamplingGroup::sample_new(const ImagePin& pin, TimePoint now)
 {
     if (!is_full_of_holes()) {
-        for (Image& image : images_) {
-            sample_image(image, pin, true);
-        }
+        images_.sample(pin, image_sample(true));
         sample_new_members(now);
     }
 }
@@ -370,7 +313,7 @@ void SamplingGroup::sample(TimePoint now)
     actual_interval_ = last_sample_ == no_deadline ? Duration::zero() : now - last_sample_;
     last_sample_ = now;
     is_late_ = sampler_.is_overload(interval_, actual_interval_);
-    sample_images(false);
+    images_.sample(image_sample(false));
     first_new_ = members_.size();
     sample_members(0, now, is_late_);
 }

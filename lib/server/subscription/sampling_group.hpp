@@ -3,10 +3,10 @@
 #include <memory>
 #include <vector>
 
-#include "image_watch.hpp"
 #include "server/data/data_call.hpp"
 #include "timer_queue.hpp"
 #include "value_item.hpp"
+#include "watched_images.hpp"
 
 namespace busbar::server::detail {
 
@@ -29,7 +29,7 @@ public:
     [[nodiscard]] bool empty() const { return item_count_ == 0; }
     /// The source of an image that is looked at is gone. The next sample finds that out for its
     /// items, and lets the image go.
-    [[nodiscard]] bool has_lost_source() const;
+    [[nodiscard]] bool has_lost_source() const { return images_.has_lost_source(); }
     /// The group that the item is in; null if it is in none.
     [[nodiscard]] static SamplingGroup* of(const ValueItem& item) { return item.group_; }
 
@@ -67,17 +67,10 @@ private:
     };
     /// A batch on its way.
     struct Flight;
-    struct Image {
-        /// The source may let it go before the server does.
-        std::shared_ptr<ProcessImage> image;
-        const SourceEntry* source;
-        std::unique_ptr<ImageWatch> watch;
-    };
 
     void sample(TimePoint now);
     void sample_new_members(TimePoint now);
-    void sample_images(bool is_only_new);
-    void sample_image(Image& image, const ImagePin& pin, bool is_only_new);
+    [[nodiscard]] WatchedImages::Sample image_sample(bool is_only_new) const;
     /// One batch for each source, of the members from `first` on.
     void sample_members(std::size_t first, TimePoint now, bool is_late);
     void ask(Flight& flight, std::size_t member);
@@ -86,13 +79,9 @@ private:
     void land(Flight& flight);
     void handle_flights(TimePoint now);
     void notice_changes();
-    void unbind_images();
     /// Finds out where values come from; the items of a process image go to its watch.
     void bind(std::size_t first);
     void bind_one(std::size_t member);
-    [[nodiscard]] Image& find_or_add_image(ProcessImage& image, const SourceEntry& source);
-    /// The item of `member` is one of `image` from now on.
-    void watch(Image& image, Member& member, std::uint64_t handle);
     /// Keeps account of what the item monitors, for the source.
     void note_source(ValueItem& item, const ReadPlan& plan);
     void put_in(ValueItem& item);
@@ -114,7 +103,7 @@ private:
     std::size_t first_new_{0};
     bool is_late_{false};
     std::vector<std::unique_ptr<Flight>> flights_;
-    std::vector<Image> images_;
+    WatchedImages images_;
     std::uint64_t removed_roles_;
 };
 

@@ -23,6 +23,15 @@ class SamplingGroup;
 /// the filter and wait in a queue.
 class ValueItem final : public MonitoredItem, private EuRangeUser, private model::NodeWatch {
 public:
+    /// Where an item is in its sampling group.
+    struct Place {
+        static constexpr std::uint32_t no_image = UINT32_MAX;
+        /// Of the group's images the one whose watch has the item.
+        std::uint32_t image{no_image};
+        /// In that watch, else among the group's members.
+        std::uint32_t index{0};
+    };
+
     /// Null, with the reason in `revision.status`, if there can be no such item. It is sampled from
     /// add_to_sampler() on.
     [[nodiscard]] static std::unique_ptr<ValueItem> make(const ItemContext& context,
@@ -101,13 +110,6 @@ private:
 
     // The sampling group's: where the item is in it.
 
-    struct Place {
-        static constexpr std::uint32_t no_image = UINT32_MAX;
-        /// Of the group's images the one whose watch has the item.
-        std::uint32_t image{no_image};
-        /// In that watch, else among the group's members.
-        std::uint32_t index{0};
-    };
     SamplingGroup* group_{nullptr};
     Place place_;
     MonitoredHandles::Use use_;

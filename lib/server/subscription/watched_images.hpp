@@ -1,0 +1,76 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "image_watch.hpp"
+#include "server/data/data_sources.hpp"
+
+namespace busbar::server::detail {
+
+/// The process images that items of one sampling group lie in, with a watch of each.
+class WatchedImages {
+public:
+    /// What a sample has to know besides the scan.
+    struct Sample {
+        DateTime server_time;
+        /// It comes later than it should.
+        bool is_late;
+        /// Only of what was added since the last sample.
+        bool is_only_new;
+    };
+
+    /// `memory` pays for the watches and must outlive this object.
+    explicit WatchedImages(MemoryAccount& memory) : memory_{memory} {}
+
+    /// Samples the item, which is the variable `handle` of the image that `source` has, from now
+    /// on.
+    [[nodiscard]] ValueItem::Place add(ValueItem& item, ProcessImage& image,
+                                       const SourceEntry& source, std::uint32_t handle);
+    void remove(ValueItem::Place place) { images_[place.image].watch->remove(place.index); }
+    /// Hands over all items to `take` and lets the images go.
+    template <typename Take>
+    void take_all(Take take);
+
+    /// The source of an image is gone.
+    [[nodiscard]] bool has_lost_source() const;
+    /// A watch keeps more of items that are gone than of those that are there. It does not close
+    /// up: take_all() and add() again.
+    [[nodiscard]] bool is_wasteful() const;
+
+    /// Samples the newest scan of each.
+    void sample(const Sample& sample);
+    /// Samples the scan that is pinned, for a group that follows one image.
+    void sample(const ImagePin& pin, const Sample& sample);
+    /// Scans came that nobody looked at.
+    void note_loss();
+
+private:
+    struct Image {
+        /// The source may let it go before the server does.
+        std::shared_ptr<ProcessImage> image;
+        const SourceEntry* source;
+        std::unique_ptr<ImageWatch> watch;
+    };
+
+    [[nodiscard]] std::size_t find_or_add(ProcessImage& image, const SourceEntry& source);
+    static void sample(Image& image, const ImagePin& pin, const Sample& sample);
+
+    MemoryAccount& memory_;
+    std::vector<Image> images_;
+};
+
+template <typename Take>
+void WatchedImages::take_all(Take take)
+{
+    for (const Image& image : images_) {
+        for (std::size_t i = 0; i < image.watch->size(); ++i) {
+            if (ValueItem* const item = image.watch->item(i)) {
+                take(*item);
+            }
+        }
+    }
+    images_.clear();
+}
+
+} // namespace busbar::server::detail
