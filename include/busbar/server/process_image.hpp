@@ -154,7 +154,7 @@ private:
     std::unique_ptr<detail::ImageWrites> writes_;
     std::atomic<bool> running_{false};
     std::atomic<Waker*> waker_{nullptr};
-    std::atomic<bool> waking_{false};
+    std::atomic<std::uint32_t> wakers_running_{0};
 };
 
 /// Serves a process image to a server; the handles are the layout's.

@@ -11,10 +11,7 @@ ImageSource::ImageSource(std::shared_ptr<ProcessImage> image) : image_{std::move
 
 ImageSource::~ImageSource()
 {
-    // Items that follow the scans are to learn of it.
-    if (Waker* const waker = image_->waker_.load(std::memory_order_seq_cst); waker != nullptr) {
-        waker->wake();
-    }
+    image_->wake(); // items that follow the scans are to learn of it
     attach(nullptr);
     image_->writes_->drop_batches();
 }
@@ -79,7 +76,7 @@ void ImageSource::write(WriteBatch batch)
 void ImageSource::attach(Waker* waker)
 {
     image_->waker_.store(waker, std::memory_order_seq_cst);
-    while (image_->waking_.load(std::memory_order_seq_cst)) {
+    while (image_->wakers_running_.load(std::memory_order_seq_cst) != 0) {
         // The task is inside Waker::wake, which does not block.
     }
 }

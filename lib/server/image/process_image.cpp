@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include <busbar/core/detail/guarded.hpp>
+
 #include "image_pool.hpp"
 #include "image_types.hpp"
 #include "image_writes.hpp"
@@ -171,11 +173,12 @@ void ProcessImage::wake()
 {
     // seq_cst on both, here and in ImageSource::attach: either this load finds the waker gone, or
     // attach() finds that it is in use and waits.
-    waking_.store(true, std::memory_order_seq_cst);
+    wakers_running_.fetch_add(1, std::memory_order_seq_cst);
     if (Waker* const waker = waker_.load(std::memory_order_seq_cst); waker != nullptr) {
-        waker->wake();
+        std::string lost; // the PLC task cannot help it, and attach() waits for this thread
+        static_cast<void>(busbar::detail::caught(lost, [&] { waker->wake(); }));
     }
-    waking_.store(false, std::memory_order_release);
+    wakers_running_.fetch_sub(1, std::memory_order_release);
 }
 
 ImagePin ProcessImage::pin() const
