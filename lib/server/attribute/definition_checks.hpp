@@ -19,10 +19,8 @@ public:
     /// still refused if it is no value of that type, or if a text or array in it is longer than its
     /// field allows. Bad_OutOfRange for a value that the enumeration does not have (Part 4,
     /// 5.11.4.4).
-    [[nodiscard]] virtual StatusCode check(model::NodeIndex data_type, const Variant& value)
+    [[nodiscard]] virtual StatusCode check(model::NodeIndex /*data_type*/, const Variant& /*value*/)
     {
-        static_cast<void>(data_type);
-        static_cast<void>(value);
         return {};
     }
 };

@@ -1,11 +1,7 @@
 #include "write_job.hpp"
 
-#include <algorithm>
-
 #include <busbar/binary/codec.hpp>
-#include <busbar/binary/dynamic_value.hpp>
 #include <busbar/core/attribute_id.hpp>
-#include <busbar/types/ids.hpp>
 
 namespace busbar::server::detail {
 

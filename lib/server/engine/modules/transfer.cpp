@@ -17,15 +17,11 @@ constexpr std::array transfer_rows{
              transfer_subscriptions>(Need::Activated),
 };
 
-void add_transfer(Core& core)
-{
-    core.services.add(transfer_rows);
-}
-
 } // namespace
 
 } // namespace detail
 
-constinit const Module modules::transfer{"transfer", detail::add_transfer};
+constinit const Module modules::transfer{
+    "transfer", [](detail::Core& core) { core.services.add(detail::transfer_rows); }};
 
 } // namespace busbar::server

@@ -17,15 +17,11 @@ constexpr std::array triggering_rows{
         Need::Activated),
 };
 
-void add_triggering(Core& core)
-{
-    core.services.add(triggering_rows);
-}
-
 } // namespace
 
 } // namespace detail
 
-constinit const Module modules::triggering{"triggering", detail::add_triggering};
+constinit const Module modules::triggering{
+    "triggering", [](detail::Core& core) { core.services.add(detail::triggering_rows); }};
 
 } // namespace busbar::server
