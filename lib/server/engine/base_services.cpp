@@ -74,8 +74,8 @@ constexpr std::array base_subscription_rows{
               &Core::subscriptions>(Need::Activated),
     operation<RepublishRequest, make_operation<RepublishOperation, SubscriptionTable>,
               &Core::subscriptions>(Need::Activated),
-    function<DeleteSubscriptionsRequest, DeleteSubscriptionsResponse, &Core::subscriptions,
-             delete_subscriptions>(Need::Activated),
+    operation<DeleteSubscriptionsRequest, make_delete_subscriptions, &Core::subscriptions>(
+        Need::Activated),
 };
 
 } // namespace

@@ -77,7 +77,11 @@ MonitoredItemCreateResult create_one(const ItemContext& context,
 {
     ItemRevision revision;
     MonitoredItemCreateResult result;
-    std::unique_ptr<MonitoredItem> made = make_item(context, request, timestamps, revision);
+    std::unique_ptr<MonitoredItem> made;
+    do {
+        revision = {};
+        made = make_item(context, request, timestamps, revision);
+    } while (revision.status == status::Bad_TooManyMonitoredItems && context.all.sweep_ended());
     result.status_code = revision.status;
     result.filter_result = std::move(revision.filter_result);
     if (made == nullptr) {

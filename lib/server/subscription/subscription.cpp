@@ -30,7 +30,7 @@ Subscription::Subscription(SubscriptionTable& all, std::uint32_t id, Session& se
 Subscription::~Subscription()
 {
     all_.timers().cancel(*this);
-    delete_items();
+    remove_items(items_.size());
 }
 
 SubscriptionVariables Subscription::variables(const Input& input) const
@@ -88,7 +88,8 @@ void Subscription::perform(SubscriptionAction action, const SubscriptionRow& row
     using A = SubscriptionAction;
     switch (action) {
     case A::None:
-    case A::DeleteClientPublReqQueue: // the table of Subscriptions does that when it removes this
+    case A::DeleteMonitoredItems: // the table of Subscriptions does these when it removes this
+    case A::DeleteClientPublReqQueue:
         break;
     case A::InitializeSubscription:
         parameters_ = *input.parameters;
@@ -133,9 +134,6 @@ void Subscription::perform(SubscriptionAction action, const SubscriptionRow& row
         break;
     case A::SetSession:
         set_session(*input.session, input.now);
-        break;
-    case A::DeleteMonitoredItems:
-        delete_items();
         break;
     case A::IssueStatusChangeNotification:
         issue_status_change(row.event == SubscriptionEvent::TransferSubscriptions
@@ -301,6 +299,15 @@ void Subscription::detach()
 {
     owner_ = owner_of(*session_);
     session_ = nullptr;
+}
+
+void Subscription::end()
+{
+    all_.timers().cancel(*this);
+    if (session_ != nullptr) {
+        PublishPart::of(*session_).remove(*this);
+        detach();
+    }
 }
 
 } // namespace busbar::server::detail

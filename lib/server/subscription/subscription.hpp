@@ -98,6 +98,8 @@ public:
     [[nodiscard]] bool is_encrypted() const;
     /// The session ends; the Subscription goes on until its lifetime is over.
     void detach();
+    /// It is deleted: whatever happens to its items, nobody is told any more.
+    void end();
     /// The Subscription works with the rights of another user from now on.
     void user_changed(TimePoint now);
     /// Whatever service names the Subscription shows that its client is there.
@@ -132,6 +134,8 @@ public:
     MonitoredItem& add_item(std::unique_ptr<MonitoredItem> item);
     /// False if there is no such item.
     [[nodiscard]] bool remove_item(std::uint32_t id);
+    /// Removes that many at most; how many there were.
+    std::size_t remove_items(std::size_t most);
     /// In ascending order.
     [[nodiscard]] std::vector<std::uint32_t> item_ids() const;
     /// Queues the last value of each data item that reports and has none queued.
@@ -158,7 +162,6 @@ private:
     void return_keep_alive();
     void issue_status_change(StatusCode status);
     void set_session(Session& session, TimePoint now);
-    void delete_items();
     [[nodiscard]] ItemContext context(TimePoint now) { return {all_, *this, now}; }
 
     SubscriptionTable& all_;

@@ -40,10 +40,14 @@ bool Subscription::remove_item(std::uint32_t id)
     return true;
 }
 
-void Subscription::delete_items()
+std::size_t Subscription::remove_items(std::size_t most)
 {
-    all_.count_items(-static_cast<std::ptrdiff_t>(items_.size()));
-    items_.clear();
+    const std::size_t count = std::min(most, items_.size());
+    for (std::size_t i = 0; i < count; ++i) {
+        items_.erase(items_.begin());
+    }
+    all_.count_items(-static_cast<std::ptrdiff_t>(count));
+    return count;
 }
 
 std::vector<std::uint32_t> Subscription::item_ids() const

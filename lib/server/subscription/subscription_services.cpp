@@ -1,6 +1,7 @@
 #include "subscription_services.hpp"
 
 #include "server/session/session.hpp"
+#include "server/session/sliced_operation.hpp"
 #include "subscription.hpp"
 #include "subscription_table.hpp"
 
@@ -35,6 +36,33 @@ StatusCode delete_one(SubscriptionTable& all, ServiceContext& context, std::uint
     all.remove(*subscription);
     return status::Good;
 }
+
+class DeleteSubscriptions final
+    : public SlicedOperation<DeleteSubscriptionsRequest, DeleteSubscriptionsResponse> {
+public:
+    explicit DeleteSubscriptions(SubscriptionTable& all) : all_{all} {}
+
+private:
+    [[nodiscard]] std::size_t size() const override { return request().subscription_ids.size(); }
+    [[nodiscard]] StatusCode begin(ServiceContext&) override
+    {
+        return check_count(all_.needs().limits, size());
+    }
+    [[nodiscard]] StatusCode resume(ServiceContext& context) override
+    {
+        context_ = &context;
+        return status::Good;
+    }
+    [[nodiscard]] StatusCode work(std::size_t index, Turn& turn) override
+    {
+        turn.spend(Turn::units_of_item);
+        return delete_one(all_, *context_, request().subscription_ids[index]);
+    }
+
+    SubscriptionTable& all_;
+    /// While its turn lasts.
+    ServiceContext* context_{nullptr};
+};
 
 } // namespace
 
@@ -110,19 +138,9 @@ StatusCode set_publishing_mode(SubscriptionTable& all, ServiceContext& context,
     return status::Good;
 }
 
-StatusCode delete_subscriptions(SubscriptionTable& all, ServiceContext& context,
-                                const DeleteSubscriptionsRequest& request,
-                                DeleteSubscriptionsResponse& response)
+std::unique_ptr<ServiceOperation> make_delete_subscriptions(SubscriptionTable& all)
 {
-    if (const StatusCode bad = check_count(all.needs().limits, request.subscription_ids.size());
-        bad.is_bad()) {
-        return bad;
-    }
-    response.results.reserve(request.subscription_ids.size());
-    for (const std::uint32_t id : request.subscription_ids) {
-        response.results.push_back(delete_one(all, context, id));
-    }
-    return status::Good;
+    return std::make_unique<DeleteSubscriptions>(all);
 }
 
 void RepublishOperation::start(ServiceContext& context)

@@ -22,9 +22,7 @@ class SubscriptionTable;
 [[nodiscard]] StatusCode transfer_subscriptions(SubscriptionTable& all, ServiceContext& context,
                                                 const TransferSubscriptionsRequest& request,
                                                 TransferSubscriptionsResponse& response);
-[[nodiscard]] StatusCode delete_subscriptions(SubscriptionTable& all, ServiceContext& context,
-                                              const DeleteSubscriptionsRequest& request,
-                                              DeleteSubscriptionsResponse& response);
+[[nodiscard]] std::unique_ptr<ServiceOperation> make_delete_subscriptions(SubscriptionTable& all);
 
 /// Republish (Part 4, 5.14.6): answers with the bytes that were sent.
 class RepublishOperation final : public OperationOf<RepublishRequest> {

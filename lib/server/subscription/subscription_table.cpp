@@ -24,14 +24,15 @@ std::uint32_t random_id(crypto::Random& random)
 
 SubscriptionTable::SubscriptionTable(const SubscriptionNeeds& needs)
     : needs_{needs}, memory_{needs.limits.subscriptions.max_memory, nullptr},
-      sampler_{std::make_unique<Sampler>(needs, timers_, memory_)}, last_id_{random_id(
-                                                                        *needs.environment.random)}
+      sampler_{std::make_unique<Sampler>(needs, timers_, memory_)},
+      last_id_{random_id(*needs.environment.random)}, ended_{timers_}
 {
 }
 
 SubscriptionTable::~SubscriptionTable()
 {
     subscriptions_.clear();
+    ended_.clear();
     sampler_->tell_sources();
 }
 
@@ -80,10 +81,15 @@ Subscription* SubscriptionTable::find(std::uint32_t id, const Session& session) 
 
 void SubscriptionTable::remove(Subscription& subscription)
 {
-    if (Session* const session = subscription.session(); session != nullptr) {
-        PublishPart::of(*session).remove(subscription);
-    }
-    subscriptions_.erase(subscription.id());
+    subscription.end();
+    ended_.add(std::move(subscriptions_.extract(subscription.id()).mapped()));
+}
+
+bool SubscriptionTable::sweep_ended()
+{
+    // A MonitoredItem that is made needs the room of one, if it is not larger than others.
+    constexpr std::size_t items = 8;
+    return ended_.sweep(items);
 }
 
 void SubscriptionTable::session_ends(Session& session, bool deletes_subscriptions)

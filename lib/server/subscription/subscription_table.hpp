@@ -9,6 +9,7 @@
 #include <busbar/core/node_id.hpp>
 #include <busbar/core/result.hpp>
 
+#include "ended_subscriptions.hpp"
 #include "subscription_needs.hpp"
 #include "timer_queue.hpp"
 #include "value_queue.hpp"
@@ -36,7 +37,11 @@ public:
     [[nodiscard]] Subscription* find(std::uint32_t id) const;
     /// Null if there is none or it is not the session's.
     [[nodiscard]] Subscription* find(std::uint32_t id, const Session& session) const;
+    /// Its items may be there for a while, of which nothing is to be seen: they are counted and
+    /// paid for until they are gone.
     void remove(Subscription& subscription);
+    /// Removes some items of Subscriptions that were removed; false if there are none.
+    bool sweep_ended();
 
     /// The session ends: its Subscriptions with it if `deletes_subscriptions`, else they live on
     /// for as long as their lifetime says (Part 4, 5.6.4).
@@ -82,6 +87,7 @@ private:
     std::size_t item_count_{0};
     std::uint64_t serial_{0};
     std::uint32_t last_id_;
+    EndedSubscriptions ended_;
     std::unordered_map<std::uint32_t, std::unique_ptr<Subscription>> subscriptions_;
 };
 
