@@ -96,6 +96,7 @@ Result<void> AddressSpace::set_value(NodeIndex node, Variant value)
 
 void AddressSpace::bind(NodeIndex node, std::uint32_t source, std::uint64_t handle)
 {
+    ++tables_->rebindings;
     if (tables_->is_constant(node)) {
         Overlay& overlay = tables_->make_overlay(node);
         overlay.source = source;

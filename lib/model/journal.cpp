@@ -62,6 +62,11 @@ bool SpaceJournal::has_changes() const
     return !space_->tables_->journal.is_empty();
 }
 
+std::uint64_t SpaceJournal::rebindings() const
+{
+    return space_->tables_->rebindings;
+}
+
 ModelChanges SpaceJournal::take_changes()
 {
     space_->tables_->journal.taken_generation = space_->tables_->next_generation;

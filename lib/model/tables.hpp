@@ -60,6 +60,8 @@ struct Tables {
     std::vector<std::uint16_t> namespace_restrictions;
     Journal journal;
     WatchTable watches;
+    /// See SpaceJournal.
+    std::uint64_t rebindings{0};
     std::uint64_t type_count{0};
     std::uint32_t next_generation{0};
     std::vector<std::uint32_t> next_numeric_ids;

@@ -120,6 +120,29 @@ TEST_CASE("A1: what throws in one turn of a request is its answer, though others
     CHECK(use(client) == status::Good);
 }
 
+TEST_CASE("A1: what throws in a later turn of a Read is its answer")
+{
+    BrokenAccess access;
+    MethodFixture fixture{ServerFixture::insecure_config(), &access};
+    TestClient client = fixture.log_in();
+    ReadRequest read;
+    ReadValueId one;
+    one.node_id = NodeId{0, id::Server_ServerStatus_CurrentTime};
+    one.attribute_id = 13;
+    read.nodes_to_read.resize(10'000);
+    std::fill(read.nodes_to_read.begin(), read.nodes_to_read.end(), one);
+    read.nodes_to_read[8'000].node_id = access.at = NodeId{0, id::Server_ServerStatus_State};
+    const std::uint32_t request = client.send(read);
+    std::size_t turns = 1;
+    for (; client.connection.next_deadline() <= fixture.now; ++turns) {
+        client.connection.handle_deadline(fixture.now);
+    }
+    CHECK(turns > 2);
+    CHECK(client.take<ReadResponse>(request).error() == status::Bad_InternalError);
+    access.at = {};
+    CHECK(use(client) == status::Good);
+}
+
 TEST_CASE("A1: nodes that a request added before its AccessControl threw are gone again")
 {
     BrokenAccess access;

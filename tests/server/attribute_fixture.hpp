@@ -68,7 +68,16 @@ public:
         return made;
     }
 
-    [[nodiscard]] server::detail::ReadJob read_job(const ReadRequest& request)
+    struct PlannedRead final : server::detail::ReadJob {
+        PlannedRead(AttributeFixture& fixture, const ReadRequest& request)
+            : ReadJob{fixture.sources, request}
+        {
+            server::detail::Turn endless;
+            REQUIRE(fixture.plan(*this, endless));
+        }
+    };
+    [[nodiscard]] PlannedRead read_job(const ReadRequest& request) { return {*this, request}; }
+    [[nodiscard]] bool plan(server::detail::ReadJob& job, server::detail::Turn& turn)
     {
         const auto no_live_value = [this](const NodeId& node) -> Result<DataValue> {
             if (live.is_null() || node != live) {
@@ -76,8 +85,7 @@ public:
             }
             return DataValue{Variant{42}};
         };
-        return server::detail::ReadJob{
-            {space, sources, {space, user, control}, no_live_value, server_time}, request};
+        return job.plan({space, sources, {space, user, control}, no_live_value, server_time}, turn);
     }
     /// The answers as a client decodes them.
     static std::vector<DataValue> results(server::detail::ReadJob& job)

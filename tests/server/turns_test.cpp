@@ -210,6 +210,59 @@ TEST_CASE("D2: a Subscription that ends between turns ends what is done to its i
     CHECK(fixture.server.monitored_item_count() == 0);
 }
 
+namespace {
+
+ReadRequest read_of(const NodeId& node, std::size_t count)
+{
+    ReadValueId one;
+    one.node_id = node;
+    one.attribute_id = 13;
+    ReadRequest request;
+    request.timestamps_to_return = TimestampsToReturn::Neither;
+    request.nodes_to_read.resize(count);
+    std::fill(request.nodes_to_read.begin(), request.nodes_to_read.end(), one);
+    return request;
+}
+
+} // namespace
+
+TEST_CASE("D2: a Read of many structures is answered in turns")
+{
+    constexpr std::size_t count = 10'000;
+    ServerFixture fixture;
+    auto client = fixture.log_in();
+    prepare(client, read_of(NodeId{0, id::Server_ServerStatus_BuildInfo}, count));
+    CHECK(take_turns(client, fixture.now) >= 10);
+    const auto sent =
+        client.send(read_of(NodeId{0, id::Server_ServerStatus_BuildInfo}, count / 10));
+    while (client.connection.next_deadline() <= fixture.now) {
+        client.connection.handle_deadline(fixture.now);
+    }
+    const auto answer = client.take<ReadResponse>(sent);
+    REQUIRE(answer);
+    REQUIRE(answer->results.size() == count / 10);
+    CHECK(answer->results[count / 10 - 1].value.get_if<ExtensionObject>() != nullptr);
+}
+
+TEST_CASE("D2: a Read that goes on asks no source for what was removed meanwhile")
+{
+    SubscriptionFixture fixture;
+    const NodeId level = fixture.add_variable("level", 7);
+    auto client = fixture.log_in();
+    constexpr std::size_t count = 10'000;
+    const auto sent = client.send(read_of(level, count));
+    REQUIRE(client.connection.next_deadline() <= fixture.now);
+    auto& space = fixture.server.address_space();
+    REQUIRE(space.remove(space.find(level)));
+    while (client.connection.next_deadline() <= fixture.now) {
+        client.connection.handle_deadline(fixture.now);
+    }
+    const auto answer = client.take<ReadResponse>(sent);
+    REQUIRE(answer);
+    CHECK(answer->results[0].status == status::Bad_NodeIdUnknown);
+    CHECK(answer->results[count - 1].status == status::Bad_NodeIdUnknown);
+}
+
 namespace busbar::server::detail {
 
 TEST_CASE_METHOD(ViewFixture, "D2: a Browse says the same in however many turns")

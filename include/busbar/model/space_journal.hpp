@@ -46,6 +46,9 @@ public:
     [[nodiscard]] NodeIndex node_version(NodeIndex node) const;
     /// Calls `visit` with each of these Properties, in no order.
     void for_each_node_version(FunctionRef<void(NodeIndex)> visit) const;
+    /// How often a node that a data source is behind was removed, or any was bound elsewhere: who
+    /// keeps handles of many nodes for a moment sees from it that all are as they were.
+    [[nodiscard]] std::uint64_t rebindings() const;
     /// Has `watch` told of the next change of that aspect of the node, or of the node's removal.
     /// Ends what `watch` waited for before.
     void watch(NodeIndex node, NodeAspect aspect, NodeWatch& watch) const;

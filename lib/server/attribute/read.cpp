@@ -1,5 +1,7 @@
 #include "read.hpp"
 
+#include <algorithm>
+
 #include "server/session/session_rights.hpp"
 
 namespace busbar::server::detail {
@@ -10,37 +12,62 @@ void ReadOperation::start(ServiceContext& context)
     if (refusal.is_bad()) {
         return fault(refusal);
     }
+    job_.emplace(needs_.sources, request(), response_limit());
+    take_turn(context);
+}
+
+bool ReadOperation::plan(ServiceContext& context)
+{
     const ReadingUser reader{context.session->user, is_encrypted(*context.session)};
     const auto live_value = [&](const NodeId& node) {
         return needs_.live_values.find(node, reader);
     };
-    job_.emplace(ReadContext{needs_.space, needs_.sources,
-                             rights_of(*context.session, needs_.space, needs_.access), live_value,
-                             needs_.wall_clock.now(), response_limit()},
-                 request());
-    if (!job_->fits()) {
-        job_.reset();
-        return fault(status::Bad_ResponseTooLarge);
+    const ReadContext what{needs_.space, needs_.sources,
+                           rights_of(*context.session, needs_.space, needs_.access), live_value,
+                           needs_.wall_clock.now()};
+    if (!job_->is_outdated(needs_.space)) {
+        return job_->plan(what, context.peer.turn());
     }
-    if (job_->start(*this, context.now)) {
+    // Once more, and without a pause: a source must not be asked for what is not there any more.
+    job_.emplace(needs_.sources, request(), response_limit());
+    Turn endless;
+    return job_->plan(what, endless);
+}
+
+void ReadOperation::take_turn(ServiceContext& context)
+{
+    is_planning_ = !plan(context);
+    StatusCode refusal;
+    if (context.peer.has_thrown()) {
+        refusal = status::Bad_InternalError;
+    } else if (!job_->fits()) {
+        refusal = status::Bad_ResponseTooLarge;
+    } else if (!is_planning_ && job_->start(*this, context.now)) {
         return call_completed();
+    } else if (!pay()) {
+        refusal = status::Bad_TooManyOperations;
     }
-    // Only what waits is held at the session's expense.
-    const std::size_t cost = request().nodes_to_read.size() * ReadJob::bytes_per_item;
-    if (!charge(cost)) {
+    if (refusal.is_bad()) {
         job_.reset();
-        return fault(status::Bad_TooManyOperations);
+        fault(refusal);
     }
+}
+
+bool ReadOperation::pay()
+{
+    const std::size_t more = job_->held() - std::min(paid_, job_->held());
+    paid_ += more;
+    return charge(more);
 }
 
 TimePoint ReadOperation::next_deadline() const
 {
-    return job_ ? job_->next_deadline() : no_deadline;
+    return job_ && !is_planning_ ? job_->next_deadline() : no_deadline;
 }
 
 void ReadOperation::handle_deadline(TimePoint now)
 {
-    if (job_ && !is_finished() && job_->handle_deadline(now)) {
+    if (job_ && !is_planning_ && !is_finished() && job_->handle_deadline(now)) {
         call_completed();
     }
 }

@@ -16,14 +16,22 @@ public:
     explicit ReadOperation(const AttributeNeeds& needs) : needs_{needs} {}
 
     void start(ServiceContext& context) override;
+    [[nodiscard]] bool wants_turn() const override { return !is_finished() && is_planning_; }
+    void take_turn(ServiceContext& context) override;
     [[nodiscard]] TimePoint next_deadline() const override;
     void handle_deadline(TimePoint now) override;
 
 private:
     void call_completed() override;
+    /// Looks nodes up; true if none is left.
+    [[nodiscard]] bool plan(ServiceContext& context);
+    /// Has the session pay for what is held while something is waited for; false if it cannot.
+    [[nodiscard]] bool pay();
 
     const AttributeNeeds& needs_;
     std::optional<ReadJob> job_;
+    bool is_planning_{true};
+    std::size_t paid_{0};
 };
 
 } // namespace busbar::server::detail

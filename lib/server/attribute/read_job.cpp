@@ -34,30 +34,41 @@ StatusCode check_read(const ReadRequest& request, std::size_t max_nodes)
     return request.max_age >= 0 ? status::Good : status::Bad_MaxAgeInvalid;
 }
 
-ReadJob::ReadJob(const ReadContext& context, const ReadRequest& request)
-    : call_{context.sources, request.nodes_to_read.size()}, room_{context.max_response},
-      timestamps_{request.timestamps_to_return, context.server_time}, max_age_{to_max_age(
-                                                                          request.max_age)}
+ReadJob::ReadJob(DataSources& sources, const ReadRequest& request, std::size_t max_response)
+    : request_{request}, call_{sources, request.nodes_to_read.size()},
+      timestamps_{request.timestamps_to_return, DateTime{}}, max_age_{to_max_age(request.max_age)},
+      sink_{max_response}, writer_{sink_}
 {
-    const auto ids = request.nodes_to_read.span();
-    for (std::size_t i = 0; i < ids.size() && fits(); ++i) {
-        plan(context, i, ids[i]);
-    }
 }
 
-/// One value may be asked for many times in one small request, of which each takes its own copy.
+bool ReadJob::plan(const ReadContext& context, Turn& turn)
+{
+    timestamps_ = {request_.timestamps_to_return, context.server_time};
+    rebindings_ = context.space.journal().rebindings();
+    const auto ids = request_.nodes_to_read.span();
+    do {
+        const std::size_t before = writer_.written();
+        plan_one(context, planned_, ids[planned_]);
+        turn.spend(Turn::units_of_value + writer_.written() - before);
+        ++planned_;
+    } while (planned_ < ids.size() && fits() && !turn.is_over());
+    return planned_ == ids.size() || !fits();
+}
+
 void ReadJob::take_answer(std::size_t index, DataValue answer, const NumericRange* range)
 {
-    ReadSlot& slot = call_.answer(index);
+    ReadSlot slot;
     static_cast<DataValue&>(slot) = std::move(answer);
     if (range != nullptr) {
         cut_range(slot, *range);
         ranges_->pop_back();
     }
-    room_ -= std::min(room_, binary::encoded_size(slot.value));
+    const std::size_t before = writer_.written();
+    encode_slot(writer_, slot, timestamps_);
+    encoded_.push_back({index, writer_.written() - before});
 }
 
-void ReadJob::plan(const ReadContext& context, std::size_t index, const ReadValueId& id)
+void ReadJob::plan_one(const ReadContext& context, std::size_t index, const ReadValueId& id)
 {
     ReadPlan planned = plan_read(context, id);
     if (planned.answer.status.is_bad()) {
@@ -115,11 +126,20 @@ void ReadJob::finish()
     }
 }
 
-void ReadJob::encode_results(binary::Writer& writer) const
+void ReadJob::encode_results(binary::Writer& writer)
 {
+    const std::vector<std::byte> bytes = sink_.take(writer_.written());
+    std::span<const std::byte> rest{bytes};
+    auto next = encoded_.begin();
     writer.length(call_.size());
     for (std::size_t i = 0; i < call_.size(); ++i) {
-        encode_slot(writer, call_.result(i), timestamps_);
+        if (next != encoded_.end() && next->index == i) {
+            writer.bytes(rest.first(next->size));
+            rest = rest.subspan(next->size);
+            ++next;
+        } else {
+            encode_slot(writer, call_.result(i), timestamps_);
+        }
     }
     encode(writer, Array<DiagnosticInfo>{});
 }

@@ -2,6 +2,8 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -11,6 +13,7 @@
 #include "server/data/data_call.hpp"
 #include "server/data/read_results.hpp"
 #include "server/rights/read_plan.hpp"
+#include "server/session/turn.hpp"
 
 namespace busbar::server::detail {
 
@@ -26,12 +29,28 @@ public:
     static constexpr std::size_t bytes_per_item =
         sizeof(ReadValueId) + sizeof(ReadItem) + sizeof(ReadSlot) + 64;
 
-    /// Keeps no reference to `request`, and of `context` only the sources.
-    ReadJob(const ReadContext& context, const ReadRequest& request);
+    /// `request` must stay as it is until all is planned. Answers take at most `max_response`
+    /// bytes.
+    ReadJob(DataSources& sources, const ReadRequest& request,
+            std::size_t max_response = std::numeric_limits<std::size_t>::max());
 
+    /// Looks up as many nodes as `turn` allows, one at least, and answers what the address space
+    /// has. False if there are more of them, for the next call. Keeps nothing of `context`.
+    [[nodiscard]] bool plan(const ReadContext& context, Turn& turn);
+    /// True if nodes that were looked up may not be there any more, or not be what they were.
+    [[nodiscard]] bool is_outdated(const model::AddressSpace& space) const
+    {
+        return planned_ != 0 && rebindings_ != space.journal().rebindings();
+    }
     /// False if what was found in the address space alone is more than the response may have: the
     /// rest was not looked at, and nothing is to be started.
-    [[nodiscard]] bool fits() const { return room_ != 0; }
+    [[nodiscard]] bool fits() const { return writer_.ok(); }
+    /// Bytes that it takes at the moment.
+    [[nodiscard]] std::size_t held() const
+    {
+        return call_.size() * bytes_per_item + 2 * writer_.written() +
+               encoded_.capacity() * sizeof(Encoded);
+    }
     /// True if the results are there, else `owner` is told.
     [[nodiscard]] bool start(SourceCallOwner& owner, TimePoint now);
     [[nodiscard]] TimePoint next_deadline() const { return call_.next_deadline(); }
@@ -40,8 +59,8 @@ public:
 
     /// Cuts the ranges that were left to the server; once, when the results are there.
     void finish();
-    /// Writes `results` and `diagnostic_infos` of the ReadResponse; after finish().
-    void encode_results(binary::Writer& writer) const;
+    /// Writes `results` and `diagnostic_infos` of the ReadResponse; once, after finish().
+    void encode_results(binary::Writer& writer);
 
 private:
     /// An IndexRange of the request.
@@ -51,17 +70,29 @@ private:
         bool is_cut_here;
     };
 
-    void plan(const ReadContext& context, std::size_t index, const ReadValueId& id);
+    /// A DataValue that is written already.
+    struct Encoded {
+        std::size_t index;
+        std::size_t size;
+    };
+
+    void plan_one(const ReadContext& context, std::size_t index, const ReadValueId& id);
     /// Null if there is no range.
     [[nodiscard]] Result<NumericRange*> keep_range(std::size_t index, const String& text);
 
     void take_answer(std::size_t index, DataValue answer, const NumericRange* range);
 
+    const ReadRequest& request_;
+    std::size_t planned_{0};
+    std::uint64_t rebindings_{0};
     SourceRead call_;
-    /// Bytes that the response has left for answers; none once it cannot fit.
-    std::size_t room_;
     Timestamps timestamps_;
     std::chrono::milliseconds max_age_;
+    /// Answers of the address space, in the order of the request: one value may be asked for many
+    /// times, and its bytes are less than a copy.
+    binary::VectorSink sink_;
+    binary::Writer writer_;
+    std::vector<Encoded> encoded_;
     std::shared_ptr<std::vector<Range>> ranges_;
 };
 

@@ -59,8 +59,8 @@ struct WriteTraits {
 /// One service call's operations on their way to the sources and back, in a constant number of
 /// allocations: a batch for each source, and answers that the server gives by itself.
 ///
-/// First each operation is given to ask() or answer(), then start() is called, then result() has
-/// the answers as soon as waiting() is false. Lives on the server's thread; destroying it leaves
+/// First operations are given to ask() or answer(), or to neither and have no result then; start()
+/// is called; result() has the answers as soon as waiting() is false. Lives on the server's thread; destroying it leaves
 /// the batches to their sources.
 template <typename Traits>
 class SourceCall final : private PartOwner {
@@ -82,6 +82,9 @@ public:
     /// Operation `index` is the business of a source, whose index find() knows.
     void ask(std::size_t index, std::uint32_t source, const Item& item)
     {
+        if (source >= groups_.size()) { // it was added since
+            groups_.resize(std::size_t{source} + 1);
+        }
         if (groups_[source].size != block_->items.size()) {
             note_source(source);
         }

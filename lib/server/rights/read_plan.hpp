@@ -1,8 +1,6 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <limits>
 
 #include <busbar/core/data_value.hpp>
 #include <busbar/core/function_ref.hpp>
@@ -23,8 +21,6 @@ struct ReadContext {
     /// is read; fails for any other.
     FunctionRef<Result<DataValue>(const NodeId&)> live_value;
     DateTime server_time;
-    /// Bytes that the response may have: what is larger anyhow is not made.
-    std::size_t max_response{std::numeric_limits<std::size_t>::max()};
 };
 
 /// Where the value of one attribute comes from.
