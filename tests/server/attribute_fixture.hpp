@@ -136,8 +136,9 @@ public:
     std::vector<StatusCode> write(const WriteRequest& request)
     {
         REQUIRE(server::detail::check_write(request, 1'000) == status::Good);
-        server::detail::WriteJob job{{space, sources, {space, user, control}, definitions},
-                                     request};
+        server::detail::WriteJob job{sources, request};
+        server::detail::Turn endless;
+        REQUIRE(job.plan({space, sources, {space, user, control}, definitions}, endless));
         REQUIRE(job.start(owner, TimePoint{}));
         return results(job);
     }

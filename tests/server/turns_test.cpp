@@ -244,6 +244,42 @@ TEST_CASE("D2: a Read of many structures is answered in turns")
     CHECK(answer->results[count / 10 - 1].value.get_if<ExtensionObject>() != nullptr);
 }
 
+TEST_CASE("D2: a Write of many values is carried out in turns")
+{
+    constexpr std::size_t count = 10'000;
+    SubscriptionFixture fixture;
+    const NodeId level = fixture.add_variable("level", 7);
+    auto& space = fixture.server.address_space();
+    space.set_access_level(space.find(level), model::Access::ReadWrite, model::Access::ReadWrite);
+    fixture.users.everybody.access_level_mask = 0xFF;
+    auto client = fixture.log_in();
+    WriteValue one;
+    one.node_id = level;
+    one.attribute_id = 13;
+    one.value.value = 8;
+    WriteRequest request;
+    request.nodes_to_write.resize(count);
+    std::fill(request.nodes_to_write.begin(), request.nodes_to_write.end(), one);
+    const auto sent = client.send(request);
+    StatusCode expected = status::Good;
+    SECTION("to the end") {}
+    SECTION("to what was removed meanwhile")
+    {
+        REQUIRE(space.remove(space.find(level)));
+        expected = status::Bad_NodeIdUnknown;
+    }
+    std::size_t turns = 1;
+    for (; client.connection.next_deadline() <= fixture.now; ++turns) {
+        client.connection.handle_deadline(fixture.now);
+    }
+    const auto answer = client.take<WriteResponse>(sent);
+    REQUIRE(answer);
+    REQUIRE(answer->results.size() == count);
+    CHECK(answer->results[0] == expected);
+    CHECK(answer->results[count - 1] == expected);
+    CHECK((expected.is_bad() || turns > 2));
+}
+
 TEST_CASE("D2: a Read that goes on asks no source for what was removed meanwhile")
 {
     SubscriptionFixture fixture;

@@ -316,7 +316,9 @@ TEST_CASE_METHOD(WriteFixture, "a source may use the values after the request is
         decode(reader, request);
         REQUIRE(reader.ok());
         server::detail::DefinitionChecks none;
-        WriteJob job{{space, sources, {space, user, control}, none}, request};
+        WriteJob job{sources, request};
+        server::detail::Turn endless;
+        REQUIRE(job.plan({space, sources, {space, user, control}, none}, endless));
         REQUIRE_FALSE(job.start(owner, TimePoint{}));
         SECTION("it was cancelled")
         {

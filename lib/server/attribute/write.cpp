@@ -22,11 +22,31 @@ void WriteOperation::start(ServiceContext& context)
     if (!charge(cost)) {
         return fault(status::Bad_TooManyOperations);
     }
-    job_.emplace(WriteContext{needs_.space, needs_.sources,
-                              rights_of(*context.session, needs_.space, needs_.access),
-                              *needs_.definitions},
-                 request());
-    const bool is_complete = job_->start(*this, context.now);
+    job_.emplace(needs_.sources, request());
+    take_turn(context);
+}
+
+bool WriteOperation::plan(ServiceContext& context)
+{
+    const WriteContext what{needs_.space, needs_.sources,
+                            rights_of(*context.session, needs_.space, needs_.access),
+                            *needs_.definitions};
+    if (!job_->is_outdated(needs_.space)) {
+        return job_->plan(what, context.peer.turn());
+    }
+    // Once more, and without a pause: a source must not be given what is for another.
+    job_.emplace(needs_.sources, request());
+    Turn endless;
+    return job_->plan(what, endless);
+}
+
+void WriteOperation::take_turn(ServiceContext& context)
+{
+    is_planning_ = !plan(context);
+    if (context.peer.has_thrown()) { // before a source is given anything
+        return fault(status::Bad_InternalError);
+    }
+    const bool is_complete = !is_planning_ && job_->start(*this, context.now);
     needs_.observer.kept_values_written();
     if (is_complete) {
         call_completed();
@@ -35,12 +55,12 @@ void WriteOperation::start(ServiceContext& context)
 
 TimePoint WriteOperation::next_deadline() const
 {
-    return job_ ? job_->next_deadline() : no_deadline;
+    return job_ && !is_planning_ ? job_->next_deadline() : no_deadline;
 }
 
 void WriteOperation::handle_deadline(TimePoint now)
 {
-    if (job_ && !is_finished() && job_->handle_deadline(now)) {
+    if (job_ && !is_planning_ && !is_finished() && job_->handle_deadline(now)) {
         call_completed();
     }
 }

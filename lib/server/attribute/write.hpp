@@ -17,14 +17,19 @@ public:
     ~WriteOperation() override;
 
     void start(ServiceContext& context) override;
+    [[nodiscard]] bool wants_turn() const override { return !is_finished() && is_planning_; }
+    void take_turn(ServiceContext& context) override;
     [[nodiscard]] TimePoint next_deadline() const override;
     void handle_deadline(TimePoint now) override;
 
 private:
     void call_completed() override;
+    /// Checks values; true if none is left.
+    [[nodiscard]] bool plan(ServiceContext& context);
 
     const AttributeNeeds& needs_;
     std::optional<WriteJob> job_;
+    bool is_planning_{true};
 };
 
 } // namespace busbar::server::detail

@@ -1,5 +1,7 @@
 #include "write_job.hpp"
 
+#include <algorithm>
+
 #include <busbar/binary/codec.hpp>
 #include <busbar/core/attribute_id.hpp>
 
@@ -94,20 +96,29 @@ StatusCode check_write(const WriteRequest& request, std::size_t max_nodes)
     return request.nodes_to_write.size() > max_nodes ? status::Bad_TooManyOperations : status::Good;
 }
 
-WriteJob::WriteJob(const WriteContext& context, const WriteRequest& request)
-    : call_{context.sources, request.nodes_to_write.size()}, memory_{std::make_shared<Memory>()}
+WriteJob::WriteJob(DataSources& sources, const WriteRequest& request)
+    : request_{request}, call_{sources, request.nodes_to_write.size()},
+      memory_{std::make_shared<Memory>()}
 {
-    const auto values = request.nodes_to_write.span();
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        if (const auto answer = plan(context, i, values[i])) {
-            call_.answer(i) = *answer;
+}
+
+bool WriteJob::plan(const WriteContext& context, Turn& turn)
+{
+    rebindings_ = context.space.journal().rebindings();
+    const auto values = request_.nodes_to_write.span();
+    do {
+        if (const auto answer = plan_one(context, planned_, values[planned_])) {
+            call_.answer(planned_) = *answer;
         }
-    }
+        turn.spend(Turn::units_of_value);
+        ++planned_;
+    } while (planned_ < values.size() && !turn.is_over());
+    return planned_ == values.size();
 }
 
 /// Nothing if a source will answer.
-std::optional<StatusCode> WriteJob::plan(const WriteContext& context, std::size_t index,
-                                         const WriteValue& value)
+std::optional<StatusCode> WriteJob::plan_one(const WriteContext& context, std::size_t index,
+                                             const WriteValue& value)
 {
     const model::NodeIndex node = context.space.find(value.node_id);
     if (node == model::no_node || !context.rights.may_see(node)) {

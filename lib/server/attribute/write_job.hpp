@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "definition_checks.hpp"
 #include "server/data/data_call.hpp"
 #include "server/rights/node_rights.hpp"
+#include "server/session/turn.hpp"
 
 namespace busbar::server::detail {
 
@@ -34,8 +36,16 @@ public:
     static constexpr std::size_t bytes_per_item = sizeof(WriteValue) + sizeof(WriteItem) + 64;
 
     /// `request` must stay as it is until keep() or the end of the job.
-    WriteJob(const WriteContext& context, const WriteRequest& request);
+    WriteJob(DataSources& sources, const WriteRequest& request);
 
+    /// Checks as many values as `turn` allows, one at least, and replaces those that the address
+    /// space keeps. False if there are more of them, for the next call. Keeps nothing of `context`.
+    [[nodiscard]] bool plan(const WriteContext& context, Turn& turn);
+    /// True if nodes that were looked up may not be there any more, or not be what they were.
+    [[nodiscard]] bool is_outdated(const model::AddressSpace& space) const
+    {
+        return planned_ != 0 && rebindings_ != space.journal().rebindings();
+    }
     /// True if the results are there, else `owner` is told.
     [[nodiscard]] bool start(SourceCallOwner& owner, TimePoint now);
     [[nodiscard]] TimePoint next_deadline() const { return call_.next_deadline(); }
@@ -63,8 +73,8 @@ private:
         model::VariableAttributes variable;
     };
 
-    [[nodiscard]] std::optional<StatusCode> plan(const WriteContext& context, std::size_t index,
-                                                 const WriteValue& value);
+    [[nodiscard]] std::optional<StatusCode> plan_one(const WriteContext& context, std::size_t index,
+                                                     const WriteValue& value);
     [[nodiscard]] std::optional<StatusCode> plan_value(const WriteContext& context,
                                                        std::size_t index, const WriteValue& value,
                                                        const Target& target);
@@ -72,6 +82,9 @@ private:
     [[nodiscard]] Result<const NumericRange*> keep_range(std::size_t index, const String& text);
     [[nodiscard]] const DataValue* to_byte_array(const DataValue& data);
 
+    const WriteRequest& request_;
+    std::size_t planned_{0};
+    std::uint64_t rebindings_{0};
     SourceWrite call_;
     std::shared_ptr<Memory> memory_;
 };
