@@ -136,7 +136,7 @@ struct ViewFixture : model::ModelFixture {
             BrowsePath{std::move(start), RelativePath{std::move(elements)}});
         ViewContext view = context();
         REQUIRE(check_translate(view, request) == status::Good);
-        return translate_browse_path(view, request.browse_paths[0]);
+        return PathWalk{}.go_on(view, request.browse_paths[0]).value();
     }
 };
 

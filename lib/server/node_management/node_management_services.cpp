@@ -76,7 +76,7 @@ private:
         }
         return status::Good;
     }
-    [[nodiscard]] Result work(std::size_t index, Turn& turn) override
+    [[nodiscard]] std::optional<Result> work(std::size_t index, Turn& turn) override
     {
         const std::size_t before = management_->visits_left;
         Result result = WorkOne(*management_, (this->request().*Items)[index]);

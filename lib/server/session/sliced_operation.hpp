@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
+#include <utility>
 
 #include "service.hpp"
 #include "session.hpp"
@@ -33,7 +35,9 @@ public:
         }
         Turn& turn = context.peer.turn();
         do {
-            response_.results.push_back(work(response_.results.size(), turn));
+            if (auto result = work(response_.results.size(), turn)) {
+                response_.results.push_back(*std::move(result));
+            }
         } while (response_.results.size() < size() && !turn.is_over() &&
                  !context.peer.has_thrown());
         const bool has_thrown = context.peer.has_thrown();
@@ -62,8 +66,9 @@ protected:
     /// Before the first and after each pause, in which anything may have happened: Good, or why the
     /// rest is not done.
     [[nodiscard]] virtual StatusCode resume(ServiceContext& context) = 0;
-    /// Does one thing, and spends what it takes.
-    [[nodiscard]] virtual Result work(std::size_t index, Turn& turn) = 0;
+    /// Does one thing, and spends what it takes. Nothing if the turn was over on the way: it goes on
+    /// with the same in the next one.
+    [[nodiscard]] virtual std::optional<Result> work(std::size_t index, Turn& turn) = 0;
     /// Takes back what was done, in this turn and before: the request ends in a fault.
     virtual void undo(const Response&) {}
     /// Behind the last of this turn.

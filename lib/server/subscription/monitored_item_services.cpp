@@ -172,7 +172,8 @@ private:
         return is_known(request().timestamps_to_return) ? status::Good
                                                         : status::Bad_TimestampsToReturnInvalid;
     }
-    [[nodiscard]] MonitoredItemCreateResult work(std::size_t index, Turn& turn) override
+    [[nodiscard]] std::optional<MonitoredItemCreateResult> work(std::size_t index,
+                                                                Turn& turn) override
     {
         turn.spend(Turn::units_of_item);
         MonitoredItemCreateResult result = create_one(
@@ -200,7 +201,8 @@ private:
         return is_known(request().timestamps_to_return) ? status::Good
                                                         : status::Bad_TimestampsToReturnInvalid;
     }
-    [[nodiscard]] MonitoredItemModifyResult work(std::size_t index, Turn& turn) override
+    [[nodiscard]] std::optional<MonitoredItemModifyResult> work(std::size_t index,
+                                                                Turn& turn) override
     {
         turn.spend(Turn::units_of_item);
         const MonitoredItemModifyRequest& change = request().items_to_modify[index];
@@ -211,8 +213,9 @@ private:
         } else {
             revision.status = status::Bad_MonitoredItemIdInvalid;
         }
-        return {revision.status, revision.sampling_interval, revision.queue_size,
-                paid_for(std::move(revision.filter_result))};
+        return MonitoredItemModifyResult{revision.status, revision.sampling_interval,
+                                         revision.queue_size,
+                                         paid_for(std::move(revision.filter_result))};
     }
 };
 
@@ -228,7 +231,7 @@ private:
         return is_known(request().monitoring_mode) ? status::Good
                                                    : status::Bad_MonitoringModeInvalid;
     }
-    [[nodiscard]] StatusCode work(std::size_t index, Turn& turn) override
+    [[nodiscard]] std::optional<StatusCode> work(std::size_t index, Turn& turn) override
     {
         turn.spend(Turn::units_of_item);
         MonitoredItem* const item = subscription().find_item(request().monitored_item_ids[index]);
@@ -247,7 +250,7 @@ public:
 
 private:
     [[nodiscard]] std::size_t size() const override { return request().monitored_item_ids.size(); }
-    [[nodiscard]] StatusCode work(std::size_t index, Turn& turn) override
+    [[nodiscard]] std::optional<StatusCode> work(std::size_t index, Turn& turn) override
     {
         turn.spend(Turn::units_of_item);
         return subscription().remove_item(request().monitored_item_ids[index])

@@ -53,7 +53,7 @@ private:
         context_ = &context;
         return status::Good;
     }
-    [[nodiscard]] StatusCode work(std::size_t index, Turn& turn) override
+    [[nodiscard]] std::optional<StatusCode> work(std::size_t index, Turn& turn) override
     {
         turn.spend(Turn::units_of_item);
         return delete_one(all_, *context_, request().subscription_ids[index]);

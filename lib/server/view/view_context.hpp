@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <vector>
 
 #include <busbar/crypto/random.hpp>
 #include <busbar/model/address_space.hpp>
@@ -72,7 +74,33 @@ struct ViewContext {
 /// Good, or why the whole request is refused (Part 4, 5.9.4.3).
 [[nodiscard]] StatusCode check_translate(const ViewContext& context,
                                          const TranslateBrowsePathsToNodeIdsRequest& request);
-[[nodiscard]] BrowsePathResult translate_browse_path(ViewContext& context, const BrowsePath& path);
+
+/// One path of a TranslateBrowsePathsToNodeIds (Part 4, 5.9.4) on its way.
+class PathWalk {
+public:
+    /// What it has found or why it ended; nothing if the context's turn is over before that, and it
+    /// is to be called again with the same path.
+    [[nodiscard]] std::optional<BrowsePathResult> go_on(ViewContext& context,
+                                                        const BrowsePath& path);
+    /// Bytes that it takes at the moment.
+    [[nodiscard]] std::size_t held() const
+    {
+        return (from_.capacity() + to_.capacity()) * sizeof(model::NodeHandle);
+    }
+
+private:
+    /// Good at the end of the path, Good_CallAgain if the turn is over.
+    [[nodiscard]] StatusCode follow(ViewContext& context, const BrowsePath& path);
+    [[nodiscard]] StatusCode begin(const ViewContext& context, const BrowsePath& path);
+
+    bool has_begun_{false};
+    std::size_t element_{0};
+    /// Nodes that the element is still to be followed from, the next one last.
+    std::vector<model::NodeHandle> from_;
+    /// Where it has led to.
+    std::vector<model::NodeHandle> to_;
+};
+
 [[nodiscard]] StatusCode register_nodes(ViewContext& context, const RegisterNodesRequest& request,
                                         RegisterNodesResponse& response);
 [[nodiscard]] StatusCode unregister_nodes(ViewContext& context,

@@ -93,16 +93,22 @@ private:
         view_->references_left = references_left_;
         return this->charge(std::exchange(owed_, 0)) ? StatusCode{} : status::Bad_OutOfMemory;
     }
-    [[nodiscard]] BrowsePathResult work(std::size_t index, Turn& turn) override
+    [[nodiscard]] std::optional<BrowsePathResult> work(std::size_t index, Turn& turn) override
     {
-        const std::size_t before = view_->visits_left;
-        BrowsePathResult result = translate_browse_path(*view_, request().browse_paths[index]);
-        turn.spend(units_of_path + before - view_->visits_left);
+        turn.spend(units_of_path);
+        view_->turn = turn;
+        auto result = walk_.go_on(*view_, request().browse_paths[index]);
+        turn = view_->turn;
+        if (result) {
+            walk_ = {};
+        }
         return result;
     }
     void pause(ServiceContext&) override
     {
-        owed_ = (references_left_ - view_->references_left) * sizeof(BrowsePathTarget);
+        owed_ = (references_left_ - view_->references_left) * sizeof(BrowsePathTarget) +
+                walk_.held() - std::min(paid_for_walk_, walk_.held());
+        paid_for_walk_ = std::max(paid_for_walk_, walk_.held());
         visits_left_ = view_->visits_left;
         references_left_ = view_->references_left;
         view_.reset();
@@ -115,7 +121,10 @@ private:
     std::optional<ViewContext> view_;
     std::size_t visits_left_{0};
     std::size_t references_left_{0};
-    /// Bytes of the targets that were found in the last turn.
+    /// The path that the last turn ended in.
+    PathWalk walk_;
+    std::size_t paid_for_walk_{0};
+    /// Bytes of what was found in the last turn.
     std::size_t owed_{0};
 };
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include <busbar/types/ids.hpp>
@@ -11,8 +12,8 @@ namespace {
 
 using model::NodeIndex;
 
-/// Nodes at one level of a path.
-using Level = std::vector<NodeIndex>;
+/// Nodes at one level of a path, which may go away between two turns.
+using Level = std::vector<model::NodeHandle>;
 
 StatusCode check_path(const ViewContext& context, const RelativePath& path)
 {
@@ -48,22 +49,29 @@ public:
                                context_.space.node_class(type_) == NodeClass::ReferenceType);
         return is_valid ? status::Good : status::Bad_ReferenceTypeIdInvalid;
     }
-    /// Good, or Bad_TooManyMatches past `most` targets, Bad_QueryTooComplex past the work that one
-    /// request may cause.
-    [[nodiscard]] StatusCode take(const Level& from, Level& to, std::size_t most)
+    /// Good when there is nothing left in `from`, Good_CallAgain if the turn is over before. Else
+    /// Bad_TooManyMatches past `most` targets, Bad_QueryTooComplex past the work that one request
+    /// may cause.
+    [[nodiscard]] StatusCode take(Level& from, Level& to, std::size_t most)
     {
-        for (const NodeIndex node : from) {
+        while (!from.empty()) {
+            const NodeIndex node = context_.space.resolve(from.back());
+            from.pop_back();
+            if (node == model::no_node) {
+                continue;
+            }
+            const std::size_t before = context_.visits_left;
             is_by_name() ? take_by_name(node, to, most) : take_by_scan(node, to, most);
+            context_.turn.spend(before - context_.visits_left);
             if (to.size() > most) {
                 return status::Bad_TooManyMatches;
             }
             if (context_.visits_left == 0) {
                 return status::Bad_QueryTooComplex;
             }
-        }
-        // A node that is reached twice counts once.
-        if (from.size() > 1) {
-            remove_duplicates(to);
+            if (context_.turn.is_over() && !from.empty()) {
+                return status::Good_CallAgain;
+            }
         }
         return status::Good;
     }
@@ -105,21 +113,8 @@ private:
     void add(NodeIndex target, Level& to) const
     {
         if (context_.may_see(target)) {
-            to.push_back(target);
+            to.push_back(context_.space.handle(target));
         }
-    }
-    static void remove_duplicates(Level& level)
-    {
-        std::size_t kept = 0;
-        Level seen;
-        for (const NodeIndex node : level) {
-            const auto at = std::lower_bound(seen.begin(), seen.end(), node);
-            if (at == seen.end() || *at != node) {
-                seen.insert(at, node);
-                level[kept++] = node;
-            }
-        }
-        level.resize(kept);
     }
 
     ViewContext& context_;
@@ -127,33 +122,19 @@ private:
     NodeIndex type_;
 };
 
-/// The nodes at the end of the path.
-Result<Level> follow(ViewContext& context, const BrowsePath& path)
+/// A node that is reached twice counts once.
+void remove_duplicates(Level& level)
 {
-    const auto start = context.find(path.starting_node);
-    if (!start) {
-        return fail(start.error());
-    }
-    if (const StatusCode bad = check_path(context, path.relative_path); bad.is_bad()) {
-        return fail(bad);
-    }
-    Level level{*start};
-    for (const RelativePathElement& element : path.relative_path.elements) {
-        Step step{context, element};
-        if (const StatusCode bad = step.check(); bad.is_bad()) {
-            return fail(bad);
+    std::size_t kept = 0;
+    std::vector<NodeIndex> seen;
+    for (const model::NodeHandle& node : level) {
+        const auto at = std::lower_bound(seen.begin(), seen.end(), node.index);
+        if (at == seen.end() || *at != node.index) {
+            seen.insert(at, node.index);
+            level[kept++] = node;
         }
-        Level next;
-        const StatusCode taken = step.take(level, next, context.limits.max_browse_path_targets);
-        if (taken.is_bad()) {
-            return fail(taken);
-        }
-        if (next.empty()) {
-            return fail(status::Bad_NoMatch);
-        }
-        level = std::move(next);
     }
-    return level;
+    level.resize(kept);
 }
 
 } // namespace
@@ -170,23 +151,61 @@ StatusCode check_translate(const ViewContext& context,
                : status::Good;
 }
 
-BrowsePathResult translate_browse_path(ViewContext& context, const BrowsePath& path)
+StatusCode PathWalk::begin(const ViewContext& context, const BrowsePath& path)
+{
+    const auto start = context.find(path.starting_node);
+    if (!start) {
+        return start.error();
+    }
+    from_ = {context.space.handle(*start)};
+    return check_path(context, path.relative_path);
+}
+
+StatusCode PathWalk::follow(ViewContext& context, const BrowsePath& path)
+{
+    if (!std::exchange(has_begun_, true)) {
+        if (const StatusCode bad = begin(context, path); bad.is_bad()) {
+            return bad;
+        }
+    }
+    for (; element_ < path.relative_path.elements.size(); ++element_) {
+        Step step{context, path.relative_path.elements[element_]};
+        if (const StatusCode bad = step.check(); bad.is_bad()) {
+            return bad;
+        }
+        const StatusCode taken = step.take(from_, to_, context.limits.max_browse_path_targets);
+        if (taken != StatusCode{status::Good}) {
+            return taken;
+        }
+        if (to_.empty()) {
+            return status::Bad_NoMatch;
+        }
+        remove_duplicates(to_);
+        from_.assign(to_.rbegin(), to_.rend());
+        to_.clear();
+    }
+    return status::Good;
+}
+
+std::optional<BrowsePathResult> PathWalk::go_on(ViewContext& context, const BrowsePath& path)
 {
     BrowsePathResult result;
-    const auto targets = follow(context, path);
-    if (!targets) {
-        result.status_code = targets.error();
+    result.status_code = follow(context, path);
+    if (result.status_code == StatusCode{status::Good_CallAgain}) {
+        return std::nullopt;
+    }
+    if (result.status_code.is_bad()) {
         return result;
     }
-    if (targets->size() > context.references_left) {
+    if (from_.size() > context.references_left) {
         result.status_code = status::Bad_QueryTooComplex;
         return result;
     }
-    context.references_left -= targets->size();
-    result.targets.reserve(targets->size());
-    for (const NodeIndex target : *targets) {
+    context.references_left -= from_.size();
+    result.targets.reserve(from_.size());
+    for (auto target = from_.rbegin(); target != from_.rend(); ++target) {
         BrowsePathTarget& to = result.targets.emplace_back();
-        to.target_id.node_id = context.space.node_id(target);
+        to.target_id.node_id = context.space.node_id(target->index);
         // The whole path was followed (Part 4, 5.9.4.2).
         to.remaining_path_index = UINT32_MAX;
     }
