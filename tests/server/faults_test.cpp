@@ -6,6 +6,7 @@
 #include <busbar/server/process_image.hpp>
 #include <busbar/types/view.hpp>
 
+#include "attribute_fixture.hpp"
 #include "method_fixture.hpp"
 #include "server/subscription/timer_queue.hpp"
 #include "subscription_fixture.hpp"
@@ -273,6 +274,34 @@ TEST_CASE("A1: who raises an event is not told what the Waker throws, and the ev
     server::Event event;
     CHECK(queue.next(event));
     queue.close(); // which waits for those who raise
+}
+
+TEST_CASE_METHOD(AttributeFixture, "A1: an answer that throws leaves the others to the next call")
+{
+    struct ThrowingOwner final : server::detail::SourceCallOwner {
+        void call_completed() override { throw_if(true); }
+    };
+    struct KeepingSource final : server::DataSource {
+        void read(server::ReadBatch batch) override { kept.push_back(std::move(batch)); }
+        std::vector<server::ReadBatch> kept;
+    };
+    auto& source = make_source<KeepingSource>();
+    model::NewVariable variable;
+    variable.data_type = NodeId{0, id::Int32};
+    variable.source = sources.add(source);
+    const ReadRequest request = read_request({read_value_id(add("Far", variable))});
+    ThrowingOwner broken;
+    auto first = read_job(request);
+    auto second = read_job(request);
+    REQUIRE_FALSE(first.start(broken, TimePoint{}));
+    REQUIRE_FALSE(second.start(owner, TimePoint{}));
+    for (auto& batch : source.kept) {
+        batch.complete();
+    }
+    CHECK_THROWS_AS(sources.handle_completions(), std::runtime_error);
+    CHECK(owner.completed == 0);
+    sources.handle_completions();
+    CHECK(owner.completed == 1);
 }
 
 TEST_CASE("A1: a PLC task that publishes a scan is not told what the Waker throws")

@@ -1,5 +1,7 @@
 #include "data_sources.hpp"
 
+#include <utility>
+
 #include <busbar/model/new_node.hpp>
 
 #include "data_part.hpp"
@@ -33,7 +35,7 @@ void CompletionQueue::push(Part& part)
     }
 }
 
-void CompletionQueue::drain()
+void CompletionQueue::take()
 {
     Part* part = newest_.exchange(nullptr);
     Part* oldest = nullptr;
@@ -42,29 +44,53 @@ void CompletionQueue::drain()
         part->next_ = oldest;
         oldest = std::exchange(part, next);
     }
-    while (oldest != nullptr) {
-        Part* const next = oldest->next_;
-        const std::shared_ptr<void> memory = std::move(oldest->memory_);
-        if (oldest->owner_ != nullptr) {
-            oldest->owner_->part_completed(*oldest);
+    Part** end = &told_next_;
+    while (*end != nullptr) {
+        end = &(*end)->next_;
+    }
+    *end = oldest;
+}
+
+void CompletionQueue::drain()
+{
+    struct Rest {
+        ~Rest()
+        {
+            if (queue.told_next_ != nullptr) {
+                queue.wake();
+            }
         }
-        oldest = next;
+        CompletionQueue& queue;
+    };
+    const Rest rest{*this};
+    take();
+    while (told_next_ != nullptr) {
+        Part* const part = std::exchange(told_next_, told_next_->next_);
+        const std::shared_ptr<void> memory = std::move(part->memory_);
+        if (part->owner_ != nullptr) {
+            part->owner_->part_completed(*part);
+        }
     }
 }
 
 void CompletionQueue::drop()
 {
-    Part* part = newest_.exchange(nullptr);
-    while (part != nullptr) {
-        Part* const next = part->next_;
-        const std::shared_ptr<void> memory = std::move(part->memory_);
-        part = next;
+    drop(newest_.exchange(nullptr));
+}
+
+void CompletionQueue::drop(Part* first)
+{
+    while (first != nullptr) {
+        Part* const next = first->next_;
+        const std::shared_ptr<void> memory = std::move(first->memory_);
+        first = next;
     }
 }
 
 void CompletionQueue::close()
 {
     closed_ = true;
+    drop(std::exchange(told_next_, nullptr));
     drop();
     waker_ = nullptr;
     while (wakers_running_ != 0) {

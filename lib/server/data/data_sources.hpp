@@ -24,7 +24,9 @@ public:
 
     /// From any thread. Wakes the server if nothing was queued.
     void push(Part& part);
-    /// On the server's thread: tells the owner of each part, in the order of completion.
+    /// On the server's thread: tells the owner of each part, in the order of completion. What an
+    /// owner throws comes through; the others are told by the next call, for which the server is
+    /// woken.
     void drain();
     /// On the server's thread: drops what is queued and what still comes. The Waker is not in use
     /// any more afterwards.
@@ -33,8 +35,13 @@ public:
 private:
     void wake();
     void drop();
+    static void drop(Part* first);
+    /// Puts what has come behind `told_next_`.
+    void take();
 
     std::atomic<Part*> newest_{nullptr};
+    /// Those that drain() has taken, the oldest first.
+    Part* told_next_{nullptr};
     std::atomic<bool> closed_{false};
     std::atomic<Waker*> waker_;
     std::atomic<std::uint32_t> wakers_running_{0};
