@@ -54,7 +54,7 @@ TEST_CASE("D2: a connection that asks for much waits for its next turn")
     auto greedy = fixture.log_in();
     auto good = fixture.log_in();
     for (std::size_t i = 0; i < requests; ++i) {
-        prepare(greedy, dear_browse(1'000));
+        prepare(greedy, dear_browse(50));
     }
     carry(greedy.channel, greedy.connection, fixture.now);
     std::size_t answered = take_answers(greedy, fixture.now);
@@ -285,7 +285,7 @@ TEST_CASE("D2: a Read that goes on asks no source for what was removed meanwhile
     SubscriptionFixture fixture;
     const NodeId level = fixture.add_variable("level", 7);
     auto client = fixture.log_in();
-    constexpr std::size_t count = 10'000;
+    constexpr std::size_t count = 2'000;
     const auto sent = client.send(read_of(level, count));
     REQUIRE(client.connection.next_deadline() <= fixture.now);
     auto& space = fixture.server.address_space();
