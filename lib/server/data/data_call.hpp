@@ -59,9 +59,9 @@ struct WriteTraits {
 /// One service call's operations on their way to the sources and back, in a constant number of
 /// allocations: a batch for each source, and answers that the server gives by itself.
 ///
-/// First operations are given to ask() or answer(), or to neither and have no result then; start()
-/// is called; result() has the answers as soon as waiting() is false. Lives on the server's thread; destroying it leaves
-/// the batches to their sources.
+/// First operations are given to ask() or answer(), or to neither and have no result then. Then
+/// start() is called, then result() has the answers as soon as waiting() is false. Lives on the
+/// server's thread; destroying it leaves the batches to their sources.
 template <typename Traits>
 class SourceCall final : private PartOwner {
 public:

@@ -66,8 +66,8 @@ protected:
     /// Before the first and after each pause, in which anything may have happened: Good, or why the
     /// rest is not done.
     [[nodiscard]] virtual StatusCode resume(ServiceContext& context) = 0;
-    /// Does one thing, and spends what it takes. Nothing if the turn was over on the way: it goes on
-    /// with the same in the next one.
+    /// Does one thing, and spends what it takes. Nothing if the turn was over on the way: the next
+    /// one goes on with the same.
     [[nodiscard]] virtual std::optional<Result> work(std::size_t index, Turn& turn) = 0;
     /// Takes back what was done, in this turn and before: the request ends in a fault.
     virtual void undo(const Response&) {}
