@@ -13,7 +13,7 @@ namespace busbar::server::detail {
 class Turn {
 public:
     /// Less than a millisecond: twenty greedy connections keep another waiting for less than 20.
-    static constexpr std::size_t units = 40'000;
+    static constexpr std::size_t units = 30'000;
     static constexpr std::size_t units_of_request = 200;
     /// A node whose value is looked up.
     static constexpr std::size_t units_of_value = 10;
