@@ -129,6 +129,25 @@ TEST_CASE_METHOD(DiagnosticsFixture, "a session is described as its client descr
     CHECK(session.publish_count.total_count == 3);
 }
 
+TEST_CASE_METHOD(DiagnosticsFixture, "B10: nobody reads a password in a session's EndpointUrl")
+{
+    const auto [given, shown] = GENERATE(table<const char*, const char*>({
+        {"opc.tcp://joe:secret@localhost:4840/a@b", "opc.tcp://localhost:4840/a@b"},
+        {"opc.tcp://joe@work:secret@localhost", "opc.tcp://localhost"},
+        {"opc.tcp://localhost/joe@home", "opc.tcp://localhost/joe@home"},
+        {"joe:secret@localhost", "localhost"},
+        {"@", ""},
+    }));
+    TestClient client = connect();
+    auto request = client.create_request();
+    request.endpoint_url = given;
+    REQUIRE(client.create_session(request));
+    REQUIRE(client.activate(TestClient::anonymous()) == status::Good);
+    const auto sessions = array<SessionDiagnosticsDataType>(client, sessions_array);
+    REQUIRE(sessions.size() == 1);
+    CHECK(sessions[0].endpoint_url.view() == shown);
+}
+
 TEST_CASE_METHOD(DiagnosticsFixture, "a Subscription counts what it does")
 {
     TestClient client = log_in();

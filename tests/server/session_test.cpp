@@ -94,6 +94,11 @@ TEST_CASE("CreateSession checks nonce, certificate and ApplicationUri")
         request.client_description.application_uri = "urn:busbar:test:client2";
         CHECK(client.create_session(request).error() == status::Bad_CertificateUriInvalid);
     }
+    SECTION("B11: another server")
+    {
+        request.server_uri = "urn:busbar:test:server2";
+        CHECK(client.create_session(request).error() == status::Bad_ServerUriInvalid);
+    }
     CHECK(fixture.server.session_count() == 0);
 }
 

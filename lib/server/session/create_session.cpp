@@ -71,12 +71,25 @@ Checked<void> check_certificate(const channel::ServerChannel& channel,
     return {};
 }
 
+/// Part 4, 5.7.2.2: a client behind a gateway names the server that it means.
+Checked<void> check_server_uri(const ServerConfig& config, const String& wanted)
+{
+    if (!wanted.empty() && wanted.view() != config.application_uri) {
+        return refuse({status::Bad_ServerUriInvalid, "ServerUri",
+                       "the client wants " + printable(wanted.view().substr(0, max_text_size)) +
+                           ", this is " + config.application_uri,
+                       "Part 4, 5.7.2.2 and 5.7.2.3", "Let the client connect to that server"});
+    }
+    return {};
+}
+
 Checked<void> check(const SessionNeeds& needs, const ServiceContext& context,
                     const CreateSessionRequest& request)
 {
     const channel::ServerChannel& channel = context.peer.channel();
     const bool is_secure = !channel.security().policy->is_none();
     return check_endpoint(needs.config, channel.security())
+        .and_then([&] { return check_server_uri(needs.config, request.server_uri); })
         .and_then([&] { return check_nonce(request.client_nonce, is_secure); })
         .and_then(
             [&] { return is_secure ? check_certificate(channel, request) : Checked<void>{}; });
@@ -136,6 +149,20 @@ String shortened(const String& text)
     return String{std::string{text.view().substr(0, max_text_size)}};
 }
 
+/// Without the userinfo that a URL may have (RFC 3986, 3.2.1): what is shown is shown to many.
+String without_userinfo(const String& url)
+{
+    const std::string_view text = url.view();
+    const std::size_t scheme = text.find("://");
+    const std::size_t begin = scheme == text.npos ? 0 : scheme + 3;
+    const std::string_view authority =
+        text.substr(begin, std::min(text.find_first_of("/?#", begin), text.size()) - begin);
+    const std::size_t at = authority.rfind('@');
+    return at == authority.npos
+               ? url
+               : String{std::string{text.substr(0, begin)}.append(text.substr(begin + at + 1))};
+}
+
 /// For the diagnostics (Part 5, 12.11).
 void describe_client(Session& session, const CreateSessionRequest& request)
 {
@@ -147,7 +174,7 @@ void describe_client(Session& session, const CreateSessionRequest& request)
     session.client_description.application_type = client.application_type;
     session.client_description.gateway_server_uri = shortened(client.gateway_server_uri);
     session.server_uri = shortened(request.server_uri);
-    session.endpoint_url = shortened(request.endpoint_url);
+    session.endpoint_url = shortened(without_userinfo(request.endpoint_url));
 }
 
 Result<std::unique_ptr<Session>> make_session(const SessionNeeds& needs,
