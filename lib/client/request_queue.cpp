@@ -71,7 +71,7 @@ bool RequestQueue::send_one(Connection& connection, TimePoint now)
     }
     const auto request = std::find_if(requests_.lower_bound(next_waiting_), requests_.end(),
                                       [](const auto& entry) { return entry.second.is_waiting(); });
-    next_waiting_ = request->first + 1;
+    next_waiting_ = request->first; // if it throws on the way, it waits still
     Request& sent = request->second;
     if (sent.deadline <= now) {
         finish(request, fail(status::Bad_Timeout));

@@ -73,6 +73,16 @@ TEST_CASE("catching up ends when nothing is missing", "[message_stream]")
     CHECK_FALSE(messages.is_catching_up);
 }
 
+TEST_CASE("one that is made anew has nothing to catch up with", "[message_stream]")
+{
+    MessageStream messages = stream();
+    messages.catch_up(at(110s));
+    CHECK(messages.is_catching_up);
+    messages.restart();
+    CHECK_FALSE(messages.is_catching_up);
+    CHECK_FALSE(messages.needs_republish());
+}
+
 TEST_CASE("a server that always has one more message is not probed for ever", "[message_stream]")
 {
     MessageStream messages = stream();

@@ -53,6 +53,24 @@ TEST_CASE("What was not carried out is acknowledged again", "[publish_queue]")
     CHECK(queue.add().acknowledgements.empty());
 }
 
+TEST_CASE("Acknowledgements that nobody takes are given up, the oldest first", "[publish_queue]")
+{
+    PublishQueue queue{100};
+    constexpr std::uint32_t count = 15'000;
+    for (std::uint32_t i = 1; i <= count; ++i) {
+        queue.acknowledge(1, i);
+    }
+    std::size_t kept = 0;
+    std::uint32_t last = 0;
+    for (auto next = queue.add(); !next.acknowledgements.empty(); next = queue.add()) {
+        kept += next.acknowledgements.size();
+        last = next.acknowledgements.back().sequence_number;
+    }
+    CHECK(kept < count);
+    CHECK(kept >= 10'000);
+    CHECK(last == count);
+}
+
 TEST_CASE("A Subscription that is gone is not acknowledged any more", "[publish_queue]")
 {
     PublishQueue queue{10};

@@ -233,7 +233,29 @@ TEST_CASE_METHOD(PuppetFixture, "Triggering is made and changed by its differenc
     subscriptions.session_lost(); // before the answer
     subscriptions.session_started(Start::Resumed);
     settle();
-    CHECK(requester.take<SetTriggeringRequest>().links_to_add == Array<std::uint32_t>{103, 104});
+    request = requester.take<SetTriggeringRequest>();
+    CHECK(request.links_to_add == Array<std::uint32_t>{103, 104});
+    CHECK(request.links_to_remove == Array<std::uint32_t>{102}); // nobody knows whether it is there
+    reply(SetTriggeringResponse{});
+    REQUIRE(subscriptions.set_triggering(items[0], {items[3]}));
+    settle();
+    CHECK(requester.take<SetTriggeringRequest>().links_to_remove == Array<std::uint32_t>{103});
+}
+
+TEST_CASE_METHOD(PuppetFixture, "An item that is changed before it is made is made once",
+                 "[client]")
+{
+    subscription = subscriptions.create({}, heard.handlers()).value();
+    items = subscriptions.add_items(subscription, std::vector<client::ItemSettings>(2)).value();
+    client::ItemSettings slower;
+    slower.sampling_interval = std::chrono::seconds{5};
+    REQUIRE(subscriptions.modify_items(std::vector{items[0]}, slower));
+    settle();
+    static_cast<void>(requester.take<CreateSubscriptionRequest>());
+    reply(created());
+    const auto request = requester.take<CreateMonitoredItemsRequest>();
+    REQUIRE(request.items_to_create.size() == 2);
+    CHECK(request.items_to_create[0].requested_parameters.sampling_interval == 5'000);
 }
 
 TEST_CASE_METHOD(PuppetFixture, "Handlers may remove what calls them", "[client]")

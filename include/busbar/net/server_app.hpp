@@ -48,7 +48,7 @@ public:
     }
     /// Adds a Variable below the Objects folder, as AddressSpace::add_variable does: one that a
     /// source serves (DataSource::variable), or a value, which is then kept in memory. Gives the
-    /// handle; 0 if something has failed.
+    /// handle, and nothing useful if something has failed: see status().
     std::uint64_t add_variable(const QualifiedName& name, const model::BoundValue& value,
                                model::Access access = model::Access::Read);
     /// Changes the value of a Variable that was added with a value of its own.

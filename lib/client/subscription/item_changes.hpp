@@ -26,9 +26,10 @@ private:
                     std::vector<ItemHandle> batch);
     bool link(WatchedSubscription& subscription);
     /// Takes the changes of `links` as made. True if there are more than one call may have.
-    bool choose_links(Links& links, SetTriggeringRequest& request);
+    bool choose_links(Links& links, SetTriggeringRequest& request,
+                      std::vector<ItemHandle>& removed);
     void send_links(WatchedSubscription& subscription, SetTriggeringRequest request,
-                    ItemHandle trigger);
+                    ItemHandle trigger, std::vector<ItemHandle> removed);
 
     ItemTable& items_;
     ItemRequests& requests_;

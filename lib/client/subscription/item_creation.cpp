@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <unordered_set>
 
 #include "item_creation.hpp"
 
@@ -6,13 +7,14 @@ namespace busbar::client::detail {
 
 namespace {
 
-/// The next handles of `queue` for which `is_due` holds, `limit` at most.
+/// The next handles of `queue` for which `is_due` holds, `limit` at most, each once.
 template <typename IsDue>
 std::vector<ItemHandle> take_batch(std::deque<ItemHandle>& queue, std::size_t limit, IsDue is_due)
 {
     std::vector<ItemHandle> batch;
+    std::unordered_set<ItemHandle> taken;
     while (!queue.empty() && batch.size() < limit) {
-        if (is_due(queue.front())) {
+        if (is_due(queue.front()) && taken.insert(queue.front()).second) {
             batch.push_back(queue.front());
         }
         queue.pop_front();
@@ -70,6 +72,7 @@ void ItemCreation::items_resolved(SubscriptionHandle handle,
     Array<MonitoredItemCreateRequest> requests;
     ItemStatuses statuses;
     auto timestamps = TimestampsToReturn::Both;
+    bool is_late = false;
     for (std::size_t i = 0; i < items.size() && i < nodes.size(); ++i) {
         const Item* item = items_.find(items[i]);
         if (item == nullptr) {
@@ -77,7 +80,7 @@ void ItemCreation::items_resolved(SubscriptionHandle handle,
         }
         if (!nodes[i] && is_uncertain(nodes[i].error())) {
             subscription.queue_creation(items_, items[i]); // its path was not looked up
-            subscription.try_later(requests_.now());
+            is_late = true;
         } else if (!nodes[i]) {
             statuses.push_back({items[i], {nodes[i].error(), 0, 0, {}}});
         } else if (subscription.phase == Phase::Polling) {
@@ -93,6 +96,9 @@ void ItemCreation::items_resolved(SubscriptionHandle handle,
             request.requested_parameters = item->parameters->for_server(items[i]);
             subscription.under_way.push_back(items[i]);
         }
+    }
+    if (is_late) {
+        subscription.try_later(requests_.now());
     }
     subscription.is_busy = !requests.empty();
     if (requests.empty()) {
@@ -167,7 +173,7 @@ ItemStatus ItemCreation::item_created(WatchedSubscription& subscription, ItemHan
 void ItemCreation::item_creation_failed(WatchedSubscription& subscription, StatusCode status)
 {
     if (is_uncertain(status) || status == status::Bad_SubscriptionIdInvalid) {
-        ends_.lost(subscription, status, true);
+        ends_.lost(subscription, status, status != status::Bad_SubscriptionIdInvalid);
         return;
     }
     subscription.is_uncertain = false;

@@ -5,6 +5,28 @@
 
 namespace busbar::client::detail {
 
+namespace {
+
+// Handles of a link's, in ascending order, each once.
+
+void put(std::vector<ItemHandle>& handles, ItemHandle handle)
+{
+    const auto place = std::lower_bound(handles.begin(), handles.end(), handle);
+    if (place == handles.end() || *place != handle) {
+        handles.insert(place, handle);
+    }
+}
+
+void take_out(std::vector<ItemHandle>& handles, ItemHandle handle)
+{
+    const auto place = std::lower_bound(handles.begin(), handles.end(), handle);
+    if (place != handles.end() && *place == handle) {
+        handles.erase(place);
+    }
+}
+
+} // namespace
+
 bool ItemChanges::link(WatchedSubscription& subscription)
 {
     auto& queue = subscription.work.to_link;
@@ -19,22 +41,27 @@ bool ItemChanges::link(WatchedSubscription& subscription)
         SetTriggeringRequest request;
         request.subscription_id = subscription.server_id;
         request.triggering_item_id = item->server_id;
-        if (choose_links(links->second, request)) {
+        std::vector<ItemHandle> removed;
+        if (choose_links(links->second, request, removed)) {
             queue.push_front(trigger);
         }
         if (!request.links_to_add.empty() || !request.links_to_remove.empty()) {
-            send_links(subscription, std::move(request), trigger);
+            send_links(subscription, std::move(request), trigger, std::move(removed));
             return true;
         }
     }
     return false;
 }
 
-bool ItemChanges::choose_links(Links& links, SetTriggeringRequest& request)
+bool ItemChanges::choose_links(Links& links, SetTriggeringRequest& request,
+                               std::vector<ItemHandle>& removed)
 {
+    std::vector<ItemHandle> there;
+    std::set_union(links.made.begin(), links.made.end(), links.stray.begin(), links.stray.end(),
+                   std::back_inserter(there));
     std::vector<ItemHandle> changed;
-    std::set_difference(links.made.begin(), links.made.end(), links.wished.begin(),
-                        links.wished.end(), std::back_inserter(changed));
+    std::set_difference(there.begin(), there.end(), links.wished.begin(), links.wished.end(),
+                        std::back_inserter(changed));
     const std::size_t removed_count = changed.size();
     std::set_difference(links.wished.begin(), links.wished.end(), links.made.begin(),
                         links.made.end(), std::back_inserter(changed));
@@ -50,18 +77,19 @@ bool ItemChanges::choose_links(Links& links, SetTriggeringRequest& request)
         }
         ++count;
         (is_removed ? request.links_to_remove : request.links_to_add).push_back(item->server_id);
-        const auto place = std::lower_bound(links.made.begin(), links.made.end(), changed[i]);
         if (is_removed) {
-            links.made.erase(place);
+            removed.push_back(changed[i]);
+            put(links.stray, changed[i]);
+            take_out(links.made, changed[i]);
         } else {
-            links.made.insert(place, changed[i]);
+            put(links.made, changed[i]);
         }
     }
     return false;
 }
 
 void ItemChanges::send_links(WatchedSubscription& subscription, SetTriggeringRequest request,
-                             ItemHandle trigger)
+                             ItemHandle trigger, std::vector<ItemHandle> removed)
 {
     const std::size_t count = request.links_to_add.size() + request.links_to_remove.size();
     const auto redo = [trigger](WatchedSubscription& changed) {
@@ -73,10 +101,16 @@ void ItemChanges::send_links(WatchedSubscription& subscription, SetTriggeringReq
     };
     requests_.change<SetTriggeringResponse>(
         subscription, std::move(request), count, redo,
-        [this, trigger](WatchedSubscription& changed, const auto& response) {
+        [this, trigger, removed = std::move(removed)](WatchedSubscription& changed,
+                                                      const auto& response) {
             if (!response) {
                 changed.report_items(items_, {{trigger, {response.error(), 0, 0, {}}}});
                 return;
+            }
+            if (const auto links = changed.links.find(trigger); links != changed.links.end()) {
+                for (const ItemHandle gone : removed) {
+                    take_out(links->second.stray, gone);
+                }
             }
             const auto& results = response->add_results;
             const auto bad = std::find_if(results.begin(), results.end(),

@@ -51,6 +51,7 @@ void MessageStream::interrupt()
 void MessageStream::restart()
 {
     interrupt();
+    begin_session();
     is_probing = false;
     republish_failures = 0;
     heard_time = {};

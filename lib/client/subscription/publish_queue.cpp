@@ -8,6 +8,7 @@ namespace busbar::client::detail {
 namespace {
 
 constexpr std::size_t max_acknowledgements = 1'000; // in one request
+constexpr std::size_t max_waiting_acknowledgements = 10'000;
 
 } // namespace
 
@@ -96,7 +97,17 @@ void PublishQueue::renew()
 
 void PublishQueue::acknowledge(std::uint32_t subscription_id, std::uint32_t sequence_number)
 {
-    acknowledgements_.push_back({subscription_id, sequence_number});
+    keep({subscription_id, sequence_number});
+}
+
+void PublishQueue::keep(const SubscriptionAcknowledgement& acknowledgement)
+{
+    // A server that answers Republish alone would have them grow for ever. One that never hears of
+    // a message keeps it, until it has too many.
+    if (acknowledgements_.size() == max_waiting_acknowledgements) {
+        acknowledgements_.pop_front();
+    }
+    acknowledgements_.push_back(acknowledgement);
 }
 
 void PublishQueue::forget(std::uint32_t subscription_id)
@@ -118,7 +129,7 @@ void PublishQueue::take_back(Acknowledgements& acknowledgements)
 {
     for (const SubscriptionAcknowledgement& acknowledgement : acknowledgements) {
         if (acknowledgement.subscription_id != 0) {
-            acknowledgements_.push_back(acknowledgement);
+            keep(acknowledgement);
         }
     }
     acknowledgements = {};

@@ -64,6 +64,7 @@ private:
     };
 
     [[nodiscard]] std::size_t awaited() const;
+    void keep(const SubscriptionAcknowledgement& acknowledgement);
     void take_back(Acknowledgements& acknowledgements);
 
     std::size_t configured_;

@@ -21,7 +21,8 @@ void SessionChange::start_again(WatchedSubscription& subscription, bool is_new_s
     subscription.messages.begin_session();
     const bool is_at_server = subscription.server_id != 0;
     if (is_at_server && subscription.is_uncertain) {
-        ends_.lost(subscription, status::Bad_SubscriptionIdInvalid, true);
+        // Another session cannot delete it, and may get one with its id.
+        ends_.lost(subscription, status::Bad_SubscriptionIdInvalid, !is_new_session);
     } else if (is_at_server && (is_new_session || subscription.phase == Phase::Transferring)) {
         subscription.phase = Phase::Transferring;
     } else if (is_at_server) {
@@ -75,10 +76,11 @@ void SessionChange::transferred(const std::vector<SubscriptionHandle>& handles,
         if (!response) {
             ends_.lost(*subscription, response.error(), true);
         } else if (i >= response->results.size() || response->results[i].status_code.is_bad()) {
-            ends_.lost(*subscription,
-                       i < response->results.size() ? response->results[i].status_code
-                                                    : StatusCode{status::Bad_UnexpectedError},
-                       true);
+            const StatusCode bad = i < response->results.size()
+                                       ? response->results[i].status_code
+                                       : StatusCode{status::Bad_UnexpectedError};
+            // A server that has none of that id may give it to the next one.
+            ends_.lost(*subscription, bad, bad != status::Bad_SubscriptionIdInvalid);
         } else {
             transferred(*subscription, response->results[i]);
         }

@@ -139,6 +139,7 @@ void WatchedSubscription::queue_all_items(ItemTable& table)
     }
     for (auto& [trigger, link] : links) {
         link.made.clear();
+        link.stray.clear();
         work.to_link.push_back(trigger);
     }
 }

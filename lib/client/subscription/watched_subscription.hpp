@@ -33,6 +33,8 @@ enum class Phase : std::uint8_t {
 struct Links {
     std::vector<ItemHandle> wished;
     std::vector<ItemHandle> made;
+    /// Those whose removal has not been answered: the server may have them.
+    std::vector<ItemHandle> stray;
 };
 
 /// What is still to be done at the server, in the order it is done. A handle may stand here though
