@@ -35,7 +35,6 @@ CreateSessionRequest wordy_session(const TestClient& client)
     const std::string text(2'000, 't');
     auto request = client.create_request();
     request.session_name = text;
-    request.server_uri = text;
     request.client_description.product_uri = text;
     request.client_description.gateway_server_uri = text;
     request.client_description.application_name = LocalizedText{text, text};

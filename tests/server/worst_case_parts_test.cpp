@@ -236,7 +236,7 @@ namespace {
 server::ServerConfig many_references()
 {
     server::ServerConfig config = config_with(true, 10);
-    config.limits.max_client_references = 300;
+    config.limits.max_client_references = 100;
     return config;
 }
 
