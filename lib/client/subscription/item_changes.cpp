@@ -47,7 +47,7 @@ bool ItemChanges::modify(WatchedSubscription& subscription)
             }
         }
         if (!batch.empty()) {
-            send_modification(subscription, std::move(request), std::move(batch));
+            send_modification(subscription, std::move(request), batch);
             return true;
         }
     }
@@ -56,7 +56,7 @@ bool ItemChanges::modify(WatchedSubscription& subscription)
 
 void ItemChanges::send_modification(WatchedSubscription& subscription,
                                     ModifyMonitoredItemsRequest request,
-                                    std::vector<ItemHandle> batch)
+                                    const std::vector<ItemHandle>& batch)
 {
     const auto redo = [this, batch](WatchedSubscription& changed) {
         for (const ItemHandle handle : batch) {
@@ -103,7 +103,7 @@ bool ItemChanges::set_modes(WatchedSubscription& subscription)
             }
         }
         if (!batch.empty()) {
-            send_modes(subscription, std::move(request), std::move(batch));
+            send_modes(subscription, std::move(request), batch);
             return true;
         }
     }
@@ -111,7 +111,7 @@ bool ItemChanges::set_modes(WatchedSubscription& subscription)
 }
 
 void ItemChanges::send_modes(WatchedSubscription& subscription, SetMonitoringModeRequest request,
-                             std::vector<ItemHandle> batch)
+                             const std::vector<ItemHandle>& batch)
 {
     const auto redo = [this, batch](WatchedSubscription& changed) {
         for (const ItemHandle handle : batch) {

@@ -20,10 +20,10 @@ public:
 private:
     bool modify(WatchedSubscription& subscription);
     void send_modification(WatchedSubscription& subscription, ModifyMonitoredItemsRequest request,
-                           std::vector<ItemHandle> batch);
+                           const std::vector<ItemHandle>& batch);
     bool set_modes(WatchedSubscription& subscription);
     void send_modes(WatchedSubscription& subscription, SetMonitoringModeRequest request,
-                    std::vector<ItemHandle> batch);
+                    const std::vector<ItemHandle>& batch);
     bool link(WatchedSubscription& subscription);
     /// Takes the changes of `links` as made. True if there are more than one call may have.
     bool choose_links(Links& links, SetTriggeringRequest& request,
