@@ -1,7 +1,6 @@
 #include <catch2/catch.hpp>
 
 #include "server/subscription_fixture.hpp"
-#include "server/view_fixture.hpp"
 #include "support/slow_server.hpp"
 
 using namespace busbar;
@@ -300,60 +299,3 @@ TEST_CASE("D2: a Read that goes on asks no source for what was removed meanwhile
     CHECK(answer->results[0].status == status::Bad_NodeIdUnknown);
     CHECK(answer->results[count - 1].status == status::Bad_NodeIdUnknown);
 }
-
-namespace busbar::server::detail {
-
-TEST_CASE_METHOD(ViewFixture, "D2: a Browse says the same in however many turns")
-{
-    add_children(400);
-    BrowseDescription instances = description(NodeId{0, id::BaseDataVariableType});
-    instances.reference_type_id = {};
-    instances.browse_direction = BrowseDirection::Both;
-    BrowseDescription few = description(node("folder"));
-    few.node_class_mask = static_cast<std::uint32_t>(NodeClass::Method);
-    BrowseRequest request;
-    request.nodes_to_browse = {description(node("folder")), instances, description(NodeId{9, 1U}),
-                               few, description(NodeId{0, id::ObjectsFolder})};
-    const auto most = GENERATE(0U, 1U, 150U);
-    request.requested_max_references_per_node = most;
-    const auto browse_in = [&](std::size_t units) {
-        ViewContext view = context();
-        view.turn = Turn{units};
-        BrowseResponse response;
-        REQUIRE(browse(view, request, response) == status::Good);
-        return response;
-    };
-    const BrowseResponse whole = browse_in(Turn{}.left());
-    REQUIRE(whole.results[0].references.size() == (most == 0 ? 400 : most));
-    for (const std::size_t units : {std::size_t{1}, std::size_t{60}, std::size_t{4'000}}) {
-        const BrowseResponse parts = browse_in(units);
-        for (std::size_t i = 0; i < whole.results.size(); ++i) {
-            CAPTURE(units, i);
-            CHECK(parts.results[i].status_code == whole.results[i].status_code);
-            CHECK(parts.results[i].references == whole.results[i].references);
-            CHECK(parts.results[i].continuation_point.empty() ==
-                  whole.results[i].continuation_point.empty());
-        }
-    }
-}
-
-TEST_CASE_METHOD(ViewFixture, "D2: a node that changes between two turns is browsed as it is then")
-{
-    add_children(100);
-    BrowseRequest request;
-    request.nodes_to_browse = {description(node("folder"))};
-    BrowseResponse response;
-    BrowseWork work;
-    ViewContext view = context();
-    REQUIRE(work.begin(view, request, response) == status::Good);
-    view.turn = Turn{Turn::units_of_reference * 10};
-    REQUIRE_FALSE(work.go_on(view, request, response));
-    CHECK(response.results[0].references.size() < 100);
-    add_int32("late", folder);
-    view.turn = Turn{};
-    REQUIRE(work.go_on(view, request, response));
-    CHECK(names(response.results[0]).size() == 101);
-    CHECK(view.references_left == 200'000 - 101);
-}
-
-} // namespace busbar::server::detail

@@ -77,6 +77,18 @@ struct ViewFixture : model::ModelFixture {
             add_int32("v" + std::to_string(i), folder);
         }
     }
+    /// A folder "hub" that organizes `count` more, "same0" and on, all of the BrowseName "same".
+    void add_hub(int count)
+    {
+        const model::NodeIndex hub = add_folder("hub", objects);
+        for (int i = 0; i < count; ++i) {
+            model::NewNode same =
+                named("same" + std::to_string(i), add_folder(std::to_string(i), folder));
+            same.browse_name = QualifiedName{ns, "same"};
+            const model::NodeIndex added = space.add_folder(same).value();
+            REQUIRE(space.add_reference(hub, NodeId{0, id::Organizes}, added));
+        }
+    }
     [[nodiscard]] static BrowseDescription description(NodeId id)
     {
         BrowseDescription result;

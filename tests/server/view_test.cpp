@@ -292,15 +292,8 @@ TEST_CASE_METHOD(ViewFixture, "Browse paths that lead nowhere say why")
 
 TEST_CASE_METHOD(ViewFixture, "Browse paths that branch or go round are bounded")
 {
-    const model::NodeIndex hub = add_folder("hub", objects);
     constexpr int count = 20;
-    for (int i = 0; i < count; ++i) {
-        model::NewNode same =
-            named("same" + std::to_string(i), add_folder(std::to_string(i), folder));
-        same.browse_name = QualifiedName{ns, "same"};
-        const model::NodeIndex added = space.add_folder(same).value();
-        REQUIRE(space.add_reference(hub, NodeId{0, id::Organizes}, added));
-    }
+    add_hub(count);
     const RelativePathElement down = element({ns, "same"}, id::Organizes);
     const RelativePathElement up = element({ns, "hub"}, id::Organizes, true);
     limits.max_browse_path_targets = count;
@@ -326,47 +319,6 @@ TEST_CASE_METHOD(ViewFixture, "Browse paths that branch or go round are bounded"
     ViewContext view = context();
     view.visits_left = 30;
     CHECK(PathWalk{}.go_on(view, path).value().status_code == status::Bad_QueryTooComplex);
-}
-
-TEST_CASE_METHOD(ViewFixture, "D2: a browse path goes on where its turn ended")
-{
-    const model::NodeIndex hub = add_folder("hub", objects);
-    constexpr int count = 20;
-    for (int i = 0; i < count; ++i) {
-        model::NewNode same =
-            named("same" + std::to_string(i), add_folder(std::to_string(i), folder));
-        same.browse_name = QualifiedName{ns, "same"};
-        REQUIRE(space.add_reference(hub, NodeId{0, id::Organizes}, space.add_folder(same).value()));
-    }
-    const RelativePathElement down = element({ns, "same"}, id::Organizes);
-    const RelativePathElement up = element({ns, "hub"}, id::Organizes, true);
-    const BrowsePath path{node("hub"),
-                          RelativePath{Array<RelativePathElement>{down, up, down, up, down}}};
-    const auto whole = translate(node("hub"), {down, up, down, up, down});
-    REQUIRE(whole.targets.size() == count);
-    bool has_removed = false;
-    SECTION("with all its nodes") {}
-    SECTION("without one that was removed meanwhile")
-    {
-        has_removed = true;
-    }
-    PathWalk walk;
-    std::optional<BrowsePathResult> result;
-    std::size_t turns = 0;
-    for (; !result; ++turns) {
-        REQUIRE(turns < 1'000);
-        ViewContext view = context();
-        view.turn = Turn{1};
-        result = walk.go_on(view, path);
-        CHECK(walk.held() <= 4 * count * sizeof(model::NodeHandle));
-        if (has_removed && turns == 25) { // on the way up from its neighbours
-            REQUIRE(space.remove(space.find(node("same10"))));
-        }
-    }
-    CHECK(turns >= 2 * (count - 1));
-    CHECK(result->status_code == status::Good);
-    CHECK(result->targets.size() == (has_removed ? count - 1 : count));
-    CHECK((has_removed || result->targets == whole.targets));
 }
 
 TEST_CASE_METHOD(ViewFixture, "Registered nodes keep their NodeIds and take no memory")

@@ -197,6 +197,13 @@ std::optional<BrowsePathResult> PathWalk::go_on(ViewContext& context, const Brow
     if (result.status_code.is_bad()) {
         return result;
     }
+    std::erase_if(from_, [&context](const model::NodeHandle& target) {
+        return context.space.resolve(target) == model::no_node; // removed since it was found
+    });
+    if (from_.empty()) {
+        result.status_code = status::Bad_NoMatch;
+        return result;
+    }
     if (from_.size() > context.references_left) {
         result.status_code = status::Bad_QueryTooComplex;
         return result;

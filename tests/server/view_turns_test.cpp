@@ -1,0 +1,136 @@
+#include <catch2/catch.hpp>
+
+#include "view_fixture.hpp"
+
+namespace busbar::server::detail {
+
+TEST_CASE_METHOD(ViewFixture, "D2: a Browse says the same in however many turns")
+{
+    add_children(400);
+    BrowseDescription instances = description(NodeId{0, id::BaseDataVariableType});
+    instances.reference_type_id = {};
+    instances.browse_direction = BrowseDirection::Both;
+    BrowseDescription few = description(node("folder"));
+    few.node_class_mask = static_cast<std::uint32_t>(NodeClass::Method);
+    BrowseRequest request;
+    request.nodes_to_browse = {description(node("folder")), instances, description(NodeId{9, 1U}),
+                               few, description(NodeId{0, id::ObjectsFolder})};
+    const auto most = GENERATE(0U, 1U, 150U);
+    request.requested_max_references_per_node = most;
+    const auto browse_in = [&](std::size_t units) {
+        ViewContext view = context();
+        view.turn = Turn{units};
+        BrowseResponse response;
+        REQUIRE(browse(view, request, response) == status::Good);
+        return response;
+    };
+    const BrowseResponse whole = browse_in(Turn{}.left());
+    REQUIRE(whole.results[0].references.size() == (most == 0 ? 400 : most));
+    for (const std::size_t units : {std::size_t{1}, std::size_t{60}, std::size_t{4'000}}) {
+        const BrowseResponse parts = browse_in(units);
+        for (std::size_t i = 0; i < whole.results.size(); ++i) {
+            CAPTURE(units, i);
+            CHECK(parts.results[i].status_code == whole.results[i].status_code);
+            CHECK(parts.results[i].references == whole.results[i].references);
+            CHECK(parts.results[i].continuation_point.empty() ==
+                  whole.results[i].continuation_point.empty());
+        }
+    }
+}
+
+TEST_CASE_METHOD(ViewFixture, "D2: a node that changes between two turns is browsed as it is then")
+{
+    add_children(100);
+    BrowseRequest request;
+    request.nodes_to_browse = {description(node("folder"))};
+    BrowseResponse response;
+    BrowseWork work;
+    ViewContext view = context();
+    REQUIRE(work.begin(view, request, response) == status::Good);
+    view.turn = Turn{Turn::units_of_reference * 10};
+    REQUIRE_FALSE(work.go_on(view, request, response));
+    CHECK(response.results[0].references.size() < 100);
+    add_int32("late", folder);
+    view.turn = Turn{};
+    REQUIRE(work.go_on(view, request, response));
+    CHECK(names(response.results[0]).size() == 101);
+    CHECK(view.references_left == 200'000 - 101);
+}
+
+TEST_CASE_METHOD(ViewFixture, "D2: a browse path goes on where its turn ended")
+{
+    constexpr int count = 20;
+    add_hub(count);
+    const RelativePathElement down = element({ns, "same"}, id::Organizes);
+    const RelativePathElement up = element({ns, "hub"}, id::Organizes, true);
+    const BrowsePath path{node("hub"),
+                          RelativePath{Array<RelativePathElement>{down, up, down, up, down}}};
+    std::size_t turns = 0;
+    /// Removes `gone` behind the given turn, if that is reached.
+    const auto walk_and_remove = [&](const std::string& gone, std::size_t behind) {
+        PathWalk walk;
+        std::optional<BrowsePathResult> result;
+        for (turns = 0; !result; ++turns) {
+            REQUIRE(turns < 1'000);
+            ViewContext view = context();
+            view.turn = Turn{1};
+            result = walk.go_on(view, path);
+            CHECK(walk.held() <= 4 * count * sizeof(model::NodeHandle));
+            if (turns == behind) {
+                REQUIRE(space.remove(space.find(node(gone))));
+            }
+        }
+        return *std::move(result);
+    };
+    const BrowsePathResult whole = walk_and_remove({}, SIZE_MAX);
+    CHECK(whole.targets == translate(node("hub"), {down, up, down, up, down}).targets);
+    CHECK(whole.targets.size() == count);
+    const std::size_t all_turns = turns;
+    CHECK(all_turns >= 2 * (count - 1));
+
+    SECTION("of what is removed meanwhile it tells nothing")
+    {
+        // On the way up from its neighbours.
+        const BrowsePathResult less = walk_and_remove("same10", 25);
+        CHECK(less.status_code == status::Good);
+        CHECK(less.targets.size() == count - 1);
+    }
+    SECTION("of targets that are removed it tells nothing")
+    {
+        const std::size_t behind = GENERATE_COPY(range(std::size_t{0}, all_turns - 1));
+        CAPTURE(behind);
+        const BrowsePathResult less = walk_and_remove("same10", behind);
+        CHECK(less.status_code == status::Good);
+        CHECK(less.targets.size() == count - 1);
+        for (const BrowsePathTarget& target : less.targets) {
+            CHECK(space.find(target.target_id.node_id) != model::no_node);
+        }
+    }
+}
+
+TEST_CASE_METHOD(ViewFixture, "D2: a browse path whose targets all go away matches nothing")
+{
+    add_hub(2);
+    add_folder("leaf", space.find(node("same0")));
+    const BrowsePath path{node("hub"), RelativePath{Array<RelativePathElement>{
+                                           element({ns, "same"}, id::Organizes),
+                                           element({ns, "leaf"}, id::Organizes)}}};
+    PathWalk walk;
+    ViewContext view = context();
+    view.turn = Turn{1};
+    // The leaf is found, same1 has not been looked at.
+    REQUIRE_FALSE(walk.go_on(view, path));
+    const model::NodeIndex leaf = space.find(node("leaf"));
+    REQUIRE(space.remove(leaf));
+    SECTION("") {}
+    SECTION("nor does another node in their place")
+    {
+        REQUIRE(add_folder("stranger", folder) == leaf);
+    }
+    const auto result = walk.go_on(view, path);
+    REQUIRE(result);
+    CHECK(result->status_code == status::Bad_NoMatch);
+    CHECK(result->targets.empty());
+}
+
+} // namespace busbar::server::detail
