@@ -30,6 +30,25 @@ TEST_CASE("memory of Subscriptions and their items")
         CHECK(growth.now() >= 1'000);
         CHECK(growth.now() <= rows(limits, {"subscriptions.max_subscriptions"}) + of_client);
     }
+    SECTION("with those that are deleted and whose items go when there is time")
+    {
+        const NodeId node = fixture.add_variable("level", 1);
+        const Growth growth;
+        std::size_t after_first = 0;
+        for (std::size_t i = 0; i < 10 * limits.subscriptions.max_subscriptions; ++i) {
+            const std::uint32_t id = fixture.subscribe(client);
+            for (int item = 0; item < 20; ++item) {
+                SubscriptionFixture::monitor(client, id, SubscriptionFixture::item_request(node));
+            }
+            REQUIRE(client.status_of<DeleteSubscriptionsResponse>(
+                        DeleteSubscriptionsRequest{{}, {id}}) == status::Good);
+            if (i + 1 == limits.subscriptions.max_subscriptions) {
+                after_first = growth.now();
+            }
+        }
+        CHECK(after_first >= 100'000);
+        CHECK(growth.now() <= after_first + after_first / 4);
+    }
 }
 
 namespace {

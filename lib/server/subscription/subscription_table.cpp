@@ -55,6 +55,9 @@ Result<Subscription*> SubscriptionTable::create(Session& session,
         part.subscriptions().size() >= limits.max_subscriptions_per_session) {
         return fail(status::Bad_TooManySubscriptions);
     }
+    // Those that go away have memory, too: worst_case_memory() counts max_subscriptions of both.
+    while (size() + ended_.size() >= limits.max_subscriptions && ended_.sweep_one()) {
+    }
     const std::uint32_t id = new_id();
     ++needs_.counters.summary.cumulated_subscription_count;
     Subscription& made =
