@@ -29,6 +29,16 @@ bool would_block()
     return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
 }
 
+/// Who does not take his answers has no further requests read, nor has one whose requests wait for
+/// their turn.
+short wanted_events(const busbar::server::Connection& connection)
+{
+    if (!connection.output().empty()) {
+        return POLLOUT;
+    }
+    return connection.has_enough() ? short{0} : short{POLLIN};
+}
+
 } // namespace
 
 PollLoop::~PollLoop()
@@ -78,9 +88,7 @@ bool PollLoop::step(std::chrono::milliseconds at_most)
     std::vector<pollfd> wanted;
     wanted.push_back({listener_, POLLIN, 0});
     for (const Peer& peer : peers_) {
-        // Who does not take his answers has no further requests read.
-        const bool is_sending = !peer.connection.output().empty();
-        wanted.push_back({peer.socket, static_cast<short>(is_sending ? POLLOUT : POLLIN), 0});
+        wanted.push_back({peer.socket, wanted_events(peer.connection), 0});
     }
     static_cast<void>(::poll(wanted.data(), wanted.size(), time_to_wait(at_most)));
 
