@@ -27,6 +27,18 @@ struct CountingOwner final : server::detail::SourceCallOwner {
     void call_completed() override { ++completed; }
 };
 
+/// Keeps its batches; cuts ranges by itself if told so.
+class KeepingSource final : public server::DataSource {
+public:
+    server::DataSourceOptions options() const override { return options_; }
+    void read(server::ReadBatch batch) override { reads.push_back(std::move(batch)); }
+    void write(server::WriteBatch batch) override { writes.push_back(std::move(batch)); }
+
+    server::DataSourceOptions options_;
+    std::vector<server::ReadBatch> reads;
+    std::vector<server::WriteBatch> writes;
+};
+
 /// An address space with variables of a memory source, and what Read and Write need besides.
 class AttributeFixture {
 public:

@@ -17,16 +17,6 @@ ReadRequest request_of_one()
     return AttributeFixture::read_request({AttributeFixture::read_value_id(NodeId{0, 2256U})});
 }
 
-/// Keeps its batches; cuts ranges by itself if told so.
-class KeepingSource final : public server::DataSource {
-public:
-    server::DataSourceOptions options() const override { return options_; }
-    void read(server::ReadBatch batch) override { batches.push_back(std::move(batch)); }
-
-    server::DataSourceOptions options_;
-    std::vector<server::ReadBatch> batches;
-};
-
 } // namespace
 
 TEST_CASE("a Read that is wrong as a whole is refused (Part 4, 5.11.2.3)")
@@ -268,7 +258,7 @@ TEST_CASE_METHOD(AttributeFixture, "values may be kept by the address space or c
 TEST_CASE_METHOD(AttributeFixture,
                  "a source that cuts ranges gets them, with the age that is asked")
 {
-    auto& source = make_source<KeepingSource>();
+    auto& source = make_source<test::KeepingSource>();
     source.options_.reads_ranges = true;
     model::NewVariable variable;
     variable.data_type = NodeId{0, id::Int32};
@@ -282,13 +272,13 @@ TEST_CASE_METHOD(AttributeFixture,
     auto job = read_job(request);
     request = {};
     REQUIRE_FALSE(job.start(owner, TimePoint{}));
-    REQUIRE(source.batches.size() == 1);
-    CHECK(source.batches[0].max_age() == std::chrono::milliseconds{INT32_MAX});
-    REQUIRE(source.batches[0].size() == 2);
-    CHECK(*source.batches[0].items()[0].range == NumericRange::parse("1").value());
-    CHECK(source.batches[0].items()[1].range == nullptr);
-    source.batches[0].results()[0] = DataValue{Variant{Array<std::int32_t>{2}}};
-    source.batches.clear();
+    REQUIRE(source.reads.size() == 1);
+    CHECK(source.reads[0].max_age() == std::chrono::milliseconds{INT32_MAX});
+    REQUIRE(source.reads[0].size() == 2);
+    CHECK(*source.reads[0].items()[0].range == NumericRange::parse("1").value());
+    CHECK(source.reads[0].items()[1].range == nullptr);
+    source.reads[0].results()[0] = DataValue{Variant{Array<std::int32_t>{2}}};
+    source.reads.clear();
     sources.handle_completions();
     REQUIRE(owner.completed == 1);
     const auto values = results(job);
@@ -299,7 +289,7 @@ TEST_CASE_METHOD(AttributeFixture,
 
 TEST_CASE_METHOD(AttributeFixture, "a source that is late leaves the answers of others alone")
 {
-    auto& source = make_source<KeepingSource>();
+    auto& source = make_source<test::KeepingSource>();
     source.options_.timeout = 100ms;
     model::NewVariable variable;
     variable.data_type = NodeId{0, id::Int32};
@@ -317,63 +307,6 @@ TEST_CASE_METHOD(AttributeFixture, "a source that is late leaves the answers of 
     CHECK(values[0] == DataValue{status::Bad_Timeout});
     CHECK(values[1] == DataValue{Variant{5}});
     CHECK(values[2] == DataValue{status::Bad_Timeout});
-}
-
-TEST_CASE_METHOD(AttributeFixture, "D2: a Read looks nodes up as far as its turn goes")
-{
-    const NodeId level = add("Level", id::Int32, 5);
-    const NodeId name = NodeId{0, id::ObjectsFolder};
-    ReadRequest request = read_request({});
-    for (int i = 0; i < 1'000; ++i) {
-        request.nodes_to_read.push_back(read_value_id(level));
-        request.nodes_to_read.push_back(read_value_id(name, AttributeId::BrowseName));
-    }
-    server::detail::ReadJob job{sources, request};
-    CHECK_FALSE(job.is_outdated(space));
-    std::size_t turns = 1;
-    for (bool is_planned = false; !is_planned; ++turns) {
-        REQUIRE(turns < 100);
-        server::detail::Turn turn{1'000};
-        is_planned = plan(job, turn);
-        CHECK(turn.is_over() != is_planned);
-        // More nodes and sources may come in between.
-        auto& source = make_source<KeepingSource>();
-        model::NewVariable variable;
-        variable.source = sources.add(source);
-        variable.data_type = NodeId{0, id::Int32};
-        request.nodes_to_read[1'999] =
-            read_value_id(add(("New" + std::to_string(turns)).c_str(), variable));
-        CHECK_FALSE(job.is_outdated(space));
-    }
-    CHECK(turns > 20);
-    memory.set(0, 6);
-    REQUIRE_FALSE(job.start(owner, TimePoint{}));
-    CHECK(job.handle_deadline(TimePoint{1h}));
-    const auto values = results(job);
-    REQUIRE(values.size() == 2'000);
-    CHECK(values[0] == DataValue{Variant{6}});
-    CHECK(values[1] == DataValue{Variant{QualifiedName{0, "Objects"}}});
-    CHECK(values[1'998] == DataValue{Variant{6}});
-    CHECK(values[1'999].status == status::Bad_Timeout);
-}
-
-TEST_CASE_METHOD(AttributeFixture, "D2: a Read sees that what it looked up is gone")
-{
-    const NodeId level = add("Level", id::Int32, 5);
-    const ReadRequest request = read_request({read_value_id(level), read_value_id(level)});
-    server::detail::ReadJob job{sources, request};
-    server::detail::Turn turn{1};
-    REQUIRE_FALSE(plan(job, turn));
-    CHECK_FALSE(job.is_outdated(space));
-    SECTION("removed")
-    {
-        REQUIRE(space.remove(space.find(level)));
-    }
-    SECTION("bound elsewhere")
-    {
-        space.bind(space.find(level), 0, 0);
-    }
-    CHECK(job.is_outdated(space));
 }
 
 TEST_CASE_METHOD(AttributeFixture, "a Read allocates as often for 1,000 scalars as for 10")

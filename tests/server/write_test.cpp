@@ -10,16 +10,6 @@ using busbar::test::AttributeFixture;
 
 namespace {
 
-class KeepingSource final : public server::DataSource {
-public:
-    server::DataSourceOptions options() const override { return options_; }
-    void read(server::ReadBatch) override {}
-    void write(server::WriteBatch batch) override { batches.push_back(std::move(batch)); }
-
-    server::DataSourceOptions options_;
-    std::vector<server::WriteBatch> batches;
-};
-
 struct WriteFixture : AttributeFixture {
     NodeId add_far(const char* name, std::uint32_t data_type, std::int32_t value_rank = -1)
     {
@@ -39,7 +29,7 @@ struct WriteFixture : AttributeFixture {
     }
     Variant value_of(const NodeId& node) { return read(node).value; }
 
-    KeepingSource& far{make_source<KeepingSource>()};
+    test::KeepingSource& far{make_source<test::KeepingSource>()};
     std::uint32_t far_index_{0};
 };
 
@@ -294,7 +284,7 @@ TEST_CASE_METHOD(WriteFixture, "a source may be given all or nothing")
                               write_value(near, Variant{1})};
     CHECK(write(request) ==
           std::vector{status::Bad_InvalidState, status::Bad_TypeMismatch, status::Good});
-    CHECK(far.batches.empty());
+    CHECK(far.writes.empty());
     CHECK(value_of(near) == Variant{1});
 }
 
@@ -331,10 +321,10 @@ TEST_CASE_METHOD(WriteFixture, "a source may use the values after the request is
             job.keep(std::move(request), std::move(message));
         }
     }
-    REQUIRE(far.batches.size() == 1);
-    CHECK(far.batches[0].items()[0].data->value == Variant{"a text that lies in the message"});
-    CHECK(far.batches[0].items()[1].data->value == Variant{Array<std::uint8_t>{8, 9}});
-    far.batches.clear();
+    REQUIRE(far.writes.size() == 1);
+    CHECK(far.writes[0].items()[0].data->value == Variant{"a text that lies in the message"});
+    CHECK(far.writes[0].items()[1].data->value == Variant{Array<std::uint8_t>{8, 9}});
+    far.writes.clear();
     sources.handle_completions();
     CHECK(owner.completed == 0);
 }
