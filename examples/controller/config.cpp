@@ -10,6 +10,7 @@
 
 #include <busbar/channel/endpoint_url.hpp>
 
+#include "default_config.hpp"
 #include "limits_section.hpp"
 #include "plc_section.hpp"
 #include "security_section.hpp"
@@ -150,6 +151,11 @@ ControllerConfig read_config(const std::string& path)
                                     " bytes, expected a configuration; --print-config prints one"};
     }
     return parse_config(text, path);
+}
+
+ControllerConfig read_config_or_default(const std::string& path)
+{
+    return path.empty() ? parse_config(default_config, "built-in") : read_config(path);
 }
 
 } // namespace busbar::example

@@ -97,5 +97,7 @@ void offer_users(ControllerConfig& config);
 /// Reads a configuration; `file` is its name in messages. Throws ConfigError.
 [[nodiscard]] ControllerConfig parse_config(std::string_view text, const std::string& file);
 [[nodiscard]] ControllerConfig read_config(const std::string& path);
+/// The built-in one if `path` is empty.
+[[nodiscard]] ControllerConfig read_config_or_default(const std::string& path);
 
 } // namespace busbar::example

@@ -295,23 +295,6 @@ int serve(ControllerConfig config, const std::string& file)
 
 constexpr int usage_exit = 2;
 
-/// The built-in one without a file.
-ControllerConfig read_config(const std::string& file)
-{
-    return file.empty() ? example::parse_config(example::default_config, "built-in")
-                        : example::read_config(file);
-}
-
-int print_limits(const std::string& file)
-{
-    ControllerConfig config = read_config(file);
-    if (file.empty()) { // its first start makes an account
-        config.users.accounts.emplace_back();
-    }
-    std::fputs(example::describe_limits(config).c_str(), stdout);
-    return 0;
-}
-
 /// 0 for --help.
 int end_early(const CLI::App& app, const CLI::ParseError& error)
 {
@@ -367,14 +350,14 @@ int run(int argc, char** argv)
         return hash_password();
     }
     if (limits->count() != 0) {
-        return print_limits(limits_file.empty() ? file : limits_file);
+        return example::print_limits(limits_file.empty() ? file : limits_file);
     }
     // Messages of some 100 kB come and go all the time: keep their pages.
     ::mallopt(M_MMAP_THRESHOLD, 64 << 20);
     ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
     // Who reads the log may go; the machine goes on.
     std::signal(SIGPIPE, SIG_IGN);
-    ControllerConfig config = read_config(file);
+    ControllerConfig config = example::read_config_or_default(file);
     config.port = port.value_or(config.port);
     if (wants_certificate) {
         return regenerate_certificate(std::move(config));

@@ -121,4 +121,14 @@ std::string describe_limits(const ControllerConfig& config)
     return in_columns(lines_of(all));
 }
 
+int print_limits(const std::string& file)
+{
+    ControllerConfig config = read_config_or_default(file);
+    if (file.empty()) { // its first start makes an account
+        config.users.accounts.emplace_back();
+    }
+    std::fputs(describe_limits(config).c_str(), stdout);
+    return 0;
+}
+
 } // namespace busbar::example
