@@ -10,7 +10,7 @@
 namespace busbar::server::detail {
 
 /// One scan as readers see it: scalars and texts as bytes, arrays as Variants.
-class ImageBuffer {
+class ImageBuffer { // NOLINT(*-optin.performance.Padding): a line of cache for each thread
 public:
     explicit ImageBuffer(const ImageLayout& layout);
 
@@ -64,7 +64,7 @@ private:
 /// follower; there are two buffers more. When the task looks for a free one it has just published,
 /// so that nobody can pin anything but the latest: of the others, one more than there are pins, at
 /// least one has no pin, and none can get one while the task looks.
-class ImagePool {
+class ImagePool { // NOLINT(*-optin.performance.Padding): a line of cache for each thread
 public:
     ImagePool(const ImageLayout& layout, std::uint32_t max_pins, std::uint32_t max_queued);
 

@@ -17,7 +17,7 @@ namespace busbar::server::detail {
 ///
 /// Up to `finished_` the results are the server's again, up to `begun_` the task has applied the
 /// calls to its memory but not published it, up to `head_` they wait.
-class ImageWrites {
+class ImageWrites { // NOLINT(*-optin.performance.Padding): a line of cache for each thread
 public:
     ImageWrites(std::uint32_t capacity, std::size_t max_bytes)
         : slots_(capacity), max_bytes_{max_bytes}

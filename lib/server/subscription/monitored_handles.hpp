@@ -1,6 +1,5 @@
 #pragma once
 
-#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -41,7 +40,11 @@ private:
         std::uint32_t source;
         std::uint64_t handle;
 
-        friend auto operator<=>(const Key&, const Key&) = default;
+        friend bool operator==(const Key&, const Key&) = default;
+        friend bool operator<(const Key& a, const Key& b)
+        {
+            return a.source != b.source ? a.source < b.source : a.handle < b.handle;
+        }
     };
     struct Hash {
         [[nodiscard]] std::size_t operator()(const Key& key) const

@@ -200,6 +200,9 @@ bool Subscription::wants_publish_request() const
 /// Part 4, 5.14.1.4: goes on while there are Notifications and requests.
 void Subscription::return_notifications()
 {
+    if (session_ == nullptr) {
+        return; // nobody asks
+    }
     PublishPart& part = PublishPart::of(*session_);
     const ServerLimits& limits = all_.needs().limits;
     // What all requests of a session bring together has to fit the connection's queue.
@@ -238,6 +241,9 @@ void Subscription::return_notifications()
 
 void Subscription::return_keep_alive()
 {
+    if (session_ == nullptr) {
+        return;
+    }
     if (PublishOperation* const request = PublishPart::of(*session_).take_request()) {
         count(&SubscriptionDiagnosticsDataType::publish_request_count);
         const auto message = write_keep_alive(next_sequence_number(), all_.needs().wall_time());

@@ -232,7 +232,10 @@ Result<NodeIndex> find_in_view(ViewContext& context, const NodeId& id, NodeIndex
         node && view != model::no_node &&
         !is_below(context.space, *node, view, context.space.find(id::HierarchicalReferences),
                   context.visits_left);
-    return is_outside ? fail(status::Bad_NodeNotInView) : std::move(node);
+    if (is_outside) {
+        return fail(status::Bad_NodeNotInView);
+    }
+    return node;
 }
 
 } // namespace
