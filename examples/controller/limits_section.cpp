@@ -13,6 +13,7 @@ constexpr std::int64_t most_connections = 100'000;
 constexpr std::int64_t most_references = 10'000'000;
 constexpr std::int64_t most_bytes = 67'108'864;
 constexpr std::int64_t least_message = 8'192; // Part 6, 7.1.2.3: the least buffer
+constexpr std::int64_t least_elements = 2;
 constexpr std::uint32_t bytes_of_a_chunk = 32'768;
 /// What a response has besides the value.
 constexpr std::uint64_t headers = 1'024;
@@ -43,19 +44,19 @@ void read(const TomlTable& table, std::string_view key, T& limit, std::int64_t l
     limit = static_cast<T>(table.integer(key, static_cast<std::int64_t>(limit), least, most));
 }
 
-/// The operations of a request are an array, too.
+/// The operations of a request are an array, too, and one too many must not be too long for one.
 void read_operations(const TomlTable& table, std::string_view key, std::uint32_t& limit,
                      std::uint32_t array_length)
 {
     if (!table.has(key)) {
-        limit = std::min(limit, array_length);
+        limit = std::min(limit, array_length - 1);
         return;
     }
     read(table, key, limit, 1, most_elements);
-    if (limit > array_length) {
+    if (limit >= array_length) {
         table.refuse(key, "found " + std::to_string(limit) + ", expected at most " +
-                              std::to_string(array_length) +
-                              ", the array_length: raise that one too");
+                              std::to_string(array_length - 1) +
+                              ", one below the array_length: raise that one too");
     }
 }
 
@@ -119,7 +120,7 @@ void read_limits(const TomlTable& table, server::ServerLimits& limits)
     read(table, "connections_per_address", limits.max_connections_per_address, 1, most_connections);
     read(table, "sessions", limits.max_sessions, 1, most_connections);
     read(table, "references_per_node", limits.max_references_per_node, 1, most_references);
-    read(table, "array_length", limits.decode.max_array_length, 1, most_elements);
+    read(table, "array_length", limits.decode.max_array_length, least_elements, most_elements);
     read(table, "string_length", limits.decode.max_string_length, 256, most_bytes);
     read(table, "byte_string_length", limits.decode.max_byte_string_length, 256, most_bytes);
     const std::uint32_t array_length = limits.decode.max_array_length;
@@ -127,6 +128,12 @@ void read_limits(const TomlTable& table, server::ServerLimits& limits)
     read_operations(table, "nodes_per_read", operations.max_nodes_per_read, array_length);
     read_operations(table, "nodes_per_write", operations.max_nodes_per_write, array_length);
     read_operations(table, "nodes_per_browse", operations.max_nodes_per_browse, array_length);
+    for (std::uint32_t* without_key :
+         {&operations.max_nodes_per_register_nodes,
+          &operations.max_nodes_per_translate_browse_paths, &operations.max_nodes_per_method_call,
+          &operations.max_nodes_per_node_management, &operations.max_monitored_items_per_call}) {
+        *without_key = std::min(*without_key, array_length - 1);
+    }
     std::uint32_t& message = limits.transport.max_message_size;
     read(table, "message_size", message, least_message, most_bytes);
     // What holds messages must have room for some of them.

@@ -177,9 +177,9 @@ TEST_CASE("values without sense are refused with line, found, expected and remed
         {"[limits]\nmessage_size = 2000000000", "plant.toml:2: message_size: found 2000000000"},
         {"[limits]\nnodes_per_read = 2000000000",
          "plant.toml:2: nodes_per_read: found 2000000000, expected a number from 1 to 16777216"},
-        {"[limits]\nnodes_per_read = 65537",
-         "plant.toml:2: nodes_per_read: found 65537, expected at most 65536, the array_length: "
-         "raise that one too"},
+        {"[limits]\nnodes_per_read = 65537", "plant.toml:2: nodes_per_read: found 65537, expected "
+                                             "at most 65535, one below the array_length: "
+                                             "raise that one too"},
         {"[limits]\nconnections_per_address = 0", "plant.toml:2: connections_per_address: found 0"},
         {twice + twice, "plant.toml:5: name: found 'Running' again, expected a name of its own"},
         {twice + "initial = 5.0",

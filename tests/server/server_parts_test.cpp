@@ -131,6 +131,12 @@ TEST_CASE_METHOD(Contradiction, "what a server needs for its endpoints must be t
         where = "application_uri";
         reason = "is empty";
     }
+    SECTION("B8: operations below arrays")
+    {
+        config.limits.operations.max_monitored_items_per_call = 65'536;
+        where = "limits.operations.max_monitored_items_per_call";
+        reason = "is 65536, expected less than limits.decode.max_array_length, 65536";
+    }
     SECTION("no certificate")
     {
         config.identity.reset();

@@ -13,10 +13,11 @@
 namespace busbar::server {
 
 /// The most operations that one request may have (Part 5, 6.3.11); more answer
-/// Bad_TooManyOperations.
+/// Bad_TooManyOperations. Each is below DecodeLimits::max_array_length, or a request with one more
+/// could not be told from one that is no request.
 struct OperationLimits {
-    std::uint32_t max_nodes_per_read{65'536};
-    std::uint32_t max_nodes_per_write{65'536};
+    std::uint32_t max_nodes_per_read{65'535};
+    std::uint32_t max_nodes_per_write{65'535};
     std::uint32_t max_nodes_per_browse{10'000};
     std::uint32_t max_nodes_per_register_nodes{10'000};
     std::uint32_t max_nodes_per_translate_browse_paths{10'000};

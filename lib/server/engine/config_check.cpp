@@ -1,6 +1,7 @@
 #include "config_check.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include <busbar/channel/endpoint_url.hpp>
 #include <busbar/core/text.hpp>
@@ -120,6 +121,35 @@ Configured<void> check_identity(const ServerConfig& config)
     return {};
 }
 
+/// One operation too many is Bad_TooManyOperations, which an array that is too long is not.
+Configured<void> check_operations(const ServerLimits& limits)
+{
+    const OperationLimits& most = limits.operations;
+    struct Row {
+        std::string_view name;
+        std::uint32_t limit;
+    };
+    const std::array rows{
+        Row{"max_nodes_per_read", most.max_nodes_per_read},
+        Row{"max_nodes_per_write", most.max_nodes_per_write},
+        Row{"max_nodes_per_browse", most.max_nodes_per_browse},
+        Row{"max_nodes_per_register_nodes", most.max_nodes_per_register_nodes},
+        Row{"max_nodes_per_translate_browse_paths", most.max_nodes_per_translate_browse_paths},
+        Row{"max_nodes_per_method_call", most.max_nodes_per_method_call},
+        Row{"max_nodes_per_node_management", most.max_nodes_per_node_management},
+        Row{"max_monitored_items_per_call", most.max_monitored_items_per_call},
+    };
+    for (const Row& row : rows) {
+        if (row.limit >= limits.decode.max_array_length) {
+            return misconfigured("limits.operations." + std::string{row.name},
+                                 "is " + std::to_string(row.limit) +
+                                     ", expected less than limits.decode.max_array_length, " +
+                                     std::to_string(limits.decode.max_array_length));
+        }
+    }
+    return {};
+}
+
 Configured<void> check_environment(const ServerEnvironment& environment)
 {
     const auto missing = [](const char* field) {
@@ -170,6 +200,9 @@ Configured<void> check_config(const ServerConfig& config, const ServerEnvironmen
         return misconfigured("application_uri", "is empty, expected an URI");
     }
     if (auto checked = detail::check_identity(config); !checked) {
+        return checked;
+    }
+    if (auto checked = detail::check_operations(config.limits); !checked) {
         return checked;
     }
     return detail::check_endpoints(config, environment);
