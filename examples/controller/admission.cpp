@@ -74,7 +74,8 @@ void Admission::add_users()
     server::PasswordUsers& passwords = users_.passwords();
     passwords.set_anonymous_access(mask_of(config_.anonymous.value_or(Access::Read)));
     for (const Account& account : config_.accounts) {
-        if (!passwords.set(account.name, account.password_hash, mask_of(account.access))) {
+        if (!passwords.set(account.name, account.password_hash,
+                           {mask_of(account.access), account.roles})) {
             throw ConfigError{"account \"" + account.name + "\"", "the name must not be empty"};
         }
     }

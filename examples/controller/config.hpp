@@ -25,6 +25,8 @@ struct Account {
     std::string name;
     std::string password_hash;
     Access access{Access::Write};
+    /// Well-known roles (Part 3, 4.9.2), which the nodes of namespace 0 go by.
+    std::vector<std::string> roles{"Operator"};
 };
 
 /// Users who show a token that somebody else has issued.

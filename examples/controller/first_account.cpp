@@ -28,7 +28,7 @@ std::string file_in(const std::string& folder)
 
 Account account_with(std::string hash)
 {
-    return {"operator", std::move(hash), Access::Write};
+    return {"operator", std::move(hash), Access::Write, {"Operator"}};
 }
 
 /// As "xxxxx-xxxxx-xxxxx-xxxxx".

@@ -82,9 +82,32 @@ crypto::ValidationSettings read_suppressed(const TomlTable& table)
     return settings;
 }
 
+constexpr std::array roles{std::string_view{"Observer"},       std::string_view{"Operator"},
+                           std::string_view{"Engineer"},       std::string_view{"Supervisor"},
+                           std::string_view{"ConfigureAdmin"}, std::string_view{"SecurityAdmin"}};
+
+/// Some of the well-known roles that a login gives nobody by itself (Part 3, 4.9.2).
+std::vector<std::string> read_roles(const TomlTable& table, Access access)
+{
+    if (!table.has("roles")) {
+        return {access == Access::Write ? "Operator" : "Observer"};
+    }
+    std::vector<std::string> given = table.texts("roles");
+    for (const std::string& role : given) {
+        if (std::find(roles.begin(), roles.end(), role) == roles.end()) {
+            std::string names;
+            for (const std::string_view known : roles) {
+                names += (names.empty() ? "" : ", ") + std::string{known};
+            }
+            table.refuse("roles", "found \"" + role + "\", expected some of: " + names);
+        }
+    }
+    return given;
+}
+
 Account read_account(const TomlTable& table)
 {
-    table.allow({"name", "password", "access"});
+    table.allow({"name", "password", "access", "roles"});
     Account account;
     account.name = table.text("name");
     if (account.name.empty()) {
@@ -96,6 +119,7 @@ Account read_account(const TomlTable& table)
         table.refuse("password", "found no hash, expected the output of --hash-password");
     }
     account.access = read_access(table, "access", "write");
+    account.roles = read_roles(table, account.access);
     return account;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -24,9 +25,14 @@ public:
         if (word >= has_one_.size() || (has_one_[word] & bit(index)) == 0) {
             return nullptr;
         }
-        return &entries_.find(index)->second;
+        return entries_.find(index)->second.get();
     }
     void set(NodeIndex node, NodeAccess access)
+    {
+        share(node, std::make_shared<const NodeAccess>(std::move(access)));
+    }
+    /// One for many nodes: of those of namespace 0 most have one of a few.
+    void share(NodeIndex node, std::shared_ptr<const NodeAccess> access)
     {
         const std::uint32_t index = number(node);
         if (index / word_bits >= has_one_.size()) {
@@ -54,7 +60,7 @@ private:
 
     /// As long as the last node with an entry needs.
     std::vector<std::uint64_t> has_one_;
-    std::unordered_map<std::uint32_t, NodeAccess> entries_;
+    std::unordered_map<std::uint32_t, std::shared_ptr<const NodeAccess>> entries_;
 };
 
 } // namespace busbar::model::detail

@@ -1,5 +1,8 @@
 #include "tables.hpp"
 
+#include <map>
+#include <tuple>
+
 namespace busbar::model::detail {
 
 namespace {
@@ -20,8 +23,26 @@ Tables::Tables(const StaticNodes& nodes)
     for (const StaticText& uri : nodes.namespaces) {
         namespaces.emplace_back(text(uri));
     }
+    share_access(nodes);
+}
+
+void Tables::share_access(const StaticNodes& nodes)
+{
+    const auto content = [](const StaticAccess& each) {
+        return std::tuple{each.role_permissions.offset,
+                          each.role_permissions.size,
+                          each.restrictions,
+                          each.has_restrictions,
+                          each.write_mask,
+                          each.more_access_levels};
+    };
+    std::map<decltype(content(StaticAccess{})), std::shared_ptr<const NodeAccess>> shared;
     for (const StaticAccess& each : nodes.access) {
-        access.set(NodeIndex{each.node}, node_access(nodes, each, {}));
+        auto& one = shared[content(each)];
+        if (one == nullptr) {
+            one = std::make_shared<const NodeAccess>(node_access(nodes, each, {}));
+        }
+        access.share(NodeIndex{each.node}, one);
     }
 }
 

@@ -158,6 +158,7 @@ struct Tables {
     [[nodiscard]] NodeId free_id(std::uint16_t namespace_index);
 
 private:
+    void share_access(const StaticNodes& nodes);
     [[nodiscard]] bool is_node_version(const Record& child) const;
     std::uint32_t push(NodeIndex node, const Entry& entry);
     void compact(NodeIndex node, ReferenceList& list);

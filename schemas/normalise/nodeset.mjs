@@ -23,6 +23,7 @@ const keptAttributes = [
   "Historizing",
   "EventNotifier",
   "ContainsNoLoops",
+  "AccessRestrictions",
 ];
 const dataTypeEncodingType = 76;
 const dataTypeDescriptionType = 69;
@@ -42,6 +43,18 @@ function readReferences(element, resolve) {
       forward: reference.attributes.IsForward !== "false",
       target: keyOf(resolve(reference.text.trim())),
     }),
+  );
+}
+
+/** Undefined where the file says nothing, which is not the same as nobody. */
+function readPermissions(element, resolve) {
+  const permissions = childOf(element, "RolePermissions");
+  return (
+    permissions &&
+    childrenOf(permissions, "RolePermission").map((each) => ({
+      role: keyOf(resolve(each.text.trim())),
+      permissions: each.attributes.Permissions,
+    }))
   );
 }
 
@@ -79,6 +92,7 @@ function readNode(element, resolve) {
     inverseName: textOf(element, "InverseName"),
     attributes: kept,
     references: readReferences(element, resolve),
+    rolePermissions: readPermissions(element, resolve),
     definition: readDefinition(element, resolve),
     value: childOf(element, "Value")?.children[0],
   };

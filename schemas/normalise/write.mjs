@@ -52,6 +52,16 @@ function referencesXml(node) {
   return lines.length === 0 ? "" : `  <References>\n${lines.join("")}  </References>\n`;
 }
 
+function permissionsXml({ rolePermissions }) {
+  if (!rolePermissions) return "";
+  const lines = rolePermissions.map(
+    ({ role, permissions }) =>
+      `   <RolePermission${attributes([["Permissions", permissions]])}>` +
+      `${escape(idText(role))}</RolePermission>\n`,
+  );
+  return `  <RolePermissions>\n${lines.join("")}  </RolePermissions>\n`;
+}
+
 function nodeXml(node) {
   const list = attributes([
     ["NodeId", idText(node.id)],
@@ -67,7 +77,8 @@ function nodeXml(node) {
     ? `  <InverseName>${escape(node.inverseName)}</InverseName>\n`
     : "";
   const value = node.value ? `  <Value>${valueXml(node.value, true)}</Value>\n` : "";
-  const content = display + referencesXml(node) + inverse + definitionXml(node) + value;
+  const content =
+    display + referencesXml(node) + permissionsXml(node) + inverse + definitionXml(node) + value;
   return ` <${node.element}${list}>\n${content} </${node.element}>\n`;
 }
 

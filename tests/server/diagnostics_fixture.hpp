@@ -83,10 +83,8 @@ struct DiagnosticsFixture : SubscriptionFixture {
         const auto response = client.call<WriteResponse>(request);
         return response ? response->results[0] : response.error();
     }
-    [[nodiscard]] TestClient log_in_operator()
-    {
-        return log_in(setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt));
-    }
+    /// With the roles ConfigureAdmin and SecurityAdmin.
+    [[nodiscard]] TestClient log_in_admin() { return log_in_as("admin"); }
 };
 
 } // namespace busbar::test

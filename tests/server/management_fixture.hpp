@@ -70,11 +70,17 @@ inline server::ServerConfig config_with(bool has_node_management, std::size_t ma
 struct ManagementFixture : Outside, ServerFixture {
     explicit ManagementFixture(bool has_node_management = true, std::size_t max_nodes = 100)
         : ServerFixture{no_waker, config_with(has_node_management, max_nodes), &rights},
-          client{log_in()}
+          client{log_in_manager()}
     {
         for (const char* name : {"folder", "kept", "hidden"}) {
             REQUIRE(server.address_space().add_folder(named(name)));
         }
+    }
+    /// Whom the RolePermissions of namespace 0 let change it.
+    [[nodiscard]] TestClient log_in_manager()
+    {
+        users.everybody.roles = {"ConfigureAdmin"};
+        return log_in();
     }
     [[nodiscard]] model::NewNode named(const char* name, const NodeId& parent = objects)
     {

@@ -36,7 +36,7 @@ public:
     /// Adds or replaces a user as a file has it, without checking the rules. Bad_InvalidArgument
     /// for an empty name or for a text that is no hash.
     [[nodiscard]] Result<void> set(std::string name, std::string password_hash,
-                                   std::uint8_t access_level_mask = 0xFF);
+                                   UserRights rights = {});
     /// What to store of the user; empty if there is no such user.
     [[nodiscard]] std::string password_hash(std::string_view name) const;
     void set_anonymous_access(std::uint8_t access_level_mask) { anonymous_ = access_level_mask; }

@@ -67,6 +67,18 @@ model::NodeIndex add_like(model::AddressSpace& space, model::NodeIndex declarati
     return space.add_variable(node, variable).value_or(model::no_node);
 }
 
+/// What only some may see of all sessions only they may see of one.
+void protect(model::AddressSpace& space, model::NodeIndex node, Section section)
+{
+    const model::NodeIndex all = space.find(
+        id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionSecurityDiagnosticsArray);
+    const model::NodeAccess* const access =
+        section == Section::Security && all != model::no_node ? space.node_access(all) : nullptr;
+    if (access != nullptr && node != model::no_node) {
+        space.set_node_access(node, model::NodeAccess{*access});
+    }
+}
+
 /// The Variable of a part, with one Variable for each field that the part's type has.
 void add_part(model::AddressSpace& space, model::NodeIndex object, std::uint16_t name_space,
               std::uint32_t number, const SectionType& part)
@@ -80,11 +92,14 @@ void add_part(model::AddressSpace& space, model::NodeIndex object, std::uint16_t
     if (node.parent == model::no_node) {
         return;
     }
+    protect(space, node.parent, part.section);
     for (std::size_t i = 0; i < part.fields.size(); ++i) {
         node.browse_name = QualifiedName{0, part.fields[i]};
         const auto declaration = find_component(space, part.type, node.browse_name);
-        add_like(space, declaration, node, id::BaseDataVariableType,
-                 handle_of(number, part.section, i + 1));
+        protect(space,
+                add_like(space, declaration, node, id::BaseDataVariableType,
+                         handle_of(number, part.section, i + 1)),
+                part.section);
     }
 }
 

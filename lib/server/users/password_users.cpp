@@ -73,14 +73,13 @@ bool PasswordUsers::remove(std::string_view name)
     return true;
 }
 
-Result<void> PasswordUsers::set(std::string name, std::string password_hash,
-                                std::uint8_t access_level_mask)
+Result<void> PasswordUsers::set(std::string name, std::string password_hash, UserRights rights)
 {
     if (name.empty() || !crypto::is_password_hash(password_hash)) {
         return fail(status::Bad_InvalidArgument);
     }
     const std::lock_guard lock{mutex_};
-    users_.insert_or_assign(std::move(name), User{std::move(password_hash), {access_level_mask}});
+    users_.insert_or_assign(std::move(name), User{std::move(password_hash), std::move(rights)});
     return {};
 }
 
