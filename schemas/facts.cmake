@@ -61,7 +61,7 @@ file(STRINGS ${CMAKE_CURRENT_LIST_DIR}/NodeIds.csv rows)
 set(constants "")
 foreach(name Structure Number Integer UInteger Enumeration Decimal OptionSet Union IdType
     StructureType HierarchicalReferences HasChild HasModellingRule HasEncoding HasTypeDefinition
-    HasSubtype HasProperty HasComponent HasOrderedComponent RootFolder
+    HasSubtype HasProperty HasComponent HasOrderedComponent Organizes RootFolder
     StructureDefinition_Encoding_DefaultBinary EnumDefinition_Encoding_DefaultBinary
     RolePermissionType_Encoding_DefaultBinary)
   set(row ${rows})

@@ -108,8 +108,8 @@ endfunction()
 
 # The command that writes a namespace's nodes as constant data, nodes.hpp and nodes.cpp.
 function(busbar_generate_nodes name sources_variable)
-  cmake_parse_arguments(ARG "" "NAMESPACE_URI;CPP_NAMESPACE;INCLUDE_PATH;ROOT;NODE_LIST"
-    "NODESETS;DEPENDENCIES" ${ARGN})
+  cmake_parse_arguments(ARG "" "NAMESPACE_URI;CPP_NAMESPACE;INCLUDE_PATH;ROOT;NODE_LIST;FEATURE_LIST"
+    "NODESETS;DEPENDENCIES;FEATURES" ${ARGN})
   busbar_find_generator(command generator)
   set(folder ${ARG_ROOT}/${ARG_INCLUDE_PATH})
   set(arguments --nodes --output ${folder} --cpp-namespace ${ARG_CPP_NAMESPACE}
@@ -120,7 +120,13 @@ function(busbar_generate_nodes name sources_variable)
   if(ARG_NODE_LIST)
     list(APPEND arguments --node-list ${ARG_NODE_LIST})
   endif()
-  set(files ${ARG_NODESETS} ${ARG_NODE_LIST})
+  if(ARG_FEATURE_LIST)
+    list(APPEND arguments --features ${ARG_FEATURE_LIST})
+  endif()
+  foreach(feature IN LISTS ARG_FEATURES)
+    list(APPEND arguments --feature ${feature})
+  endforeach()
+  set(files ${ARG_NODESETS} ${ARG_NODE_LIST} ${ARG_FEATURE_LIST})
   foreach(dependency IN LISTS ARG_DEPENDENCIES)
     list(APPEND arguments --dependency ${dependency})
     string(REGEX REPLACE ",.*" "" file ${dependency})

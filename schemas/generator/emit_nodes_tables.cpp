@@ -6,6 +6,8 @@
 #include <busbar/core/built_in_type.hpp>
 #include <model/nodeset/node_flags.hpp>
 
+#include "features.hpp"
+
 namespace busbar::generator {
 
 namespace {
@@ -117,8 +119,12 @@ tl::expected<void, Failure> NodeTableBuilder::select()
             listed.insert(*id);
         }
     }
+    auto others = nodes_of_other_features(document_, options_);
+    if (!others) {
+        return tl::make_unexpected(others.error());
+    }
     for (const Node& node : document_.nodes()) {
-        if (node.id.namespace_index() == namespace_ &&
+        if (node.id.namespace_index() == namespace_ && others->count(node.id) == 0 &&
             (options_.node_list.empty() || listed.count(node.id) != 0)) {
             selected_.emplace(node.id, &node);
         }

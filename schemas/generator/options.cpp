@@ -25,7 +25,11 @@ constexpr const char* usage =
     "  --ids FILE               CSV of \"Name,identifier,NodeClass\" with the constants' names\n"
     "  --nodes                  emit the nodes as constant data, not the types\n"
     "  --definitions            emit the DataTypes of namespace 0 as constant data instead\n"
-    "  --node-list FILE         with --nodes: the NodeIds to emit, one a line\n";
+    "  --node-list FILE         with --nodes: the NodeIds to emit, one a line\n"
+    "  --features FILE          with --nodes: CSV of \"feature,number\"; these nodes and what "
+    "they\n"
+    "                           consist of are left out\n"
+    "  --feature NAME           but not those of this one; may be repeated\n";
 
 tl::unexpected<Failure> wrong(const std::string& what)
 {
@@ -72,6 +76,12 @@ std::string* text_option(Options& options, std::string_view name)
     }
     if (name == "--ids") {
         return &options.ids_file;
+    }
+    if (name == "--features") {
+        return &options.features_file;
+    }
+    if (name == "--feature") {
+        return &options.features.emplace_back();
     }
     return name == "--node-list" ? &options.node_list : nullptr;
 }

@@ -36,6 +36,10 @@ struct Options {
     bool definitions{false};
     /// With `nodes`: a file with one NodeId a line ('#' starts a comment); only those are emitted.
     std::string node_list;
+    /// With `nodes`: a CSV of "feature,number" rows; of what is below these nodes only that of
+    /// `features` is emitted.
+    std::string features_file;
+    std::vector<std::string> features;
 };
 
 /// A message for a person: what failed, with the path.

@@ -89,6 +89,34 @@ TEST_CASE("every live value has the type and rank of its node")
     CHECK(checked > 35);
 }
 
+TEST_CASE("B8: one operation more than MaxNodesPerRead and MaxNodesPerWrite is one too many")
+{
+    ServerFixture fixture;
+    auto client = fixture.log_in();
+    const auto told = [&](std::uint32_t limit) {
+        return read(client, limit).value.value_or<std::uint32_t>(0);
+    };
+    const std::uint32_t longest = told(id::Server_ServerCapabilities_MaxArrayLength);
+    const std::uint32_t reads = told(id::Server_ServerCapabilities_OperationLimits_MaxNodesPerRead);
+    REQUIRE(reads > 0);
+    REQUIRE(reads < longest);
+    ReadRequest request;
+    request.nodes_to_read.resize(reads + 1);
+    CHECK(client.status_of<ReadResponse>(request) == status::Bad_TooManyOperations);
+    const std::uint32_t writes =
+        told(id::Server_ServerCapabilities_OperationLimits_MaxNodesPerWrite);
+    REQUIRE(writes > 0);
+    REQUIRE(writes < longest);
+    WriteRequest write;
+    write.nodes_to_write.resize(writes + 1);
+    for (WriteValue& value : write.nodes_to_write) { // as long as those of clients are
+        value.node_id = NodeId{1, "Press 4.Pressure"};
+        value.attribute_id = 13;
+        value.value = DataValue{Variant{4.5}};
+    }
+    CHECK(client.status_of<WriteResponse>(write) == status::Bad_TooManyOperations);
+}
+
 TEST_CASE("the operation limits that are told are enforced")
 {
     auto config = ServerFixture::insecure_config();

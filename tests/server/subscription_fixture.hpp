@@ -27,6 +27,11 @@ public:
         : ServerFixture{config(limits)}, source_{server.add_source(memory)}
     {
     }
+    explicit SubscriptionFixture(model::AddressSpace space)
+        : ServerFixture{config(small_limits()), std::move(space)}, source_{
+                                                                       server.add_source(memory)}
+    {
+    }
     [[nodiscard]] static server::SubscriptionLimits small_limits()
     {
         server::SubscriptionLimits limits;

@@ -29,7 +29,11 @@ public:
         if (password != std::string{name} + "-secret") {
             return fail(status::Bad_UserAccessDenied);
         }
-        return server::UserIdentity{UserTokenType::UserName, std::string{name}};
+        server::UserIdentity user{UserTokenType::UserName, std::string{name}};
+        if (name == "admin") {
+            user.roles = {"ConfigureAdmin", "SecurityAdmin"};
+        }
+        return user;
     }
     [[nodiscard]] server::Worker* worker() override { return used_worker; }
     [[nodiscard]] server::UserIdentity anonymous() const override
@@ -148,7 +152,11 @@ public:
         request.client_description.application_type = ApplicationType::Client;
         request.endpoint_url = "opc.tcp://localhost:4840";
         request.session_name = "test";
-        request.client_nonce = ByteString{std::vector<std::byte>(32, std::byte{7})};
+        static std::uint32_t count = 0; // one nonce, one session
+        std::vector<std::byte> nonce(32);
+        nonce.front() = static_cast<std::byte>(++count & 0xFF);
+        nonce.back() = static_cast<std::byte>(count >> 8U);
+        request.client_nonce = ByteString{std::move(nonce)};
         request.requested_session_timeout = 60'000;
         if (is_secure()) {
             request.client_certificate = ByteString{identity_->certificates.front().der()};
@@ -264,6 +272,11 @@ public:
     {
     }
 
+    ServerFixture(server::ServerConfig config, model::AddressSpace space)
+        : ServerFixture{nullptr, std::move(config), nullptr, std::move(space)}
+    {
+    }
+
     /// The default with users and certificate: Sign and SignAndEncrypt.
     [[nodiscard]] static server::ServerConfig secure_config()
     {
@@ -310,6 +323,18 @@ public:
         return client;
     }
 
+    /// The same for a user with a password, over an encrypted channel.
+    [[nodiscard]] TestClient log_in_as(const char* name)
+    {
+        TestClient client = connect("Basic256Sha256", MessageSecurityMode::SignAndEncrypt);
+        const std::string password = std::string{name} + "-secret";
+        if (!client.create_session(client.create_request()) ||
+            client.activate(client.user(name, password)) != status::Good) {
+            log.text += "log_in_as failed\n";
+        }
+        return client;
+    }
+
     void advance(Duration time)
     {
         now += time;
@@ -335,14 +360,16 @@ public:
 
 private:
     ServerFixture(server::Waker* w, server::ServerConfig config,
-                  const server::AccessControl* access = nullptr)
-        : waker{w}, server{server::Server::create(std::move(config), {.random = &random,
-                                                                      .wall_clock = &wall_clock,
-                                                                      .log = &log,
-                                                                      .validator = &validator,
-                                                                      .users = &users,
-                                                                      .access = access,
-                                                                      .waker = waker})
+                  const server::AccessControl* access = nullptr, model::AddressSpace space = {})
+        : waker{w}, server{server::Server::create(std::move(config),
+                                                  {.random = &random,
+                                                   .wall_clock = &wall_clock,
+                                                   .log = &log,
+                                                   .validator = &validator,
+                                                   .users = &users,
+                                                   .access = access,
+                                                   .waker = waker},
+                                                  std::move(space))
                                .value()}
     {
     }
