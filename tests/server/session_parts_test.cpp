@@ -34,7 +34,7 @@ struct SilentPeer final : Peer {
         session.peer = nullptr;
         std::erase(bound, &session);
     }
-    void end_operations(const Session*, StatusCode) override {}
+    void end_operations(const Session&, StatusCode) override {}
     [[nodiscard]] Turn& turn() override { return own_turn; }
     [[nodiscard]] LogSink& log() override { return book; }
     void respond(const Reply&, std::uint32_t, FunctionRef<void(binary::Writer&)>) override {}

@@ -88,8 +88,9 @@ public:
     /// than a call of its own members. Each is named once, however much changed.
     [[nodiscard]] std::optional<std::uint64_t> next_changed();
 
-    /// Sets State Shutdown, ends what is pending with Bad_Shutdown and refuses all requests but
-    /// Read and CloseSession; ServerConfig::shutdown_delay later closes all connections.
+    /// Sets State Shutdown, raises a SystemStatusChangeEvent (Part 5, 6.4.30), and answers all but
+    /// Read, Publish and CloseSession with Bad_Shutdown; shutdown_delay later closes all
+    /// connections.
     void begin_shutdown(TimePoint now, std::string_view reason);
     /// True once shutdown is over, which may be earlier if nobody is connected any more: nothing
     /// more will be sent.

@@ -56,8 +56,12 @@ SessionSecurityDiagnosticsDataType describe_security(const Session& session)
 {
     SessionSecurityDiagnosticsDataType result;
     result.session_id = session.id;
-    result.client_user_id_of_session = session.user.name;
-    result.client_user_id_history = {String{session.user.name}};
+    result.client_user_id_of_session =
+        session.users.empty() ? std::string{} : session.users.front();
+    result.client_user_id_history = Array<String>(0);
+    for (const std::string& user : session.users) {
+        result.client_user_id_history.emplace_back(user);
+    }
     result.authentication_mechanism = mechanism_of(session.user.token_type);
     result.encoding = "UA Binary";
     result.transport_protocol = "opc.tcp";

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <set>
+#include <vector>
 
 #include <busbar/types/ids.hpp>
 
@@ -28,9 +29,32 @@ Variant structures(const Range& range, Describe describe)
     return all;
 }
 
+/// Views below the folder of Views, as far as that is reasonable.
+std::size_t count_views(const model::AddressSpace& space)
+{
+    constexpr std::size_t most = 1'000;
+    std::vector<model::NodeIndex> nodes{space.find(id::ViewsFolder)};
+    std::size_t views = 0;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        views += space.node_class(nodes[i]) == NodeClass::View ? 1U : 0U;
+        model::ReferenceCursor cursor = space.references(nodes[i]);
+        while (const auto reference = cursor.next()) {
+            const bool is_below = reference->is_forward &&
+                                  space.is_subtype_of(reference->type, id::Organizes) &&
+                                  nodes.size() < most;
+            if (is_below &&
+                std::find(nodes.begin(), nodes.end(), reference->target) == nodes.end()) {
+                nodes.push_back(reference->target);
+            }
+        }
+    }
+    return views;
+}
+
 Summary summarise(const DiagnosticsNeeds& needs)
 {
     Summary summary = needs.counters.summary;
+    summary.server_view_count = count(count_views(needs.space));
     summary.current_session_count = count(needs.sessions.size());
     summary.current_subscription_count = count(needs.subscriptions.size());
     std::set<Duration> intervals;

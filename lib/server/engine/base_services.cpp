@@ -71,7 +71,7 @@ constexpr std::array base_subscription_rows{
     function<SetPublishingModeRequest, SetPublishingModeResponse, &Core::subscriptions,
              set_publishing_mode>(Need::Activated),
     operation<PublishRequest, make_operation<PublishOperation, SubscriptionTable>,
-              &Core::subscriptions>(Need::Activated),
+              &Core::subscriptions>(Need::Activated, true),
     operation<RepublishRequest, make_operation<RepublishOperation, SubscriptionTable>,
               &Core::subscriptions>(Need::Activated),
     operation<DeleteSubscriptionsRequest, make_delete_subscriptions, &Core::subscriptions>(

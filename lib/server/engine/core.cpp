@@ -118,12 +118,12 @@ void Core::sweep()
 void Core::close_session(Session& session, StatusCode status, bool deletes_subscriptions)
 {
     if (session.peer != nullptr) {
-        session.peer->end_operations(&session, status);
+        session.peer->end_operations(session, status);
     }
     // What began before it moved to the channel that it has now is with another.
     for (auto link = links.begin(); link != links.end() && session.pending_operations != 0;
          ++link) {
-        (*link)->end_operations(&session, status);
+        (*link)->end_operations(session, status);
     }
     subscriptions.session_ends(session, deletes_subscriptions);
     log(LogLevel::Info, "session",
@@ -155,7 +155,7 @@ std::uint32_t Core::cancel(const Session& session, std::uint32_t request_handle)
 
 void Core::kept_values_written()
 {
-    counters.take_flag(address_space);
+    counters.take_flag(address_space, {sessions.size(), subscriptions.size()});
     diagnostics->take_flag();
 }
 

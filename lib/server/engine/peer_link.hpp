@@ -49,6 +49,8 @@ public:
     [[nodiscard]] TimePoint next_deadline() const;
     void handle_deadline(TimePoint now);
     [[nodiscard]] bool is_closed() const { return channel_.is_closed(); }
+    /// Answers with Bad_Shutdown all that does not outlast it.
+    void begin_shutdown();
 
     // Peer.
 
@@ -57,7 +59,7 @@ public:
     [[nodiscard]] const std::vector<Session*>& sessions() const override { return sessions_; }
     void bind(Session& session) override;
     void unbind(Session& session) override;
-    void end_operations(const Session* session, StatusCode status) override;
+    void end_operations(const Session& session, StatusCode status) override;
     [[nodiscard]] Turn& turn() override { return turn_; }
     [[nodiscard]] bool has_thrown() const override;
     [[nodiscard]] LogSink& log() override { return log_; }

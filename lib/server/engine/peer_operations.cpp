@@ -114,11 +114,20 @@ bool PeerLink::has_place_for_operation() const
     return operations_.size() < core_.limits().max_pending_requests;
 }
 
-void PeerLink::end_operations(const Session* session, StatusCode status)
+void PeerLink::end_operations(const Session& session, StatusCode status)
 {
     for (const auto& operation : operations_) {
-        if (!operation->is_finished() && (session == nullptr || operation->session() == session)) {
+        if (!operation->is_finished() && operation->session() == &session) {
             operation->fault(status);
+        }
+    }
+}
+
+void PeerLink::begin_shutdown()
+{
+    for (const auto& operation : operations_) {
+        if (!operation->is_finished() && !operation->outlasts_shutdown()) {
+            operation->fault(status::Bad_Shutdown);
         }
     }
 }

@@ -99,12 +99,14 @@ bool is_security(StatusCode status)
 
 } // namespace
 
-void Counters::take_flag(const model::AddressSpace& space)
+void Counters::take_flag(const model::AddressSpace& space, const Present& present)
 {
     const model::NodeIndex flag = space.find(id::Server_ServerDiagnostics_EnabledFlag);
     const bool is_set = flag != model::no_node && space.value(flag).value_or(false);
     if (is_set && !is_enabled_) {
         summary = {};
+        summary.cumulated_session_count = static_cast<std::uint32_t>(present.sessions);
+        summary.cumulated_subscription_count = static_cast<std::uint32_t>(present.subscriptions);
         ++round_;
     }
     is_enabled_ = is_set;

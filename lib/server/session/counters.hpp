@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include <busbar/core/date_time.hpp>
@@ -26,8 +27,14 @@ public:
     ServerDiagnosticsSummaryDataType summary;
 
     [[nodiscard]] bool is_enabled() const { return is_enabled_; }
-    /// Looks whether somebody has changed EnabledFlag: once it is set again, counting begins anew.
-    void take_flag(const model::AddressSpace& space);
+    /// What there is at present.
+    struct Present {
+        std::size_t sessions;
+        std::size_t subscriptions;
+    };
+    /// Looks whether somebody has changed EnabledFlag: once it is set again, counting begins anew,
+    /// with what there is.
+    void take_flag(const model::AddressSpace& space, const Present& present);
 
     /// A request of the session came, by the encoding id of its type.
     void count_request(Session& session, std::uint32_t encoding_id, DateTime now);

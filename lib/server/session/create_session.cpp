@@ -45,6 +45,17 @@ Checked<void> check_nonce(const ByteString& nonce, bool is_secure)
     return {};
 }
 
+/// Part 4, 5.7.2.2: never used in any other request, or what it signs proves nothing.
+Checked<void> use_nonce(SessionTable& sessions, const ByteString& nonce)
+{
+    if (!sessions.nonces.take(nonce.span())) {
+        return refuse({status::Bad_NonceInvalid, "client nonce",
+                       "the same as for one of the last sessions", "Part 4, 5.7.2.2 and 7.37",
+                       "Let the client make a random nonce for each session"});
+    }
+    return {};
+}
+
 /// The client's certificate must be the one that its channel was opened with, and name the
 /// application that it says it is (Part 4, 5.7.2.2).
 Checked<void> check_certificate(const channel::ServerChannel& channel,
@@ -217,8 +228,13 @@ Result<std::unique_ptr<Session>> make_session(const SessionNeeds& needs,
 StatusCode create_session(const SessionNeeds& needs, ServiceContext& context,
                           const CreateSessionRequest& request, CreateSessionResponse& response)
 {
-    const auto admitted =
-        check(needs, context, request).and_then([&] { return make_place(needs, context); });
+    const bool is_secure = !context.peer.channel().security().policy->is_none();
+    const auto admitted = check(needs, context, request)
+                              .and_then([&] { return make_place(needs, context); })
+                              .and_then([&] {
+                                  return is_secure ? use_nonce(needs.sessions, request.client_nonce)
+                                                   : Checked<void>{};
+                              });
     if (!admitted) {
         explain(context.peer.log(), "session", admitted.error());
         return admitted.error().status;

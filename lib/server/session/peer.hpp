@@ -26,8 +26,8 @@ public:
     virtual void bind(Session& session) = 0;
     /// It uses this channel no more.
     virtual void unbind(Session& session) = 0;
-    /// Answers what the session has pending here with `status`; all sessions' if it is null.
-    virtual void end_operations(const Session* session, StatusCode status) = 0;
+    /// Answers what the session has pending here with `status`.
+    virtual void end_operations(const Session& session, StatusCode status) = 0;
     /// What may still be done for this peer before others have their turn.
     [[nodiscard]] virtual Turn& turn() = 0;
     /// A callback of the user's has thrown while the present request was served: it will be

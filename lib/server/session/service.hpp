@@ -59,6 +59,8 @@ public:
     [[nodiscard]] virtual bool wants_turn() const { return false; }
     /// Goes on as far as the connection's Turn allows.
     virtual void take_turn(ServiceContext&) {}
+    /// Goes on while the server shuts down.
+    [[nodiscard]] virtual bool outlasts_shutdown() const { return false; }
 
     [[nodiscard]] bool is_finished() const { return peer_ == nullptr; }
     /// The client does not wait for it any more.

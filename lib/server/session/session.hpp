@@ -43,6 +43,18 @@ public:
         return true;
     }
     void release(std::size_t bytes) { memory_left_ += bytes; }
+    /// From now on it is this user's. Of a long history the creator and the latest are kept.
+    void change_user(UserIdentity next)
+    {
+        constexpr std::size_t most = 8;
+        if (users.empty() || users.back() != next.name) {
+            if (users.size() == most) {
+                users.erase(users.begin() + 1);
+            }
+            users.push_back(next.name);
+        }
+        user = std::move(next);
+    }
     /// A request has come.
     void touch(TimePoint now) { deadline = std::min(now + timeout, ends_at); }
     /// When it ends or loses its user, if no request comes.
@@ -54,6 +66,8 @@ public:
     std::vector<std::string> locale_ids;
     bool is_activated{false};
     UserIdentity user;
+    /// The ClientUserId of whoever activated it first, then those it was given to, the latest last.
+    std::vector<std::string> users;
     /// When the user becomes an anonymous one (see user_expiry.hpp).
     TimePoint user_deadline{no_deadline};
 

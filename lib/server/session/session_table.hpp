@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "recent_nonces.hpp"
 #include "session.hpp"
 
 namespace busbar::server::detail {
@@ -38,6 +39,8 @@ public:
     }
     /// A connection has gone; its activated sessions wait for another.
     void unbind(Peer& peer);
+    /// Of sessions over channels with security.
+    RecentNonces nonces;
 
 private:
     void file(Session& session);

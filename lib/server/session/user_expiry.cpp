@@ -44,7 +44,7 @@ void set_user(const SessionNeeds& needs, const EndpointConfig& endpoint, Session
     needs.log.write(LogLevel::Info, "session",
                     "\"" + printable(session.name) + "\" activated by " + describe(user));
     const TimePoint end = deadline_of(user, needs.wall_time(), now);
-    session.user = std::move(user);
+    session.change_user(std::move(user));
     session.user_deadline = endpoint.allows_anonymous ? end : no_deadline;
     session.ends_at = endpoint.allows_anonymous ? no_deadline : end;
     session.touch(now);
@@ -60,7 +60,7 @@ void expire_user(const SessionNeeds& needs, Session& session, TimePoint now)
                     "\"" + printable(session.name) + "\" is anonymous now: the token of " +
                         describe(session.user) + " has expired");
     UserStore* users = needs.environment.users;
-    session.user = users != nullptr ? users->anonymous() : anonymous_reader();
+    session.change_user(users != nullptr ? users->anonymous() : anonymous_reader());
     session.user_deadline = no_deadline;
     needs.keeper.user_changed(session, now);
 }

@@ -24,6 +24,8 @@ public:
     ~PublishOperation() override;
 
     void start(ServiceContext& context) override;
+    /// Or nobody who has subscribed to State would learn of it.
+    [[nodiscard]] bool outlasts_shutdown() const override { return true; }
 
     struct Message {
         Subscription& subscription;

@@ -36,7 +36,7 @@ void switch_on(Core& core)
     if (flag != model::no_node) {
         static_cast<void>(core.address_space.set_value(flag, true));
     }
-    core.counters.take_flag(core.address_space);
+    core.counters.take_flag(core.address_space, {core.sessions.size(), core.subscriptions.size()});
 }
 
 void add_diagnostics(Core& core)
