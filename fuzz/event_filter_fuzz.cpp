@@ -54,7 +54,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     CompiledEventFilter compiled;
     if (compiled.compile(filter, fields, {}, result).is_good()) {
         const model::NodeIndex type = space.find(event.event_type);
-        const RaisedEvent raised{std::move(event), type, ByteString{}, DateTime{1}};
+        const RaisedEvent raised{std::move(event), type, ByteString{}, {DateTime{1}}};
         const bool is_passed = compiled.matches(raised, space);
         // What it selects and whether it matches depends on nothing but the event.
         if (compiled.matches(raised, space) != is_passed ||

@@ -268,7 +268,7 @@ int serve(ControllerConfig config, const std::string& file)
     nodes.cycle = config.scan;
     const auto folder =
         expect(controller::publish_variables(server.address_space(), *plc, nodes), "the variables");
-    example::load_models(server.address_space(), config.nodesets, log);
+    example::load_models(server, config.nodesets, log);
     const auto events = expect(
         controller::PlcEvents::create(server.address_space(), folder, *plc, server.event_queue()),
         "the events");

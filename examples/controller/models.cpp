@@ -1,12 +1,13 @@
 #include "models.hpp"
 
 #include <busbar/model/nodeset.hpp>
+#include <busbar/server/namespace_metadata.hpp>
 
 #include "toml_reader.hpp"
 
 namespace busbar::example {
 
-void load_models(model::AddressSpace& space, const std::vector<std::string>& files, LogSink& log)
+void load_models(server::Server& server, const std::vector<std::string>& files, LogSink& log)
 {
     if (files.empty()) {
         return;
@@ -15,7 +16,7 @@ void load_models(model::AddressSpace& space, const std::vector<std::string>& fil
     for (const std::string& file : files) {
         sources.push_back({file});
     }
-    const auto loaded = model::load_nodesets(space, sources);
+    const auto loaded = model::load_nodesets(server.address_space(), sources);
     if (!loaded) {
         std::string lines = "the information models cannot be loaded";
         for (const Problem& problem : loaded.error()) {
@@ -23,6 +24,7 @@ void load_models(model::AddressSpace& space, const std::vector<std::string>& fil
         }
         throw ConfigError{Problem{.text = lines}};
     }
+    server::describe_models(server, loaded->extras.models);
     for (const Problem& note : loaded->notes) {
         log.write(LogLevel::Warning, "model", text(note));
     }

@@ -4,12 +4,13 @@
 #include <vector>
 
 #include <busbar/core/log.hpp>
-#include <busbar/model/address_space.hpp>
+#include <busbar/server/server.hpp>
 
 namespace busbar::example {
 
-/// Adds the nodes of NodeSet2 files, given in any order, and logs what is odd in them. Throws a
+/// Adds the nodes of NodeSet2 files, given in any order, and logs what is odd in them;
+/// Server.Namespaces has their versions. Throws a
 /// ConfigError that has a line for each mistake; nothing was added then.
-void load_models(model::AddressSpace& space, const std::vector<std::string>& files, LogSink& log);
+void load_models(server::Server& server, const std::vector<std::string>& files, LogSink& log);
 
 } // namespace busbar::example

@@ -66,17 +66,12 @@ bool is_inside(std::span<const Bounds> bounds, const detail::Box& box)
     return true;
 }
 
-/// A single element may come as a scalar.
+/// Also of a single element: what a range names is an array (Part 4, 7.27).
 template <typename T>
 std::span<const T> elements_of(const Variant& part)
 {
     if (const Array<T>* array = part.array_if<T>()) {
         return array->span();
-    }
-    if constexpr (!std::is_same_v<T, Variant>) {
-        if (const T* scalar = part.get_if<T>()) {
-            return {scalar, 1};
-        }
     }
     return {};
 }

@@ -286,6 +286,24 @@ NodeId SpaceReader::data_type_id(NodeIndex node) const
     return NodeId{0, tables_->constants->externals[from.data_type - tables_->constant_count].value};
 }
 
+DataValue SpaceReader::data_value(NodeIndex node) const
+{
+    DataValue result{value(node)};
+    const detail::ValueQuality* quality = nullptr;
+    if (!tables_->is_constant(node)) {
+        const Extra* const extra = tables_->record(node).extra.get();
+        quality = extra != nullptr ? &extra->quality : nullptr;
+    } else if (const Overlay* const overlay = tables_->overlay(node)) {
+        quality = &overlay->quality;
+    }
+    if (quality != nullptr) {
+        result.status = quality->status;
+        result.source_timestamp = quality->source_timestamp;
+        result.source_picoseconds = quality->source_picoseconds;
+    }
+    return result;
+}
+
 Variant SpaceReader::value(NodeIndex node, const binary::TypeRegistry* types) const
 {
     if (!has_attribute(node_class(node), AttributeId::Value)) {

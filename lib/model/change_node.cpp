@@ -76,20 +76,30 @@ Result<void> AddressSpace::remove(NodeIndex node)
 
 Result<void> AddressSpace::set_value(NodeIndex node, Variant value)
 {
+    return set_data_value(node, DataValue{std::move(value)});
+}
+
+Result<void> AddressSpace::set_data_value(NodeIndex node, DataValue value)
+{
     const VariableAttributes attributes = variable(node);
     if (attributes.data_type != no_node) {
-        const StatusCode fits = check_value(value, attributes.data_type, attributes.value_rank,
-                                            attributes.array_dimensions);
+        const StatusCode fits = check_value(value.value, attributes.data_type,
+                                            attributes.value_rank, attributes.array_dimensions);
         if (!fits.is_good()) {
             return fail(fits);
         }
     }
+    const detail::ValueQuality quality{value.source_timestamp, value.status,
+                                       value.source_picoseconds};
     if (tables_->is_constant(node)) {
         Overlay& overlay = tables_->make_overlay(node);
-        overlay.value = std::move(value);
+        overlay.value = std::move(value.value);
+        overlay.quality = quality;
         overlay.has_value = true;
     } else {
-        tables_->record(node).make_extra().value = std::move(value);
+        detail::Extra& extra = tables_->record(node).make_extra();
+        extra.value = std::move(value.value);
+        extra.quality = quality;
     }
     return {};
 }

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "multi_state.hpp"
+
 namespace busbar::model {
 
 namespace {
@@ -83,51 +85,6 @@ Result<NodeIndex> create(AddressSpace& space, const NewNode& node, const NodeId&
         }
     }
     return created;
-}
-
-std::optional<std::int64_t> integer_of(const Variant& value)
-{
-    std::optional<std::int64_t> result;
-    const auto take = [&](const auto* number) {
-        if (number != nullptr && std::in_range<std::int64_t>(*number)) {
-            result = static_cast<std::int64_t>(*number);
-        }
-    };
-    take(value.get_if<std::int8_t>());
-    take(value.get_if<std::uint8_t>());
-    take(value.get_if<std::int16_t>());
-    take(value.get_if<std::uint16_t>());
-    take(value.get_if<std::int32_t>());
-    take(value.get_if<std::uint32_t>());
-    take(value.get_if<std::int64_t>());
-    take(value.get_if<std::uint64_t>());
-    return result;
-}
-
-/// What ValueAsText says of the value: null for an array and for a value without text (Part 8,
-/// 5.3.3.4).
-LocalizedText text_of(const Variant& value, const Array<EnumValueType>& enum_values)
-{
-    const auto number = integer_of(value);
-    for (const EnumValueType& each : enum_values) {
-        if (number && each.value == *number) {
-            return each.display_name;
-        }
-    }
-    return {};
-}
-
-Array<EnumValueType> enum_values_of(const Variant& value)
-{
-    Array<EnumValueType> values;
-    if (const auto* const objects = value.array_if<ExtensionObject>()) {
-        for (const ExtensionObject& object : *objects) {
-            if (const auto* const each = object.get_if<EnumValueType>()) {
-                values.push_back(*each);
-            }
-        }
-    }
-    return values;
 }
 
 /// How the ArrayItemTypes name their axes, and with how many dimensions.
@@ -226,25 +183,11 @@ Result<NodeIndex> add_multi_state_value(AddressSpace& space, const NewNode& node
 {
     Properties properties = properties_of(item);
     properties.add_structures("EnumValues", item.enum_values);
-    properties.add("ValueAsText", text_of(item.variable.value, item.enum_values));
+    properties.add("ValueAsText", detail::text_of(item.variable.value, item.enum_values));
     NewVariable variable = item.variable;
     set_default_type(variable, id::Int32);
     return create(space, node, NodeId{0, id::MultiStateValueDiscreteType}, std::move(variable),
                   std::move(properties));
-}
-
-Result<void> set_multi_state_value(AddressSpace& space, NodeIndex node, Variant value)
-{
-    const NodeIndex values = find_by_path(space, node, "EnumValues");
-    const NodeIndex as_text = find_by_path(space, node, "ValueAsText");
-    if (values == no_node || as_text == no_node) {
-        return fail(status::Bad_NotFound);
-    }
-    LocalizedText text = text_of(value, enum_values_of(space.value(values)));
-    if (auto set = space.set_value(node, std::move(value)); !set) {
-        return set;
-    }
-    return space.set_value(as_text, std::move(text));
 }
 
 Result<NodeIndex> add_array_item(AddressSpace& space, const NewNode& node, const ArrayItem& item)

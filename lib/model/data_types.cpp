@@ -14,12 +14,8 @@ using binary::DataTypeEntry;
 template <typename Definition>
 void take_definition(const ExtensionObject& object, DataTypeEntry& entry)
 {
-    if (const auto* const definition = object.get_if<Definition>()) {
-        entry.definition = *definition;
-    } else if (object.encoding_id().is(Definition::binary_encoding_id)) {
-        if (auto decoded = binary::from_bytes<Definition>(object.binary().span())) {
-            entry.definition = std::move(*decoded);
-        }
+    if (auto definition = binary::structure_of<Definition>(object)) {
+        entry.definition = *std::move(definition);
     }
 }
 

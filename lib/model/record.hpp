@@ -44,6 +44,13 @@ struct ReferenceList {
     std::uint32_t others{0};
 };
 
+/// What a kept value has beside the value itself.
+struct ValueQuality {
+    DateTime source_timestamp;
+    StatusCode status;
+    std::uint16_t source_picoseconds{0};
+};
+
 /// What few dynamic nodes have.
 struct Extra {
     LocalizedText display_name;
@@ -51,6 +58,7 @@ struct Extra {
     LocalizedText inverse_name;
     Array<std::uint32_t> array_dimensions;
     Variant value;
+    ValueQuality quality;
     ExtensionObject definition;
     /// Of a type: the dynamic types from the first one below a constant type down to itself.
     std::vector<NodeIndex> chain;
@@ -105,6 +113,7 @@ static_assert(sizeof(void*) != 8 || sizeof(Record) == 96);
 struct Overlay {
     ReferenceList references;
     Variant value;
+    ValueQuality quality;
     LocalizedText display_name;
     LocalizedText description;
     std::uint64_t handle{0};

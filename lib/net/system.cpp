@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 
 namespace busbar::net {
 
@@ -10,6 +11,17 @@ DateTime SystemWallClock::now() const
     using Ticks = std::chrono::duration<std::int64_t, std::ratio<1, DateTime::ticks_per_second>>;
     const auto since = std::chrono::system_clock::now().time_since_epoch();
     return DateTime::from_unix_ticks(std::chrono::duration_cast<Ticks>(since).count());
+}
+
+TimeZone SystemWallClock::time_zone() const
+{
+    const std::time_t now = std::time(nullptr);
+    std::tm local{};
+    if (::localtime_r(&now, &local) == nullptr) {
+        return {};
+    }
+    constexpr long seconds_of_minute = 60;
+    return {static_cast<std::int16_t>(local.tm_gmtoff / seconds_of_minute), local.tm_isdst > 0};
 }
 
 void StderrLog::write(LogLevel level, std::string_view source, std::string_view text)

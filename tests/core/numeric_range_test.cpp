@@ -177,7 +177,9 @@ TEST_CASE("a range is written in place", "[core][numeric_range]")
     Variant target = vector();
     CHECK(write(target, "1:2", Variant{Array<std::int32_t>{7, 8}}).is_good());
     CHECK(target == Variant{Array<std::int32_t>{10, 7, 8, 13, 14}});
-    CHECK(write(target, "4", Variant{std::int32_t{9}}).is_good());
+    // Part 4, 5.11.4.2: an array, also for a single element.
+    CHECK(write(target, "4", Variant{std::int32_t{9}}) == status::Bad_IndexRangeDataMismatch);
+    CHECK(write(target, "4", Variant{Array<std::int32_t>{9}}).is_good());
     CHECK(target == Variant{Array<std::int32_t>{10, 7, 8, 13, 9}});
     Variant grid = matrix();
     CHECK(write(grid, "0:1,2", Variant::matrix(Array<std::int16_t>{77, 88}, {2, 1})).is_good());

@@ -150,7 +150,8 @@ public:
         REQUIRE(server::detail::check_write(request, 1'000) == status::Good);
         server::detail::WriteJob job{sources, request};
         server::detail::Turn endless;
-        REQUIRE(job.plan({space, sources, {space, user, control}, definitions}, endless));
+        REQUIRE(
+            job.plan({space, sources, {space, user, control}, definitions, server_time}, endless));
         REQUIRE(job.start(owner, TimePoint{}));
         return results(job);
     }

@@ -64,7 +64,7 @@ struct FilterFixture : model::ModelFixture {
     {
         const model::NodeIndex type = space.find(event.event_type);
         return std::make_unique<RaisedEvent>(std::move(event), type, ByteString{},
-                                             DateTime::from_unix_seconds(9));
+                                             Received{DateTime::from_unix_seconds(9)});
     }
     bool passes(const EventFilter& filter, Event event)
     {

@@ -1,5 +1,9 @@
 #include <catch2/catch.hpp>
 
+#include <array>
+
+#include <busbar/core/text_forms.hpp>
+#include <busbar/model/nodeset_types.hpp>
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/view.hpp>
 
@@ -218,6 +222,17 @@ TEST_CASE_METHOD(ChangeFixture, "Each namespace is described below Server.Namesp
     CHECK(property("urn:late", "StaticNodeIdTypes") == Variant{Array<std::int32_t>{0}});
     CHECK(property("urn:late", "StaticNumericNodeIdRange") == Variant{Array<String>{"1:99"}});
     CHECK(server.describe_namespace(99, metadata).error() == status::Bad_NotFound);
+    // B12: those of files.
+    model::NodeSetModel model;
+    model.uri = server.address_space().namespace_uri(index);
+    model.version = "2.1";
+    model.publication_date = "2026-11-23T00:00:00Z";
+    model::NodeSetModel stranger;
+    stranger.uri = "urn:in no file";
+    server::describe_models(server, std::array{stranger, model});
+    CHECK(property("urn:late", "NamespaceVersion") == Variant{"2.1"});
+    CHECK(property("urn:late", "NamespacePublicationDate") ==
+          Variant{parse_date_time("2026-11-23T00:00:00Z").value()});
 
     ReadRequest request;
     request.nodes_to_read.resize(1);

@@ -308,7 +308,7 @@ TEST_CASE_METHOD(WriteFixture, "a source may use the values after the request is
         server::detail::DefinitionChecks none;
         WriteJob job{sources, request};
         server::detail::Turn endless;
-        REQUIRE(job.plan({space, sources, {space, user, control}, none}, endless));
+        REQUIRE(job.plan({space, sources, {space, user, control}, none, {}}, endless));
         REQUIRE_FALSE(job.start(owner, TimePoint{}));
         SECTION("it was cancelled")
         {

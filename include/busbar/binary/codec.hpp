@@ -176,6 +176,30 @@ template <typename T>
     return value;
 }
 
+/// The structure of namespace 0 in an ExtensionObject, decoded already or still encoded, as files
+/// and generated nodes have theirs; nothing for any other.
+template <typename T>
+[[nodiscard]] std::optional<T> structure_of(const ExtensionObject& object)
+{
+    if (const T* const value = object.get_if<T>()) {
+        return *value;
+    }
+    if (object.body() == ExtensionObject::Body::Binary &&
+        object.encoding_id().is(T::binary_encoding_id)) {
+        if (auto decoded = from_bytes<T>(object.binary().span())) {
+            return *std::move(decoded);
+        }
+    }
+    return std::nullopt;
+}
+/// The same of the one structure that is a value.
+template <typename T>
+[[nodiscard]] std::optional<T> structure_of(const Variant& value)
+{
+    const auto* const object = value.get_if<ExtensionObject>();
+    return object != nullptr ? structure_of<T>(*object) : std::nullopt;
+}
+
 } // namespace binary
 
 } // namespace busbar

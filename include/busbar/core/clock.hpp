@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/date_time.hpp>
@@ -20,6 +21,15 @@ using TimePoint = std::chrono::time_point<std::chrono::steady_clock, Duration>;
 /// A deadline that never comes.
 inline constexpr TimePoint no_deadline = TimePoint::max();
 
+/// How local time differs from UTC (Part 3, 8.28).
+struct TimeZone {
+    /// Minutes to add to UTC; with daylight saving if that is in it.
+    std::int16_t offset{0};
+    bool daylight_saving_in_offset{false};
+
+    friend bool operator==(const TimeZone&, const TimeZone&) = default;
+};
+
 /// The time of day, injected where a message needs it (timestamps, certificate validity).
 class BUSBAR_API WallClock {
 public:
@@ -30,6 +40,8 @@ public:
 
     /// UTC now. Called from any thread.
     [[nodiscard]] virtual DateTime now() const = 0;
+    /// Of the place where the machine stands, now; UTC by itself. Called from any thread.
+    [[nodiscard]] virtual TimeZone time_zone() const { return {}; }
 };
 
 } // namespace busbar

@@ -88,6 +88,7 @@ public:
 
     /// Gives a Variable a value of its own. Bad_TypeMismatch as check_value.
     Result<void> set_value(NodeIndex node, Variant value);
+    Result<void> set_data_value(NodeIndex node, DataValue value); // and its status and source time
     /// Makes a data source serve the Variable or carry out the Method, constant or dynamic.
     void bind(NodeIndex node, std::uint32_t source, std::uint64_t handle);
     /// Of `user_access_level` only the bits that `access_level` has count.

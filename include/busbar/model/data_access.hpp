@@ -77,6 +77,14 @@ BUSBAR_API Result<NodeIndex> add_multi_state_value(AddressSpace& space, const Ne
 /// does not have the Properties.
 BUSBAR_API Result<void> set_multi_state_value(AddressSpace& space, NodeIndex node, Variant value);
 
+/// Bad_OutOfRange for a value that a Variable of MultiStateDiscreteType has no EnumString for, or
+/// one of MultiStateValueDiscreteType no EnumValue (Part 8, 5.3.3.3 and 5.3.3.4). Good for any
+/// other Variable, and while the Property has no value.
+[[nodiscard]] BUSBAR_API StatusCode check_state(const SpaceReader& space, NodeIndex variable,
+                                                const Variant& value);
+/// Sets ValueAsText to what EnumValues has for the Variable's present value, if it has them.
+BUSBAR_API void update_value_as_text(AddressSpace& space, NodeIndex variable);
+
 /// What the ArrayItemTypes have in common (Part 8, 5.3.4.2).
 struct ArrayItem : DataItem {
     Range eu_range;

@@ -105,6 +105,8 @@ public:
     /// The value of a Variable or VariableType without source; null if it was never given one.
     /// Structures stay encoded unless `types` is given and knows them.
     [[nodiscard]] Variant value(NodeIndex node, const binary::TypeRegistry* types = nullptr) const;
+    /// The same with the status and source timestamp that set_data_value gave it.
+    [[nodiscard]] DataValue data_value(NodeIndex node) const;
 
     // References and types.
 

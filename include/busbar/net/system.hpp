@@ -12,6 +12,7 @@ namespace busbar::net {
 class BUSBAR_API SystemWallClock final : public WallClock {
 public:
     [[nodiscard]] DateTime now() const override;
+    [[nodiscard]] TimeZone time_zone() const override;
 };
 
 /// Writes a line to stderr for each message of a level or above. Any thread.

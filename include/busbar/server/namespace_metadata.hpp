@@ -1,10 +1,16 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/date_time.hpp>
 #include <busbar/core/node_id.hpp>
+
+namespace busbar::model {
+struct NodeSetModel;
+}
 
 namespace busbar::server {
 
@@ -23,5 +29,12 @@ struct NamespaceMetadata {
     /// and those with identifiers that match this pattern of the operator Like (Part 4, 7.7.3).
     std::string static_string_pattern;
 };
+
+class Server;
+
+/// Has Server.Namespaces say the version and publication date of models from NodeSet2 files, as
+/// model::load_nodesets returns them in NodeSetExtras::models. A model whose URI is no namespace of
+/// the server, or a small namespace 0 without NamespaceMetadataType: nothing is said.
+BUSBAR_API void describe_models(Server& server, std::span<const model::NodeSetModel> models);
 
 } // namespace busbar::server

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <busbar/binary/dynamic_value.hpp>
+#include <busbar/model/data_access.hpp>
 #include <busbar/types/ids.hpp>
 
 namespace busbar::server::detail {
@@ -28,10 +29,19 @@ bool has_value(const binary::DynamicType& enumeration, std::int32_t value)
 
 } // namespace
 
-StatusCode DataTypeChecks::check(model::NodeIndex data_type, const Variant& value)
+StatusCode DataTypeChecks::check(model::NodeIndex variable, model::NodeIndex data_type,
+                                 const Variant& value)
 {
-    const StatusCode bad = check_enumeration(data_type, value);
+    StatusCode bad = check_enumeration(data_type, value);
+    if (bad.is_good()) {
+        bad = model::check_state(space_, variable, value);
+    }
     return bad.is_bad() ? bad : check_structures(value);
+}
+
+void DataTypeChecks::replaced(model::AddressSpace& space, model::NodeIndex variable)
+{
+    model::update_value_as_text(space, variable);
 }
 
 StatusCode DataTypeChecks::check_structures(const Variant& value)

@@ -6,7 +6,8 @@
 
 namespace busbar::server::detail {
 
-/// What DataTypeDefinitions say of the values that clients write. As it is here all are right.
+/// What DataTypeDefinitions and the Properties of states say of the values that clients write. As
+/// it is here all are right.
 class DefinitionChecks {
 public:
     DefinitionChecks() = default;
@@ -14,15 +15,18 @@ public:
     DefinitionChecks& operator=(const DefinitionChecks&) = delete;
     virtual ~DefinitionChecks() = default;
 
-    /// The value of a Variable of that DataType. A structure that is known from its
+    /// The value of a Variable and its DataType. A structure that is known from its
     /// DataTypeDefinition only has not been decoded yet; what a client may write by its type is
     /// still refused if it is no value of that type, or if a text or array in it is longer than its
     /// field allows. Bad_OutOfRange for a value that the enumeration does not have (Part 4,
-    /// 5.11.4.4).
-    [[nodiscard]] virtual StatusCode check(model::NodeIndex /*data_type*/, const Variant& /*value*/)
+    /// 5.11.4.4), nor the states of a multi-state item (Part 8, 5.3.3).
+    [[nodiscard]] virtual StatusCode check(model::NodeIndex /*variable*/,
+                                           model::NodeIndex /*data_type*/, const Variant& /*value*/)
     {
         return {};
     }
+    /// The address space has been given a new value of the Variable by a client.
+    virtual void replaced(model::AddressSpace& /*space*/, model::NodeIndex /*variable*/) {}
 };
 
 /// Looks at the DataTypes of an address space, which are compiled when a type was added.
@@ -34,7 +38,9 @@ public:
     {
     }
 
-    [[nodiscard]] StatusCode check(model::NodeIndex data_type, const Variant& value) override;
+    [[nodiscard]] StatusCode check(model::NodeIndex variable, model::NodeIndex data_type,
+                                   const Variant& value) override;
+    void replaced(model::AddressSpace& space, model::NodeIndex variable) override;
 
 private:
     [[nodiscard]] StatusCode check_structures(const Variant& value);

@@ -30,7 +30,7 @@ bool WriteOperation::plan(ServiceContext& context)
 {
     const WriteContext what{needs_.space, needs_.sources,
                             rights_of(*context.session, needs_.space, needs_.access),
-                            *needs_.definitions};
+                            *needs_.definitions, needs_.wall_clock.now()};
     if (!job_->is_outdated(needs_.space)) {
         return job_->plan(what, context.peer.turn());
     }

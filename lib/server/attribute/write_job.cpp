@@ -4,6 +4,7 @@
 
 #include <busbar/binary/codec.hpp>
 #include <busbar/core/attribute_id.hpp>
+#include <busbar/types/ids.hpp>
 
 namespace busbar::server::detail {
 
@@ -50,6 +51,11 @@ StatusCode check_quality(std::uint8_t access_level, const DataValue& data)
 StatusCode check_type(const model::AddressSpace& space, const model::VariableAttributes& variable,
                       const Variant& value, bool is_part)
 {
+    const auto* const object = value.get_if<ExtensionObject>();
+    if (object != nullptr && object->is_null() &&
+        !space.node_id(variable.data_type).is(id::Structure)) {
+        return status::Bad_TypeMismatch; // of no type at all
+    }
     if (!is_part) {
         return space.check_value(value, variable.data_type, variable.value_rank,
                                  variable.array_dimensions);
@@ -72,18 +78,27 @@ bool stands_for_byte_array(const model::AddressSpace& space,
            space.built_in_type_of(variable.data_type) == BuiltInType::Byte;
 }
 
-/// Replaces a value that the address space keeps.
-StatusCode replace_kept(model::AddressSpace& space, model::NodeIndex node,
-                        const NumericRange* range, const Variant& value)
+/// Replaces a value that the address space keeps, and its status and source timestamp (Part 4,
+/// 5.11.4.2): now where the client sends none.
+StatusCode replace_kept(const WriteContext& context, model::NodeIndex node,
+                        const NumericRange* range, const DataValue& data)
 {
-    Variant whole = range != nullptr ? space.value(node) : value;
+    DataValue whole = data;
     if (range != nullptr) {
-        if (const auto written = write_range(whole, *range, value); !written) {
+        whole.value = context.space.value(node);
+        if (const auto written = write_range(whole.value, *range, data.value); !written) {
             return written.error();
         }
     }
-    const auto set = space.set_value(node, std::move(whole));
-    return set ? status::Good : set.error();
+    if (whole.source_timestamp.is_null()) {
+        whole.source_timestamp = context.now;
+        whole.source_picoseconds = 0;
+    }
+    if (const auto set = context.space.set_data_value(node, std::move(whole)); !set) {
+        return set.error();
+    }
+    context.definitions.replaced(context.space, node);
+    return status::Good;
 }
 
 } // namespace
@@ -166,11 +181,12 @@ std::optional<StatusCode> WriteJob::plan_value(const WriteContext& context, std:
     if (mismatch.is_bad()) {
         return mismatch;
     }
-    if (const auto bad = context.definitions.check(variable.data_type, data->value); bad.is_bad()) {
+    if (const auto bad = context.definitions.check(target.node, variable.data_type, data->value);
+        bad.is_bad()) {
         return bad;
     }
     if (variable.source == model::no_source) {
-        return replace_kept(context.space, target.node, *range, data->value);
+        return replace_kept(context, target.node, *range, *data);
     }
     const auto* source = context.sources.find(variable.source);
     if (source == nullptr) {

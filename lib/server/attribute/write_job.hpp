@@ -23,6 +23,8 @@ struct WriteContext {
     DataSources& sources;
     NodeRights rights;
     DefinitionChecks& definitions;
+    /// The source timestamp of kept values whose writer says none.
+    DateTime now;
 };
 
 /// Good, or why the whole request is refused (Part 4, 5.11.4.3).

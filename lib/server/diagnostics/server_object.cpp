@@ -80,6 +80,23 @@ Array<String> profiles(const DiagnosticsNeeds&)
     return {"http://opcfoundation.org/UA-Profile/Transport/uatcp-uasc-uabinary"};
 }
 
+/// A VersionTime (Part 4, 7.43): seconds since 2000. Namespaces are only ever added, and a server
+/// that starts again does so later.
+std::uint32_t uris_version(const DiagnosticsNeeds& needs)
+{
+    constexpr std::int64_t unix_year_2000 = 946'684'800;
+    const std::int64_t since =
+        needs.life.start_time.ticks - DateTime::from_unix_seconds(unix_year_2000).ticks;
+    return static_cast<std::uint32_t>(since / DateTime::ticks_per_second +
+                                      static_cast<std::int64_t>(needs.space.namespace_count()));
+}
+
+TimeZoneDataType local_time(const DiagnosticsNeeds& needs)
+{
+    const TimeZone zone = needs.wall_clock.time_zone();
+    return {zone.offset, zone.daylight_saving_in_offset};
+}
+
 struct LiveValue {
     std::uint32_t id;
     Variant (*make)(const DiagnosticsNeeds& needs);
@@ -136,6 +153,16 @@ constexpr std::array status_values{
     LiveValue{id::Server_ServiceLevel,
               [](const DiagnosticsNeeds& c) -> Variant {
                   return static_cast<std::uint8_t>(c.life.is_shutting_down() ? 0 : 255);
+              }},
+    LiveValue{id::Server_UrisVersion,
+              [](const DiagnosticsNeeds& c) -> Variant { return uris_version(c); }},
+    LiveValue{
+        id::Server_LocalTime,
+        [](const DiagnosticsNeeds& c) -> Variant { return ExtensionObject::from(local_time(c)); }},
+    // Nobody knows when a server that stops is started again.
+    LiveValue{id::Server_EstimatedReturnTime,
+              [](const DiagnosticsNeeds& c) -> Variant {
+                  return c.life.is_shutting_down() ? DateTime{} : c.life.start_time;
               }},
     LiveValue{id::Server_Auditing, [](const DiagnosticsNeeds&) -> Variant { return false; }},
     LiveValue{id::Server_ServerRedundancy_RedundancySupport,
@@ -264,6 +291,20 @@ Result<DataValue> ServerObject::find(const NodeId& node, const ReadingUser& read
         return fail(status::Bad_NodeIdUnknown);
     }
     return others_->find(node, reader);
+}
+
+void list_modelling_rules(model::AddressSpace& space)
+{
+    const model::NodeIndex folder = space.find(id::Server_ServerCapabilities_ModellingRules);
+    for (const std::uint32_t rule :
+         {id::ModellingRule_Mandatory, id::ModellingRule_Optional,
+          id::ModellingRule_ExposesItsArray, id::ModellingRule_OptionalPlaceholder,
+          id::ModellingRule_MandatoryPlaceholder}) {
+        const model::NodeIndex node = space.find(rule);
+        if (folder != model::no_node && node != model::no_node) {
+            static_cast<void>(space.add_reference(folder, NodeId{0, id::Organizes}, node));
+        }
+    }
 }
 
 } // namespace busbar::server::detail

@@ -22,4 +22,8 @@ private:
     const LiveValues* others_{nullptr};
 };
 
+/// Organizes the ModellingRules that the address space has below the folder for them (Part 5,
+/// 6.3.2).
+void list_modelling_rules(model::AddressSpace& space);
+
 } // namespace busbar::server::detail

@@ -3,16 +3,39 @@
 #include <algorithm>
 
 #include <busbar/core/text.hpp>
+#include <busbar/core/text_forms.hpp>
+#include <busbar/model/nodeset_types.hpp>
 
 #include "config_check.hpp"
 #include "core.hpp"
 #include "peer_link.hpp"
+#include "server/diagnostics/server_object.hpp"
 #include "server/event/namespace_nodes.hpp"
 #include "server/session/user_expiry.hpp"
 #include "server/subscription/sampler.hpp"
 #include "server/users/user_policies.hpp"
 
 namespace busbar::server {
+
+namespace detail {
+
+namespace {
+
+Event state_event(ServerState state, std::string_view reason)
+{
+    constexpr std::uint16_t severity = 900;
+    Event event;
+    event.event_type = NodeId{0, id::SystemStatusChangeEventType};
+    event.source_name = "Server";
+    event.message = LocalizedText{String{reason}};
+    event.severity = severity;
+    event.set({0, "SystemState"}, state);
+    return event;
+}
+
+} // namespace
+
+} // namespace detail
 
 struct Server::Impl : detail::Core {
     using Core::Core;
@@ -57,6 +80,7 @@ Configured<Server> Server::create(ModuleTable modules, ServerConfig config,
     }
     auto impl =
         std::make_unique<Impl>(std::move(config), environment, std::move(address_space), *own);
+    detail::list_modelling_rules(impl->address_space);
     impl->add(modules);
     if (auto complete = impl->check_modules(); !complete) {
         environment.log->write(LogLevel::Error, "server", text(complete.error()));
@@ -94,6 +118,21 @@ Result<void> Server::describe_namespace(std::uint16_t index, const NamespaceMeta
     }
     detail::set_metadata(impl_->address_space, *object, metadata);
     return {};
+}
+
+void describe_models(Server& server, std::span<const model::NodeSetModel> models)
+{
+    const model::AddressSpace& space = server.address_space();
+    for (const model::NodeSetModel& model : models) {
+        const auto index = space.namespace_index(model.uri);
+        if (index) {
+            NamespaceMetadata metadata;
+            metadata.version = model.version;
+            metadata.publication_date =
+                parse_date_time(model.publication_date).value_or(DateTime{});
+            static_cast<void>(server.describe_namespace(*index, metadata));
+        }
+    }
 }
 
 std::uint32_t Server::add_source(DataSource& source)
@@ -266,7 +305,11 @@ void Server::begin_shutdown(TimePoint now, std::string_view reason)
                                  delay.count() * (DateTime::ticks_per_second / 1000)};
     impl_->shutdown_deadline = now + delay;
     for (detail::PeerLink* link : impl_->links) {
-        link->end_operations(nullptr, status::Bad_Shutdown);
+        link->begin_shutdown();
+    }
+    if (impl_->address_space.find(id::SystemStatusChangeEventType) != model::no_node) {
+        static_cast<void>(raise_event(detail::state_event(ServerState::Shutdown, reason)));
+        impl_->events->handle_raised();
     }
     impl_->sweep();
 }

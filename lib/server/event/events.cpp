@@ -85,7 +85,7 @@ Result<void> Events::raise(Event event)
         return fail(status::Bad_TypeDefinitionInvalid);
     }
     ++raised_;
-    deliver(RaisedEvent{std::move(event), type, next_event_id(), environment_->wall_clock->now()});
+    deliver(RaisedEvent{std::move(event), type, next_event_id(), received()});
     return {};
 }
 
@@ -124,8 +124,12 @@ std::unique_ptr<const RaisedEvent> Events::overflow_event()
     event.message = LocalizedText{"en", "Events were lost"};
     // A small namespace 0 may not have the type; nothing but its NodeId is needed here.
     const model::NodeIndex type = space_->find(event.event_type);
-    return std::make_unique<const RaisedEvent>(std::move(event), type, next_event_id(),
-                                               environment_->wall_clock->now());
+    return std::make_unique<const RaisedEvent>(std::move(event), type, next_event_id(), received());
+}
+
+Received Events::received() const
+{
+    return {environment_->wall_clock->now(), environment_->wall_clock->time_zone()};
 }
 
 ByteString Events::next_event_id()

@@ -48,6 +48,7 @@ private:
     void deliver(const RaisedEvent& event);
     void tell_of_loss();
     [[nodiscard]] ByteString next_event_id();
+    [[nodiscard]] Received received() const;
 
     const ServerEnvironment* environment_;
     const model::AddressSpace* space_;

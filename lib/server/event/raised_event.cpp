@@ -8,8 +8,8 @@ namespace {
 
 /// In the order of BaseField.
 constexpr std::array<std::string_view, base_field_count> base_names{
-    "EventId", "EventType",   "SourceNode", "SourceName",
-    "Time",    "ReceiveTime", "Message",    "Severity",
+    "EventId",     "EventType", "SourceNode", "SourceName", "Time",
+    "ReceiveTime", "Message",   "Severity",   "LocalTime",
 };
 
 constexpr std::uint16_t lowest_severity = 1;
@@ -29,7 +29,7 @@ std::optional<BaseField> find_base_field(FieldPath path)
 }
 
 RaisedEvent::RaisedEvent(Event event, model::NodeIndex type, ByteString event_id,
-                         DateTime receive_time)
+                         const Received& received)
     : type_{type}, source_node_{event.source_node},
       instance_{event.instance.is_null() ? Variant{} : Variant{std::move(event.instance)}},
       fields_{std::move(event.fields)}
@@ -41,10 +41,12 @@ RaisedEvent::RaisedEvent(Event event, model::NodeIndex type, ByteString event_id
     set(BaseField::EventType, std::move(event.event_type));
     set(BaseField::SourceNode, std::move(event.source_node));
     set(BaseField::SourceName, std::move(event.source_name));
-    set(BaseField::Time, event.time.is_null() ? receive_time : event.time);
-    set(BaseField::ReceiveTime, receive_time);
+    set(BaseField::Time, event.time.is_null() ? received.time : event.time);
+    set(BaseField::ReceiveTime, received.time);
     set(BaseField::Message, std::move(event.message));
     set(BaseField::Severity, std::clamp(event.severity, lowest_severity, highest_severity));
+    set(BaseField::LocalTime, ExtensionObject::from(TimeZoneDataType{
+                                  received.zone.offset, received.zone.daylight_saving_in_offset}));
 }
 
 const Variant* RaisedEvent::find(FieldPath path) const

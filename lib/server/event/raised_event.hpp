@@ -5,12 +5,13 @@
 #include <optional>
 #include <span>
 
+#include <busbar/core/clock.hpp>
 #include <busbar/model/address_space.hpp>
 #include <busbar/server/event.hpp>
 
 namespace busbar::server::detail {
 
-/// The fields that every event has (Part 5, 6.4.2).
+/// The fields that every event of this server has (Part 5, 6.4.2).
 enum class BaseField : std::uint8_t {
     EventId,
     EventType,
@@ -20,19 +21,26 @@ enum class BaseField : std::uint8_t {
     ReceiveTime,
     Message,
     Severity,
+    LocalTime,
 };
-inline constexpr std::size_t base_field_count = 8;
+inline constexpr std::size_t base_field_count = 9;
 
 using FieldPath = std::span<const QualifiedName>;
 
 [[nodiscard]] std::optional<BaseField> find_base_field(FieldPath path);
+
+/// When the server got an event, and where it stands.
+struct Received {
+    DateTime time;
+    TimeZone zone{};
+};
 
 /// An Event as filters see it: with its type looked up and each field as a Variant that is there
 /// already. Belongs to the server's thread.
 class RaisedEvent {
 public:
     /// `type` is the node of `event.event_type`.
-    RaisedEvent(Event event, model::NodeIndex type, ByteString event_id, DateTime receive_time);
+    RaisedEvent(Event event, model::NodeIndex type, ByteString event_id, const Received& received);
     RaisedEvent(const RaisedEvent&) = delete;
     RaisedEvent& operator=(const RaisedEvent&) = delete;
 

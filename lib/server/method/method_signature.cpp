@@ -1,25 +1,12 @@
 #include "method_signature.hpp"
 
-#include <busbar/binary/reader.hpp>
+#include <busbar/binary/codec.hpp>
 #include <busbar/types/data_types.hpp>
 #include <busbar/types/ids.hpp>
 
 namespace busbar::server::detail {
 
 namespace {
-
-/// Nodes that were generated keep their values encoded.
-Result<Argument> to_argument(const ExtensionObject& object)
-{
-    if (const auto* const argument = object.get_if<Argument>()) {
-        return *argument;
-    }
-    Argument argument;
-    binary::Reader reader{object.binary().span()};
-    decode(reader, argument);
-    const bool is_argument = object.encoding_id().is(Argument::binary_encoding_id) && reader.ok();
-    return is_argument ? Result<Argument>{std::move(argument)} : fail(status::Bad_InternalError);
-}
 
 Result<std::vector<ArgumentRule>> to_rules(const model::AddressSpace& space,
                                            const Variant& descriptions)
@@ -34,9 +21,9 @@ Result<std::vector<ArgumentRule>> to_rules(const model::AddressSpace& space,
     }
     rules.reserve(objects->size());
     for (const ExtensionObject& object : *objects) {
-        const auto argument = to_argument(object);
+        const auto argument = binary::structure_of<Argument>(object);
         if (!argument) {
-            return fail(argument.error());
+            return fail(status::Bad_InternalError);
         }
         rules.push_back(
             {space.find(argument->data_type), argument->value_rank, argument->array_dimensions});

@@ -125,7 +125,7 @@ DataValue kept_value(const ReadContext& context, const ReadValueId& id, model::N
             return std::move(*live);
         }
     }
-    return DataValue{context.space.value(node)};
+    return context.space.data_value(node);
 }
 
 ReadPlan answered(DataValue value)

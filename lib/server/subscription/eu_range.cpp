@@ -1,5 +1,7 @@
 #include "eu_range.hpp"
 
+#include <busbar/binary/codec.hpp>
+#include <busbar/types/data_types.hpp>
 #include <busbar/types/ids.hpp>
 
 namespace busbar::server::detail {
@@ -28,10 +30,7 @@ void EuRangeRead::call_completed()
 {
     const ReadSlot& slot = call_.result(0);
     const Variant& value = slot.shared != nullptr ? *slot.shared : slot.value;
-    const auto* const object = value.get_if<ExtensionObject>();
-    const Range* const range = object != nullptr ? object->get_if<Range>() : nullptr;
-    const bool is_there = range != nullptr && !slot.status.is_bad();
-    user_->eu_range_came(is_there ? std::optional{*range} : std::nullopt);
+    user_->eu_range_came(slot.status.is_bad() ? std::nullopt : binary::structure_of<Range>(value));
 }
 
 } // namespace busbar::server::detail

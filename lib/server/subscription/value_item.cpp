@@ -167,10 +167,7 @@ std::optional<Range> ValueItem::look_up_eu_range(model::NodeIndex variable)
         eu_range_read_->start(attributes, TimePoint{});
         return eu_range_;
     }
-    const Variant value = space.value(property, &needs().types);
-    const auto* const object = value.get_if<ExtensionObject>();
-    const Range* const range = object != nullptr ? object->get_if<Range>() : nullptr;
-    return range != nullptr ? std::optional{*range} : std::nullopt;
+    return binary::structure_of<Range>(space.value(property, &needs().types));
 }
 
 void ValueItem::eu_range_came(const std::optional<Range>& range)
