@@ -96,7 +96,8 @@ struct ProfileAssessment {
     std::vector<UnitLack> lacks;
 };
 
-/// What a server may say of itself, and what it would take to say more.
+/// What a server may say of itself, and what it would take to say more: clients read it as
+/// ServerProfileArray and ConformanceUnits (Part 5, 6.3.2).
 struct Conformance {
     /// All profiles that are known, in the order of their names.
     std::vector<ProfileAssessment> profiles;

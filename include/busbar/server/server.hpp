@@ -21,6 +21,7 @@
 
 namespace busbar::server {
 
+struct Conformance;
 struct WorstCaseMemory;
 
 /// One OPC UA server: address space, data sources and sessions, to which Connections bring the
@@ -50,6 +51,8 @@ public:
     ~Server();
 
     [[nodiscard]] const ServerConfig& config() const;
+    /// Which profiles of Part 7 it meets, and why not others; made anew by start().
+    [[nodiscard]] const Conformance& conformance() const;
     /// May be changed between calls of other members. Clients are told of nodes and references that
     /// come and go by a GeneralModelChangeEvent where these have a Property NodeVersion (Part 3,
     /// 9.32.2), which the server counts up; until that is done next_deadline() is in the past.

@@ -54,6 +54,17 @@ struct BuildDescription {
     DateTime build_date;
 };
 
+/// What the program around a server does, for what the server claims to conform to (Part 7).
+struct ProgramConformance {
+    /// Registers the server with a discovery server; see net::ServerLoop::register_with.
+    bool has_registration{false};
+    /// Connects to clients that listen; see Connection::reverse_hello.
+    bool has_reverse_connect{false};
+    /// Names of ConformanceUnits that ask for something of the application, its documentation or
+    /// its host (schemas/conformance.csv), which is there. Others have no effect.
+    std::vector<std::string> conformance_units;
+};
+
 /// What a server is. The default is the secure one: no endpoint without security, no anonymous
 /// user.
 struct ServerConfig {
@@ -80,6 +91,8 @@ struct ServerConfig {
     /// AddNodes, AddReferences, DeleteNodes and DeleteReferences (Part 4, 5.8), for users whom the
     /// AccessControl allows them; without this they answer Bad_ServiceUnsupported.
     bool has_node_management{false};
+
+    ProgramConformance program;
 
     /// Locales of the server's texts.
     std::vector<std::string> locale_ids{"en"};

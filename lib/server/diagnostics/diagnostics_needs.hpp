@@ -4,6 +4,7 @@
 #include <string>
 
 #include <busbar/model/address_space.hpp>
+#include <busbar/server/conformance.hpp>
 #include <busbar/server/server_config.hpp>
 #include <busbar/types/enumerations.hpp>
 
@@ -37,6 +38,7 @@ struct DiagnosticsNeeds {
     const SubscriptionTable& subscriptions;
     /// Index of the ApplicationUri in the NamespaceArray.
     std::uint16_t own_namespace;
+    const Conformance& conformance;
 
     [[nodiscard]] const ServerLimits& limits() const { return config.limits; }
 };

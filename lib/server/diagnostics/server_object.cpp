@@ -75,9 +75,24 @@ ServerStatusDataType server_status(const DiagnosticsNeeds& needs)
 }
 
 /// What the server holds itself to: profiles of Part 7 that are implemented in full.
-Array<String> profiles(const DiagnosticsNeeds&)
+Array<String> profiles(const DiagnosticsNeeds& needs)
 {
-    return {"http://opcfoundation.org/UA-Profile/Transport/uatcp-uasc-uabinary"};
+    Array<String> uris;
+    for (const ProfileAssessment& profile : needs.conformance.profiles) {
+        if (profile.is_claimed && !profile.is_client) {
+            uris.emplace_back(profile.uri);
+        }
+    }
+    return uris;
+}
+
+Array<QualifiedName> conformance_units(const DiagnosticsNeeds& needs)
+{
+    Array<QualifiedName> names;
+    for (const std::string_view unit : needs.conformance.units) {
+        names.emplace_back(std::uint16_t{0}, String{unit});
+    }
+    return names;
 }
 
 /// A VersionTime (Part 4, 7.43): seconds since 2000. Namespaces are only ever added, and a server
@@ -173,6 +188,8 @@ constexpr std::array status_values{
 constexpr std::array capability_values{
     LiveValue{id::Server_ServerCapabilities_ServerProfileArray,
               [](const DiagnosticsNeeds& c) -> Variant { return profiles(c); }},
+    LiveValue{id::Server_ServerCapabilities_ConformanceUnits,
+              [](const DiagnosticsNeeds& c) -> Variant { return conformance_units(c); }},
     LiveValue{id::Server_ServerCapabilities_LocaleIdArray,
               [](const DiagnosticsNeeds& c) -> Variant { return strings(c.config.locale_ids); }},
     LiveValue{id::Server_ServerCapabilities_MinSupportedSampleRate,

@@ -13,6 +13,7 @@ public:
 
     /// `values` has those that are not here, once and for as long as this lives.
     void add(const LiveValues& values) { others_ = &values; }
+    [[nodiscard]] bool has_others() const { return others_ != nullptr; }
 
     [[nodiscard]] Result<DataValue> find(const NodeId& node,
                                          const ReadingUser& reader) const override;

@@ -35,7 +35,7 @@ Core::Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space
       sources{e.waker, guards.report().log}, assembly{config.limits.max_assembly},
       logins{config.limits}, diagnostics_needs{address_space, config,   *environment.wall_clock,
                                                life,          counters, sessions,
-                                               subscriptions, own},
+                                               subscriptions, own,      conformance},
       subscription_needs{address_space, sources,  types,         config.limits,
                          environment,   counters, server_object, nullptr},
       session_needs{config,          environment, guards, rationed_log, sessions, logins,

@@ -60,6 +60,8 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     model::AddressSpace address_space;
     binary::TypeRegistry types;
     Counters counters;
+    /// When the server was made or, later, started.
+    Conformance conformance;
     DataSources sources;
     ServiceTable services;
     /// Outlives the items that take part in it.

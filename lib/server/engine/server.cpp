@@ -7,6 +7,7 @@
 #include <busbar/model/nodeset_types.hpp>
 
 #include "config_check.hpp"
+#include "conformance_facts.hpp"
 #include "core.hpp"
 #include "peer_link.hpp"
 #include "server/diagnostics/server_object.hpp"
@@ -86,6 +87,7 @@ Configured<Server> Server::create(ModuleTable modules, ServerConfig config,
         environment.log->write(LogLevel::Error, "server", text(complete.error()));
         return tl::unexpected{std::move(complete).error()};
     }
+    impl->conformance = assess(detail::conformance_facts(*impl));
     return Server{std::move(impl)};
 }
 
@@ -97,6 +99,11 @@ Server::~Server() = default;
 const ServerConfig& Server::config() const
 {
     return impl_->config;
+}
+
+const Conformance& Server::conformance() const
+{
+    return impl_->conformance;
 }
 
 model::AddressSpace& Server::address_space()
@@ -238,6 +245,7 @@ TimePoint Server::next_deadline() const
 
 void Server::start(TimePoint now)
 {
+    impl_->conformance = assess(detail::conformance_facts(*impl_));
     impl_->watch_certificate(now);
 }
 
