@@ -34,6 +34,7 @@
 #include "first_account.hpp"
 #include "identity.hpp"
 #include "models.hpp"
+#include "print_conformance.hpp"
 #include "print_limits.hpp"
 #include "reload.hpp"
 #include "welcome.hpp"
@@ -100,6 +101,7 @@ void set_names(ControllerConfig& config)
     }
     server.build.manufacturer_name = "Busbar";
     server.build.software_version = BUSBAR_VERSION;
+    server.program = example::program_of(config);
     server.host_names = example::known_hosts(config, machine, example::interface_addresses());
 }
 
@@ -322,6 +324,8 @@ int run(int argc, char** argv)
     bool wants_config = false;
     bool wants_certificate = false;
     std::string limits_file;
+    std::string conformance_file;
+    bool wants_json = false;
     CLI::App app{"An OPC UA server in front of a simulated PLC. SIGHUP has it read users and trust "
                  "lists again."};
     app.add_option("--config", file, "configuration; the built-in one by default");
@@ -337,6 +341,13 @@ int run(int argc, char** argv)
                        "clients can make the controller hold by them")
             ->expected(0, 1)
             ->type_name("[FILE]");
+    CLI::Option* const conformance =
+        app.add_option("--print-conformance", conformance_file,
+                       "print which profiles of OPC UA are claimed, of a configuration if it is "
+                       "given, and what the others lack")
+            ->expected(0, 1)
+            ->type_name("[FILE]");
+    app.add_flag("--json", wants_json, "with --print-conformance, as JSON")->needs(conformance);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -351,6 +362,10 @@ int run(int argc, char** argv)
     }
     if (limits->count() != 0) {
         return example::print_limits(limits_file.empty() ? file : limits_file);
+    }
+    if (conformance->count() != 0) {
+        return example::print_conformance(conformance_file.empty() ? file : conformance_file,
+                                          wants_json, net::SystemWallClock{}.now());
     }
     // Messages of some 100 kB come and go all the time: keep their pages.
     ::mallopt(M_MMAP_THRESHOLD, 64 << 20);

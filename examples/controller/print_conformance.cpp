@@ -1,0 +1,192 @@
+#include "print_conformance.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include <busbar/controller/plc.hpp>
+#include <busbar/controller/plc_nodes.hpp>
+#include <busbar/crypto/random.hpp>
+#include <busbar/crypto/self_signed.hpp>
+#include <busbar/server/process_image.hpp>
+#include <busbar/server/server.hpp>
+#include <busbar/server/user_directory.hpp>
+
+#include "core/json_writer.hpp"
+#include "models.hpp"
+#include "toml_reader.hpp"
+
+namespace busbar::example {
+
+namespace {
+
+struct FixedClock final : WallClock {
+    explicit FixedClock(DateTime t) : time{t} {}
+    [[nodiscard]] DateTime now() const override { return time; }
+    DateTime time;
+};
+
+template <typename T>
+T expect_done(Result<T> result, const char* what)
+{
+    if (!result) {
+        throw ConfigError{Problem{result.error(), what, "failed"}};
+    }
+    return *std::move(result);
+}
+
+channel::ApplicationIdentity passing_identity(const ControllerConfig& config, DateTime now)
+{
+    auto key = expect_done(crypto::PrivateKey::generate(2'048), "a key");
+    crypto::CertificateSubject subject;
+    subject.common_name = "Busbar";
+    subject.application_uri = config.server.application_uri;
+    subject.valid_from = now;
+    auto certificate = expect_done(crypto::create_self_signed(key, subject), "a certificate");
+    return {{std::move(certificate)}, std::move(key)};
+}
+
+/// Nodes as `serve` has them, but for events and Methods.
+void add_nodes(server::Server& server, const ControllerConfig& config, controller::Plc& plc,
+               server::ImageSource& source, LogSink& log)
+{
+    controller::PlcNodesOptions nodes;
+    nodes.source = server.add_source(source);
+    nodes.cycle = config.scan;
+    static_cast<void>(expect_done(controller::publish_variables(server.address_space(), plc, nodes),
+                                  "the variables"));
+    load_models(server.address_space(), config.nodesets, log);
+}
+
+std::string lines_of(const server::ProfileAssessment& profile)
+{
+    std::string text = std::string{profile.name} + (profile.is_claimed ? ": claimed\n" : ":\n");
+    for (const server::UnitLack& lack : profile.lacks) {
+        text += "  " + std::string{lack.unit} + ": " + std::string{lack.need} + "\n";
+    }
+    return text;
+}
+
+void add_list(busbar::detail::JsonWriter& json, std::string_view name,
+              const std::vector<std::string_view>& texts)
+{
+    json.name(name);
+    json.begin_list();
+    for (const std::string_view text : texts) {
+        json.string(text);
+    }
+    json.end_list();
+}
+
+void add_profile(busbar::detail::JsonWriter& json, const server::ProfileAssessment& profile)
+{
+    const auto add = [&json](std::string_view name, std::string_view value) {
+        json.name(name);
+        json.string(value);
+    };
+    json.begin_object();
+    add("name", profile.name);
+    add("uri", profile.uri);
+    json.name("claimed");
+    json.word(profile.is_claimed && !profile.is_client ? "true" : "false");
+    json.name("client");
+    json.word(profile.is_client ? "true" : "false");
+    json.name("lacks");
+    json.begin_list();
+    for (const server::UnitLack& lack : profile.lacks) {
+        json.begin_object();
+        add("unit", lack.unit);
+        add("need", lack.need);
+        json.end_object();
+    }
+    json.end_list();
+    json.end_object();
+}
+
+} // namespace
+
+server::ProgramConformance program_of(const ControllerConfig& config)
+{
+    server::ProgramConformance program;
+    program.has_registration = !config.discovery.url.empty();
+    program.has_reverse_connect = !config.reverse_urls.empty();
+    // Its file has the port and the discovery server.
+    program.conformance_units = {"Discovery Configuration", "Protocol Configuration"};
+    return program;
+}
+
+server::Conformance conformance_of(ControllerConfig config, DateTime now)
+{
+    NullLog log;
+    crypto::SystemRandom random;
+    const FixedClock clock{now};
+    crypto::InsecureAcceptAnyCertificate validator;
+    server::UserDirectory users;
+    if (config.users.certified) {
+        users.accept_certificates(validator);
+    }
+    if (config.users.tokens) {
+        users.accept_tokens(config.users.tokens->rules);
+    }
+    if (config.server.application_uri.empty()) {
+        config.server.application_uri = "urn:busbar:controller";
+    }
+    config.server.identity = passing_identity(config, now);
+    config.server.program = program_of(config);
+    const auto plc = expect(controller::Plc::create(config.plc, config.image));
+    server::ImageSource source{plc->image()};
+    auto server = expect(server::Server::create(config.server, {.random = &random,
+                                                                .wall_clock = &clock,
+                                                                .log = &log,
+                                                                .validator = &validator,
+                                                                .users = &users}));
+    add_nodes(server, config, *plc, source, log);
+    server.start(TimePoint{});
+    return server.conformance();
+}
+
+std::string describe_conformance(const server::Conformance& conformance)
+{
+    std::string text;
+    for (const server::ProfileAssessment& profile : conformance.profiles) {
+        if (!profile.is_client) {
+            text += lines_of(profile);
+        }
+    }
+    text += std::to_string(conformance.units.size()) + " units are claimed:\n";
+    for (const std::string_view unit : conformance.units) {
+        text += "  " + std::string{unit} + "\n";
+    }
+    return text;
+}
+
+std::string conformance_json(const server::Conformance& conformance)
+{
+    busbar::detail::JsonWriter json;
+    json.begin_object();
+    json.name("profiles");
+    json.begin_list();
+    for (const server::ProfileAssessment& profile : conformance.profiles) {
+        add_profile(json, profile);
+    }
+    json.end_list();
+    add_list(json, "units", conformance.units);
+    add_list(json, "client_units", conformance.client_units);
+    json.end_object();
+    return json.take() + "\n";
+}
+
+int print_conformance(const std::string& file, bool as_json, DateTime now)
+{
+    ControllerConfig config = read_config_or_default(file);
+    if (file.empty()) { // its first start makes an account
+        config.users.accounts.emplace_back();
+        offer_users(config);
+    }
+    const server::Conformance conformance = conformance_of(std::move(config), now);
+    std::fputs(
+        (as_json ? conformance_json(conformance) : describe_conformance(conformance)).c_str(),
+        stdout);
+    return 0;
+}
+
+} // namespace busbar::example
