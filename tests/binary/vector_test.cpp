@@ -55,7 +55,7 @@ void check_golden(const Json& row)
 
 } // namespace
 
-TEST_CASE("Golden vectors encode and decode", "[vectors]")
+TEST_CASE("Golden vectors encode and decode", "[vectors][unit:UA Binary Encoding]")
 {
     for (const char* file : {"builtin", "variant", "datavalue", "structs"}) {
         for (const Json& row : rows_of(file)) {

@@ -119,7 +119,7 @@ void check_chunks(Bytes golden, MessageType type, std::uint32_t chunk_size)
 
 } // namespace
 
-TEST_CASE("golden messages of the connection protocol", "[channel][vectors]")
+TEST_CASE("golden messages of the connection protocol", "[channel][vectors][unit:Protocol UA TCP]")
 {
     const auto rows = golden_messages();
     for (const char* id : {"messages/HEL", "messages/HEL null url"}) {
@@ -150,14 +150,14 @@ TEST_CASE("golden messages of the connection protocol", "[channel][vectors]")
     CHECK(silent->reason.is_null());
 }
 
-TEST_CASE("golden messages that open a channel", "[channel][vectors]")
+TEST_CASE("golden messages that open a channel", "[channel][vectors][unit:UA Secure Conversation]")
 {
     const auto rows = golden_messages();
     check_open<OpenSecureChannelRequest>(rows.at("messages/OPN request None"), 0);
     check_open<OpenSecureChannelResponse>(rows.at("messages/OPN response None"), 11);
 }
 
-TEST_CASE("golden chunks", "[channel][vectors]")
+TEST_CASE("golden chunks", "[channel][vectors][unit:UA Secure Conversation]")
 {
     for (const auto& [id, bytes] : golden_messages()) {
         INFO(id);

@@ -158,7 +158,8 @@ TEST_CASE("a flood of chunks without an end is cut off", "[channel][hostile]")
     CHECK(error_of(pair.server) == status::Bad_TcpMessageTooLarge);
 }
 
-TEST_CASE("every changed byte of a secured chunk is noticed", "[channel][hostile]")
+TEST_CASE("every changed byte of a secured chunk is noticed",
+          "[channel][hostile][unit:Security Signing Required]")
 {
     for (const auto mode : {MessageSecurityMode::Sign, MessageSecurityMode::SignAndEncrypt}) {
         const auto security = setting("Basic256Sha256", mode);

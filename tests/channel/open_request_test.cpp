@@ -74,7 +74,8 @@ TEST_CASE("a request to open is answered", "[channel][open]")
     }
 }
 
-TEST_CASE("a nonce must have the policy's length", "[channel][open]")
+TEST_CASE("a nonce must have the policy's length",
+          "[channel][open][unit:EphemeralKeyAlgorithm_None]")
 {
     for (const std::size_t size : {0U, 1U, 16U, 31U, 33U, 64U}) {
         Open open = open_with(secured());
@@ -85,7 +86,9 @@ TEST_CASE("a nonce must have the policy's length", "[channel][open]")
     }
 }
 
-TEST_CASE("mode and policy must be offered and belong together", "[channel][open]")
+TEST_CASE("mode and policy must be offered and belong together",
+          "[channel][open][unit:Security Encryption Required]"
+          "[unit:Security Signing Required]")
 {
     for (const auto mode : {MessageSecurityMode{0}, MessageSecurityMode{4},
                             MessageSecurityMode::Sign, MessageSecurityMode::None}) {

@@ -7,7 +7,8 @@ using namespace busbar;
 using channel::detail::OutputBuffer;
 using channel::detail::SequenceNumbers;
 
-TEST_CASE("sequence numbers grow by one and wrap early", "[channel][sequence]")
+TEST_CASE("sequence numbers grow by one and wrap early",
+          "[channel][sequence][unit:Security LegacySequenceNumber]")
 {
     SequenceNumbers sent;
     CHECK(sent.next() == 1);
@@ -25,7 +26,7 @@ TEST_CASE("sequence numbers grow by one and wrap early", "[channel][sequence]")
 }
 
 TEST_CASE("a received sequence number may wrap only near the end and to below 1024",
-          "[channel][sequence]")
+          "[channel][sequence][unit:Security LegacySequenceNumber]")
 {
     const auto after = [](std::uint32_t first, std::uint32_t second) {
         SequenceNumbers numbers;

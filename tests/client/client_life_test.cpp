@@ -13,7 +13,8 @@ using Statuses = std::vector<StatusCode>;
 
 } // namespace
 
-TEST_CASE("a request ends at its time, whatever happens to the connection meanwhile")
+TEST_CASE("a request ends at its time, whatever happens to the connection meanwhile",
+          "[unit:Session Client General Service Behaviour]")
 {
     ClientFixture plant{ClientFixture::insecure()};
     SECTION("waiting for a session that does not come")
@@ -258,7 +259,7 @@ TEST_CASE("a request that cannot be sent fails, and the others do not")
     CHECK(plant.answers == Statuses{status::Good});
 }
 
-TEST_CASE("a silent server is asked, twice, and given up")
+TEST_CASE("a silent server is asked, twice, and given up", "[unit:Session Client KeepAlive]")
 {
     ClientFixture plant{ClientFixture::insecure()};
     plant.connect();
@@ -277,7 +278,8 @@ TEST_CASE("a silent server is asked, twice, and given up")
     CHECK(plant.is_ready());
 }
 
-TEST_CASE("a server that shuts down says so before it is gone")
+TEST_CASE("a server that shuts down says so before it is gone",
+          "[unit:Session Client Detect Shutdown]")
 {
     ClientFixture plant{ClientFixture::insecure()};
     plant.server_config.shutdown_delay = 30s;

@@ -15,7 +15,8 @@ using Statuses = std::vector<StatusCode>;
 
 } // namespace
 
-TEST_CASE("a connection that breaks comes back with the same session")
+TEST_CASE("a connection that breaks comes back with the same session",
+          "[unit:Session Client Auto Reconnect]")
 {
     const client::UserIdentity identity = GENERATE(
         client::UserIdentity{client::NamedUser{"operator", "operator-secret"}},

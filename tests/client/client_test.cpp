@@ -21,7 +21,13 @@ bool has_state(const ClientFixture& plant, ClientState state, StatusCode why)
 
 } // namespace
 
-TEST_CASE("a client finds the best endpoint and opens a session for every kind of user")
+TEST_CASE("a client finds the best endpoint and opens a session for every kind of user",
+          "[unit:Base Info Client Basic][unit:Discovery Client Get Endpoints Basic]"
+          "[unit:Discovery Client Get Endpoints Dynamic][unit:Session Client Base]"
+          "[unit:Security User Name Password Client]"
+          "[unit:Security User Name Password 2 Client]"
+          "[unit:Security User X509 Client]"
+          "[unit:Security User JWT IssuedToken 2 Client]")
 {
     const client::UserIdentity identity = GENERATE(
         client::UserIdentity{client::NamedUser{"operator", "operator-secret"}},
@@ -45,7 +51,8 @@ TEST_CASE("a client finds the best endpoint and opens a session for every kind o
     CHECK(plant.urls.size() == 2);
 }
 
-TEST_CASE("users of every kind log in over a channel without security, their secrets encrypted")
+TEST_CASE("users of every kind log in over a channel without security, their secrets encrypted",
+          "[unit:Security User Anonymous Client]")
 {
     const client::UserIdentity identity = GENERATE(
         client::UserIdentity{client::AnonymousUser{}},
@@ -192,7 +199,7 @@ TEST_CASE("without a session there is a channel")
     CHECK(plant.is_ready());
 }
 
-TEST_CASE("a server may call instead of being called")
+TEST_CASE("a server may call instead of being called", "[unit:Protocol Reverse Connect Client]")
 {
     auto config = ClientFixture::named_user();
     config.is_reverse = true;

@@ -156,7 +156,8 @@ Variant press_status()
 
 } // namespace
 
-TEST_CASE_METHOD(OldServer, "A structure is read by its type dictionary (C2)")
+TEST_CASE_METHOD(OldServer, "A structure is read by its type dictionary (C2)",
+                 "[unit:Address Space Client Complex Data Dictionary]")
 {
     CHECK(text_of(press_status()) ==
           "PressStatus {Name: \"P1\", Mode: Jammed (7), Lamps: 3, Force: Range {Low: 10, High: "

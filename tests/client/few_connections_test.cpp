@@ -19,7 +19,8 @@ client::ClientConfig insecure_at(const char* url)
 
 } // namespace
 
-TEST_CASE("a session without security needs one connection only (C1)")
+TEST_CASE("a session without security needs one connection only (C1)",
+          "[unit:Session Client Single Session]")
 {
     const bool is_reverse = GENERATE(false, true);
     auto config = insecure_at("opc.tcp://LOCALHOST:4840/");

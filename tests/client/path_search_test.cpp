@@ -101,7 +101,8 @@ Texts texts(const ResolvedNode& node)
 
 } // namespace
 
-TEST_CASE_METHOD(PathServer, "A path needs no namespaces where there is one way only")
+TEST_CASE_METHOD(PathServer, "A path needs no namespaces where there is one way only",
+                 "[unit:View Client Basic Browse]")
 {
     CHECK(resolved("/Objects/Press/Speed").id == NodeId{1, "Speed"});
     CHECK(resolved("/Objects/2:Press/Force").id == NodeId{2, 7U});
@@ -110,7 +111,8 @@ TEST_CASE_METHOD(PathServer, "A path needs no namespaces where there is one way 
     CHECK(resolved("[ns=2;s=Press]/Speed").id == NodeId{1, "Speed"});
 }
 
-TEST_CASE_METHOD(PathServer, "A path that the server translates is not searched for")
+TEST_CASE_METHOD(PathServer, "A path that the server translates is not searched for",
+                 "[unit:View Client TranslateBrowsePath]")
 {
     CHECK(resolved("/Objects/2:Press/1:Speed").id == NodeId{1, "Speed"});
     CHECK(resolved("/Objects/Server").id == NodeId{0, id::Server});

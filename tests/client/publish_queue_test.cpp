@@ -89,7 +89,8 @@ TEST_CASE("A Subscription that is gone is not acknowledged any more", "[publish_
     CHECK((*acknowledged)[0].subscription_id == 0);
 }
 
-TEST_CASE("No more Publish requests wait than are allowed", "[publish_queue]")
+TEST_CASE("No more Publish requests wait than are allowed",
+          "[publish_queue][unit:Subscription Client Publish Configurable]")
 {
     PublishQueue queue{3};
     CHECK(queue.missing(2) == 2);

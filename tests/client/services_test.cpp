@@ -72,7 +72,9 @@ struct ReadFixture {
 
 } // namespace
 
-TEST_CASE_METHOD(ReadFixture, "A Read is split by the server's limit, a few parts under way")
+TEST_CASE_METHOD(ReadFixture, "A Read is split by the server's limit, a few parts under way",
+                 "[unit:Attribute Client Read Base]"
+                 "[unit:Base Info Client Honour Operation Limits]")
 {
     requester.info.operation_limits.max_nodes_per_read = 10;
     answer(10);
@@ -166,7 +168,7 @@ TEST_CASE_METHOD(ReadFixture, "A cancelled Read is forgotten whole, an empty one
     nothing.cancel();
 }
 
-TEST_CASE("A Write has a status for each item")
+TEST_CASE("A Write has a status for each item", "[unit:Attribute Client Write Base]")
 {
     ScriptedRequester requester;
     requester.info.operation_limits.max_nodes_per_write = 2;
@@ -187,7 +189,8 @@ TEST_CASE("A Write has a status for each item")
     CHECK(results == std::vector{status::Good, status::Bad_TypeMismatch, status::Good});
 }
 
-TEST_CASE("RegisterNodes is not repeated where the server may have done it")
+TEST_CASE("RegisterNodes is not repeated where the server may have done it",
+          "[unit:View Client RegisterNodes]")
 {
     ScriptedRequester requester;
     int asked = 0;
@@ -204,7 +207,8 @@ TEST_CASE("RegisterNodes is not repeated where the server may have done it")
     CHECK(ids[0] == fail(status::Bad_ResponseTooLarge));
 }
 
-TEST_CASE("Methods are called once, in halves only if the server has not begun")
+TEST_CASE("Methods are called once, in halves only if the server has not begun",
+          "[unit:Method Client Call]")
 {
     ScriptedRequester requester;
     std::vector<std::uint32_t> called;
@@ -244,7 +248,7 @@ TEST_CASE("Methods are called once, in halves only if the server has not begun")
     CHECK(results[2].output_arguments.empty());
 }
 
-TEST_CASE("Nodes are added in order, one request after the other")
+TEST_CASE("Nodes are added in order, one request after the other", "[unit:Node Management Client]")
 {
     ScriptedRequester requester;
     requester.info.operation_limits.max_nodes_per_node_management = 2;

@@ -77,7 +77,8 @@ TEST_CASE_METHOD(PuppetFixture, "A Subscription that nobody knows is deleted", "
     CHECK(heard.data.empty());
 }
 
-TEST_CASE_METHOD(PuppetFixture, "Fewer Publish requests go out when there are too many", "[client]")
+TEST_CASE_METHOD(PuppetFixture, "Fewer Publish requests go out when there are too many",
+                 "[client][unit:Subscription Client Publish Multiple]")
 {
     for (int i = 0; i < 5; ++i) {
         static_cast<void>(subscriptions.create({}, heard.handlers()));
@@ -216,7 +217,8 @@ TEST_CASE_METHOD(PuppetFixture, "Calls that are too large are made smaller", "[c
     CHECK(heard.items.size() == 100);
 }
 
-TEST_CASE_METHOD(PuppetFixture, "Triggering is made and changed by its difference", "[client]")
+TEST_CASE_METHOD(PuppetFixture, "Triggering is made and changed by its difference",
+                 "[client][unit:Monitor Client Trigger]")
 {
     start(4);
     REQUIRE(subscriptions.set_triggering(items[0], {items[1], items[2]}));

@@ -43,7 +43,8 @@ struct PollingFixture : PuppetFixture {
 
 } // namespace
 
-TEST_CASE_METHOD(PollingFixture, "Without Subscriptions values are read", "[client]")
+TEST_CASE_METHOD(PollingFixture, "Without Subscriptions values are read",
+                 "[client][unit:Subscription Client Fallback]")
 {
     start_polling({wish(1, 100ms), wish(2, 100ms), wish(3, 1s)});
     CHECK(subscriptions.mode(subscription) == DeliveryMode::Polling);

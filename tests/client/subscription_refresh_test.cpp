@@ -122,7 +122,8 @@ TEST_CASE_METHOD(ForgetfulServer, "After a Gap the value that is shown is the se
     CHECK(heard.gaps.size() == 1);
 }
 
-TEST_CASE_METHOD(GapFixture, "ResendData is called after a Gap (F3)", "[client]")
+TEST_CASE_METHOD(GapFixture, "ResendData is called after a Gap (F3)",
+                 "[client][unit:Base Data Client ResendData Method]")
 {
     start_and_lose(2);
     const auto request = requester.take<CallRequest>();

@@ -41,7 +41,9 @@ struct OneItem : SubscriberFixture {
 
 } // namespace
 
-TEST_CASE_METHOD(OneItem, "Values of an item are delivered", "[client]")
+TEST_CASE_METHOD(OneItem, "Values of an item are delivered",
+                 "[client][unit:Monitor Client Value Change]"
+                 "[unit:Subscription Client Basic]")
 {
     REQUIRE(heard.statuses.size() == 1);
     CHECK(heard.statuses[0] == std::pair{StatusCode{status::Good}, DeliveryMode::Publishing});
@@ -60,7 +62,8 @@ TEST_CASE_METHOD(OneItem, "Values of an item are delivered", "[client]")
     CHECK(heard.gaps.empty());
 }
 
-TEST_CASE_METHOD(OneItem, "Items are changed, disabled and removed", "[client]")
+TEST_CASE_METHOD(OneItem, "Items are changed, disabled and removed",
+                 "[client][unit:Monitor Client Modify]")
 {
     auto settings = item(level, 7);
     settings.mode = MonitoringMode::Disabled;
@@ -80,7 +83,8 @@ TEST_CASE_METHOD(OneItem, "Items are changed, disabled and removed", "[client]")
           status::Bad_MonitoredItemIdInvalid);
 }
 
-TEST_CASE_METHOD(OneItem, "A Subscription is changed, paused and removed", "[client]")
+TEST_CASE_METHOD(OneItem, "A Subscription is changed, paused and removed",
+                 "[client][unit:Subscription Client Modify]")
 {
     auto settings = fast();
     settings.is_publishing_enabled = false;
@@ -136,7 +140,8 @@ TEST_CASE_METHOD(SubscriberFixture, "Many items are created in calls of the serv
     CHECK(heard.data.size() == 1'000);
 }
 
-TEST_CASE_METHOD(OneItem, "What was under way when the connection broke is fetched", "[client]")
+TEST_CASE_METHOD(OneItem, "What was under way when the connection broke is fetched",
+                 "[client][unit:Subscription Client Republish]")
 {
     for (const Start how : {Start::Resumed, Start::New}) {
         lose_message(2);

@@ -110,7 +110,8 @@ private:
 
 } // namespace
 
-TEST_CASE_METHOD(Machine, "Texts are written as what the Variable's DataType says")
+TEST_CASE_METHOD(Machine, "Texts are written as what the Variable's DataType says",
+                 "[unit:Attribute Client Write Complex][unit:Attribute Client Write Base]")
 {
     CHECK(written("Number", "200").empty());
     CHECK(read_text("Number") == "200");

@@ -146,7 +146,8 @@ Variant object_of(const binary::DynamicValue& value)
 
 } // namespace
 
-TEST_CASE_METHOD(TypeServer, "The types of values are learned once, with what they need")
+TEST_CASE_METHOD(TypeServer, "The types of values are learned once, with what they need",
+                 "[unit:Address Space Client DataTypeDefinition Attribute]")
 {
     for (const binary::DynamicValue& value : test::samples()) {
         REQUIRE(learn_values({object_of(value)}));
@@ -213,7 +214,8 @@ TEST_CASE_METHOD(TypeServer, "Enumerations of older servers have names, too")
     CHECK(types->find(type_id(test::types::Mode))->values.size() == 3);
 }
 
-TEST_CASE_METHOD(TypeServer, "Types of namespace 0 are known without asking (C2)")
+TEST_CASE_METHOD(TypeServer, "Types of namespace 0 are known without asking (C2)",
+                 "[unit:Base Info Client Type Pre-Knowledge]")
 {
     const auto types = cache.types();
     CHECK(types->errors().empty());

@@ -90,7 +90,8 @@ struct Plant : ClientFixture {
 
 } // namespace
 
-TEST_CASE("Structures of a user's types are objects, wherever the server has their namespace")
+TEST_CASE("Structures of a user's types are objects, wherever the server has their namespace",
+          "[unit:Attribute Client Read Complex]")
 {
     Plant plant{Plant::with_types()};
     REQUIRE(plant.is_ready());

@@ -141,7 +141,8 @@ struct ResolveFixture {
 
 } // namespace
 
-TEST_CASE_METHOD(BrowseFixture, "Browse goes on until there is no more")
+TEST_CASE_METHOD(BrowseFixture, "Browse goes on until there is no more",
+                 "[unit:View Client Basic Browse][unit:Address Space Client Base]")
 {
     browse_all(3);
     REQUIRE(requester.run());
@@ -337,7 +338,7 @@ TEST_CASE_METHOD(ResolveFixture, "Before the first session a request waits for i
     CHECK(ids[0] == NodeId{1, "Pump"});
 }
 
-TEST_CASE("The services work with a server")
+TEST_CASE("The services work with a server", "[unit:Discovery Client Find Servers Basic]")
 {
     test::ServerFixture fixture;
     test::ServerRequester requester{fixture.log_in()};

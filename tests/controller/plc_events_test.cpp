@@ -70,7 +70,9 @@ TEST_CASE("an event happens in the scan in which a value passes its limit")
     CHECK(happened == expected);
 }
 
-TEST_CASE("what happens is raised at its variable, below a notifier")
+TEST_CASE("what happens is raised at its variable, below a notifier",
+          "[unit:Address Space Notifier Hierarchy]"
+          "[unit:Address Space Source Hierarchy]")
 {
     const auto plc = std::move(Plc::create(waves()).value());
     model::AddressSpace space;

@@ -61,7 +61,10 @@ TEST_CASE("blocks are as long as Part 6 and RFC 8017 make them", "[crypto][asymm
     CHECK(crypto::plain_block_size(policy("Basic256Sha256"), 0) == 0);
 }
 
-TEST_CASE("every policy signs, and every changed byte shows", "[crypto][asymmetric]")
+TEST_CASE("every policy signs, and every changed byte shows",
+          "[crypto][asymmetric]"
+          "[unit:AsymmetricSignatureAlgorithm_RSA-PKCS15-SHA2-256]"
+          "[unit:AsymmetricSignatureAlgorithm_RSA-PSS-SHA2-256]")
 {
     for (const SecurityPolicy& used : crypto::security_policies().subspan(1)) {
         INFO(used.name);
@@ -101,7 +104,9 @@ TEST_CASE("one policy's signature is not another's", "[crypto][asymmetric]")
     CHECK_FALSE(crypto::asymmetric_verify(policy("Basic256Sha256"), own().certificate, data, *pss));
 }
 
-TEST_CASE("texts of every length go through blocks and back", "[crypto][asymmetric]")
+TEST_CASE("texts of every length go through blocks and back",
+          "[crypto][asymmetric][unit:AsymmetricEncryptionAlgorithm_RSA-OAEP-SHA1]"
+          "[unit:AsymmetricEncryptionAlgorithm_RSA-OAEP-SHA2-256]")
 {
     for (const SecurityPolicy& used : crypto::security_policies().subspan(1)) {
         for (const std::uint32_t bits : {2048U, 3072U}) {
@@ -193,7 +198,9 @@ TEST_CASE("a signature beyond the modulus is none", "[crypto][asymmetric]")
     }
 }
 
-TEST_CASE("policy None and keys out of the policy's range do nothing", "[crypto][asymmetric]")
+TEST_CASE("policy None and keys out of the policy's range do nothing",
+          "[crypto][asymmetric][unit:AsymmetricEncryptionAlgorithm_None]"
+          "[unit:AsymmetricSignatureAlgorithm_None]")
 {
     const auto data = random_bytes(20);
     const SecurityPolicy& none = crypto::policy_none();

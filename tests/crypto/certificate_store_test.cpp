@@ -41,7 +41,7 @@ TEST_CASE("a store has the folders that tools know", "[crypto][store]")
 }
 
 TEST_CASE("certificates and revocation lists are added, shown, moved and removed",
-          "[crypto][store]")
+          "[crypto][store][unit:Security Certificate Administration]")
 {
     StoreFixture fixture;
     const Issued root = issue(authority("root"), key_number(2));

@@ -57,7 +57,8 @@ Refusal refused(const Store& store, Call call)
 
 } // namespace
 
-TEST_CASE("a missing certificate is made, and used from then on", "[crypto][own]")
+TEST_CASE("a missing certificate is made, and used from then on",
+          "[crypto][own][unit:Security Default ApplicationInstance Certificate]")
 {
     const Store store;
     CHECK_FALSE(store.store.load(uri)->has_value());
@@ -338,7 +339,8 @@ TEST_CASE("a certificate that does not belong here is not taken in", "[crypto][o
     CHECK(is_same(store.start(), first));
 }
 
-TEST_CASE("a certificate and key from elsewhere are installed", "[crypto][own]")
+TEST_CASE("a certificate and key from elsewhere are installed",
+          "[crypto][own][unit:Security Certificate Administration]")
 {
     const Store store;
     const OwnCertificate first = store.start();

@@ -91,7 +91,7 @@ TEST_CASE("a host is a name or an address")
     CHECK(subject.ip_addresses == std::vector<std::string>{"192.0.2.7", "2001:db8::7"});
 }
 
-TEST_CASE("keys of the usual sizes are made", "[crypto][key]")
+TEST_CASE("keys of the usual sizes are made", "[crypto][key][unit:CertificateKeyAlgorithm_RSA]")
 {
     for (const std::uint32_t bits : {2048U, 3072U, 4096U}) {
         CHECK(key_number(1, bits).key_size() == bits / 8);

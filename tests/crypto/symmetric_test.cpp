@@ -58,7 +58,10 @@ constexpr const char* zero_block = "00000000000000000000000000000000";
 
 } // namespace
 
-TEST_CASE("the policies are what Part 7 says", "[crypto][policy]")
+TEST_CASE("the policies are what Part 7 says",
+          "[crypto][policy][unit:Aes128-Sha256-RsaOaep_Limits]"
+          "[unit:Aes256-Sha256-RsaPss_Limits][unit:Basic256Sha256_Limits]"
+          "[unit:SecurtyPolicy_None_Limits]")
 {
     CHECK(crypto::policy_none().is_none());
     CHECK(crypto::find_policy("http://opcfoundation.org/UA/SecurityPolicy#None") ==
@@ -87,7 +90,8 @@ TEST_CASE("the policies are what Part 7 says", "[crypto][policy]")
     CHECK(crypto::find_policy("http://opcfoundation.org/UA/SecurityPolicy#none") == nullptr);
 }
 
-TEST_CASE("keys are derived with P_SHA256", "[crypto][symmetric]")
+TEST_CASE("keys are derived with P_SHA256",
+          "[crypto][symmetric][unit:KeyDerivationAlgorithm_P-SHA2-256]")
 {
     // The TLS working group's vector for P_SHA256 (list message 03416); its label belongs to the
     // seed here.
@@ -112,7 +116,10 @@ TEST_CASE("keys are derived with P_SHA256", "[crypto][symmetric]")
           from_hex("0fa022f7077def17abfd3797c0564bab"));
 }
 
-TEST_CASE("without a secret there are no keys", "[crypto][symmetric]")
+TEST_CASE("without a secret there are no keys",
+          "[crypto][symmetric][unit:KeyDerivationAlgorithm_None]"
+          "[unit:SymmetricEncryptionAlgorithm_None]"
+          "[unit:SymmetricSignatureAlgorithm_None]")
 {
     const auto nonce = random_bytes(32);
     CHECK_FALSE(crypto::derive_keys(policy("Basic256Sha256"), {}, nonce));
@@ -124,7 +131,9 @@ TEST_CASE("without a secret there are no keys", "[crypto][symmetric]")
     CHECK_FALSE(SymmetricCipher::create(policy("Basic256Sha256"), *keys));
 }
 
-TEST_CASE("AES-CBC as in NIST SP 800-38A", "[crypto][symmetric]")
+TEST_CASE("AES-CBC as in NIST SP 800-38A",
+          "[crypto][symmetric][unit:SymmetricEncryptionAlgorithm_AES128-CBC]"
+          "[unit:SymmetricEncryptionAlgorithm_AES256-CBC]")
 {
     constexpr const char* vector = "000102030405060708090a0b0c0d0e0f";
     constexpr const char* plain =
@@ -153,7 +162,8 @@ TEST_CASE("AES-CBC as in NIST SP 800-38A", "[crypto][symmetric]")
     }
 }
 
-TEST_CASE("HMAC-SHA256 as in RFC 4231", "[crypto][symmetric]")
+TEST_CASE("HMAC-SHA256 as in RFC 4231",
+          "[crypto][symmetric][unit:SymmetricSignatureAlgorithm_HMAC-SHA2-256]")
 {
     struct Row {
         std::string key;

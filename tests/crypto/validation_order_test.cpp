@@ -9,7 +9,8 @@ using crypto::ValidationSettings;
 
 /// Part 4, 6.1.3, Table 100 as a whole: the order of its rows, and which may be suppressed.
 
-TEST_CASE("Table 100: the order of the steps", "[crypto][validation]")
+TEST_CASE("Table 100: the order of the steps",
+          "[crypto][validation][unit:Security Certificate Validation]")
 {
     // All is wrong with the leaf; what is put right uncovers the next step.
     Judge judge;

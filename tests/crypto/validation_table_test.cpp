@@ -62,7 +62,8 @@ TEST_CASE("Table 100: Build Certificate Chain", "[crypto][validation]")
     CHECK(judge.verdict(family.leaf) == good);
 }
 
-TEST_CASE("Table 100: Signature", "[crypto][validation]")
+TEST_CASE("Table 100: Signature", "[crypto][validation]"
+                                  "[unit:CertificateSignatureAlgorithm_RSA-PKCS15-SHA2-256]")
 {
     Judge judge;
     const Family family;
@@ -91,7 +92,10 @@ TEST_CASE("Table 100: Signature", "[crypto][validation]")
     CHECK(judge.explains("Signature", forged_middle, {"key of its issuer, CN=root"}));
 }
 
-TEST_CASE("Table 100: Security Policy Check", "[crypto][validation]")
+TEST_CASE("Table 100: Security Policy Check",
+          "[crypto][validation]"
+          "[unit:CertificateSignatureAlgorithm_RSA-PKCS15-SHA2-256]"
+          "[unit:CertificateKeyAlgorithm_RSA]")
 {
     Judge judge;
     const Issued sha1 = self_signed([](auto& o) { o.digest = "SHA1"; });
@@ -151,7 +155,8 @@ TEST_CASE("Table 100: Security Policy Check of issuers", "[crypto][validation]")
     CHECK(judge.explains("Security Policy Check", root, {"2048 bits", "3072 to 4096"}));
 }
 
-TEST_CASE("Table 100: Trust List Check", "[crypto][validation]")
+TEST_CASE("Table 100: Trust List Check",
+          "[crypto][validation][unit:Security Certificate Validation]")
 {
     Judge judge;
     const Family family;

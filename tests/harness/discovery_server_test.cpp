@@ -103,7 +103,8 @@ TEST_CASE("the discovery server of the harness has its limits", "[registration]"
     }
 }
 
-TEST_CASE("servers are found by URI and named in the client's language", "[registration]")
+TEST_CASE("servers are found by URI and named in the client's language",
+          "[registration][unit:Discovery Client Find Servers with URI]")
 {
     Caller caller;
     CHECK(caller.send(online_press()) == status::Good);

@@ -82,7 +82,8 @@ std::size_t lines_with(World& world, std::string_view text)
 
 } // namespace
 
-TEST_CASE("a server is registered at once and after each interval", "[registration]")
+TEST_CASE("a server is registered at once and after each interval",
+          "[registration][unit:Discovery Register2]")
 {
     World world;
     DiscoveryServer discovery{world};
@@ -158,7 +159,7 @@ TEST_CASE("a discovery server that takes nothing without security says so", "[re
     CHECK(found_servers(world) == "Discovery server;");
 }
 
-TEST_CASE("an old discovery server gets RegisterServer", "[registration]")
+TEST_CASE("an old discovery server gets RegisterServer", "[registration][unit:Discovery Register]")
 {
     World world;
     DiscoveryServerOptions options;

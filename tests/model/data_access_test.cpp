@@ -67,7 +67,10 @@ TEST_CASE("UnitIds are the characters of the common code")
     CHECK(engineering_units("furlong").unit_id == -1);
 }
 
-TEST_CASE_METHOD(DataAccessFixture, "An analog item has its ranges and its unit")
+TEST_CASE_METHOD(DataAccessFixture, "An analog item has its ranges and its unit",
+                 "[unit:Data Access AnalogItemType][unit:Data Access AnalogItems]"
+                 "[unit:Data Access AnalogUnitRangeType][unit:Data Access AnalogUnitType]"
+                 "[unit:Data Access DataItems][unit:Base Info Engineering Units]")
 {
     AnalogItem item;
     item.variable.data_type = NodeId{0, id::Double};
@@ -143,7 +146,10 @@ TEST_CASE_METHOD(DataAccessFixture, "Data items that make no sense are refused w
     CHECK(space.node_count() == before);
 }
 
-TEST_CASE_METHOD(DataAccessFixture, "Discrete items have texts for their values")
+TEST_CASE_METHOD(DataAccessFixture, "Discrete items have texts for their values",
+                 "[unit:Data Access DiscreteItemType][unit:Data Access MultiState]"
+                 "[unit:Data Access MultiStateValueDiscrete][unit:Data Access TwoState]"
+                 "[unit:Base Info ValueAsText]")
 {
     SECTION("two")
     {
@@ -189,7 +195,12 @@ TEST_CASE_METHOD(DataAccessFixture, "Discrete items have texts for their values"
     }
 }
 
-TEST_CASE_METHOD(DataAccessFixture, "Array items know their axes")
+TEST_CASE_METHOD(DataAccessFixture, "Array items know their axes",
+                 "[unit:Data Access ArrayItem2Type][unit:Data Access ArrayItemType]"
+                 "[unit:Data Access AxisInformationType][unit:Data Access CubeItemType]"
+                 "[unit:Data Access ImageItemType]"
+                 "[unit:Data Access NDimensionArrayItemType]"
+                 "[unit:Data Access XYArrayItemType][unit:Data Access YArrayItemType]")
 {
     AxisInformation axis;
     axis.engineering_units = engineering_units("HTZ");

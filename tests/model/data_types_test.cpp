@@ -228,7 +228,8 @@ TEST_CASE_METHOD(ModelFixture, "Definitions of generated nodes have the namespac
     CHECK(definition->default_encoding_id == NodeId{line, 8U});
 }
 
-TEST_CASE_METHOD(ModelFixture, "Structures and enumerations are added with all their nodes")
+TEST_CASE_METHOD(ModelFixture, "Structures and enumerations are added with all their nodes",
+                 "[unit:Base Info Custom Type System]")
 {
     DataTypes data_types;
     CHECK(data_types.of(space).find(NodeId{ns, "Point"}) == nullptr);

@@ -114,7 +114,8 @@ TEST_CASE_METHOD(InstanceFixture, "The instance chooses where a declaration is a
     CHECK(space.node_count() == before);
 }
 
-TEST_CASE_METHOD(InstanceFixture, "Every concrete type of namespace 0 has instances")
+TEST_CASE_METHOD(InstanceFixture, "Every concrete type of namespace 0 has instances",
+                 "[unit:Data Access BaseAnalogType]")
 {
     std::vector<NodeIndex> types;
     space.for_each([&](NodeIndex node) {

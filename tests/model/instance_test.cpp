@@ -134,7 +134,8 @@ TEST_CASE_METHOD(InstanceFixture, "Methods are shared or copied")
     CHECK(space.exists(open));
 }
 
-TEST_CASE_METHOD(InstanceFixture, "An Object has the members of its type's Interfaces")
+TEST_CASE_METHOD(InstanceFixture, "An Object has the members of its type's Interfaces",
+                 "[unit:Address Space Interfaces]")
 {
     const NodeIndex base = space.find(id::BaseInterfaceType);
     const NodeIndex tagged = add_type("ITaggedType", base, true);
@@ -176,7 +177,9 @@ TEST_CASE_METHOD(InstanceFixture, "An Object has the members of its type's Inter
     }
 }
 
-TEST_CASE_METHOD(InstanceFixture, "An AddIn has the BrowseName that its type says")
+TEST_CASE_METHOD(InstanceFixture, "An AddIn has the BrowseName that its type says",
+                 "[unit:Address Space AddIn DefaultInstanceBrowsename]"
+                 "[unit:Address Space AddIn Reference]")
 {
     const NodeIndex type = add_type("LockType");
     declare_variable("LockType.Locked", type, mandatory);

@@ -15,7 +15,8 @@ NewMethod with_inputs(Array<Argument> inputs)
 
 } // namespace
 
-TEST_CASE_METHOD(ModelFixture, "A Method has properties for its arguments")
+TEST_CASE_METHOD(ModelFixture, "A Method has properties for its arguments",
+                 "[unit:Address Space Method]")
 {
     const NodeIndex folder = add_folder("folder", objects);
     NewMethod method = with_inputs(

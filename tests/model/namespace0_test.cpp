@@ -24,7 +24,8 @@ bool has_reference(const AddressSpace& space, NodeIndex from, const Reference& s
 
 } // namespace
 
-TEST_CASE("Every constant node is whole")
+TEST_CASE("Every constant node is whole", "[unit:Address Space Base][unit:Base Info Type System]"
+                                          "[unit:Base Info Type Information]")
 {
     const AddressSpace space;
     const NodeIndex has_type = space.find(id::HasTypeDefinition);

@@ -53,7 +53,8 @@ net::BlockingClient* signalled = nullptr;
 
 } // namespace
 
-TEST_CASE("a blocking client reads and writes", "[net][client]")
+TEST_CASE("a blocking client reads and writes", "[net][client][unit:Attribute Client Read Base]"
+                                                "[unit:Attribute Client Write Base]")
 {
     Machine machine;
     Blocking user{test::client_config(machine.url())};

@@ -68,7 +68,7 @@ private:
 
 } // namespace
 
-TEST_CASE("values of a running PLC are read and written over TCP", "[net]")
+TEST_CASE("values of a running PLC are read and written over TCP", "[net][unit:Protocol UA TCP]")
 {
     Machine machine;
     Visitor visitor{machine};

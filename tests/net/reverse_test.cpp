@@ -125,7 +125,8 @@ private:
 
 } // namespace
 
-TEST_CASE("a server connects to a client that waits for it", "[net][reverse]")
+TEST_CASE("a server connects to a client that waits for it",
+          "[net][reverse][unit:Protocol Reverse Connect Server]")
 {
     test::ClientSurroundings around;
     net::BlockingClient client{reverse_config(), around.environment};

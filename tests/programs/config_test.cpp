@@ -65,7 +65,15 @@ TEST_CASE("the demo is on this machine only")
     CHECK(parse(example_file("demo.toml")).address == "127.0.0.1");
 }
 
-TEST_CASE("certificates and users are configured")
+TEST_CASE("address and port are configured", "[unit:Protocol Configuration]")
+{
+    CHECK(parse("").port == 4'840);
+    const ControllerConfig config = parse("[server]\naddress = \"192.0.2.7\"\nport = 4841");
+    CHECK(config.address == "192.0.2.7");
+    CHECK(config.port == 4'841);
+}
+
+TEST_CASE("certificates and users are configured", "[unit:Security Administration]")
 {
     const ControllerConfig config = parse(R"(
 [certificates]
@@ -106,7 +114,7 @@ urls = ["opc.tcp://scada:4841", "opc.tcp://[::1]:4842"]
           std::vector<std::string>{"opc.tcp://scada:4841", "opc.tcp://[::1]:4842"});
 }
 
-TEST_CASE("a discovery server is configured")
+TEST_CASE("a discovery server is configured", "[unit:Discovery Configuration]")
 {
     for (const std::string& none :
          {std::string{}, example_file("controller.toml"), std::string{"[discovery]\nurl = \"\""}}) {

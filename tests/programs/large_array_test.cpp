@@ -152,7 +152,9 @@ TEST_CASE("300,000 elements go whole and in parts between a controller and its u
     CHECK(user.read("299999").value == Variant{Array<std::int32_t>{2'099'993}});
 }
 
-TEST_CASE("busbar reads 300,000 elements whole, and reads and writes parts of them (C4)")
+TEST_CASE("busbar reads 300,000 elements whole, and reads and writes parts of them (C4)",
+          "[unit:Attribute Client Read by Index]"
+          "[unit:Attribute Client Write by Index]")
 {
     const Plant plant{"array_length = 300000", element_count};
     REQUIRE(

@@ -7,7 +7,8 @@
 using namespace busbar;
 using namespace busbar::test;
 
-TEST_CASE_METHOD(ManagementFixture, "AddNodes adds nodes with the attributes that are specified")
+TEST_CASE_METHOD(ManagementFixture, "AddNodes adds nodes with the attributes that are specified",
+                 "[unit:Node Management Add Node]")
 {
     VariableAttributes attributes;
     attributes.specified_attributes = mask(

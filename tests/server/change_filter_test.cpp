@@ -23,7 +23,8 @@ ExtensionObject change_filter(DataChangeTrigger trigger, DeadbandType type = Dea
 
 } // namespace
 
-TEST_CASE_METHOD(ItemFixture, "triggers of a DataChangeFilter")
+TEST_CASE_METHOD(ItemFixture, "triggers of a DataChangeFilter",
+                 "[unit:Monitor Value Change][unit:Monitor Value Change V2]")
 {
     SECTION("Status")
     {
@@ -53,7 +54,8 @@ TEST_CASE_METHOD(ItemFixture, "triggers of a DataChangeFilter")
     }
 }
 
-TEST_CASE_METHOD(ItemFixture, "absolute deadbands of numbers")
+TEST_CASE_METHOD(ItemFixture, "absolute deadbands of numbers",
+                 "[unit:Monitored Items Deadband Filter]")
 {
     const NodeId flow = add_variable("flow", 1.0, id::Double);
     auto item = item_request(flow);
@@ -96,7 +98,8 @@ TEST_CASE_METHOD(ItemFixture, "deadbands of arrays and of unsigned 64-bit number
     CHECK(next_data(client, cycle).size() == 1);
 }
 
-TEST_CASE_METHOD(ItemFixture, "a deadband in percent of the EURange, and its change")
+TEST_CASE_METHOD(ItemFixture, "a deadband in percent of the EURange, and its change",
+                 "[unit:Data Access PercentDeadband]")
 {
     auto& space = server.address_space();
     const auto node = space.find(level);

@@ -115,7 +115,7 @@ TEST_CASE("shutdown")
     CHECK(fixture.server.session_count() == 0);
 }
 
-TEST_CASE("a server connects to a client that listens")
+TEST_CASE("a server connects to a client that listens", "[unit:Protocol Reverse Connect Server]")
 {
     ServerFixture fixture;
     auto connection = fixture.server.connect("192.0.2.1", fixture.now).value();

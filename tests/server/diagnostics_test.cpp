@@ -19,7 +19,8 @@ constexpr std::uint32_t security_array =
 
 } // namespace
 
-TEST_CASE_METHOD(DiagnosticsFixture, "the summary counts sessions, subscriptions and refusals")
+TEST_CASE_METHOD(DiagnosticsFixture, "the summary counts sessions, subscriptions and refusals",
+                 "[unit:Base Info Diagnostics]")
 {
     TestClient client = log_in();
     {
@@ -61,7 +62,8 @@ TEST_CASE_METHOD(DiagnosticsFixture, "the summary counts sessions, subscriptions
                  id::Server_ServerDiagnostics_ServerDiagnosticsSummary_SessionTimeoutCount) == 2);
 }
 
-TEST_CASE_METHOD(DiagnosticsFixture, "each session counts its requests")
+TEST_CASE_METHOD(DiagnosticsFixture, "each session counts its requests",
+                 "[unit:Base Info Diagnostics]")
 {
     TestClient client = log_in();
     const auto id = subscribe(client);
@@ -233,7 +235,8 @@ TEST_CASE_METHOD(DiagnosticsFixture, "lost messages and transfers are counted")
     CHECK(all[0].transferred_to_alt_client_count == 0);
 }
 
-TEST_CASE("sampling intervals are counted where there are only a few")
+TEST_CASE("sampling intervals are counted where there are only a few",
+          "[unit:Base Info Fixed SamplingInterval]")
 {
     struct Fixture : DiagnosticsFixture {
         explicit Fixture(const server::SubscriptionLimits& limits) : DiagnosticsFixture{limits} {}

@@ -22,7 +22,7 @@ Array<EndpointDescription> endpoints(TestClient& client, const char* url)
 
 } // namespace
 
-TEST_CASE("the endpoints are described in full")
+TEST_CASE("the endpoints are described in full", "[unit:Discovery Get Endpoints]")
 {
     ServerFixture fixture;
     auto client = fixture.connect();
@@ -68,7 +68,8 @@ TEST_CASE("the URL has the host that the client used, if it is one of the server
     CHECK(found[0].server.discovery_urls[0] == String{told});
 }
 
-TEST_CASE("only endpoints of the transport profiles that are asked for")
+TEST_CASE("only endpoints of the transport profiles that are asked for",
+          "[unit:Discovery Get Endpoints]")
 {
     ServerFixture fixture;
     auto client = fixture.connect();
@@ -79,7 +80,7 @@ TEST_CASE("only endpoints of the transport profiles that are asked for")
     CHECK(client.call<GetEndpointsResponse>(request)->endpoints.size() == 3);
 }
 
-TEST_CASE("FindServers finds this server")
+TEST_CASE("FindServers finds this server", "[unit:Discovery Find Servers Self]")
 {
     ServerFixture fixture;
     auto client = fixture.connect();

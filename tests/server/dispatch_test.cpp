@@ -27,7 +27,8 @@ std::uint32_t send_type(TestClient& client, std::uint32_t encoding_id, bool with
 
 } // namespace
 
-TEST_CASE("the handle of a request comes back, in faults too")
+TEST_CASE("the handle of a request comes back, in faults too",
+          "[unit:Session General Service Behaviour]")
 {
     ServerFixture fixture;
     auto client = fixture.log_in();

@@ -16,7 +16,9 @@ const char* const lost = "Events were lost";
 
 } // namespace
 
-TEST_CASE_METHOD(EventFixture, "raised events are published with the fields that were selected")
+TEST_CASE_METHOD(EventFixture, "raised events are published with the fields that were selected",
+                 "[unit:Address Space Events][unit:Address Space Events 2]"
+                 "[unit:Monitor Events]")
 {
     const auto made = monitor(
         client, id,
@@ -102,7 +104,9 @@ TEST_CASE_METHOD(EventFixture, "items that cannot be say why")
     raise("nobody listens");
 }
 
-TEST_CASE_METHOD(EventFixture, "events go up the hierarchy of notifiers")
+TEST_CASE_METHOD(EventFixture, "events go up the hierarchy of notifiers",
+                 "[unit:Address Space Notifier Hierarchy]"
+                 "[unit:Address Space Source Hierarchy]")
 {
     const NodeId area = add_notifier("area");
     const NodeId press = add_notifier("press", 0);
@@ -140,7 +144,8 @@ TEST_CASE_METHOD(EventFixture, "an event of a type that is none is dropped with 
     CHECK(log.text.find("no event type") != std::string::npos);
 }
 
-TEST_CASE_METHOD(EventFixture, "a full queue has an overflow event on top of its size")
+TEST_CASE_METHOD(EventFixture, "a full queue has an overflow event on top of its size",
+                 "[unit:Base Info EventQueueOverflow EventType]")
 {
     EventFilter filter = selecting({"Message", "EventType", "SourceNode", "SourceName"});
     where(filter, LessThan, {of("Severity"), literal(0)}); // which the overflow event bypasses
@@ -222,7 +227,7 @@ TEST_CASE_METHOD(EventFixture, "filter and queue of an item can be changed, or s
     CHECK(events[0].event_fields[0] == Variant{std::uint16_t{3}});
 }
 
-TEST_CASE_METHOD(EventFixture, "queue sizes are revised")
+TEST_CASE_METHOD(EventFixture, "queue sizes are revised", "[unit:Monitor QueueSize_ServerMax]")
 {
     const auto revised = [&](std::uint32_t requested) {
         auto item = event_request();

@@ -7,7 +7,8 @@ namespace busbar::server::detail {
 using namespace busbar::test;
 using enum FilterOperator;
 
-TEST_CASE_METHOD(FilterFixture, "the example of Part 4, B.1.2")
+TEST_CASE_METHOD(FilterFixture, "the example of Part 4, B.1.2",
+                 "[unit:Monitor Complex Event Filter]")
 {
     // ((AType.A = 5) or InList(BType.B, 3, 5, 7)) and Message like "Main%"
     EventFilter filter = selecting({"Message"});
@@ -76,7 +77,7 @@ TEST_CASE_METHOD(FilterFixture, "the example of Part 4, B.1.3, without its views
     CHECK(elements[4].operand_status_codes[0] == status::Bad_FilterOperandInvalid);
 }
 
-TEST_CASE_METHOD(FilterFixture, "where clauses on fields")
+TEST_CASE_METHOD(FilterFixture, "where clauses on fields", "[unit:Monitor Complex Event Filter]")
 {
     EventFilter severe = selecting({"Message"});
     where(severe, GreaterThan, {of("Severity"), literal(500)});

@@ -10,7 +10,8 @@ using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
 
-TEST_CASE("user name tokens")
+TEST_CASE("user name tokens",
+          "[unit:Security User Name Password][unit:Security User Name Password 2]")
 {
     ServerFixture fixture;
     const auto security = GENERATE(channel::SecuritySetting{}, sign, encrypt);
@@ -79,7 +80,8 @@ TEST_CASE("user name tokens")
     }
 }
 
-TEST_CASE("an anonymous user is let in only where the endpoint says so")
+TEST_CASE("an anonymous user is let in only where the endpoint says so",
+          "[unit:Security User Anonymous][unit:Security User Anonymous Server]")
 {
     ServerFixture fixture;
     const auto security = GENERATE(channel::SecuritySetting{}, encrypt);
@@ -96,7 +98,8 @@ TEST_CASE("an anonymous user is let in only where the endpoint says so")
                               : status::Bad_IdentityTokenInvalid));
 }
 
-TEST_CASE("passwords go as they are only if the configuration says so")
+TEST_CASE("passwords go as they are only if the configuration says so",
+          "[unit:Security User Token Unencrypted]")
 {
     auto config = ServerFixture::secure_config();
     config.endpoints.push_back({{}, false, true, &crypto::policy_none(), true});
@@ -112,7 +115,8 @@ TEST_CASE("passwords go as they are only if the configuration says so")
     CHECK(client.activate(ExtensionObject::from(token)) == status::Bad_IdentityTokenInvalid);
 }
 
-TEST_CASE("guessing passwords gets slow, then impossible for a while")
+TEST_CASE("guessing passwords gets slow, then impossible for a while",
+          "[unit:Security Invalid user token]")
 {
     ServerFixture fixture;
     auto client = fixture.connect(encrypt);
@@ -152,7 +156,7 @@ TEST_CASE("guessing passwords gets slow, then impossible for a while")
     }
 }
 
-TEST_CASE("a session can change its user")
+TEST_CASE("a session can change its user", "[unit:Session Change User]")
 {
     ServerFixture fixture;
     auto client = fixture.log_in(encrypt);

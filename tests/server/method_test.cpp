@@ -50,7 +50,8 @@ server::CallResult with_outputs(StatusCode status, Array<Variant> outputs)
 
 } // namespace
 
-TEST_CASE_METHOD(Fixture, "a Method gets its typed inputs and who calls, and gives outputs")
+TEST_CASE_METHOD(Fixture, "a Method gets its typed inputs and who calls, and gives outputs",
+                 "[unit:Method Call]")
 {
     NodeId object;
     NodeId method;

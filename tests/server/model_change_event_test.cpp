@@ -94,7 +94,8 @@ struct ChangeFixture : SubscriptionFixture {
 
 } // namespace
 
-TEST_CASE_METHOD(ChangeFixture, "Clients are told of changes of nodes that have a NodeVersion")
+TEST_CASE_METHOD(ChangeFixture, "Clients are told of changes of nodes that have a NodeVersion",
+                 "[unit:Base Info Model Change][unit:Base Info Model Change General]")
 {
     auto& space = server.address_space();
     CHECK(server.next_deadline() > now);
@@ -139,7 +140,8 @@ TEST_CASE_METHOD(ChangeFixture, "After too many changes clients learn that somet
     CHECK(version(NodeId{1, "f1099"}) == "1");
 }
 
-TEST_CASE_METHOD(ChangeFixture, "Clients are told of properties that mean something else")
+TEST_CASE_METHOD(ChangeFixture, "Clients are told of properties that mean something else",
+                 "[unit:Base Info SemanticChange]")
 {
     server.announce_semantics_change(NodeId{1, "none"});
     CHECK(next_events().empty());
@@ -181,7 +183,8 @@ TEST_CASE_METHOD(ChangeFixture, "A monitored node may go and come again")
     CHECK(next_value().value == Variant{std::int32_t{5}});
 }
 
-TEST_CASE_METHOD(ChangeFixture, "Each namespace is described below Server.Namespaces")
+TEST_CASE_METHOD(ChangeFixture, "Each namespace is described below Server.Namespaces",
+                 "[unit:Base Info Namespace Metadata]")
 {
     auto& space = server.address_space();
     const auto property = [&](std::string_view uri, const char* name) {

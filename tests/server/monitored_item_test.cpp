@@ -30,7 +30,9 @@ struct CountingFixture : CountingParts, ItemFixture {};
 
 } // namespace
 
-TEST_CASE_METHOD(ItemFixture, "the first value is reported, then each change once")
+TEST_CASE_METHOD(ItemFixture, "the first value is reported, then each change once",
+                 "[unit:Monitor Basic][unit:Monitor Value Change]"
+                 "[unit:Monitor Value Change V2]")
 {
     const auto made = monitor(client, id, item_request(level, 77));
     CHECK(made.revised_sampling_interval == 50);
@@ -80,7 +82,8 @@ TEST_CASE_METHOD(CountingFixture, "items with equal intervals are one batch, in 
     CHECK(server.next_deadline() > now + 10s);
 }
 
-TEST_CASE_METHOD(ItemFixture, "a full queue discards the oldest, or replaces the newest")
+TEST_CASE_METHOD(ItemFixture, "a full queue discards the oldest, or replaces the newest",
+                 "[unit:Monitor MinQueueSize_02][unit:Monitor Queueing]")
 {
     const bool discards_oldest = GENERATE(true, false);
     monitor_level([&](auto& item) {
@@ -108,7 +111,8 @@ TEST_CASE_METHOD(ItemFixture, "a full queue discards the oldest, or replaces the
     }
 }
 
-TEST_CASE_METHOD(ItemFixture, "a queue of one has the newest value and no overflow bit")
+TEST_CASE_METHOD(ItemFixture, "a queue of one has the newest value and no overflow bit",
+                 "[unit:Monitor QueueSize_1]")
 {
     monitor_level([](auto& item) { item.requested_parameters.queue_size = 0; });
     CHECK(set_publishing(client, id, false) == status::Good);
@@ -205,7 +209,8 @@ TEST_CASE_METHOD(ItemFixture, "timestamps are what the client wants")
     CHECK(data[0].value.server_timestamp.is_null() != has_server);
 }
 
-TEST_CASE_METHOD(ItemFixture, "modes: disabled has no queue, sampling does not report")
+TEST_CASE_METHOD(ItemFixture, "modes: disabled has no queue, sampling does not report",
+                 "[unit:Monitor Basic]")
 {
     const auto made = monitor_level([](auto& item) { item.requested_parameters.queue_size = 5; });
     const std::uint32_t item = made.monitored_item_id;
@@ -263,7 +268,8 @@ TEST_CASE("the links of an item are limited (C7)")
     CHECK(link(items[1], items[2]) == status::Bad_TooManyOperations); // it has two triggers
 }
 
-TEST_CASE_METHOD(ItemFixture, "an item that is triggered reports what it has queued until then")
+TEST_CASE_METHOD(ItemFixture, "an item that is triggered reports what it has queued until then",
+                 "[unit:Monitor Triggering]")
 {
     const NodeId button = add_variable("button", false, id::Boolean);
     const auto trigger = monitor(client, id, item_request(button, 1)).monitored_item_id;

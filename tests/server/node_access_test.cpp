@@ -274,7 +274,8 @@ TEST_CASE_METHOD(AccessFixture, "Nodes are managed over a channel that is strong
           status::Bad_UserAccessDenied);
 }
 
-TEST_CASE_METHOD(AccessFixture, "RolePermissions of a node bound what users do")
+TEST_CASE_METHOD(AccessFixture, "RolePermissions of a node bound what users do",
+                 "[unit:Security Role Server Authorization]")
 {
     permit(value, {role(id::WellKnownRole_Anonymous, may_browse),
                    role(id::WellKnownRole_AuthenticatedUser, may_browse | may_read)});
@@ -327,7 +328,9 @@ TEST_CASE_METHOD(AccessFixture, "RolePermissions are read by whom they let, one'
     }
 }
 
-TEST_CASE_METHOD(AccessFixture, "What AccessLevelEx and WriteMask say")
+TEST_CASE_METHOD(AccessFixture, "What AccessLevelEx and WriteMask say",
+                 "[unit:Address Space Atomicity][unit:Address Space Full Array Only]"
+                 "[unit:Address Space NonVolatile and Constant]")
 {
     model::NodeAccess access;
     access.write_mask = 5;
@@ -336,6 +339,17 @@ TEST_CASE_METHOD(AccessFixture, "What AccessLevelEx and WriteMask say")
     CHECK(read(open, "Value", AttributeId::WriteMask).value == Variant{5U});
     CHECK(read(open, "Value", AttributeId::UserWriteMask).value == Variant{0U});
     CHECK(read(open, "Value", AttributeId::AccessLevelEx).value == Variant{0x403U});
+    // Part 3, 8.58: NonatomicRead, NonatomicWrite, NonVolatile and Constant.
+    for (const AccessLevelExType level :
+         {AccessLevelExType::NonatomicRead, AccessLevelExType::NonatomicWrite,
+          AccessLevelExType::NonVolatile, AccessLevelExType::Constant}) {
+        model::NodeAccess other;
+        other.more_access_levels = static_cast<std::uint32_t>(level);
+        space().set_node_access(value, other);
+        CHECK(read(open, "Value", AttributeId::AccessLevelEx).value ==
+              Variant{0x3U | other.more_access_levels});
+    }
+    space().set_node_access(value, access);
     WriteRequest request;
     request.nodes_to_write.resize(1);
     request.nodes_to_write[0].node_id = NodeId{1, "Value"};

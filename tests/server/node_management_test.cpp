@@ -93,7 +93,8 @@ TEST_CASE_METHOD(ManagementFixture, "References make place again when a node at 
     CHECK(connect("b", "a") == status::Bad_OutOfMemory);
 }
 
-TEST_CASE_METHOD(ManagementFixture, "AddReferences adds references in both directions")
+TEST_CASE_METHOD(ManagementFixture, "AddReferences adds references in both directions",
+                 "[unit:Node Management Add Ref]")
 {
     REQUIRE(status_of_adding(item()) == status::Good);
     const NodeId added{1, "new"};
@@ -151,7 +152,8 @@ TEST_CASE_METHOD(ManagementFixture, "Components do not go round")
     CHECK(add(reference(added, id::Organizes, folder)) == status::Good);
 }
 
-TEST_CASE_METHOD(ManagementFixture, "DeleteReferences says what cannot be deleted")
+TEST_CASE_METHOD(ManagementFixture, "DeleteReferences says what cannot be deleted",
+                 "[unit:Node Management Delete Ref]")
 {
     const DeleteReferencesItem good{objects, NodeId{0, id::Organizes}, true, folder, true};
     // It came with the node.
@@ -176,7 +178,8 @@ TEST_CASE_METHOD(ManagementFixture, "DeleteReferences says what cannot be delete
     CHECK(remove(bad) == status::Bad_UserAccessDenied);
 }
 
-TEST_CASE_METHOD(ManagementFixture, "DeleteNodes deletes a node with what is below it")
+TEST_CASE_METHOD(ManagementFixture, "DeleteNodes deletes a node with what is below it",
+                 "[unit:Node Management Delete Node]")
 {
     auto& space = server.address_space();
     REQUIRE(status_of_adding(item()) == status::Good);

@@ -27,7 +27,7 @@ TEST_CASE("a slow source blocks nobody, its own client included")
     CHECK(response->results[0].value == Variant{42});
 }
 
-TEST_CASE("the client's timeout hint ends a request")
+TEST_CASE("the client's timeout hint ends a request", "[unit:Session General Service Behaviour]")
 {
     SlowFixture fixture;
     auto client = fixture.log_in();
@@ -45,7 +45,7 @@ TEST_CASE("the client's timeout hint ends a request")
     CHECK(client.messages.empty());
 }
 
-TEST_CASE("Cancel ends the requests with a handle")
+TEST_CASE("Cancel ends the requests with a handle", "[unit:Session Cancel]")
 {
     SlowFixture fixture;
     auto client = fixture.log_in();

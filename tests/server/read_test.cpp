@@ -56,7 +56,8 @@ TEST_CASE("a Read that is wrong as a whole is refused (Part 4, 5.11.2.3)")
     }
 }
 
-TEST_CASE_METHOD(AttributeFixture, "values and attributes are read in the request's order")
+TEST_CASE_METHOD(AttributeFixture, "values and attributes are read in the request's order",
+                 "[unit:Attribute Read]")
 {
     const NodeId speed = add("Speed", id::Int16, std::int16_t{7});
     const NodeId name = add("Name", id::String, "Press 1");

@@ -377,7 +377,8 @@ TEST_CASE_METHOD(LateAnalogFixture, "until a late source has answered every chan
 }
 
 TEST_CASE_METHOD(AnalogFixture,
-                 "a client's Write of what a value means is told with its next value")
+                 "a client's Write of what a value means is told with its next value",
+                 "[unit:Base Info SemanticChange Bit][unit:Data Access Semantic Changes]")
 {
     const StatusCode semantics_changed{0x4000};
     CHECK(reported(1).size() == 1);

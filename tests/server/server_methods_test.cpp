@@ -57,7 +57,8 @@ struct Fixture : SubscriptionFixture {
 
 } // namespace
 
-TEST_CASE_METHOD(Fixture, "GetMonitoredItems lists the handles of a Subscription")
+TEST_CASE_METHOD(Fixture, "GetMonitoredItems lists the handles of a Subscription",
+                 "[unit:Base Info GetMonitoredItems Method]")
 {
     const auto method = GENERATE(id::Server_GetMonitoredItems, id::ServerType_GetMonitoredItems);
     const auto result = call(client, NodeId{0, method}, {Variant{subscription}});
@@ -67,7 +68,8 @@ TEST_CASE_METHOD(Fixture, "GetMonitoredItems lists the handles of a Subscription
     CHECK(result.output_arguments[1] == Variant{Array<std::uint32_t>{11, 22}});
 }
 
-TEST_CASE_METHOD(Fixture, "ResendData brings the values of reporting items again")
+TEST_CASE_METHOD(Fixture, "ResendData brings the values of reporting items again",
+                 "[unit:Base Info ResendData Method]")
 {
     const auto next_values = [&] {
         const auto id = client.send(PublishRequest{});

@@ -1,5 +1,9 @@
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+#include <utility>
+
+#include <busbar/server/conformance.hpp>
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/data_types.hpp>
 #include <busbar/types/ids.hpp>
@@ -25,7 +29,10 @@ DataValue read(TestClient& client, std::uint32_t node)
 
 } // namespace
 
-TEST_CASE("the Server object tells how the server is")
+TEST_CASE("the Server object tells how the server is",
+          "[unit:Base Info Core Structure][unit:Base Info Core Structure 2]"
+          "[unit:Base Info Server Capabilities]"
+          "[unit:Base Info Server Capabilities 2]")
 {
     auto config = ServerFixture::insecure_config();
     config.build.manufacturer_name = "Maker";
@@ -62,6 +69,76 @@ TEST_CASE("the Server object tells how the server is")
           Variant{std::uint32_t{100}});
     CHECK(read(client, id::Server_ServerCapabilities_OperationLimits_MaxNodesPerRead).value ==
           Variant{std::uint32_t{12}});
+}
+
+TEST_CASE("the capabilities are the limits of the server",
+          "[unit:Base Info Events Capabilities][unit:Base Info Method Capabilities]"
+          "[unit:Base Info Node Management Capabilities]"
+          "[unit:Base Info Server Capabilities]"
+          "[unit:Base Info Server Capabilities 2]"
+          "[unit:Base Info Server Capabilities MaxMonitoredItemsQueueSize]"
+          "[unit:Base Info Server Capabilities Subscriptions]")
+{
+    auto config = ServerFixture::insecure_config();
+    auto& limits = config.limits;
+    limits.max_browse_continuation_points = 7;
+    limits.events.filter.max_select_clauses = 31;
+    limits.events.filter.max_elements = 32;
+    limits.operations.max_nodes_per_method_call = 33;
+    limits.operations.max_nodes_per_node_management = 34;
+    limits.subscriptions.max_items = 35;
+    limits.subscriptions.max_items_per_subscription = 36;
+    limits.subscriptions.max_queue_size = 37;
+    limits.subscriptions.max_subscriptions = 38;
+    limits.subscriptions.max_subscriptions_per_session = 39;
+    ServerFixture fixture{std::move(config)};
+    auto client = fixture.log_in();
+    CHECK(read(client, id::Server_ServerCapabilities_MaxBrowseContinuationPoints).value ==
+          Variant{std::uint16_t{7}});
+    const std::pair<std::uint32_t, std::uint32_t> rows[] = {
+        {id::Server_ServerCapabilities_MaxSelectClauseParameters, 31},
+        {id::Server_ServerCapabilities_MaxWhereClauseParameters, 32},
+        {id::Server_ServerCapabilities_OperationLimits_MaxNodesPerMethodCall, 33},
+        {id::Server_ServerCapabilities_OperationLimits_MaxNodesPerNodeManagement, 34},
+        {id::Server_ServerCapabilities_MaxMonitoredItems, 35},
+        {id::Server_ServerCapabilities_MaxMonitoredItemsPerSubscription, 36},
+        {id::Server_ServerCapabilities_MaxMonitoredItemsQueueSize, 37},
+        {id::Server_ServerCapabilities_MaxSubscriptions, 38},
+        {id::Server_ServerCapabilities_MaxSubscriptionsPerSession, 39},
+    };
+    for (const auto& [node, value] : rows) {
+        INFO("i=" << node);
+        // A small namespace 0 has fewer.
+        const bool is_there = fixture.server.address_space().find(node) != model::no_node;
+        CHECK((!is_there || read(client, node).value == Variant{value}));
+    }
+}
+
+TEST_CASE("a server claims what it is configured for")
+{
+    ServerFixture fixture;
+    auto client = fixture.log_in();
+    const server::Conformance& conformance = fixture.server.conformance();
+    const auto uris = read(client, id::Server_ServerCapabilities_ServerProfileArray).value;
+    const auto units = read(client, id::Server_ServerCapabilities_ConformanceUnits).value;
+    REQUIRE(uris.array_if<String>() != nullptr);
+    REQUIRE(units.array_if<QualifiedName>() != nullptr);
+    REQUIRE(units.array_if<QualifiedName>()->size() == conformance.units.size());
+    CHECK((*units.array_if<QualifiedName>())[0] == QualifiedName{0, String{conformance.units[0]}});
+    std::size_t claimed = 0;
+    for (const server::ProfileAssessment& profile : conformance.profiles) {
+        const auto& told = *uris.array_if<String>();
+        const bool is_told = std::find(told.begin(), told.end(), String{profile.uri}) != told.end();
+        INFO(profile.name);
+        CHECK(is_told == (profile.is_claimed && !profile.is_client));
+        claimed += is_told ? 1 : 0;
+    }
+    CHECK(uris.array_if<String>()->size() == claimed);
+    CHECK(conformance.find("TransportUaTcp")->is_claimed);
+    CHECK(conformance.find("SecurityPolicyBasic256Sha256")->is_claimed);
+    CHECK_FALSE(conformance.find("SecurityPolicyAes128Sha256RsaOaep")->is_claimed);
+    CHECK_FALSE(conformance.find("NodeManagement")->is_claimed);
+    CHECK(conformance.find("nothing") == nullptr);
 }
 
 TEST_CASE("every live value has the type and rank of its node")

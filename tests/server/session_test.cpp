@@ -13,7 +13,10 @@ using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
 
-TEST_CASE("a session is created, activated, used and closed, with every security")
+TEST_CASE("a session is created, activated, used and closed, with every security",
+          "[unit:Session Base][unit:Security Policy Required]"
+          "[unit:SecurityPolicy Support][unit:Security Encryption Required]"
+          "[unit:Security Signing Required]")
 {
     ServerFixture fixture;
     const auto security = GENERATE(channel::SecuritySetting{}, sign, encrypt);
@@ -102,7 +105,8 @@ TEST_CASE("CreateSession checks nonce, certificate and ApplicationUri")
     CHECK(fixture.server.session_count() == 0);
 }
 
-TEST_CASE("a client without security may leave out its nonce")
+TEST_CASE("a client without security may leave out its nonce",
+          "[unit:Security None CreateSession ActivateSession]")
 {
     ServerFixture fixture;
     auto client = fixture.connect();

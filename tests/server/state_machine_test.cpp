@@ -145,7 +145,9 @@ StatusCode status_of(const Result<void>& result)
 
 } // namespace
 
-TEST_CASE_METHOD(MachineFixture, "A state machine shows where it is and how it came there")
+TEST_CASE_METHOD(MachineFixture, "A state machine shows where it is and how it came there",
+                 "[unit:Base Info State Machine Instance]"
+                 "[unit:Base Info Finite State Machine Instance]")
 {
     const auto machine = attach(add_machine());
     CHECK(machine->states().size() == 3);
@@ -263,7 +265,8 @@ TEST_CASE_METHOD(MachineFixture, "Sub-machines are active in their state only")
     CHECK(read("Speed/CurrentState").status == status::Bad_StateNotActive);
 }
 
-TEST_CASE_METHOD(MachineFixture, "An instance may have part of the states")
+TEST_CASE_METHOD(MachineFixture, "An instance may have part of the states",
+                 "[unit:Base Info Available States and Transitions]")
 {
     const auto machine = attach(add_machine());
     CHECK(read("AvailableStates").value.array_size() == 3);

@@ -91,7 +91,8 @@ struct StructureFixture : AttributeFixture {
 
 } // namespace
 
-TEST_CASE_METHOD(StructureFixture, "structures are written if they are of the Variable's type")
+TEST_CASE_METHOD(StructureFixture, "structures are written if they are of the Variable's type",
+                 "[unit:Attribute Read Complex][unit:Attribute Write Complex]")
 {
     CHECK(write(scalar, Variant{object(7)}) == status::Good);
     CHECK(read(scalar).value == Variant{object(7)});
@@ -205,7 +206,8 @@ TEST_CASE_METHOD(StructureFixture, "ranges written to a source hold its type of 
     CHECK(read(far).value == Variant{Array<ExtensionObject>{object(1), object(9)}});
 }
 
-TEST_CASE_METHOD(StructureFixture, "types have their definitions and encodings")
+TEST_CASE_METHOD(StructureFixture, "types have their definitions and encodings",
+                 "[unit:Address Space DataTypeDefinition Attribute]")
 {
     const auto definition = read(type("Box"), AttributeId::DataTypeDefinition).value;
     REQUIRE(definition.type() == BuiltInType::ExtensionObject);

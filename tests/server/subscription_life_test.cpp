@@ -185,7 +185,8 @@ TEST_CASE("a Publish request that has timed out is not used, whoever notices it 
     CHECK(fixture.data(response->notification_message).size() == 1);
 }
 
-TEST_CASE("the highest priority is served first, then the one that waits longest")
+TEST_CASE("the highest priority is served first, then the one that waits longest",
+          "[unit:Subscription Minimum 02][unit:Subscription Multiple]")
 {
     SubscriptionFixture fixture;
     const NodeId level = fixture.add_variable("level", 1);

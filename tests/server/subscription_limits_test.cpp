@@ -68,7 +68,9 @@ TEST_CASE("messages stay within what the client takes")
     CHECK(handles == std::vector<std::uint32_t>{0, 1, 2, 3, 4});
 }
 
-TEST_CASE("messages kept for Republish give way to newer ones")
+TEST_CASE("messages kept for Republish give way to newer ones",
+          "[unit:Subscription Publish Discard Policy]"
+          "[unit:Subscription Retransmission Queue]")
 {
     auto limits = SubscriptionFixture::small_limits();
     limits.max_retransmission_messages = 3;
@@ -92,7 +94,9 @@ TEST_CASE("messages kept for Republish give way to newer ones")
     CHECK(fixture.republish(client, id, 3));
 }
 
-TEST_CASE("very many Publish requests: the oldest give way, and the server goes on")
+TEST_CASE("very many Publish requests: the oldest give way, and the server goes on",
+          "[unit:Subscription PublishRequest Queue Overflow]"
+          "[unit:Subscription Publish Discard Policy]")
 {
     SubscriptionFixture fixture;
     auto client = fixture.log_in();

@@ -8,7 +8,8 @@ using namespace std::chrono_literals;
 
 // Rows of the state table (Part 4, 5.14.1.2) that are about services.
 
-TEST_CASE("row 18: ModifySubscription applies at once and resets the lifetime")
+TEST_CASE("row 18: ModifySubscription applies at once and resets the lifetime",
+          "[unit:Subscription Basic]")
 {
     OneSubscription one;
     one.advance(cycle * 25);
@@ -29,7 +30,8 @@ TEST_CASE("row 18: ModifySubscription applies at once and resets the lifetime")
     CHECK(one.is_keep_alive(one.publish(one.client))); // it lives
 }
 
-TEST_CASE("row 19: SetPublishingMode stops and starts what is published")
+TEST_CASE("row 19: SetPublishingMode stops and starts what is published",
+          "[unit:Subscription Basic]")
 {
     OneSubscription one{one_at_a_time()};
     one.add_item();
@@ -46,7 +48,8 @@ TEST_CASE("row 19: SetPublishingMode stops and starts what is published")
     CHECK(one.data_count(second) == 1);
 }
 
-TEST_CASE("row 20: Republish of a message that is there; row 21: of one that is not")
+TEST_CASE("row 20: Republish of a message that is there; row 21: of one that is not",
+          "[unit:Subscription Basic][unit:Subscription Retransmission Queue]")
 {
     OneSubscription one;
     one.add_item();
@@ -77,7 +80,7 @@ TEST_CASE("row 22: a transfer to the session that has it")
     CHECK(one.transfer(one.client, one.id).status_code == status::Bad_NothingToDo);
 }
 
-TEST_CASE("row 23: a transfer to another session of the same user")
+TEST_CASE("row 23: a transfer to another session of the same user", "[unit:Subscription Transfer]")
 {
     const auto secure = setting("Basic256Sha256", MessageSecurityMode::Sign);
     SubscriptionFixture fixture;
@@ -123,7 +126,8 @@ TEST_CASE("row 24: a transfer to another user is refused")
     CHECK(one.transfer(user, one.id).status_code == status::Bad_UserAccessDenied);
 }
 
-TEST_CASE("row 25: DeleteSubscriptions of one's own, and the queued requests with the last one")
+TEST_CASE("row 25: DeleteSubscriptions of one's own, and the queued requests with the last one",
+          "[unit:Subscription Basic]")
 {
     OneSubscription one;
     const auto other = one.subscribe(one.client);

@@ -66,7 +66,8 @@ TEST_CASE("the table has all 27 rows, and one and only one for each situation")
     }
 }
 
-TEST_CASE("row 1: CreateSubscription; row 3: it succeeds and the publishing timer runs")
+TEST_CASE("row 1: CreateSubscription; row 3: it succeeds and the publishing timer runs",
+          "[unit:Subscription Basic][unit:Subscription Minimum 1]")
 {
     OneSubscription one;
     CHECK(one.server.next_deadline() == one.now + cycle);

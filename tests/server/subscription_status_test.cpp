@@ -249,7 +249,7 @@ TEST_CASE_METHOD(StatusFixture, "statuses of items that are created")
           status::Bad_TooManyMonitoredItems);
 }
 
-TEST_CASE_METHOD(StatusFixture, "statuses of items that are changed")
+TEST_CASE_METHOD(StatusFixture, "statuses of items that are changed", "[unit:Monitor Basic]")
 {
     const auto made = monitor(client, id, item_request(level));
     const auto modify = [&](std::uint32_t item, const ExtensionObject& filter) {

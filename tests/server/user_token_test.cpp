@@ -22,7 +22,8 @@ TestClient connected(UserFixture& fixture, const channel::SecuritySetting& secur
 
 } // namespace
 
-TEST_CASE("endpoints say which tokens they accept")
+TEST_CASE("endpoints say which tokens they accept",
+          "[unit:Security User JWT Token Policy][unit:OAuth2 Authority Profile]")
 {
     UserFixture fixture;
     auto client = fixture.connect();
@@ -50,7 +51,7 @@ TEST_CASE("endpoints say which tokens they accept")
     CHECK(policies_of(0).size() == 1);
 }
 
-TEST_CASE("a user logs in with a certificate")
+TEST_CASE("a user logs in with a certificate", "[unit:Security User X509]")
 {
     UserFixture fixture;
     const auto security = GENERATE(channel::SecuritySetting{}, sign, encrypt);
@@ -143,7 +144,8 @@ TEST_CASE("the key of a user certificate has to sign")
           std::string::npos);
 }
 
-TEST_CASE("a user logs in with an issued token, which may be larger than a password")
+TEST_CASE("a user logs in with an issued token, which may be larger than a password",
+          "[unit:Security User JWT IssuedToken 2]")
 {
     UserFixture fixture;
     const auto security = GENERATE(channel::SecuritySetting{}, sign, encrypt);
@@ -212,7 +214,7 @@ TEST_CASE("an issued token has to be for this server, now, and from its issuer")
     CHECK(fixture.log.text.find(reason) != std::string::npos);
 }
 
-TEST_CASE("tokens of kinds that are not accepted")
+TEST_CASE("tokens of kinds that are not accepted", "[unit:Security Invalid user token]")
 {
     UserFixture fixture{ServerFixture::secure_config()};
     auto client = connected(fixture);

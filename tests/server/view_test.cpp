@@ -4,7 +4,8 @@
 
 namespace busbar::server::detail {
 
-TEST_CASE_METHOD(ViewFixture, "Browse tells of references what the ResultMask asks for")
+TEST_CASE_METHOD(ViewFixture, "Browse tells of references what the ResultMask asks for",
+                 "[unit:View Basic][unit:View Basic 2][unit:Address Space Base]")
 {
     add_int32("v", folder);
     BrowseDescription what = description(node("folder"));
@@ -94,7 +95,9 @@ TEST_CASE_METHOD(ViewFixture, "Requests with nothing or too much to do are refus
     CHECK(check_translate(view, translate_request) == status::Bad_TooManyOperations);
 }
 
-TEST_CASE_METHOD(ViewFixture, "A browse goes on where it stopped, whatever the size of its parts")
+TEST_CASE_METHOD(ViewFixture, "A browse goes on where it stopped, whatever the size of its parts",
+                 "[unit:View Basic][unit:View Basic 2]"
+                 "[unit:View Minimum Continuation Point 01]")
 {
     add_children(7);
     const std::uint32_t most = GENERATE(1U, 2U, 3U, 6U, 7U, 8U);
@@ -245,7 +248,7 @@ TEST_CASE_METHOD(ViewFixture, "A hidden node is neither told of nor found")
           status::Bad_NodeIdUnknown);
 }
 
-TEST_CASE_METHOD(ViewFixture, "Browse paths lead to nodes")
+TEST_CASE_METHOD(ViewFixture, "Browse paths lead to nodes", "[unit:View TranslateBrowsePath]")
 {
     add_int32("v", add_folder("inner", folder));
     const auto target = [](const BrowsePathResult& result) {
@@ -321,7 +324,8 @@ TEST_CASE_METHOD(ViewFixture, "Browse paths that branch or go round are bounded"
     CHECK(PathWalk{}.go_on(view, path).value().status_code == status::Bad_QueryTooComplex);
 }
 
-TEST_CASE_METHOD(ViewFixture, "Registered nodes keep their NodeIds and take no memory")
+TEST_CASE_METHOD(ViewFixture, "Registered nodes keep their NodeIds and take no memory",
+                 "[unit:View RegisterNodes]")
 {
     ViewContext view = context();
     RegisterNodesRequest request;

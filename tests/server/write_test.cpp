@@ -44,7 +44,8 @@ TEST_CASE("a Write that is wrong as a whole is refused (Part 4, 5.11.4.3)")
     CHECK(check_write(request, 2) == status::Good);
 }
 
-TEST_CASE_METHOD(WriteFixture, "values are written; each item has its own result")
+TEST_CASE_METHOD(WriteFixture, "values are written; each item has its own result",
+                 "[unit:Attribute Write Values]")
 {
     const NodeId speed = add("Speed", id::Int16, std::int16_t{7});
     const NodeId name = add("Name", id::String, "Press 1");
@@ -205,7 +206,8 @@ TEST_CASE_METHOD(WriteFixture, "a part of a value can be written where the sourc
     CHECK(value_of(names) == Variant{Array<String>{"a", "b", "c"}});
 }
 
-TEST_CASE_METHOD(WriteFixture, "an IndexRange is written and read of any shape (Part 4, 7.27)")
+TEST_CASE_METHOD(WriteFixture, "an IndexRange is written and read of any shape (Part 4, 7.27)",
+                 "[unit:Attribute Write Index]")
 {
     const auto both_ways = [&](const NodeId& node, const char* range, const Variant& part,
                                const Variant& whole) {
@@ -235,7 +237,8 @@ TEST_CASE_METHOD(WriteFixture, "an IndexRange is written and read of any shape (
     CHECK(value_of(names) == Variant{Array<String>{"aLPha", "gAMma"}});
 }
 
-TEST_CASE_METHOD(WriteFixture, "status and timestamps are written only where that is allowed")
+TEST_CASE_METHOD(WriteFixture, "status and timestamps are written only where that is allowed",
+                 "[unit:Attribute Write StatusCode & Timestamp]")
 {
     constexpr model::Access everything =
         model::Access::ReadWrite | model::Access::StatusWrite | model::Access::TimestampWrite;
