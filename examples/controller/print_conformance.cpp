@@ -54,7 +54,7 @@ void add_nodes(server::Server& server, const ControllerConfig& config, controlle
     nodes.cycle = config.scan;
     static_cast<void>(expect_done(controller::publish_variables(server.address_space(), plc, nodes),
                                   "the variables"));
-    load_models(server.address_space(), config.nodesets, log);
+    load_models(server, config.nodesets, log);
 }
 
 std::string lines_of(const server::ProfileAssessment& profile)

@@ -49,6 +49,9 @@ extern BUSBAR_API const Module issued_tokens;
 /// Written values are looked at by their DataTypeDefinitions: structures without a generated type,
 /// and numbers of enumerations. Without it they are taken as they come.
 extern BUSBAR_API const Module definition_checks;
+/// Which profiles and units of Part 7 the server meets (Server::conformance, ServerProfileArray,
+/// ConformanceUnits). Without it a server claims its transport and nothing else.
+extern BUSBAR_API const Module conformance;
 /// All structures of namespace 0 in values that clients send. Without it those that the other parts
 /// need are known, and what Server::types() was given; others stay as they were encoded.
 extern BUSBAR_API const Module all_types;
@@ -59,7 +62,7 @@ extern BUSBAR_API const Module all_types;
 [[nodiscard]] BUSBAR_API ModuleTable micro_modules();
 /// Methods, triggering and definition checks, for Embedded 2017 UA Server (Part 7, 6.6.69).
 [[nodiscard]] BUSBAR_API ModuleTable embedded_modules();
-/// Those and transfer, events and diagnostics, for Standard 2017 UA Server (Part 7, 6.6.71).
+/// Those and transfer, events, diagnostics and conformance, for Standard 2017 UA Server (Part 7, 6.6.71).
 [[nodiscard]] BUSBAR_API ModuleTable standard_modules();
 /// All.
 [[nodiscard]] BUSBAR_API ModuleTable full_modules();

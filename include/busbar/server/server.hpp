@@ -33,9 +33,8 @@ struct WorstCaseMemory;
 class BUSBAR_API Server {
 public:
     /// Refused, with the reason in the log too, if `environment` lacks what is required or `config`
-    /// contradicts itself, as check_config finds without making a server: an endpoint with security
-    /// and no certificate, a certificate that does not name the ApplicationUri, a plain password
-    /// that was not allowed, an URL that is none; or if there is no room for one more namespace.
+    /// contradicts itself, as check_config finds without making a server; or if there is no room
+    /// for one more namespace.
     [[nodiscard]] static Configured<Server> create(ServerConfig config,
                                                    const ServerEnvironment& environment,
                                                    model::AddressSpace address_space = {});
@@ -65,8 +64,7 @@ public:
     /// The source's index, which nodes carry. The source may be destroyed before the server, on the
     /// server's thread: see DataSource.
     std::uint32_t add_source(DataSource& source);
-    /// The same with a source, not null, that the server keeps alive until it is destroyed. For
-    /// what another thread may let go.
+    /// The same with one, not null, that the server keeps alive: for what other threads may let go.
     std::uint32_t add_source(std::shared_ptr<DataSource> source);
 
     /// Raises an event from any thread that knows the server is there; see EventQueue::raise. False
@@ -91,12 +89,10 @@ public:
     /// than a call of its own members. Each is named once, however much changed.
     [[nodiscard]] std::optional<std::uint64_t> next_changed();
 
-    /// Sets State Shutdown, raises a SystemStatusChangeEvent (Part 5, 6.4.30), and answers all but
-    /// Read, Publish and CloseSession with Bad_Shutdown; shutdown_delay later closes all
-    /// connections.
+    /// Sets State Shutdown, raises a SystemStatusChangeEvent, and answers all but Read, Publish and
+    /// CloseSession with Bad_Shutdown; ServerConfig::shutdown_delay later closes all connections.
     void begin_shutdown(TimePoint now, std::string_view reason);
-    /// True once shutdown is over, which may be earlier if nobody is connected any more: nothing
-    /// more will be sent.
+    /// True once shutdown is over, earlier if nobody is connected: nothing more will be sent.
     [[nodiscard]] bool is_stopped() const;
 
     /// Reports the next sample of each item of the Variable's value with the SemanticsChanged bit

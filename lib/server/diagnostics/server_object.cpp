@@ -88,7 +88,7 @@ Array<String> profiles(const DiagnosticsNeeds& needs)
 
 Array<QualifiedName> conformance_units(const DiagnosticsNeeds& needs)
 {
-    Array<QualifiedName> names;
+    Array<QualifiedName> names(0);
     for (const std::string_view unit : needs.conformance.units) {
         names.emplace_back(std::uint16_t{0}, String{unit});
     }

@@ -105,6 +105,20 @@ PeerLink* Core::find_link(std::uint64_t link_id) const
     return found != links.end() && (*found)->id() == link_id ? *found : nullptr;
 }
 
+void Core::claim()
+{
+    if (assess_all != nullptr) {
+        conformance = assess_all(*this);
+        return;
+    }
+    // Whatever carries the bytes, a Connection speaks it.
+    ProfileAssessment transport;
+    transport.name = "TransportUaTcp";
+    transport.uri = "http://opcfoundation.org/UA-Profile/Transport/uatcp-uasc-uabinary";
+    transport.is_claimed = true;
+    conformance.profiles = {transport};
+}
+
 void Core::sweep()
 {
     while (!to_sweep.empty()) {

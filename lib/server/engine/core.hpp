@@ -62,6 +62,8 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     Counters counters;
     /// When the server was made or, later, started.
     Conformance conformance;
+    /// Null without the module.
+    Conformance (*assess_all)(const Core& core){nullptr};
     DataSources sources;
     ServiceTable services;
     /// Outlives the items that take part in it.
@@ -110,6 +112,8 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     [[nodiscard]] PeerLink* find_link(std::uint64_t link_id) const;
     /// To be called at the end of whatever is called from outside.
     void sweep();
+    /// Assesses anew what the server meets.
+    void claim();
     /// Who hears of what node management does.
     [[nodiscard]] ModelObserver& model_observer() { return *this; }
     /// Says what the operator should know of the server's own certificate (see

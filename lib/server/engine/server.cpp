@@ -7,7 +7,6 @@
 #include <busbar/model/nodeset_types.hpp>
 
 #include "config_check.hpp"
-#include "conformance_facts.hpp"
 #include "core.hpp"
 #include "peer_link.hpp"
 #include "server/diagnostics/server_object.hpp"
@@ -87,7 +86,7 @@ Configured<Server> Server::create(ModuleTable modules, ServerConfig config,
         environment.log->write(LogLevel::Error, "server", text(complete.error()));
         return tl::unexpected{std::move(complete).error()};
     }
-    impl->conformance = assess(detail::conformance_facts(*impl));
+    impl->claim();
     return Server{std::move(impl)};
 }
 
@@ -245,7 +244,7 @@ TimePoint Server::next_deadline() const
 
 void Server::start(TimePoint now)
 {
-    impl_->conformance = assess(detail::conformance_facts(*impl_));
+    impl_->claim();
     impl_->watch_certificate(now);
 }
 

@@ -21,8 +21,8 @@ ModuleTable embedded_modules()
 ModuleTable standard_modules()
 {
     static constexpr std::array table{
-        &modules::methods,  &modules::triggering, &modules::definition_checks,
-        &modules::transfer, &modules::events,     &modules::diagnostics};
+        &modules::methods, &modules::triggering,  &modules::definition_checks, &modules::transfer,
+        &modules::events,  &modules::diagnostics, &modules::conformance};
     return table;
 }
 
@@ -33,6 +33,7 @@ ModuleTable full_modules()
         &modules::all_types,       &modules::methods,       &modules::triggering,
         &modules::transfer,        &modules::events,        &modules::diagnostics,
         &modules::node_management, &modules::issued_tokens, &modules::definition_checks,
+        &modules::conformance,
     };
     return table;
 }
