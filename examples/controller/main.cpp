@@ -16,6 +16,7 @@
 #include <busbar/controller/plc_methods.hpp>
 #include <busbar/controller/plc_nodes.hpp>
 #include <busbar/controller/plc_task.hpp>
+#include <busbar/core/text_forms.hpp>
 #include <busbar/crypto/password_hash.hpp>
 #include <busbar/net/server_loop.hpp>
 #include <busbar/net/system.hpp>
@@ -99,8 +100,8 @@ void set_names(ControllerConfig& config)
     if (server.application_uri.empty()) {
         server.application_uri = "urn:" + machine + ":busbar:controller";
     }
-    server.build.manufacturer_name = "Busbar";
-    server.build.software_version = BUSBAR_VERSION;
+    server.build = {"Busbar", BUSBAR_VERSION, BUSBAR_VERSION,
+                    parse_date_time(BUSBAR_BUILD_DATE "T00:00:00Z").value_or(DateTime{})};
     server.program = example::program_of(config);
     server.host_names = example::known_hosts(config, machine, example::interface_addresses());
 }

@@ -74,7 +74,7 @@ i=2256  ServerStatusDataType  <time>
     ManufacturerName  "Busbar"
     ProductName       "screens"
     SoftwareVersion   ")" BUSBAR_VERSION R"("
-    BuildNumber       ""
+    BuildNumber       ")" BUSBAR_VERSION R"("
     BuildDate         <date>
   SecondsTillShutdown  0
   ShutdownReason       null

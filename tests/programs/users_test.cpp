@@ -114,6 +114,34 @@ TEST_CASE("a first account whose file is damaged lets nobody in (D8)")
           }).find("operator.password: found no hash of a password, expected") != std::string::npos);
 }
 
+TEST_CASE("B1: accounts have roles, by themselves those of their access")
+{
+    struct Row {
+        std::string text;
+        std::vector<std::string> roles;
+    };
+    const Row rows[] = {
+        {account("anna", "first password"), {"Operator"}},
+        {account("anna", "first password", "read"), {"Observer"}},
+        {account("anna", "first password") + "roles = [\"SecurityAdmin\", \"ConfigureAdmin\"]\n",
+         {"SecurityAdmin", "ConfigureAdmin"}},
+        {account("anna", "first password") + "roles = []\n", {}},
+    };
+    for (const Row& row : rows) {
+        Plant plant;
+        write(plant.file, "[users]\nanonymous = \"read\"\n" + row.text);
+        plant.reload();
+        const auto user = plant.admission->users().log_in("anna", "first password");
+        REQUIRE(user);
+        CHECK(user->roles == row.roles);
+    }
+    Plant plant;
+    write(plant.file, account("anna", "first password") + "roles = [\"Boss\"]\n");
+    CHECK(complaint([&] { plant.reload(); })
+              .find("roles: found \"Boss\", expected some of: "
+                    "Observer, Operator") != std::string::npos);
+}
+
 TEST_CASE("users are read again (D6)")
 {
     Plant plant;

@@ -316,6 +316,19 @@ TEST_CASE_METHOD(EventFixture, "fields that no response can take give way to a r
     CHECK(events[0].event_fields[1] == Variant{event.message});
 }
 
+TEST_CASE_METHOD(EventFixture, "the end of the server is an event, of the time where it stands")
+{
+    monitor(client, id, event_request(selecting({"EventType", "SystemState", "LocalTime"})));
+    server.begin_shutdown(now, "maintenance");
+    const auto events = next_events(client);
+    REQUIRE(events.size() == 1);
+    CHECK(events[0].event_fields[0] == Variant{NodeId{0, id::SystemStatusChangeEventType}});
+    CHECK(events[0].event_fields[1] == Variant{ServerState::Shutdown});
+    const auto* const time = events[0].event_fields[2].get_if<ExtensionObject>();
+    REQUIRE(time != nullptr);
+    CHECK(time->get_if<TimeZoneDataType>() != nullptr);
+}
+
 TEST_CASE_METHOD(EventFixture, "A9: events do not wait for data that never ends")
 {
     auto request = subscription_request();

@@ -62,7 +62,8 @@ extern BUSBAR_API const Module all_types;
 [[nodiscard]] BUSBAR_API ModuleTable micro_modules();
 /// Methods, triggering and definition checks, for Embedded 2017 UA Server (Part 7, 6.6.69).
 [[nodiscard]] BUSBAR_API ModuleTable embedded_modules();
-/// Those and transfer, events, diagnostics and conformance, for Standard 2017 UA Server (Part 7, 6.6.71).
+/// Those and transfer, events, diagnostics and conformance, for Standard 2017 UA Server (Part 7,
+/// 6.6.71).
 [[nodiscard]] BUSBAR_API ModuleTable standard_modules();
 /// All.
 [[nodiscard]] BUSBAR_API ModuleTable full_modules();
