@@ -5,6 +5,10 @@
 #include <unordered_map>
 #include <vector>
 
+#include <model/nodeset/node_flags.hpp>
+
+#include "hierarchy.hpp"
+
 namespace busbar::generator {
 
 namespace {
