@@ -295,6 +295,46 @@ TEST_CASE_METHOD(DiagnosticsFixture, "B1: security diagnostics are for SecurityA
     CHECK(array<SessionDiagnosticsDataType>(client, sessions_array).size() == 2);
 }
 
+TEST_CASE_METHOD(DiagnosticsFixture, "B7: a session is its creator's, whoever has it later")
+{
+    TestClient client = log_in_as("operator");
+    REQUIRE(client.activate(client.user("admin", "admin-secret")) == status::Good);
+    REQUIRE(client.activate(client.user("admin", "admin-secret")) == status::Good);
+    const auto sessions = array<SessionSecurityDiagnosticsDataType>(client, security_array);
+    REQUIRE(sessions.size() == 1);
+    CHECK(sessions[0].client_user_id_of_session == "operator");
+    CHECK(sessions[0].client_user_id_history == Array<String>{"operator", "admin"});
+    for (int i = 0; i < 20; ++i) { // as many as there is room for
+        REQUIRE(client.activate(client.user("operator", "operator-secret")) == status::Good);
+        REQUIRE(client.activate(client.user("admin", "admin-secret")) == status::Good);
+    }
+    const auto later = array<SessionSecurityDiagnosticsDataType>(client, security_array);
+    CHECK(later[0].client_user_id_of_session == "operator");
+    CHECK(later[0].client_user_id_history.size() == 8);
+    CHECK(later[0].client_user_id_history[7] == "admin");
+}
+
+TEST_CASE_METHOD(DiagnosticsFixture, "B7: Views are counted")
+{
+    TestClient client = log_in();
+    constexpr std::uint32_t views =
+        id::Server_ServerDiagnostics_ServerDiagnosticsSummary_ServerViewCount;
+    CHECK(number(client, views) == 0);
+    auto& space = server.address_space();
+    model::NewNode folder;
+    folder.id = NodeId{1, "folder"};
+    folder.browse_name = QualifiedName{1, "folder"};
+    folder.parent = space.find(id::ViewsFolder);
+    const auto below = space.add_folder(folder);
+    REQUIRE(below);
+    model::NewNode view = folder;
+    view.id = NodeId{1, "view"};
+    view.browse_name = QualifiedName{1, "view"};
+    view.parent = *below;
+    REQUIRE(space.add_view(view));
+    CHECK(number(client, views) == 1);
+}
+
 TEST_CASE_METHOD(DiagnosticsFixture, "diagnostics are switched off and begin anew")
 {
     TestClient reader = log_in();

@@ -47,14 +47,20 @@ StatusCode check_quality(std::uint8_t access_level, const DataValue& data)
     return is_refused ? status::Bad_WriteNotSupported : status::Good;
 }
 
+/// A structure of no type at all.
+bool is_nothing(const Variant& value)
+{
+    const auto* const object = value.get_if<ExtensionObject>();
+    return object != nullptr && object->is_null();
+}
+
 /// A part has the shape of its range, which is for whoever replaces it to check.
 StatusCode check_type(const model::AddressSpace& space, const model::VariableAttributes& variable,
                       const Variant& value, bool is_part)
 {
-    const auto* const object = value.get_if<ExtensionObject>();
-    if (object != nullptr && object->is_null() &&
+    if (is_nothing(value) && space.is_subtype_of(variable.data_type, id::Structure) &&
         !space.node_id(variable.data_type).is(id::Structure)) {
-        return status::Bad_TypeMismatch; // of no type at all
+        return status::Bad_TypeMismatch;
     }
     if (!is_part) {
         return space.check_value(value, variable.data_type, variable.value_rank,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <set>
+#include <unordered_set>
 #include <vector>
 
 #include <busbar/types/ids.hpp>
@@ -30,21 +31,25 @@ Variant structures(const Range& range, Describe describe)
 }
 
 /// Views below the folder of Views, as far as that is reasonable.
-std::size_t count_views(const model::AddressSpace& space)
+std::uint32_t count_views(const model::AddressSpace& space)
 {
     constexpr std::size_t most = 1'000;
-    std::vector<model::NodeIndex> nodes{space.find(id::ViewsFolder)};
-    std::size_t views = 0;
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-        views += space.node_class(nodes[i]) == NodeClass::View ? 1U : 0U;
-        model::ReferenceCursor cursor = space.references(nodes[i]);
-        while (const auto reference = cursor.next()) {
-            const bool is_below = reference->is_forward &&
-                                  space.is_subtype_of(reference->type, id::Organizes) &&
-                                  nodes.size() < most;
-            if (is_below &&
-                std::find(nodes.begin(), nodes.end(), reference->target) == nodes.end()) {
-                nodes.push_back(reference->target);
+    std::vector<model::NodeIndex> open{space.find(id::ViewsFolder)};
+    std::unordered_set<model::NodeIndex> seen{open.front()};
+    std::uint32_t views = 0;
+    while (!open.empty()) {
+        const model::NodeIndex node = open.back();
+        open.pop_back();
+        views += space.node_class(node) == NodeClass::View ? 1U : 0U;
+        model::ReferenceCursor cursor = space.references(node);
+        while (seen.size() < most) {
+            const auto reference = cursor.next();
+            if (!reference) {
+                break;
+            }
+            if (reference->is_forward && space.is_subtype_of(reference->type, id::Organizes) &&
+                seen.insert(reference->target).second) {
+                open.push_back(reference->target);
             }
         }
     }
@@ -54,7 +59,6 @@ std::size_t count_views(const model::AddressSpace& space)
 Summary summarise(const DiagnosticsNeeds& needs)
 {
     Summary summary = needs.counters.summary;
-    summary.server_view_count = count(count_views(needs.space));
     summary.current_session_count = count(needs.sessions.size());
     summary.current_subscription_count = count(needs.subscriptions.size());
     std::set<Duration> intervals;
@@ -62,6 +66,13 @@ Summary summarise(const DiagnosticsNeeds& needs)
         intervals.insert(subscription->parameters().publishing_interval);
     }
     summary.publishing_interval_count = count(intervals.size());
+    return summary;
+}
+
+Summary with_views(const DiagnosticsNeeds& needs)
+{
+    Summary summary = summarise(needs);
+    summary.server_view_count = count_views(needs.space);
     return summary;
 }
 
@@ -82,6 +93,9 @@ Variant sampling_intervals(const DiagnosticsNeeds& needs)
     return all;
 }
 
+constexpr std::uint32_t view_count =
+    id::Server_ServerDiagnostics_ServerDiagnosticsSummary_ServerViewCount;
+
 struct SummaryCounter {
     std::uint32_t id;
     std::uint32_t Summary::*counter;
@@ -89,8 +103,7 @@ struct SummaryCounter {
 
 /// Components of the ServerDiagnosticsSummary (Part 5, 7.8).
 constexpr std::array summary_counters{
-    SummaryCounter{id::Server_ServerDiagnostics_ServerDiagnosticsSummary_ServerViewCount,
-                   &Summary::server_view_count},
+    SummaryCounter{view_count, &Summary::server_view_count},
     SummaryCounter{id::Server_ServerDiagnostics_ServerDiagnosticsSummary_CurrentSessionCount,
                    &Summary::current_session_count},
     SummaryCounter{id::Server_ServerDiagnostics_ServerDiagnosticsSummary_CumulatedSessionCount,
@@ -123,7 +136,7 @@ Result<Variant> structure_value(const DiagnosticsNeeds& needs, std::uint32_t id,
 {
     switch (id) {
     case id::Server_ServerDiagnostics_ServerDiagnosticsSummary:
-        return ExtensionObject::from(summarise(needs));
+        return ExtensionObject::from(with_views(needs));
     case id::Server_ServerDiagnostics_SubscriptionDiagnosticsArray:
         return structures(needs.subscriptions.all(), [&](const Subscription& subscription) {
             return describe_subscription(needs.counters, subscription);
@@ -152,7 +165,8 @@ Result<Variant> diagnostic_value(const DiagnosticsNeeds& needs, std::uint32_t id
         std::find_if(summary_counters.begin(), summary_counters.end(),
                      [id](const SummaryCounter& entry) { return entry.id == id; });
     const bool is_counter = counter != summary_counters.end();
-    auto value = is_counter ? Result<Variant>{summarise(needs).*counter->counter}
+    const auto summary = id == view_count ? with_views : summarise;
+    auto value = is_counter ? Result<Variant>{summary(needs).*counter->counter}
                             : structure_value(needs, id, reader);
     const bool is_ours = value || value.error() != status::Bad_NodeIdUnknown;
     if (is_ours && !needs.counters.is_enabled()) {
