@@ -67,13 +67,14 @@ severity = 600
 message = "The door was opened"
 `;
 
-function account(program) {
-  const hash = spawnSync(program, ["--hash-password"], { input: `${user.password}\n`, encoding: "utf8" });
+function account(program, { userName, password, roles }) {
+  const hash = spawnSync(program, ["--hash-password"], { input: `${password}\n`, encoding: "utf8" });
   if (hash.status !== 0) throw new Error(`--hash-password failed: ${hash.stderr}`);
   return `
 [[users.account]]
-name = "${user.userName}"
+name = "${userName}"
 password = "${hash.stdout.trim()}"
+${roles ? `roles = ${JSON.stringify(roles)}` : ""}
 `;
 }
 
@@ -95,7 +96,7 @@ export const openHouse = {
  * fill the folder of the certificates before it starts.
  */
 export async function startController({ endpoints, trustsAll = false, users, prepare, nodesets = [],
-  reverseUrls = [], discoveryUrl = "", address = "" } = openHouse) {
+  reverseUrls = [], discoveryUrl = "", address = "", accounts = [] } = openHouse) {
   const program = process.env.BUSBAR_CONTROLLER;
   const folder = mkdtempSync(join(tmpdir(), "busbar-interop-"));
   const certificates = join(folder, "pki");
@@ -119,7 +120,7 @@ trust_all_clients = ${trustsAll}
 ${endpoints.map(endpoint).join("")}
 [users]
 ${users}
-${account(program)}
+${[user, ...accounts].map((each) => account(program, each)).join("")}
 ${plc}`);
   const child = spawn(program, ["--config", config], { stdio: ["ignore", "pipe", "pipe"] });
   let output = "";
