@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include <optional>
 #include <string>
 
 #include <busbar/types/view.hpp>
@@ -260,7 +261,12 @@ server::ServerConfig many_references()
 }
 
 struct ReferenceFixture : Outside, ServerFixture {
-    ReferenceFixture() : ServerFixture{no_waker, many_references(), &rights}, client{log_in()} {}
+    ReferenceFixture() : ServerFixture{no_waker, many_references(), &rights}
+    {
+        // Whom the RolePermissions of namespace 0, too, let refer to any node.
+        users.everybody.roles = {"ConfigureAdmin"};
+        client.emplace(log_in());
+    }
 
     /// From the Objects folder to that node.
     StatusCode add(std::uint32_t id)
@@ -274,11 +280,11 @@ struct ReferenceFixture : Outside, ServerFixture {
         item.target_node_class = space.node_class(space.find(id));
         AddReferencesRequest request;
         request.references_to_add = {item};
-        const auto response = client.call<AddReferencesResponse>(request);
+        const auto response = client->call<AddReferencesResponse>(request);
         return response ? response->results[0] : response.error();
     }
 
-    TestClient client;
+    std::optional<TestClient> client;
 };
 
 } // namespace
