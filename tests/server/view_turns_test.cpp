@@ -38,6 +38,36 @@ TEST_CASE_METHOD(ViewFixture, "D2: a Browse says the same in however many turns"
     }
 }
 
+TEST_CASE_METHOD(ViewFixture, "D2: what a Browse has found outlasts the nodes that it found")
+{
+    add_children(100);
+    for (int i = 0; i < 100; ++i) { // a block of their own each, which goes with them
+        add_int32("a name that is too long to lie anywhere but in memory of its own " +
+                      std::to_string(i),
+                  folder);
+    }
+    BrowseRequest request;
+    request.nodes_to_browse = {description(node("folder"))};
+    BrowseResponse response;
+    BrowseWork work;
+    ViewContext view = context();
+    REQUIRE(work.begin(view, request, response) == status::Good);
+    view.turn = Turn{Turn::units_of_reference * 150};
+    REQUIRE_FALSE(work.go_on(view, request, response));
+    const Names before = names(response.results[0]);
+    REQUIRE(before.size() > 120);
+    const auto last = response.results[0].references.end() - 1;
+    const NodeId found = last->node_id.node_id;
+    REQUIRE(space.remove(space.find(found)));
+    for (int i = 0; i < 200; ++i) { // in the memory of the one that is gone
+        add_int32("another name, as long as the others are, that lies in its memory " +
+                      std::to_string(i),
+                  objects);
+    }
+    CHECK(names(response.results[0]) == before);
+    CHECK(last->node_id.node_id == found);
+}
+
 TEST_CASE_METHOD(ViewFixture, "D2: a node that changes between two turns is browsed as it is then")
 {
     add_children(100);

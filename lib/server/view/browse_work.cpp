@@ -1,6 +1,7 @@
 #include "browse_work.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <busbar/types/ids.hpp>
 
@@ -81,6 +82,41 @@ StatusCode check_place(const ViewContext& context, const BrowsePlace& place)
     return is_valid ? status::Good : status::Bad_ContinuationPointInvalid;
 }
 
+bool is_borrowed(const NodeId& id)
+{
+    switch (id.id_type()) {
+    case IdType::String:
+        return !id.string().is_owned();
+    case IdType::Opaque:
+        return !id.opaque().is_owned();
+    default:
+        return false;
+    }
+}
+
+bool is_borrowed(const ReferenceDescription& described)
+{
+    return !described.browse_name.name.is_owned() || !described.display_name.text.is_owned() ||
+           !described.display_name.locale.is_owned() || is_borrowed(described.node_id.node_id) ||
+           is_borrowed(described.reference_type_id) ||
+           is_borrowed(described.type_definition.node_id);
+}
+
+/// Gives results from `from` on, up to and with the one that goes on, texts of their own: the nodes
+/// whose texts they are may go away before the next turn.
+void keep_results(Array<BrowseResult>& results, std::size_t& from, std::size_t next)
+{
+    for (std::size_t i = from; i <= next && i < results.size(); ++i) {
+        for (ReferenceDescription& described : results[i].references) {
+            if (is_borrowed(described)) {
+                ReferenceDescription own{std::as_const(described)}; // a copy owns
+                described = std::move(own);
+            }
+        }
+    }
+    from = next;
+}
+
 /// Forgets what was found of a node that cannot be browsed any further.
 void give_up(ViewContext& context, BrowsePlace& place, BrowseResult& result, StatusCode status)
 {
@@ -114,6 +150,16 @@ StatusCode BrowseWork::begin(ViewContext& context, const BrowseRequest& request,
 }
 
 bool BrowseWork::go_on(ViewContext& context, const BrowseRequest& request, BrowseResponse& response)
+{
+    const bool is_complete = take_turn(context, request, response);
+    if (!is_complete) {
+        keep_results(response.results, kept_, next_);
+    }
+    return is_complete;
+}
+
+bool BrowseWork::take_turn(ViewContext& context, const BrowseRequest& request,
+                           BrowseResponse& response)
 {
     // Looked for in each turn: it may be another index, or gone.
     view_ =
@@ -167,6 +213,16 @@ StatusCode BrowseNextWork::begin(ViewContext& context, const BrowseNextRequest& 
 
 bool BrowseNextWork::go_on(ViewContext& context, const BrowseNextRequest& request,
                            BrowseNextResponse& response)
+{
+    const bool is_complete = take_turn(context, request, response);
+    if (!is_complete) {
+        keep_results(response.results, kept_, next_);
+    }
+    return is_complete;
+}
+
+bool BrowseNextWork::take_turn(ViewContext& context, const BrowseNextRequest& request,
+                               BrowseNextResponse& response)
 {
     while (next_ < response.results.size()) {
         if (context.turn.is_over()) {

@@ -32,7 +32,12 @@ public:
                              BrowseResponse& response);
 
 private:
+    [[nodiscard]] bool take_turn(ViewContext& context, const BrowseRequest& request,
+                                 BrowseResponse& response);
+
     std::size_t next_{0};
+    /// Results before it have texts of their own.
+    std::size_t kept_{0};
     BrowsePlace place_;
     model::NodeIndex view_{model::no_node};
     std::uint32_t max_references_{0};
@@ -47,7 +52,11 @@ public:
                              BrowseNextResponse& response);
 
 private:
+    [[nodiscard]] bool take_turn(ViewContext& context, const BrowseNextRequest& request,
+                                 BrowseNextResponse& response);
+
     std::size_t next_{0};
+    std::size_t kept_{0};
     BrowsePlace place_;
 };
 

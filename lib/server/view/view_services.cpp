@@ -107,7 +107,7 @@ private:
     void pause(ServiceContext&) override
     {
         owed_ = (references_left_ - view_->references_left) * sizeof(BrowsePathTarget) +
-                walk_.held() - std::min(paid_for_walk_, walk_.held());
+                view_->text_bytes + walk_.held() - std::min(paid_for_walk_, walk_.held());
         paid_for_walk_ = std::max(paid_for_walk_, walk_.held());
         visits_left_ = view_->visits_left;
         references_left_ = view_->references_left;

@@ -2,6 +2,7 @@
 #include <utility>
 #include <vector>
 
+#include <busbar/binary/codec.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "view_context.hpp"
@@ -212,7 +213,10 @@ std::optional<BrowsePathResult> PathWalk::go_on(ViewContext& context, const Brow
     result.targets.reserve(from_.size());
     for (auto target = from_.rbegin(); target != from_.rend(); ++target) {
         BrowsePathTarget& to = result.targets.emplace_back();
-        to.target_id.node_id = context.space.node_id(target->index);
+        // A copy: the node may go away before the response has all of its paths.
+        const NodeId id = context.space.node_id(target->index);
+        to.target_id.node_id = id;
+        context.text_bytes += id.is_numeric() ? 0 : binary::encoded_size(id);
         // The whole path was followed (Part 4, 5.9.4.2).
         to.remaining_path_index = UINT32_MAX;
     }
