@@ -43,15 +43,6 @@ bool EndedSubscriptions::sweep(std::size_t items)
     return has_some;
 }
 
-bool EndedSubscriptions::sweep_one()
-{
-    if (all_.empty()) {
-        return false;
-    }
-    all_.pop_back();
-    return true;
-}
-
 void EndedSubscriptions::clear()
 {
     all_.clear();

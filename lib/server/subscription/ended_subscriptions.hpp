@@ -22,8 +22,6 @@ public:
     void add(std::unique_ptr<Subscription> subscription);
     /// Removes that many items at most; false if there is none.
     bool sweep(std::size_t items);
-    /// Removes one whole; false if there is none.
-    bool sweep_one();
     [[nodiscard]] std::size_t size() const { return all_.size(); }
     void clear();
     void expire(TimePoint now) override;

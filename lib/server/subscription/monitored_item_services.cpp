@@ -78,10 +78,14 @@ MonitoredItemCreateResult create_one(const ItemContext& context,
     ItemRevision revision;
     MonitoredItemCreateResult result;
     std::unique_ptr<MonitoredItem> made;
+    // Those that go away make room, a few for each item that is made.
+    constexpr int most_rounds = 8;
+    int rounds = 0;
     do {
         revision = {};
         made = make_item(context, request, timestamps, revision);
-    } while (revision.status == status::Bad_TooManyMonitoredItems && context.all.sweep_ended());
+    } while (revision.status == status::Bad_TooManyMonitoredItems && ++rounds < most_rounds &&
+             context.all.sweep_ended());
     result.status_code = revision.status;
     result.filter_result = std::move(revision.filter_result);
     if (made == nullptr) {

@@ -56,7 +56,12 @@ Result<Subscription*> SubscriptionTable::create(Session& session,
         return fail(status::Bad_TooManySubscriptions);
     }
     // Those that go away have memory, too: worst_case_memory() counts max_subscriptions of both.
-    while (size() + ended_.size() >= limits.max_subscriptions && ended_.sweep_one()) {
+    constexpr std::size_t items_at_once = 1'000;
+    if (size() + ended_.size() >= limits.max_subscriptions) {
+        static_cast<void>(ended_.sweep(items_at_once));
+    }
+    if (size() + ended_.size() >= limits.max_subscriptions) {
+        return fail(status::Bad_TooManySubscriptions);
     }
     const std::uint32_t id = new_id();
     ++needs_.counters.summary.cumulated_subscription_count;
