@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <busbar/binary/codec.hpp>
 
@@ -49,7 +50,7 @@ bool ReadJob::plan(const ReadContext& context, Turn& turn)
     do {
         const std::size_t before = writer_.written();
         plan_one(context, planned_, ids[planned_]);
-        turn.spend(Turn::units_of_value + writer_.written() - before);
+        turn.spend(Turn::units_of_value + writer_.written() - before + std::exchange(cut_, 0));
         ++planned_;
     } while (planned_ < ids.size() && fits() && !turn.is_over());
     return planned_ == ids.size() || !fits();
@@ -60,6 +61,7 @@ void ReadJob::take_answer(std::size_t index, DataValue answer, const NumericRang
     ReadSlot slot;
     static_cast<DataValue&>(slot) = std::move(answer);
     if (range != nullptr) {
+        cut_ = binary::encoded_size(slot.value);
         cut_range(slot, *range);
         ranges_->pop_back();
     }

@@ -93,6 +93,8 @@ private:
     binary::VectorSink sink_;
     binary::Writer writer_;
     std::vector<Encoded> encoded_;
+    /// Bytes of the last value before it was cut.
+    std::size_t cut_{0};
     std::shared_ptr<std::vector<Range>> ranges_;
 };
 

@@ -43,11 +43,11 @@ bool WriteOperation::plan(ServiceContext& context)
 void WriteOperation::take_turn(ServiceContext& context)
 {
     is_planning_ = !plan(context);
+    needs_.observer.kept_values_written();
     if (context.peer.has_thrown()) { // before a source is given anything
         return fault(status::Bad_InternalError);
     }
     const bool is_complete = !is_planning_ && job_->start(*this, context.now);
-    needs_.observer.kept_values_written();
     if (is_complete) {
         call_completed();
     }
