@@ -94,7 +94,10 @@ LocalizedText text_of(const Variant& value, const Array<EnumValueType>& enum_val
 StatusCode check_state(const SpaceReader& space, NodeIndex variable, const Variant& value)
 {
     const std::optional<std::int64_t> number = integer_of(value);
-    const States states = number ? states_of(space, variable) : States{};
+    const States states = value.is_scalar() ? states_of(space, variable) : States{};
+    if (!number && (states.strings != no_node || states.values != no_node)) {
+        return status::Bad_OutOfRange;
+    }
     if (states.strings != no_node) {
         const Variant strings = space.value(states.strings);
         const auto* const texts = strings.array_if<LocalizedText>();

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstring>
 #include <utility>
 
 #include "subscriber.hpp"
@@ -108,7 +109,11 @@ void Subscriber::create_session()
     request.client_description.application_type = ApplicationType::Client;
     request.endpoint_url = "opc.tcp://localhost:4840";
     request.session_name = "simulated";
-    request.client_nonce = ByteString{std::vector<std::byte>(32, std::byte{7})};
+    static std::uint64_t sessions = 0; // each has a nonce of its own
+    ++sessions;
+    std::vector<std::byte> nonce(32);
+    std::memcpy(nonce.data(), &sessions, sizeof sessions);
+    request.client_nonce = ByteString{std::move(nonce)};
     request.requested_session_timeout = static_cast<double>(session_timeout.count());
     if (habits_.is_secure) {
         request.client_certificate = ByteString{client_identity().certificates.front().der()};

@@ -87,7 +87,7 @@ Variant sampling_intervals(const DiagnosticsNeeds& needs)
             entry.monitored_item_count = count(items.enabled + items.disabled);
             entry.max_monitored_item_count = count(items.most);
             entry.disabled_monitored_item_count = count(items.disabled);
-            all.push_back(ExtensionObject::from(std::move(entry)));
+            all.push_back(ExtensionObject::from(entry));
         }
     }
     return all;

@@ -230,11 +230,11 @@ StatusCode create_session(const SessionNeeds& needs, ServiceContext& context,
 {
     const bool is_secure = !context.peer.channel().security().policy->is_none();
     const auto admitted = check(needs, context, request)
-                              .and_then([&] { return make_place(needs, context); })
                               .and_then([&] {
                                   return is_secure ? use_nonce(needs.sessions, request.client_nonce)
                                                    : Checked<void>{};
-                              });
+                              })
+                              .and_then([&] { return make_place(needs, context); });
     if (!admitted) {
         explain(context.peer.log(), "session", admitted.error());
         return admitted.error().status;
