@@ -74,6 +74,14 @@ bool is_among(const Array<EnumValueType>& values, std::int64_t number)
     return false;
 }
 
+Result<void> set_text(AddressSpace& space, NodeIndex variable, NodeIndex values, NodeIndex as_text)
+{
+    return as_text == no_node
+               ? Result<void>{}
+               : space.set_value(as_text, detail::text_of(space.value(variable),
+                                                          enum_values_of(space.value(values))));
+}
+
 } // namespace
 
 namespace detail {
@@ -93,48 +101,41 @@ LocalizedText text_of(const Variant& value, const Array<EnumValueType>& enum_val
 
 StatusCode check_state(const SpaceReader& space, NodeIndex variable, const Variant& value)
 {
-    const std::optional<std::int64_t> number = integer_of(value);
     const States states = value.is_scalar() ? states_of(space, variable) : States{};
-    if (!number && (states.strings != no_node || states.values != no_node)) {
-        return status::Bad_OutOfRange;
-    }
+    const std::optional<std::int64_t> number = integer_of(value);
+    bool is_known = true;
     if (states.strings != no_node) {
         const Variant strings = space.value(states.strings);
         const auto* const texts = strings.array_if<LocalizedText>();
-        const bool is_known =
-            texts == nullptr || (*number >= 0 && std::cmp_less(*number, texts->size()));
-        return is_known ? status::Good : status::Bad_OutOfRange;
-    }
-    if (states.values != no_node) {
+        is_known =
+            texts == nullptr || (number && *number >= 0 && std::cmp_less(*number, texts->size()));
+    } else if (states.values != no_node) {
         const Array<EnumValueType> values = enum_values_of(space.value(states.values));
-        return values.empty() || is_among(values, *number) ? status::Good : status::Bad_OutOfRange;
+        is_known = values.empty() || (number && is_among(values, *number));
     }
-    return status::Good;
+    return is_known ? status::Good : status::Bad_OutOfRange;
 }
 
 void update_value_as_text(AddressSpace& space, NodeIndex variable)
 {
     const States states = states_of(space, variable);
-    const NodeIndex as_text =
-        states.values != no_node ? find_by_path(space, variable, "ValueAsText") : no_node;
-    if (as_text != no_node) {
+    if (states.values != no_node) {
         static_cast<void>(
-            space.set_value(as_text, detail::text_of(space.value(variable),
-                                                     enum_values_of(space.value(states.values)))));
+            set_text(space, variable, states.values, find_by_path(space, variable, "ValueAsText")));
     }
 }
 
 Result<void> set_multi_state_value(AddressSpace& space, NodeIndex node, Variant value)
 {
-    if (find_by_path(space, node, "EnumValues") == no_node ||
-        find_by_path(space, node, "ValueAsText") == no_node) {
+    const NodeIndex values = find_by_path(space, node, "EnumValues");
+    const NodeIndex as_text = find_by_path(space, node, "ValueAsText");
+    if (values == no_node || as_text == no_node) {
         return fail(status::Bad_NotFound);
     }
     if (auto set = space.set_value(node, std::move(value)); !set) {
         return set;
     }
-    update_value_as_text(space, node);
-    return {};
+    return set_text(space, node, values, as_text);
 }
 
 } // namespace busbar::model

@@ -167,6 +167,10 @@ TEST_CASE_METHOD(KeptValues, "B12: MultiStateDiscrete has the values that EnumSt
     CHECK(write(state, DataValue{Variant{std::uint32_t{1}}}) == status::Good);
     CHECK(write(state, DataValue{Variant{std::uint32_t{2}}}) == status::Bad_OutOfRange);
     CHECK(read(state).value == Variant{std::uint32_t{1}});
+    // There are none at all.
+    const auto strings = find_by_path(space, space.find(state), "EnumStrings");
+    REQUIRE(space.set_value(strings, Variant{Array<LocalizedText>(0)}));
+    CHECK(write(state, DataValue{Variant{std::uint32_t{0}}}) == status::Bad_OutOfRange);
 }
 
 TEST_CASE_METHOD(KeptValues, "B12: ValueAsText follows a MultiStateValueDiscrete that is written")

@@ -1,5 +1,7 @@
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+
 #include "attribute_fixture.hpp"
 
 using namespace busbar;
@@ -61,4 +63,48 @@ TEST_CASE_METHOD(AttributeFixture, "D2: a Read sees that what it looked up is go
         space.bind(space.find(level), 0, 0);
     }
     CHECK(job.is_outdated(space));
+}
+
+TEST_CASE_METHOD(AttributeFixture, "D2: of a value that a range cuts all counts in a turn")
+{
+    model::NewVariable variable;
+    variable.data_type = NodeId{0, id::Int32};
+    variable.value_rank = 1;
+    variable.value = Variant{Array<std::int32_t>(10'000)};
+    variable.access_level = model::Access::ReadWrite;
+    const NodeId list = add("List", variable);
+    constexpr std::size_t count = 50;
+    std::size_t turns = 0;
+    SECTION("read")
+    {
+        ReadRequest request = read_request({});
+        request.nodes_to_read.resize(count);
+        std::fill(request.nodes_to_read.begin(), request.nodes_to_read.end(),
+                  read_value_id(list, AttributeId::Value, "0"));
+        server::detail::ReadJob job{sources, request};
+        for (bool is_planned = false; !is_planned; ++turns) {
+            server::detail::Turn turn{10'000};
+            is_planned = plan(job, turn);
+        }
+        CHECK(results(job)[count - 1].value == Variant{Array<std::int32_t>(1)});
+    }
+    SECTION("written")
+    {
+        WriteRequest request;
+        request.nodes_to_write.resize(count);
+        for (WriteValue& value : request.nodes_to_write) {
+            value.node_id = list;
+            value.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
+            value.index_range = "0";
+            value.value = DataValue{Variant{Array<std::int32_t>{7}}};
+        }
+        server::detail::WriteJob job{sources, request};
+        for (bool is_planned = false; !is_planned; ++turns) {
+            server::detail::Turn turn{10'000};
+            is_planned =
+                job.plan({space, sources, {space, user, control}, definitions, server_time}, turn);
+        }
+        CHECK(read(list, AttributeId::Value, "0").value == Variant{Array<std::int32_t>{7}});
+    }
+    CHECK(turns == count);
 }

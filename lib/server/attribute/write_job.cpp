@@ -1,6 +1,7 @@
 #include "write_job.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <busbar/binary/codec.hpp>
 #include <busbar/core/attribute_id.hpp>
@@ -85,13 +86,15 @@ bool stands_for_byte_array(const model::AddressSpace& space,
 }
 
 /// Replaces a value that the address space keeps, and its status and source timestamp (Part 4,
-/// 5.11.4.2): now where the client sends none.
+/// 5.11.4.2): now where the client sends none. `copied` becomes the bytes of what a range is of.
 StatusCode replace_kept(const WriteContext& context, model::NodeIndex node,
-                        const NumericRange* range, const DataValue& data)
+                        const NumericRange* range, const DataValue& data, std::size_t& copied)
 {
-    DataValue whole = data;
+    DataValue whole{range != nullptr ? context.space.value(node) : data.value, data.status,
+                    data.source_timestamp};
+    whole.source_picoseconds = data.source_picoseconds;
     if (range != nullptr) {
-        whole.value = context.space.value(node);
+        copied = binary::encoded_size(whole.value);
         if (const auto written = write_range(whole.value, *range, data.value); !written) {
             return written.error();
         }
@@ -131,7 +134,7 @@ bool WriteJob::plan(const WriteContext& context, Turn& turn)
         if (const auto answer = plan_one(context, planned_, values[planned_])) {
             call_.answer(planned_) = *answer;
         }
-        turn.spend(Turn::units_of_value);
+        turn.spend(Turn::units_of_value + std::exchange(copied_, 0));
         ++planned_;
     } while (planned_ < values.size() && !turn.is_over());
     return planned_ == values.size();
@@ -192,7 +195,7 @@ std::optional<StatusCode> WriteJob::plan_value(const WriteContext& context, std:
         return bad;
     }
     if (variable.source == model::no_source) {
-        return replace_kept(context, target.node, *range, *data);
+        return replace_kept(context, target.node, *range, *data, copied_);
     }
     const auto* source = context.sources.find(variable.source);
     if (source == nullptr) {

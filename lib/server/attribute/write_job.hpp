@@ -86,6 +86,8 @@ private:
 
     const WriteRequest& request_;
     std::size_t planned_{0};
+    /// Bytes of the last kept value that a range was of.
+    std::size_t copied_{0};
     std::uint64_t rebindings_{0};
     SourceWrite call_;
     std::shared_ptr<Memory> memory_;

@@ -50,7 +50,7 @@ Checked<void> use_nonce(SessionTable& sessions, const ByteString& nonce)
 {
     if (!sessions.nonces.take(nonce.span())) {
         return refuse({status::Bad_NonceInvalid, "client nonce",
-                       "the same as for one of the last sessions", "Part 4, 5.7.2.2 and 7.37",
+                       "the same as for one of the last sessions", "Part 4, 5.7.2.2",
                        "Let the client make a random nonce for each session"});
     }
     return {};

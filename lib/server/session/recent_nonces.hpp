@@ -9,7 +9,8 @@
 
 namespace busbar::server::detail {
 
-/// The client nonces of the last sessions, as hashes: one must not be used again (Part 4, 7.37).
+/// The client nonces of the last sessions, as hashes: one must not be used again (Part 4,
+/// 5.7.2.2).
 class RecentNonces {
 public:
     /// False for one that is among them; else it is from now on, in the place of the oldest.
