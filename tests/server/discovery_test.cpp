@@ -106,3 +106,45 @@ TEST_CASE("a server without open endpoints can still be discovered, unless that 
     CHECK(endpoints(client, "opc.tcp://localhost:4840").size() == (expected ? 2U : 0U));
     CHECK(client.is_closed() == !expected);
 }
+
+TEST_CASE("FindServersOnNetwork tells of the servers of the configuration (Part 4, 5.5.3)")
+{
+    auto config = ServerFixture::insecure_config();
+    for (const char* name : {"press", "robot", "oven"}) {
+        config.network_servers.push_back(
+            {name, std::string{"opc.tcp://"} + name + ":4840", {"DA"}});
+    }
+    config.network_servers[1].capabilities = {"DA", "HD"};
+    ServerFixture fixture{std::move(config)};
+    auto client = fixture.connect();
+    const auto records = [&](std::uint32_t after, std::uint32_t most, Array<String> wanted) {
+        FindServersOnNetworkRequest request;
+        request.starting_record_id = after;
+        request.max_records_to_return = most;
+        request.server_capability_filter = std::move(wanted);
+        const auto response = client.call<FindServersOnNetworkResponse>(request);
+        REQUIRE(response);
+        CHECK(response->last_counter_reset_time == today);
+        std::vector<std::uint32_t> ids;
+        for (const ServerOnNetwork& server : response->servers) {
+            ids.push_back(server.record_id);
+        }
+        return ids;
+    };
+    using Ids = std::vector<std::uint32_t>;
+    CHECK(records(0, 0, {}) == Ids{1, 2, 3});
+    CHECK(records(1, 0, {}) == Ids{2, 3});
+    CHECK(records(1, 1, {}) == Ids{2});
+    CHECK(records(3, 0, {}) == Ids{});
+    CHECK(records(UINT32_MAX, UINT32_MAX, {}) == Ids{});
+    CHECK(records(0, 0, {"hd", "da"}) == Ids{2});
+    CHECK(records(0, 0, {"LDS"}) == Ids{});
+}
+
+TEST_CASE("FindServersOnNetwork is not there where no servers are configured")
+{
+    ServerFixture fixture;
+    auto client = fixture.connect();
+    CHECK(client.status_of<FindServersOnNetworkResponse>(FindServersOnNetworkRequest{}) ==
+          status::Bad_ServiceUnsupported);
+}

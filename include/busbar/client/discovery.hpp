@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -17,6 +19,14 @@ BUSBAR_API RequestId find_servers(Requester& requester, std::string_view url,
                                   Requester::Handler<std::vector<ApplicationDescription>> done,
                                   const std::vector<std::string>& server_uris = {},
                                   RequestOptions options = {});
+
+/// FindServersOnNetwork (Part 4, 5.5.3): the servers with all of `capabilities` that a discovery
+/// server knows from the network, at most `most`, 0 for all, behind the record `after`.
+BUSBAR_API RequestId find_servers_on_network(Requester& requester,
+                                             Requester::Handler<FindServersOnNetworkResponse> done,
+                                             const std::vector<std::string>& capabilities = {},
+                                             std::uint32_t after = 0, std::uint32_t most = 0,
+                                             RequestOptions options = {});
 
 /// GetEndpoints (Part 4, 5.5.4).
 BUSBAR_API RequestId get_endpoints(Requester& requester, std::string_view url,

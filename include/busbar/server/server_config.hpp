@@ -65,6 +65,15 @@ struct ProgramConformance {
     std::vector<std::string> conformance_units;
 };
 
+/// Another server that this one tells clients of (Part 4, 5.5.3).
+struct NetworkServer {
+    /// Part 12, 4.3.4: at most 63 bytes where it comes from mDNS.
+    std::string name;
+    std::string discovery_url;
+    /// Identifiers of Part 12, Annex D: "LDS", "DA", ...
+    std::vector<std::string> capabilities;
+};
+
 /// What a server is. The default is the secure one: no endpoint without security, no anonymous
 /// user.
 struct ServerConfig {
@@ -93,6 +102,10 @@ struct ServerConfig {
     bool has_node_management{false};
 
     ProgramConformance program;
+
+    /// What FindServersOnNetwork answers, by their RecordIds from 1 on; none: it is answered with
+    /// Bad_ServiceUnsupported.
+    std::vector<NetworkServer> network_servers;
 
     /// Locales of the server's texts.
     std::vector<std::string> locale_ids{"en"};

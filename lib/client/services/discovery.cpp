@@ -33,6 +33,21 @@ RequestId find_servers(Requester& requester, std::string_view url,
         options);
 }
 
+RequestId find_servers_on_network(Requester& requester,
+                                  Requester::Handler<FindServersOnNetworkResponse> done,
+                                  const std::vector<std::string>& capabilities, std::uint32_t after,
+                                  std::uint32_t most, RequestOptions options)
+{
+    FindServersOnNetworkRequest request;
+    request.starting_record_id = after;
+    request.max_records_to_return = most;
+    for (const std::string& capability : capabilities) {
+        request.server_capability_filter.push_back(String{capability});
+    }
+    return requester.call<FindServersOnNetworkResponse>(std::move(request), std::move(done),
+                                                        options);
+}
+
 RequestId get_endpoints(Requester& requester, std::string_view url,
                         Requester::Handler<std::vector<EndpointDescription>> done,
                         RequestOptions options)

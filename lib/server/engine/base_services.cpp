@@ -30,6 +30,8 @@ const SessionNeeds& session_needs(Core& core)
 
 constexpr std::array base_session_rows{
     function<FindServersRequest, FindServersResponse, session_needs, find_servers>(Need::Nothing),
+    function<FindServersOnNetworkRequest, FindServersOnNetworkResponse, session_needs,
+             find_servers_on_network>(Need::Nothing),
     function<GetEndpointsRequest, GetEndpointsResponse, session_needs, get_endpoints>(
         Need::Nothing),
     function<CreateSessionRequest, CreateSessionResponse, session_needs, create_session>(

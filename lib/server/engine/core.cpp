@@ -39,7 +39,7 @@ Core::Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space
       subscription_needs{address_space, sources,  types,         config.limits,
                          environment,   counters, server_object, nullptr},
       session_needs{config,          environment, guards, rationed_log, sessions, logins,
-                    password_checks, counters,    *this,  own,          nullptr},
+                    password_checks, counters,    *this,  own,          nullptr,  life.start_time},
       attribute_needs{address_space,
                       sources,
                       std::make_unique<DefinitionChecks>(),

@@ -60,6 +60,36 @@ std::uint8_t security_level(const EndpointConfig& endpoint)
     return static_cast<std::uint8_t>(mode + rank);
 }
 
+bool is_same_identifier(std::string_view a, std::string_view b)
+{
+    const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [&](char x, char y) { return lower(x) == lower(y); });
+}
+
+/// Part 4, 5.5.3.2: whatever their case.
+bool has_all(const std::vector<std::string>& capabilities, const Array<String>& wanted)
+{
+    return std::all_of(wanted.begin(), wanted.end(), [&](const String& identifier) {
+        return std::any_of(capabilities.begin(), capabilities.end(), [&](const std::string& own) {
+            return is_same_identifier(own, identifier.view());
+        });
+    });
+}
+
+ServerOnNetwork describe_record(const NetworkServer& server, std::size_t record_id)
+{
+    ServerOnNetwork record;
+    record.record_id = static_cast<std::uint32_t>(record_id);
+    record.server_name = server.name;
+    record.discovery_url = server.discovery_url;
+    record.server_capabilities = Array<String>(0);
+    for (const std::string& capability : server.capabilities) {
+        record.server_capabilities.emplace_back(capability);
+    }
+    return record;
+}
+
 } // namespace
 
 std::string endpoint_url_for(const SessionNeeds& needs, std::string_view requested)
@@ -119,6 +149,28 @@ StatusCode find_servers(const SessionNeeds& needs, ServiceContext&,
         std::any_of(request.server_uris.begin(), request.server_uris.end(), is_own)) {
         response.servers.push_back(
             describe_application(needs, endpoint_url_for(needs, request.endpoint_url.view())));
+    }
+    return status::Good;
+}
+
+StatusCode find_servers_on_network(const SessionNeeds& needs, ServiceContext&,
+                                   const FindServersOnNetworkRequest& request,
+                                   FindServersOnNetworkResponse& response)
+{
+    const std::vector<NetworkServer>& all = needs.config.network_servers;
+    if (all.empty()) {
+        return status::Bad_ServiceUnsupported;
+    }
+    const std::size_t most =
+        request.max_records_to_return == 0 ? all.size() : request.max_records_to_return;
+    response.last_counter_reset_time = needs.start_time;
+    response.servers.clear();
+    // Records after the given one, of which the first is 1.
+    for (std::size_t i = request.starting_record_id;
+         i < all.size() && response.servers.size() < most; ++i) {
+        if (has_all(all[i].capabilities, request.server_capability_filter)) {
+            response.servers.push_back(describe_record(all[i], i + 1));
+        }
     }
     return status::Good;
 }

@@ -53,6 +53,8 @@ struct SessionNeeds {
     std::uint16_t own_namespace;
     /// Null in a server without issued tokens.
     IssuedLogin* log_in_issued{nullptr};
+    /// When the server was made.
+    DateTime start_time{};
 
     [[nodiscard]] const ServerLimits& limits() const { return config.limits; }
     [[nodiscard]] DateTime wall_time() const { return environment.wall_clock->now(); }

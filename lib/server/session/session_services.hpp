@@ -13,6 +13,9 @@ namespace busbar::server::detail {
 [[nodiscard]] StatusCode find_servers(const SessionNeeds& needs, ServiceContext& context,
                                       const FindServersRequest& request,
                                       FindServersResponse& response);
+[[nodiscard]] StatusCode find_servers_on_network(const SessionNeeds& needs, ServiceContext& context,
+                                                 const FindServersOnNetworkRequest& request,
+                                                 FindServersOnNetworkResponse& response);
 [[nodiscard]] StatusCode get_endpoints(const SessionNeeds& needs, ServiceContext& context,
                                        const GetEndpointsRequest& request,
                                        GetEndpointsResponse& response);
