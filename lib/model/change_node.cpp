@@ -89,6 +89,7 @@ Result<void> AddressSpace::set_data_value(NodeIndex node, DataValue value)
             return fail(fits);
         }
     }
+    tables_->translations.erase(node, AttributeId::Value);
     const detail::ValueQuality quality{value.source_timestamp, value.status,
                                        value.source_picoseconds};
     if (tables_->is_constant(node)) {
@@ -147,21 +148,6 @@ void AddressSpace::set_executable(NodeIndex node, bool executable)
         flags = static_cast<std::uint8_t>(executable ? flags | static_flag::executable
                                                      : flags & ~static_flag::executable);
     }
-}
-
-void AddressSpace::set_display_name(NodeIndex node, LocalizedText text)
-{
-    LocalizedText& to = tables_->is_constant(node)
-                            ? tables_->make_overlay(node).display_name
-                            : tables_->record(node).make_extra().display_name;
-    to = std::move(text);
-}
-
-void AddressSpace::set_description(NodeIndex node, LocalizedText text)
-{
-    LocalizedText& to = tables_->is_constant(node) ? tables_->make_overlay(node).description
-                                                   : tables_->record(node).make_extra().description;
-    to = std::move(text);
 }
 
 } // namespace busbar::model

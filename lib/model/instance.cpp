@@ -42,6 +42,13 @@ std::size_t memory_of(const SpaceReader& space, NodeIndex node)
     encode(writer, space.display_name(node));
     encode(writer, space.attribute(node, AttributeId::Description).value_or(Variant{}));
     encode(writer, space.value(node));
+    if (space.has_further_texts(node)) {
+        for (const AttributeId attribute : {AttributeId::DisplayName, AttributeId::Description}) {
+            for (const LocalizedText& text : space.texts(node, attribute)) {
+                encode(writer, text);
+            }
+        }
+    }
     const NodeAccess* const access = space.node_access(node);
     const std::size_t extras =
         access == nullptr

@@ -54,6 +54,16 @@ void copy_texts(const SpaceReader& space, NodeIndex from, NewNode& to)
     }
 }
 
+void copy_further_texts(AddressSpace& space, NodeIndex from, NodeIndex to)
+{
+    for (const AttributeId attribute : {AttributeId::DisplayName, AttributeId::Description}) {
+        const std::vector<LocalizedText> texts = space.texts(from, attribute);
+        for (std::size_t i = 1; i < texts.size(); ++i) {
+            static_cast<void>(space.set_text(to, attribute, Variant{texts[i]}));
+        }
+    }
+}
+
 std::uint8_t event_notifier_of(const SpaceReader& space, NodeIndex object)
 {
     const auto value = space.attribute(object, AttributeId::EventNotifier);
@@ -173,6 +183,9 @@ Result<void> Instantiation::copy_node(NodeIndex parent, NodeIndex declaration, N
     created = *added;
     if (const NodeAccess* const access = space_.node_access(declaration)) {
         space_.set_node_access(created, NodeAccess{*access});
+    }
+    if (space_.has_further_texts(declaration)) {
+        copy_further_texts(space_, declaration, created);
     }
     return note_created(created);
 }

@@ -50,7 +50,7 @@ public:
                 hash = mixed(hash + of(std::move(*attribute)) + id);
             }
         }
-        return hash ^ references(node);
+        return hash ^ references(node) ^ further_texts(node);
     }
 
 private:
@@ -68,6 +68,19 @@ private:
             known->second = of(Variant{space_.node_id(node)});
         }
         return known->second;
+    }
+    [[nodiscard]] std::uint64_t further_texts(NodeIndex node) const
+    {
+        std::uint64_t sum = 0;
+        if (space_.has_further_texts(node)) {
+            for (const AttributeId id : {AttributeId::DisplayName, AttributeId::Description,
+                                         AttributeId::InverseName, AttributeId::Value}) {
+                for (const LocalizedText& text : space_.texts(node, id)) {
+                    sum += mixed(of(Variant{text}) + static_cast<std::uint32_t>(id));
+                }
+            }
+        }
+        return sum;
     }
     [[nodiscard]] std::uint64_t references(NodeIndex node)
     {

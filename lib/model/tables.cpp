@@ -203,6 +203,7 @@ void Tables::destroy(NodeIndex node)
     const std::uint32_t number_of_record = number(node) - constant_count;
     by_id.erase(id_hash(number_of_record), number_of_record, id_hasher());
     access.erase(node);
+    translations.erase(node);
     // The last source before none is a server's own: its values are looked up when they are read.
     rebindings += record(node).source < no_source - 1 ? 1U : 0U;
     record(node) = Record{};

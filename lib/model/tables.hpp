@@ -14,6 +14,7 @@
 #include "journal.hpp"
 #include "node_access_table.hpp"
 #include "record.hpp"
+#include "translations.hpp"
 #include "watch_table.hpp"
 
 namespace busbar::model::detail {
@@ -56,6 +57,7 @@ struct Tables {
     IndexTable by_name;
     std::unordered_map<std::uint32_t, std::unique_ptr<Overlay>> overlays;
     NodeAccessTable access;
+    Translations translations;
     /// By namespace; may be shorter.
     std::vector<std::uint16_t> namespace_restrictions;
     Journal journal;

@@ -49,7 +49,6 @@ public:
     /// Makes room for that many more dynamic nodes; only saves time.
     void reserve(std::size_t node_count);
     Result<NodeIndex> add_object(const NewNode& node, const NewObject& object = {});
-    /// An Object of FolderType.
     Result<NodeIndex> add_folder(const NewNode& node);
     Result<NodeIndex> add_variable(const NewNode& node, const NewVariable& variable);
     /// A Variable in one statement:
@@ -97,10 +96,11 @@ public:
     void set_node_access(NodeIndex node, NodeAccess access);
     /// The AccessRestrictions of the nodes of a namespace that have none of their own; 0 at first.
     void set_namespace_restrictions(std::uint16_t namespace_index, std::uint16_t restrictions);
-    /// Sets the Executable attribute of a Method.
     void set_executable(NodeIndex node, bool executable);
     void set_display_name(NodeIndex node, LocalizedText text);
     void set_description(NodeIndex node, LocalizedText text);
+    /// Adds or replaces a LocalizedText in one locale; an empty one removes it (Part 4, 5.11.4.1).
+    Result<void> set_text(NodeIndex node, AttributeId attribute, DataValue text);
 
 private:
     friend class detail::Graft;

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include <busbar/core/attribute_id.hpp>
+#include <busbar/model/node.hpp>
+
+#include "record.hpp"
+
+namespace busbar::model::detail {
+
+/// A text of one attribute in another locale than its first.
+struct Translation {
+    AttributeId attribute;
+    LocalizedText text;
+};
+
+/// LocaleIds are compared without case (Part 3, 8.4; RFC 5646, 2.1.1).
+[[nodiscard]] bool is_same_locale(std::string_view a, std::string_view b);
+
+/// Texts in further locales than the first, which few nodes have, by node.
+class Translations {
+public:
+    [[nodiscard]] bool empty() const { return entries_.empty(); }
+    /// Of all its attributes, in the order they came; valid until one of the node changes.
+    [[nodiscard]] std::span<const Translation> of(NodeIndex node) const;
+    /// Adds or replaces the text of its locale.
+    void set(NodeIndex node, AttributeId attribute, LocalizedText text);
+    /// Takes out the text that is first now; null if there is none.
+    [[nodiscard]] LocalizedText take_first(NodeIndex node, AttributeId attribute);
+    void erase(NodeIndex node, AttributeId attribute, std::string_view locale);
+    void erase(NodeIndex node, AttributeId attribute);
+    void erase(NodeIndex node) { entries_.erase(number(node)); }
+    /// Takes out all that the node has; `put` brings them back.
+    [[nodiscard]] std::vector<Translation> take(NodeIndex node);
+    void put(NodeIndex node, std::vector<Translation> texts);
+    /// All that were ever set, each once.
+    [[nodiscard]] std::span<const std::string> locales() const { return locales_; }
+
+private:
+    template <typename Match>
+    void erase_if(NodeIndex node, Match match);
+
+    std::unordered_map<std::uint32_t, std::vector<Translation>> entries_;
+    std::vector<std::string> locales_;
+};
+
+} // namespace busbar::model::detail
