@@ -192,10 +192,50 @@ TEST_CASE_METHOD(NodeSetFixture, "What the address space has no place for is kep
           std::vector<NodeSetAttribute>{{"SymbolicName", "Vv"}, {"ReleaseStatus", "Draft"}});
     CHECK(extras.elements.find("<x:Tool xmlns:x=\"urn:x\" a=\"1\">text</x:Tool>") !=
           std::string::npos);
-    CHECK(extras.elements.find("Das V") != std::string::npos);
+    CHECK(extras.elements.find("Das V") == std::string::npos);
+    CHECK(space.texts(node, AttributeId::DisplayName) ==
+          std::vector{LocalizedText{"en", "The V"}, LocalizedText{"de", "Das V"}});
     CHECK(summary.extras.file_extensions.count("urn:t") == 1);
     check_write_back(space, AddressSpace{}, {1}, summary);
     CHECK(write_nodeset(space, std::vector<std::uint16_t>{9}).error() == status::Bad_NotFound);
+}
+
+TEST_CASE_METHOD(NodeSetFixture, "B9: texts of a file in further locales", "[B9]")
+{
+    const auto texts = [](const std::string& inner) {
+        return std::vector<NodeSetSource>{
+            {"t.xml", model_text("urn:t", "", "",
+                                 "<UAObject NodeId=\"ns=1;s=O\" BrowseName=\"1:O\">" + inner +
+                                     "<References><Reference ReferenceType=\"i=35\" "
+                                     "IsForward=\"false\">i=85</Reference><Reference "
+                                     "ReferenceType=\"i=40\">i=58</Reference></References>"
+                                     "</UAObject>")}};
+    };
+    const NodeSetSummary summary =
+        load(texts("<DisplayName>Oven</DisplayName>"
+                   "<DisplayName Locale=\"de\">Ofen</DisplayName>"
+                   "<DisplayName Locale=\"de\">Backofen</DisplayName>"
+                   "<DisplayName Locale=\"fr\"/>"
+                   "<Description Locale=\"en\">Hot</Description>"
+                   "<Description Locale=\"de\">Heiss</Description>"
+                   "<InverseName>of a reference</InverseName>"
+                   "<InverseName Locale=\"de\">einer Referenz</InverseName>"));
+    REQUIRE(summary.notes.size() == 2);
+    CHECK(text(summary.notes[0]).find("locale 'de'") != std::string::npos);
+    CHECK(text(summary.notes[1]).find("does not have") != std::string::npos);
+    CHECK(space.texts(find("s=O"), AttributeId::DisplayName) ==
+          std::vector{LocalizedText{"Oven"}, LocalizedText{"de", "Ofen"}});
+    CHECK(space.texts(find("s=O"), AttributeId::Description) ==
+          std::vector{LocalizedText{"en", "Hot"}, LocalizedText{"de", "Heiss"}});
+    REQUIRE(space.further_locales().size() == 1);
+    CHECK(space.further_locales()[0] == "de");
+    check_write_back(space, AddressSpace{}, {1}, summary);
+
+    std::string many;
+    for (int i = 0; i < 101; ++i) {
+        many += "<DisplayName Locale=\"l" + std::to_string(i) + "\">x</DisplayName>";
+    }
+    CHECK(NodeSetFixture{}.error_of(texts(many)).find("more than 100") != std::string::npos);
 }
 
 TEST_CASE_METHOD(NodeSetFixture, "Restrictions of a model are for nodes without their own")

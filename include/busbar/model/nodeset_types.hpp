@@ -23,6 +23,8 @@ struct NodeSetLimits {
     /// Also models, and models that are required.
     std::size_t max_namespaces{1'000};
     std::size_t max_fields{4'096};
+    /// Of one DisplayName, Description or InverseName.
+    std::size_t max_locales{100};
     /// Levels of elements in a <Value>.
     std::size_t max_value_depth{64};
     /// Elements below all <Value>s of a file.
@@ -71,7 +73,7 @@ struct NodeSetAttribute {
 struct NodeSetNodeExtras {
     /// SymbolicName, ReleaseStatus and whatever else is no attribute of the AddressSpace.
     std::vector<NodeSetAttribute> attributes;
-    /// <Category>, <Documentation>, <Extensions> and texts in further locales, as XML.
+    /// <Category>, <Documentation> and <Extensions>, as XML.
     std::string elements;
     NodeId method_declaration;
     /// Name and SymbolicName of a DataType's Definition, and the SymbolicNames of its fields.

@@ -12,6 +12,7 @@
 
 #include <tl/expected.hpp>
 
+#include <busbar/core/attribute_id.hpp>
 #include <busbar/core/node_id.hpp>
 #include <busbar/core/problem.hpp>
 #include <busbar/model/nodeset_types.hpp>
@@ -44,6 +45,13 @@ struct Reference {
 struct LocalizedText {
     std::string locale;
     std::string text;
+};
+
+/// A text of DisplayName, Description or InverseName behind the first.
+struct FurtherText {
+    AttributeId attribute{AttributeId::DisplayName};
+    LocalizedText text;
+    std::uint32_t line{0};
 };
 
 /// One field of a DataType's Definition (Part 6, F.13). Of an enumeration or an option set, `value`
@@ -101,6 +109,8 @@ struct Node {
     LocalizedText display_name;
     LocalizedText description;
     LocalizedText inverse_name;
+    /// Of the three above, in further locales.
+    std::vector<FurtherText> further_texts;
     std::vector<Reference> references;
     NodeId parent;
     /// Null if the node has none.

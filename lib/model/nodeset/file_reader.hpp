@@ -30,6 +30,7 @@ private:
     void read_node(const pugi::xml_node& xml, NodeClass node_class);
     void read_names(const pugi::xml_node& xml, Node& node);
     static void read_text(const pugi::xml_node& xml, const char* element, LocalizedText& text);
+    void read_further_texts(const pugi::xml_node& xml, Node& node);
     void read_attributes(const pugi::xml_node& xml, Node& node);
     void read_references(const pugi::xml_node& xml, Node& node);
     void read_definition(const pugi::xml_node& xml, Node& node);

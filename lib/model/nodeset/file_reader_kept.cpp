@@ -37,8 +37,6 @@ constexpr std::array<std::string_view, 8> known_elements = {
     "Value",       "Definition",  "RolePermissions", "UserRolePermissions",
 };
 constexpr const char* node_set_namespace = "http://opcfoundation.org/UA/2011/03/UANodeSet.xsd";
-/// Elements of which all but the first are in further locales.
-constexpr std::size_t localized_elements = 3;
 
 /// Collects printed XML up to a limit.
 class KeptXml : public pugi::xml_writer {
@@ -150,16 +148,13 @@ void FileReader::read_kept_attributes(const pugi::xml_node& xml, model::NodeSetN
 
 void FileReader::read_kept_elements(const pugi::xml_node& xml, model::NodeSetNodeExtras& extras)
 {
-    std::array<bool, localized_elements> was_there{};
     for (const pugi::xml_node& entry : xml.children()) {
         if (entry.type() != pugi::node_element) {
             continue;
         }
         const auto* const known =
             std::find(known_elements.begin(), known_elements.end(), local_name(entry));
-        const auto index = static_cast<std::size_t>(known - known_elements.begin());
-        const bool is_further = index < localized_elements && std::exchange(was_there[index], true);
-        if (known == known_elements.end() || is_further) {
+        if (known == known_elements.end()) {
             keep_xml(entry, true, extras.elements);
         }
     }

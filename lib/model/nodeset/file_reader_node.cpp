@@ -1,5 +1,7 @@
 #include "file_reader.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "xml_text.hpp"
@@ -19,6 +21,7 @@ void FileReader::read_names(const pugi::xml_node& xml, Node& node)
     read_text(xml, "DisplayName", node.display_name);
     read_text(xml, "Description", node.description);
     read_text(xml, "InverseName", node.inverse_name);
+    read_further_texts(xml, node);
     if (node.display_name.text.empty()) {
         node.display_name.text = node.browse_name;
     }
@@ -30,6 +33,37 @@ void FileReader::read_text(const pugi::xml_node& xml, const char* element, Local
     const pugi::xml_node found = child(xml, element);
     text.locale = found.attribute("Locale").value();
     text.text = found.text().get();
+}
+
+void FileReader::read_further_texts(const pugi::xml_node& xml, Node& node)
+{
+    struct Localized {
+        std::string_view element;
+        AttributeId attribute;
+        std::size_t count{0};
+    };
+    Localized kinds[] = {{"DisplayName", AttributeId::DisplayName},
+                         {"Description", AttributeId::Description},
+                         {"InverseName", AttributeId::InverseName}};
+    for (const pugi::xml_node& entry : xml.children()) {
+        auto* const kind =
+            std::find_if(std::begin(kinds), std::end(kinds),
+                         [&](const Localized& each) { return each.element == local_name(entry); });
+        if (kind == std::end(kinds) || kind->count++ == 0) {
+            continue;
+        }
+        if (kind->count > limits_.max_locales) {
+            fail(entry, "there are more than " + std::to_string(limits_.max_locales) +
+                            " of the texts " + std::string{kind->element});
+            return;
+        }
+        const std::string_view text = entry.text().get();
+        if (!text.empty()) {
+            node.further_texts.push_back({kind->attribute,
+                                          {entry.attribute("Locale").value(), std::string{text}},
+                                          line_of(entry)});
+        }
+    }
 }
 
 void FileReader::read_attributes(const pugi::xml_node& xml, Node& node)

@@ -52,6 +52,7 @@ private:
     void fill(const Node& node, Record& record);
     void fill_variable(const Node& node, Record& record);
     void set_access(const Node& node, NodeIndex index);
+    void add_texts(const Node& node, NodeIndex index);
     void set_restrictions();
     void add_references(const Node& node, NodeIndex index);
     void note_values();
@@ -85,6 +86,7 @@ bool Loader::run()
         if (indices_[i] != model::no_node) {
             fill(nodes[i], graft_.record(indices_[i]));
             set_access(nodes[i], indices_[i]);
+            add_texts(nodes[i], indices_[i]);
         }
         // A node of namespace 0 that was there may refer to one that was not.
         add_references(nodes[i], find(nodes[i].id));
@@ -190,6 +192,23 @@ void Loader::set_access(const Node& node, NodeIndex index)
     }
     if (!(access == model::NodeAccess{})) {
         graft_.set_access(index, std::move(access));
+    }
+}
+
+void Loader::add_texts(const Node& node, NodeIndex index)
+{
+    for (const FurtherText& further : node.further_texts) {
+        const auto known = space_.texts(index, further.attribute);
+        if (std::any_of(known.begin(), known.end(), [&](const busbar::LocalizedText& each) {
+                return each.locale.view() == further.text.locale;
+            })) {
+            note(node,
+                 "left out a second text of one attribute for the locale '" + further.text.locale +
+                     "'",
+                 further.line);
+        } else if (!space_.set_text(index, further.attribute, Variant{record_text(further.text)})) {
+            note(node, "left out a text of an attribute that the node does not have", further.line);
+        }
     }
 }
 

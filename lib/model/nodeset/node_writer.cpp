@@ -187,12 +187,14 @@ void NodeWriter::localized(const char* name, const busbar::LocalizedText& text)
 
 void NodeWriter::names(model::NodeIndex index)
 {
-    const auto attribute = [&](AttributeId id) {
-        return space_.attribute(index, id).value_or(Variant{}).value_or(busbar::LocalizedText{});
+    const auto attribute = [&](const char* name, AttributeId id) {
+        for (const busbar::LocalizedText& text : space_.texts(index, id)) {
+            localized(name, text);
+        }
     };
-    localized("DisplayName", space_.display_name(index));
-    localized("Description", attribute(AttributeId::Description));
-    localized("InverseName", attribute(AttributeId::InverseName));
+    attribute("DisplayName", AttributeId::DisplayName);
+    attribute("Description", AttributeId::Description);
+    attribute("InverseName", AttributeId::InverseName);
 }
 
 /// A hierarchical reference is listed at its target, any other at its source, if that is written.
