@@ -243,6 +243,26 @@ TEST_CASE_METHOD(SamplingFixture, "an item is not sampled faster than its Variab
     CHECK(response->results[0].revised_sampling_interval == 400);
 }
 
+TEST_CASE_METHOD(ToldFixture, "what is sampled beside a late source outlives its node")
+{
+    const char* const name = "a name that does not lie in any small buffer";
+    source.is_late = true;
+    model::NewVariable variable;
+    variable.data_type = NodeId{0, id::Int32};
+    const NodeId named = add_variable(name, variable);
+    auto item_of_name = item_request(named, 2);
+    item_of_name.item_to_monitor.attribute_id = 4; // DisplayName
+    REQUIRE(create_items(*client, subscription, {item(0, 50), item_of_name}));
+    auto& space = server.address_space();
+    REQUIRE(space.remove(space.find(named)));
+    REQUIRE(source.kept.size() == 1);
+    source.kept.front().complete();
+    server.handle_completions(now);
+    const auto data = next_data(*client, 100ms);
+    REQUIRE(data.size() == 2);
+    CHECK(data[1].value.value == Variant{LocalizedText{name}});
+}
+
 TEST_CASE_METHOD(ToldFixture, "a source is told what begins, changes and ends, once a call")
 {
     const auto made =

@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include <busbar/core/function_ref.hpp>
 #include <busbar/model/address_space.hpp>
@@ -42,6 +44,8 @@ struct AttributeNeeds {
     const WallClock& wall_clock;
     const LiveValues& live_values;
     WriteObserver& observer;
+    /// Of texts that may be written, besides those that the address space has.
+    const std::vector<std::string>& locale_ids;
 };
 
 } // namespace busbar::server::detail

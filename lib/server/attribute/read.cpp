@@ -22,9 +22,12 @@ bool ReadOperation::plan(ServiceContext& context)
     const auto live_value = [&](const NodeId& node) {
         return needs_.live_values.find(node, reader);
     };
-    const ReadContext what{needs_.space, needs_.sources,
-                           rights_of(*context.session, needs_.space, needs_.access), live_value,
-                           needs_.wall_clock.now()};
+    const ReadContext what{needs_.space,
+                           needs_.sources,
+                           rights_of(*context.session, needs_.space, needs_.access),
+                           live_value,
+                           needs_.wall_clock.now(),
+                           context.session->locale_ids};
     if (!job_->is_outdated(needs_.space)) {
         return job_->plan(what, context.peer.turn());
     }

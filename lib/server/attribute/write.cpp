@@ -28,9 +28,12 @@ void WriteOperation::start(ServiceContext& context)
 
 bool WriteOperation::plan(ServiceContext& context)
 {
-    const WriteContext what{needs_.space, needs_.sources,
+    const WriteContext what{needs_.space,
+                            needs_.sources,
                             rights_of(*context.session, needs_.space, needs_.access),
-                            *needs_.definitions, needs_.wall_clock.now()};
+                            *needs_.definitions,
+                            needs_.wall_clock.now(),
+                            needs_.locale_ids};
     if (!job_->is_outdated(needs_.space)) {
         return job_->plan(what, context.peer.turn());
     }

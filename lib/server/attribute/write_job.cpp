@@ -85,6 +85,43 @@ bool stands_for_byte_array(const model::AddressSpace& space,
            space.built_in_type_of(variable.data_type) == BuiltInType::Byte;
 }
 
+/// Part 4, 5.11.4.1: a text has no locale or one of the server's, or that of the text there is.
+StatusCode check_locale(const WriteContext& context, model::NodeIndex node,
+                        const LocalizedText& text)
+{
+    const auto is_same = [&](std::string_view locale) {
+        return std::equal(locale.begin(), locale.end(), text.locale.view().begin(),
+                          text.locale.view().end());
+    };
+    const auto of_models = context.space.further_locales();
+    if (text.locale.empty() ||
+        std::any_of(context.locales.begin(), context.locales.end(), is_same) ||
+        std::any_of(of_models.begin(), of_models.end(), is_same)) {
+        return status::Good;
+    }
+    const auto there = context.space.texts(node, AttributeId::Value);
+    return std::any_of(there.begin(), there.end(),
+                       [&](const LocalizedText& each) { return is_same(each.locale.view()); })
+               ? status::Good
+               : status::Bad_LocaleNotSupported;
+}
+
+StatusCode check_locales(const WriteContext& context, model::NodeIndex node, const Variant& value)
+{
+    if (value.type() != BuiltInType::LocalizedText) {
+        return status::Good;
+    }
+    if (const auto* const text = value.get_if<LocalizedText>()) {
+        return check_locale(context, node, *text);
+    }
+    for (const LocalizedText& text : *value.array_if<LocalizedText>()) {
+        if (const StatusCode bad = check_locale(context, node, text); bad.is_bad()) {
+            return bad;
+        }
+    }
+    return status::Good;
+}
+
 /// Replaces a value that the address space keeps, and its status and source timestamp (Part 4,
 /// 5.11.4.2): now where the client sends none. `copied` becomes the bytes of what a range is of.
 StatusCode replace_kept(const WriteContext& context, model::NodeIndex node,
@@ -103,7 +140,10 @@ StatusCode replace_kept(const WriteContext& context, model::NodeIndex node,
         whole.source_timestamp = context.now;
         whole.source_picoseconds = 0;
     }
-    if (const auto set = context.space.set_data_value(node, std::move(whole)); !set) {
+    const bool is_text = whole.value.get_if<LocalizedText>() != nullptr;
+    const auto set = is_text ? context.space.set_text(node, AttributeId::Value, std::move(whole))
+                             : context.space.set_data_value(node, std::move(whole));
+    if (!set) {
         return set.error();
     }
     context.definitions.replaced(context.space, node);
@@ -189,6 +229,9 @@ std::optional<StatusCode> WriteJob::plan_value(const WriteContext& context, std:
     const auto mismatch = check_type(context.space, variable, data->value, is_part);
     if (mismatch.is_bad()) {
         return mismatch;
+    }
+    if (const auto bad = check_locales(context, target.node, data->value); bad.is_bad()) {
+        return bad;
     }
     if (const auto bad = context.definitions.check(target.node, variable.data_type, data->value);
         bad.is_bad()) {

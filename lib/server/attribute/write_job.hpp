@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include <busbar/binary/writer.hpp>
@@ -25,6 +27,8 @@ struct WriteContext {
     DefinitionChecks& definitions;
     /// The source timestamp of kept values whose writer says none.
     DateTime now;
+    /// Of texts that may be written, besides those that the address space has.
+    std::span<const std::string> locales{};
 };
 
 /// Good, or why the whole request is refused (Part 4, 5.11.4.3).

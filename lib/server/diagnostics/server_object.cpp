@@ -34,6 +34,19 @@ Array<String> namespaces(const DiagnosticsNeeds& needs)
     return uris;
 }
 
+/// Of all texts: those that are configured, then those that models have.
+Array<String> locale_ids(const DiagnosticsNeeds& needs)
+{
+    const std::vector<std::string>& configured = needs.config.locale_ids;
+    Array<String> all = strings(configured);
+    for (const std::string& locale : needs.space.further_locales()) {
+        if (std::find(configured.begin(), configured.end(), locale) == configured.end()) {
+            all.emplace_back(locale);
+        }
+    }
+    return all;
+}
+
 BuildInfo build_info(const DiagnosticsNeeds& needs)
 {
     const BuildDescription& build = needs.config.build;
@@ -191,7 +204,7 @@ constexpr std::array capability_values{
     LiveValue{id::Server_ServerCapabilities_ConformanceUnits,
               [](const DiagnosticsNeeds& c) -> Variant { return conformance_units(c); }},
     LiveValue{id::Server_ServerCapabilities_LocaleIdArray,
-              [](const DiagnosticsNeeds& c) -> Variant { return strings(c.config.locale_ids); }},
+              [](const DiagnosticsNeeds& c) -> Variant { return locale_ids(c); }},
     LiveValue{id::Server_ServerCapabilities_MinSupportedSampleRate,
               [](const DiagnosticsNeeds& c) -> Variant {
                   const auto& policy = c.limits().subscriptions.sampling;

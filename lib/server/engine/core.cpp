@@ -47,7 +47,8 @@ Core::Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space
                       environment.access,
                       *environment.wall_clock,
                       server_object,
-                      *this},
+                      *this,
+                      config.locale_ids},
       view_needs{address_space, config.limits, *environment.random, environment.access},
       certificate_watch{*environment.log}, next_channel_id{random_channel_id(*e.random)}
 {

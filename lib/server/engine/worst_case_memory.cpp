@@ -208,8 +208,10 @@ void add_sessions(Rows& rows, const ServerLimits& limits)
         .holds(limits.max_sessions, limits.max_session_memory,
                "requests that wait with what was made of them, continuation points");
     rows.count("max_locale_ids", limits.max_locale_ids)
-        .holds(times(limits.max_sessions, limits.max_locale_ids), bytes_of_locale,
-               "locales of sessions");
+        .holds(times(limits.max_sessions + limits.subscriptions.max_subscriptions,
+                     limits.max_locale_ids),
+               bytes_of_locale,
+               "locales of sessions, and of Subscriptions whose session has ended");
 }
 
 void add_services(Rows& rows, const ServerLimits& limits)

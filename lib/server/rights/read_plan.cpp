@@ -76,6 +76,18 @@ Result<Variant> own_role_permissions(const ReadContext& context, model::NodeInde
     return Variant{std::move(permissions)};
 }
 
+/// A text in the locale that is best for the reader (Part 4, 5.4).
+void translate(const ReadContext& context, model::NodeIndex node, AttributeId attribute,
+               Variant& value)
+{
+    if (context.locales.empty() || value.type() != BuiltInType::LocalizedText) {
+        return;
+    }
+    if (auto* const text = value.get_if<LocalizedText>()) {
+        context.space.translate(node, attribute, context.locales, *text);
+    }
+}
+
 /// Any attribute but a Variable's Value.
 Result<Variant> attribute(const ReadContext& context, const ReadValueId& id, model::NodeIndex node)
 {
@@ -113,7 +125,11 @@ Result<Variant> attribute(const ReadContext& context, const ReadValueId& id, mod
             return fail(denied);
         }
     }
-    return space.attribute(node, attribute_id);
+    auto value = space.attribute(node, attribute_id);
+    if (value) {
+        translate(context, node, attribute_id, *value);
+    }
+    return value;
 }
 
 /// The value of a Variable without data source.
@@ -125,7 +141,9 @@ DataValue kept_value(const ReadContext& context, const ReadValueId& id, model::N
             return std::move(*live);
         }
     }
-    return context.space.data_value(node);
+    DataValue value = context.space.data_value(node);
+    translate(context, node, AttributeId::Value, value.value);
+    return value;
 }
 
 ReadPlan answered(DataValue value)

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <string>
 
 #include <busbar/core/data_value.hpp>
 #include <busbar/core/function_ref.hpp>
@@ -21,6 +23,8 @@ struct ReadContext {
     /// is read; fails for any other.
     FunctionRef<Result<DataValue>(const NodeId&)> live_value;
     DateTime server_time;
+    /// What the reader would have texts in, the best first.
+    std::span<const std::string> locales{};
 };
 
 /// Where the value of one attribute comes from.

@@ -16,8 +16,9 @@ ReadPlan plan_sample(const SubscriptionNeeds& needs, const Subscription& subscri
     const auto live_value = [&](const NodeId& node) {
         return needs.live_values.find(node, reader);
     };
-    return plan_read(
-        {needs.space, needs.sources, subscription.rights(), live_value, needs.wall_time()}, id);
+    return plan_read({needs.space, needs.sources, subscription.rights(), live_value,
+                      needs.wall_time(), subscription.locales()},
+                     id);
 }
 
 bool can_follow_scans(const SubscriptionNeeds& needs, const ReadPlan& plan)

@@ -15,7 +15,8 @@ namespace {
 SubscriptionOwner owner_of(const Session& session)
 {
     return {session.user, session.client_application_uri,
-            session.security.mode != MessageSecurityMode::None, is_encrypted(session)};
+            session.security.mode != MessageSecurityMode::None, is_encrypted(session),
+            session.locale_ids};
 }
 
 } // namespace
@@ -282,6 +283,11 @@ SubscriptionOwner Subscription::owner() const
 const UserIdentity& Subscription::user() const
 {
     return session_ != nullptr ? session_->user : owner_.user;
+}
+
+std::span<const std::string> Subscription::locales() const
+{
+    return session_ != nullptr ? session_->locale_ids : owner_.locale_ids;
 }
 
 NodeRights Subscription::rights() const

@@ -47,6 +47,7 @@ struct SubscriptionOwner {
     std::string application_uri;
     bool is_signed{false};
     bool is_encrypted{false};
+    std::vector<std::string> locale_ids;
 };
 
 /// A Subscription (Part 4, 5.14.1): its items, its state and what it has sent.
@@ -96,6 +97,8 @@ public:
     [[nodiscard]] NodeRights rights() const;
     /// Over the channel of its session, the last one if there is none now.
     [[nodiscard]] bool is_encrypted() const;
+    /// What its client would have texts in, the best first.
+    [[nodiscard]] std::span<const std::string> locales() const;
     /// The session ends; the Subscription goes on until its lifetime is over.
     void detach();
     /// It is deleted: whatever happens to its items, nobody is told any more.

@@ -55,9 +55,10 @@ bool matches(ViewContext& context, const BrowseFilter& filter, const Reference& 
 }
 
 /// Only what the ResultMask asks for; the rest stays null (Part 4, 5.9.2.2).
-void describe(const model::AddressSpace& space, const Reference& reference, std::uint32_t mask,
+void describe(const ViewContext& context, const Reference& reference, std::uint32_t mask,
               ReferenceDescription& to)
 {
+    const model::AddressSpace& space = context.space;
     to.node_id.node_id = space.node_id(reference.target);
     if (has(mask, BrowseResultMask::ReferenceTypeId)) {
         to.reference_type_id = space.node_id(reference.type);
@@ -74,6 +75,8 @@ void describe(const model::AddressSpace& space, const Reference& reference, std:
     }
     if (has(mask, BrowseResultMask::DisplayName)) {
         to.display_name = space.display_name(reference.target);
+        space.translate(reference.target, AttributeId::DisplayName, context.session.locale_ids,
+                        to.display_name);
     }
     if (has(mask, BrowseResultMask::TypeDefinition) &&
         (node_class == NodeClass::Object || node_class == NodeClass::Variable)) {
@@ -195,7 +198,7 @@ void take_matches(ViewContext& context, const BrowseFilter& filter, Walk& walk, 
             break;
         }
         ReferenceDescription& described = result.references.emplace_back();
-        describe(context.space, *reference, filter.result_mask, described);
+        describe(context, *reference, filter.result_mask, described);
         context.text_bytes += text_size(described);
         context.turn.spend(Turn::units_of_reference);
     }
