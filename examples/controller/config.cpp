@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
+#include <string_view>
 #include <system_error>
 
 #include <arpa/inet.h>
@@ -39,10 +40,26 @@ bool is_host(const std::string& text)
            (text.find(':') == std::string::npos || is_address(text));
 }
 
+/// Part 3, 8.4: a language, and a country behind a hyphen or none.
+bool is_locale(const std::string& text)
+{
+    const auto is_short = [](std::string_view part) {
+        return (part.size() == 2 || part.size() == 3) &&
+               std::all_of(part.begin(), part.end(), [](char c) {
+                   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                          (c >= '0' && c <= '9');
+               });
+    };
+    const std::string_view all{text};
+    const std::size_t hyphen = all.find('-');
+    return is_short(all.substr(0, hyphen)) &&
+           (hyphen == std::string_view::npos || is_short(all.substr(hyphen + 1)));
+}
+
 void read_server(const TomlTable& table, ControllerConfig& config)
 {
     table.allow({"name", "application_uri", "address", "port", "host_names",
-                 "min_channel_lifetime_ms", "key_log", "nodesets"});
+                 "min_channel_lifetime_ms", "key_log", "nodesets", "locales"});
     config.server.application_name = table.text("name", config.server.application_name);
     config.server.application_uri = table.text("application_uri", "");
     config.address = table.text("address", config.address);
@@ -57,6 +74,12 @@ void read_server(const TomlTable& table, ControllerConfig& config)
         }
     }
     config.nodesets = table.texts("nodesets");
+    if (const auto locales = table.texts("locales"); !locales.empty()) {
+        if (!std::all_of(locales.begin(), locales.end(), is_locale)) {
+            table.fail("locales", "languages with or without a country: \"en\", \"de-AT\"");
+        }
+        config.server.locale_ids = locales;
+    }
     auto& limits = config.server.limits;
     limits.min_token_lifetime = std::chrono::milliseconds{table.integer(
         "min_channel_lifetime_ms", limits.min_token_lifetime.count(), 100, 3'600'000)};
