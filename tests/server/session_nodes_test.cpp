@@ -82,6 +82,90 @@ TEST_CASE_METHOD(DiagnosticsFixture, "each activated session has an Object, as l
     CHECK(session_objects(later).size() == 1);
 }
 
+TEST_CASE_METHOD(DiagnosticsFixture, "B7: the arrays have their elements as Variables", "[B7]")
+{
+    constexpr std::uint32_t security_array =
+        id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionSecurityDiagnosticsArray;
+    constexpr std::uint32_t subscriptions_array =
+        id::Server_ServerDiagnostics_SubscriptionDiagnosticsArray;
+    const auto elements = [&](TestClient& client, const NodeId& array) {
+        auto all = children(client, array);
+        std::sort(all.begin(), all.end(),
+                  [](const auto& a, const auto& b) { return a.browse_name < b.browse_name; });
+        return all;
+    };
+    TestClient admin = log_in_admin();
+    TestClient client = log_in_as("operator");
+    const auto sessions = elements(admin, NodeId{0, sessions_array});
+    REQUIRE(sessions.size() == 2);
+    for (const ReferenceDescription& each : sessions) {
+        CHECK(each.browse_name == QualifiedName{0, "SessionDiagnostics"});
+        CHECK(each.type_definition.node_id == NodeId{0, id::SessionDiagnosticsVariableType});
+        CHECK(read(admin, each.node_id.node_id).status == status::Good);
+    }
+    CHECK(elements(admin, NodeId{0, security_array}).size() == 2);
+    CHECK(elements(client, NodeId{0, security_array}).empty());
+
+    const std::uint32_t first = subscribe(client);
+    const std::uint32_t second = subscribe(client);
+    const auto subscriptions = elements(client, NodeId{0, subscriptions_array});
+    REQUIRE(subscriptions.size() == 2);
+    const NodeId element = subscriptions[first < second ? 0 : 1].node_id.node_id;
+    const auto fields = children(client, element);
+    CHECK(fields.size() == 31);
+    for (const ReferenceDescription& field : fields) {
+        const DataValue value = read(client, field.node_id.node_id);
+        CHECK(value.status == status::Good);
+        CHECK_FALSE(value.value.is_null());
+        if (field.browse_name.name == "SubscriptionId") {
+            CHECK(value.value == Variant{first});
+        }
+    }
+    const DataValue whole = read(client, element);
+    const auto* const object = whole.value.get_if<ExtensionObject>();
+    REQUIRE(object != nullptr);
+    CHECK(object->get_if<SubscriptionDiagnosticsDataType>()->subscription_id == first);
+
+    // The array of its session has it, too, whichever session that is.
+    const auto own_array = [&](const char* user) {
+        NodeId found;
+        for (const ReferenceDescription& session : session_objects(admin)) {
+            const auto parts = children(admin, session.node_id.node_id);
+            for (const ReferenceDescription& part : children(admin, parts[1].node_id.node_id)) {
+                if (part.browse_name.name == "ClientUserIdOfSession" &&
+                    read(admin, part.node_id.node_id).value == Variant{user}) {
+                    found = parts[2].node_id.node_id;
+                }
+            }
+        }
+        return found;
+    };
+    CHECK(elements(admin, own_array("operator")).size() == 2);
+    CHECK(elements(admin, own_array("admin")).empty());
+    REQUIRE(remove(client, second) == status::Good);
+    CHECK(elements(admin, own_array("operator")).size() == 1);
+    TestClient heir = log_in_as("operator");
+    CloseSessionRequest close;
+    close.delete_subscriptions = false;
+    REQUIRE(client.status_of<CloseSessionResponse>(close) == status::Good);
+    CHECK(read(admin, element).status == status::Good); // it lives on without a session
+    CHECK(elements(admin, own_array("operator")).empty());
+    REQUIRE(transfer(heir, first).status_code == status::Good);
+    const auto inherited = elements(admin, own_array("operator"));
+    REQUIRE(inherited.size() == 1);
+    CHECK(inherited[0].node_id.node_id == element);
+
+    REQUIRE(enable(admin, false) == status::Good);
+    CHECK(elements(admin, NodeId{0, subscriptions_array}).empty());
+    CHECK(elements(admin, NodeId{0, sessions_array}).empty());
+    REQUIRE(enable(admin, true) == status::Good);
+    CHECK(elements(admin, NodeId{0, subscriptions_array}).size() == 1);
+    CHECK(elements(admin, own_array("operator")).size() == 1);
+    REQUIRE(remove(heir, first) == status::Good);
+    CHECK(elements(admin, NodeId{0, subscriptions_array}).empty());
+    CHECK(read(admin, element).status == status::Bad_NodeIdUnknown);
+}
+
 TEST_CASE_METHOD(DiagnosticsFixture, "a session's diagnostics can be monitored until it ends")
 {
     TestClient client = log_in();

@@ -116,6 +116,55 @@ constexpr std::array security_fields{
 
 constexpr auto security_names = names_of(security_fields);
 
+using SubscriptionData = SubscriptionDiagnosticsDataType;
+
+constexpr std::array subscription_fields{
+    field<&SubscriptionData::session_id, SubscriptionData>("SessionId"),
+    field<&SubscriptionData::subscription_id, SubscriptionData>("SubscriptionId"),
+    field<&SubscriptionData::priority, SubscriptionData>("Priority"),
+    field<&SubscriptionData::publishing_interval, SubscriptionData>("PublishingInterval"),
+    field<&SubscriptionData::max_keep_alive_count, SubscriptionData>("MaxKeepAliveCount"),
+    field<&SubscriptionData::max_lifetime_count, SubscriptionData>("MaxLifetimeCount"),
+    field<&SubscriptionData::max_notifications_per_publish, SubscriptionData>(
+        "MaxNotificationsPerPublish"),
+    field<&SubscriptionData::publishing_enabled, SubscriptionData>("PublishingEnabled"),
+    field<&SubscriptionData::modify_count, SubscriptionData>("ModifyCount"),
+    field<&SubscriptionData::enable_count, SubscriptionData>("EnableCount"),
+    field<&SubscriptionData::disable_count, SubscriptionData>("DisableCount"),
+    field<&SubscriptionData::republish_request_count, SubscriptionData>("RepublishRequestCount"),
+    field<&SubscriptionData::republish_message_request_count, SubscriptionData>(
+        "RepublishMessageRequestCount"),
+    field<&SubscriptionData::republish_message_count, SubscriptionData>("RepublishMessageCount"),
+    field<&SubscriptionData::transfer_request_count, SubscriptionData>("TransferRequestCount"),
+    field<&SubscriptionData::transferred_to_alt_client_count, SubscriptionData>(
+        "TransferredToAltClientCount"),
+    field<&SubscriptionData::transferred_to_same_client_count, SubscriptionData>(
+        "TransferredToSameClientCount"),
+    field<&SubscriptionData::publish_request_count, SubscriptionData>("PublishRequestCount"),
+    field<&SubscriptionData::data_change_notifications_count, SubscriptionData>(
+        "DataChangeNotificationsCount"),
+    field<&SubscriptionData::event_notifications_count, SubscriptionData>(
+        "EventNotificationsCount"),
+    field<&SubscriptionData::notifications_count, SubscriptionData>("NotificationsCount"),
+    field<&SubscriptionData::late_publish_request_count, SubscriptionData>(
+        "LatePublishRequestCount"),
+    field<&SubscriptionData::current_keep_alive_count, SubscriptionData>("CurrentKeepAliveCount"),
+    field<&SubscriptionData::current_lifetime_count, SubscriptionData>("CurrentLifetimeCount"),
+    field<&SubscriptionData::unacknowledged_message_count, SubscriptionData>(
+        "UnacknowledgedMessageCount"),
+    field<&SubscriptionData::discarded_message_count, SubscriptionData>("DiscardedMessageCount"),
+    field<&SubscriptionData::monitored_item_count, SubscriptionData>("MonitoredItemCount"),
+    field<&SubscriptionData::disabled_monitored_item_count, SubscriptionData>(
+        "DisabledMonitoredItemCount"),
+    field<&SubscriptionData::monitoring_queue_overflow_count, SubscriptionData>(
+        "MonitoringQueueOverflowCount"),
+    field<&SubscriptionData::next_sequence_number, SubscriptionData>("NextSequenceNumber"),
+    field<&SubscriptionData::event_queue_overflow_count, SubscriptionData>(
+        "EventQueueOverflowCount"),
+};
+
+constexpr auto subscription_names = names_of(subscription_fields);
+
 } // namespace
 
 std::span<const FieldName> session_field_names()
@@ -136,6 +185,16 @@ std::span<const FieldName> security_field_names()
 Variant security_field(const SessionSecurityDiagnosticsDataType& session, std::size_t field)
 {
     return field_of(session, security_fields, field);
+}
+
+std::span<const FieldName> subscription_field_names()
+{
+    return subscription_names;
+}
+
+Variant subscription_field(const SubscriptionDiagnosticsDataType& subscription, std::size_t field)
+{
+    return field_of(subscription, subscription_fields, field);
 }
 
 } // namespace busbar::server::detail

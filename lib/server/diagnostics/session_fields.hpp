@@ -6,7 +6,7 @@
 #include <busbar/core/variant.hpp>
 #include <busbar/types/data_types.hpp>
 
-/// The fields of a session's diagnostics as Variables of their own (Part 5, 7.15 and 7.17), whose
+/// The fields of the diagnostics as Variables of their own (Part 5, 7.12, 7.15 and 7.17), whose
 /// BrowseNames are the fields' names.
 namespace busbar::server::detail {
 
@@ -19,5 +19,9 @@ using FieldName = const char*;
 [[nodiscard]] std::span<const FieldName> security_field_names();
 [[nodiscard]] Variant security_field(const SessionSecurityDiagnosticsDataType& session,
                                      std::size_t field);
+
+[[nodiscard]] std::span<const FieldName> subscription_field_names();
+[[nodiscard]] Variant subscription_field(const SubscriptionDiagnosticsDataType& subscription,
+                                         std::size_t field);
 
 } // namespace busbar::server::detail

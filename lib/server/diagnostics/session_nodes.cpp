@@ -1,105 +1,34 @@
 #include "session_nodes.hpp"
 
 #include <algorithm>
-#include <array>
-#include <span>
 #include <string>
 #include <utility>
 
-#include <busbar/core/text.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "describe.hpp"
+#include "part_nodes.hpp"
 #include "server/session/session.hpp"
-#include "session_fields.hpp"
+#include "server/subscription/subscription.hpp"
 
 namespace busbar::server::detail {
 
 namespace {
 
-/// A handle is the entry's number, the part of the Object and the field of that part; field 0 is
-/// all of it.
-enum class Section : std::uint8_t { Diagnostics, Security, SubscriptionTable };
-
-std::uint64_t handle_of(std::uint32_t number, Section section, std::size_t field)
-{
-    return std::uint64_t{number} << 16U | static_cast<std::uint64_t>(section) << 8U | field;
-}
-
-struct SectionType {
-    Section section;
-    const char* name;
-    /// What it is in the type, whose attributes it has.
-    std::uint32_t declaration;
-    std::uint32_t type;
-    std::span<const FieldName> fields;
-};
-
-model::NodeIndex find_component(const model::AddressSpace& space, std::uint32_t type,
-                                const QualifiedName& name)
-{
-    model::NodeIndex found = model::no_node;
-    const model::NodeIndex parent = space.find(type);
-    if (parent != model::no_node) {
-        space.for_each_child(parent, space.find(id::HasComponent), true, name,
-                             [&](model::NodeIndex component) {
-                                 found = component;
-                                 return false;
-                             });
-    }
-    return found;
-}
-
-/// A Variable as `declaration` has it; no_node if there is none.
-model::NodeIndex add_like(model::AddressSpace& space, model::NodeIndex declaration,
-                          model::NewNode node, std::uint32_t type, std::uint64_t handle)
-{
-    if (declaration == model::no_node) {
-        return model::no_node;
-    }
-    model::NewVariable variable;
-    variable.data_type = space.data_type_id(declaration);
-    variable.value_rank = space.variable(declaration).value_rank;
-    variable.source = live_values_source;
-    variable.handle = handle;
-    variable.type_definition = NodeId{0, type};
-    node.id = NodeId{node.id.namespace_index(), "SessionDiagnostics." + std::to_string(handle)};
-    return space.add_variable(node, variable).value_or(model::no_node);
-}
-
-/// What only some may see of all sessions only they may see of one.
-void protect(model::AddressSpace& space, model::NodeIndex node, Section section)
+/// What only some may see of all sessions only they may see of one; null if everybody may.
+const model::NodeAccess* access_to_security(const model::AddressSpace& space)
 {
     const model::NodeIndex all = space.find(
         id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionSecurityDiagnosticsArray);
-    const model::NodeAccess* const access =
-        section == Section::Security && all != model::no_node ? space.node_access(all) : nullptr;
-    if (access != nullptr && node != model::no_node) {
-        space.set_node_access(node, model::NodeAccess{*access});
-    }
+    return all == model::no_node ? nullptr : space.node_access(all);
 }
 
-/// The Variable of a part, with one Variable for each field that the part's type has.
-void add_part(model::AddressSpace& space, model::NodeIndex object, std::uint16_t name_space,
-              std::uint32_t number, const SectionType& part)
+/// Has the array refer to what is one of its elements (Part 5, 7.13 and 7.16).
+void add_to_array(model::AddressSpace& space, std::uint32_t array, model::NodeIndex element)
 {
-    model::NewNode node;
-    node.id = NodeId{name_space, 0U};
-    node.browse_name = QualifiedName{0, part.name};
-    node.parent = object;
-    node.parent = add_like(space, space.find(part.declaration), node, part.type,
-                           handle_of(number, part.section, 0));
-    if (node.parent == model::no_node) {
-        return;
-    }
-    protect(space, node.parent, part.section);
-    for (std::size_t i = 0; i < part.fields.size(); ++i) {
-        node.browse_name = QualifiedName{0, part.fields[i]};
-        const auto declaration = find_component(space, part.type, node.browse_name);
-        protect(space,
-                add_like(space, declaration, node, id::BaseDataVariableType,
-                         handle_of(number, part.section, i + 1)),
-                part.section);
+    const model::NodeIndex from = space.find(array);
+    if (from != model::no_node && element != model::no_node) {
+        static_cast<void>(space.add_reference(from, NodeId{0, id::HasComponent}, element));
     }
 }
 
@@ -138,23 +67,45 @@ void SessionNodes::add(const Session& session)
         return;
     }
     const std::uint32_t number = ++last_number_;
-    entries_.emplace(number, Entry{&session, space.handle(*object)});
-    const std::array parts{
-        SectionType{Section::Diagnostics, "SessionDiagnostics",
-                    id::SessionDiagnosticsObjectType_SessionDiagnostics,
-                    id::SessionDiagnosticsVariableType, session_field_names()},
-        SectionType{Section::Security, "SessionSecurityDiagnostics",
-                    id::SessionDiagnosticsObjectType_SessionSecurityDiagnostics,
-                    id::SessionSecurityDiagnosticsType, security_field_names()},
-        SectionType{Section::SubscriptionTable,
-                    "SubscriptionDiagnosticsArray",
-                    id::SessionDiagnosticsObjectType_SubscriptionDiagnosticsArray,
-                    id::SubscriptionDiagnosticsArrayType,
-                    {}},
+    entries_.emplace(number, Entry{&session, space.handle(*object), {}});
+    const auto add = [&](const PartNodes& part) {
+        return add_part(space, *object, needs_.own_namespace, number, part);
     };
-    for (const SectionType& part : parts) {
-        add_part(space, *object, needs_.own_namespace, number, part);
+    const auto name = [](const char* text) { return QualifiedName{0, text}; };
+    add_to_array(
+        space, id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionDiagnosticsArray,
+        add({.section = Section::Session,
+             .name = name("SessionDiagnostics"),
+             .declaration = space.find(id::SessionDiagnosticsObjectType_SessionDiagnostics),
+             .type = id::SessionDiagnosticsVariableType,
+             .fields = session_field_names()}));
+    add_to_array(
+        space,
+        id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionSecurityDiagnosticsArray,
+        add({.section = Section::Security,
+             .name = name("SessionSecurityDiagnostics"),
+             .declaration = space.find(id::SessionDiagnosticsObjectType_SessionSecurityDiagnostics),
+             .type = id::SessionSecurityDiagnosticsType,
+             .fields = security_field_names(),
+             .access = access_to_security(space)}));
+    const model::NodeIndex subscriptions = add(
+        {.section = Section::SubscriptionTable,
+         .name = name("SubscriptionDiagnosticsArray"),
+         .declaration = space.find(id::SessionDiagnosticsObjectType_SubscriptionDiagnosticsArray),
+         .type = id::SubscriptionDiagnosticsArrayType,
+         .fields = {}});
+    if (subscriptions != model::no_node) {
+        entries_.at(number).subscriptions = space.handle(subscriptions);
     }
+}
+
+model::NodeIndex SessionNodes::subscriptions_of(const Session& session) const
+{
+    const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const auto& entry) {
+        return entry.second.session == &session;
+    });
+    return found == entries_.end() ? model::no_node
+                                   : needs_.space.resolve(found->second.subscriptions);
 }
 
 void SessionNodes::remove(const Session& session)
@@ -187,14 +138,23 @@ void SessionNodes::take_flag()
 
 Result<Variant> SessionNodes::value(std::uint64_t handle, const ReadingUser& reader) const
 {
-    const auto found = entries_.find(static_cast<std::uint32_t>(handle >> 16U));
+    const auto number = static_cast<std::uint32_t>(handle >> 16U);
+    const auto section = static_cast<Section>(handle >> 8U & 0xFF);
+    const std::size_t field = handle & 0xFF;
+    if (section == Section::Subscription) {
+        const Subscription* const subscription = needs_.subscriptions.find(number);
+        return subscription == nullptr
+                   ? Result<Variant>{fail(status::Bad_NodeIdUnknown)}
+                   : Result<Variant>{subscription_field(
+                         describe_subscription(needs_.counters, *subscription), field)};
+    }
+    const auto found = entries_.find(number);
     if (found == entries_.end()) {
         return fail(status::Bad_NodeIdUnknown);
     }
     const Session& session = *found->second.session;
-    const std::size_t field = handle & 0xFF;
-    switch (static_cast<Section>(handle >> 8U & 0xFF)) {
-    case Section::Diagnostics:
+    switch (section) {
+    case Section::Session:
         return session_field(describe_session(needs_.counters, session), field);
     case Section::Security:
         if (!reader.may_see_security()) {

@@ -12,9 +12,9 @@
 
 namespace busbar::server::detail {
 
-/// An Object for each activated session below SessionsDiagnosticsSummary (Part 5, 6.3.4 and 6.3.5):
-/// its NodeId is the session's. There are none while diagnostics are off (Part 5, 6.3.3), nor in a
-/// namespace 0 without the types.
+/// An Object for each activated session below SessionsDiagnosticsSummary (Part 5, 6.3.4 and 6.3.5),
+/// whose parts are the elements of the arrays there: its NodeId is the session's. There are none
+/// while diagnostics are off (Part 5, 6.3.3), nor in a namespace 0 without the types.
 class SessionNodes {
 public:
     explicit SessionNodes(const DiagnosticsNeeds& needs) : needs_{needs} {}
@@ -25,14 +25,17 @@ public:
     /// Adds or removes the Objects of all sessions if diagnostics were switched on or off.
     void take_flag();
 
-    /// The value of a Variable of one of the Objects, by the handle it was given; Bad_NodeIdUnknown
-    /// for any other. Not every reader may see the security diagnostics.
+    /// The Object's array of Subscriptions; no_node if there is none.
+    [[nodiscard]] model::NodeIndex subscriptions_of(const Session& session) const;
+    /// The value of a Variable of a session or a Subscription, by the handle it was given;
+    /// Bad_NodeIdUnknown for any other. Not every reader may see the security diagnostics.
     [[nodiscard]] Result<Variant> value(std::uint64_t handle, const ReadingUser& reader) const;
 
 private:
     struct Entry {
         const Session* session;
         model::NodeHandle object;
+        model::NodeHandle subscriptions;
     };
 
     const DiagnosticsNeeds& needs_;

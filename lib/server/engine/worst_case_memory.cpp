@@ -48,7 +48,8 @@ constexpr Number bytes_of_channel = 16'384;
 constexpr Number bytes_of_operation = 2'048;
 /// The Object of a session below SessionsDiagnosticsSummary, with its Variables.
 constexpr Number bytes_of_diagnostics = 65'536;
-constexpr Number bytes_of_subscription = 2'048;
+/// With 32 nodes of its diagnostics.
+constexpr Number bytes_of_subscription = 2'048 + 32 * 256;
 constexpr Number bytes_of_kept_message = 64; // without the message
 constexpr Number bytes_of_status_change = 256;
 constexpr Number bytes_of_locale = 64;

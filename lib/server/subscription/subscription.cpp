@@ -270,6 +270,9 @@ void Subscription::set_session(Session& session, TimePoint now)
     const UserIdentity before = user();
     session_ = &session;
     PublishPart::of(session).add(*this);
+    if (SubscriptionObserver* const observer = all_.needs().observer) {
+        observer->moved(*this);
+    }
     if (!(before == session.user)) {
         user_changed(now);
     }

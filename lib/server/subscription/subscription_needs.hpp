@@ -12,6 +12,24 @@
 namespace busbar::server::detail {
 
 class EventItems;
+class Subscription;
+
+/// Who wants to know what Subscriptions there are.
+class SubscriptionObserver {
+public:
+    SubscriptionObserver() = default;
+    SubscriptionObserver(const SubscriptionObserver&) = delete;
+    SubscriptionObserver& operator=(const SubscriptionObserver&) = delete;
+
+    virtual void added(const Subscription& subscription) = 0;
+    /// It has another session.
+    virtual void moved(const Subscription& subscription) = 0;
+    /// It is about to end.
+    virtual void removed(const Subscription& subscription) = 0;
+
+protected:
+    ~SubscriptionObserver() = default;
+};
 
 /// What Subscriptions and their items need of the server; as long as that lives.
 struct SubscriptionNeeds {
@@ -25,6 +43,8 @@ struct SubscriptionNeeds {
     const LiveValues& live_values;
     /// Null in a server without events.
     EventItems* event_items{nullptr};
+    /// May be null.
+    SubscriptionObserver* observer{nullptr};
 
     [[nodiscard]] DateTime wall_time() const { return environment.wall_clock->now(); }
 };

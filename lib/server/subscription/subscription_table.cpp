@@ -72,6 +72,9 @@ Result<Subscription*> SubscriptionTable::create(Session& session,
     made.handle(SubscriptionEvent::CreateSubscription, {.now = now});
     made.handle(SubscriptionEvent::Created,
                 {.now = now, .parameters = &parameters, .publishing_enabled = publishing_enabled});
+    if (needs_.observer != nullptr) {
+        needs_.observer->added(made);
+    }
     return &made;
 }
 
@@ -89,6 +92,9 @@ Subscription* SubscriptionTable::find(std::uint32_t id, const Session& session) 
 
 void SubscriptionTable::remove(Subscription& subscription)
 {
+    if (needs_.observer != nullptr) {
+        needs_.observer->removed(subscription);
+    }
     subscription.end();
     ended_.add(std::move(subscriptions_.extract(subscription.id()).mapped()));
 }

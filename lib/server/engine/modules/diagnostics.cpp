@@ -3,6 +3,7 @@
 
 #include "server/diagnostics/diagnostic_values.hpp"
 #include "server/diagnostics/session_nodes.hpp"
+#include "server/diagnostics/subscription_nodes.hpp"
 #include "server/engine/core.hpp"
 
 namespace busbar::server {
@@ -14,18 +15,25 @@ namespace {
 class Diagnostics final : public DiagnosticsPart {
 public:
     explicit Diagnostics(Core& core)
-        : nodes_{core.diagnostics_needs}, values_{core.diagnostics_needs, nodes_}
+        : nodes_{core.diagnostics_needs},
+          subscriptions_{core.diagnostics_needs, nodes_}, values_{core.diagnostics_needs, nodes_}
     {
+        core.subscription_needs.observer = &subscriptions_;
     }
 
     [[nodiscard]] const LiveValues& values() const { return values_; }
 
     void add(const Session& session) override { nodes_.add(session); }
     void remove(const Session& session) override { nodes_.remove(session); }
-    void take_flag() override { nodes_.take_flag(); }
+    void take_flag() override
+    {
+        nodes_.take_flag();
+        subscriptions_.take_flag();
+    }
 
 private:
     SessionNodes nodes_;
+    SubscriptionNodes subscriptions_;
     DiagnosticValues values_;
 };
 

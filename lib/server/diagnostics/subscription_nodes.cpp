@@ -1,0 +1,93 @@
+#include "subscription_nodes.hpp"
+
+#include <string>
+#include <utility>
+
+#include <busbar/types/ids.hpp>
+
+#include "part_nodes.hpp"
+#include "server/session/session.hpp"
+#include "server/subscription/subscription.hpp"
+
+namespace busbar::server::detail {
+
+void SubscriptionNodes::added(const Subscription& subscription)
+{
+    model::AddressSpace& space = needs_.space;
+    const model::NodeIndex array =
+        space.find(id::Server_ServerDiagnostics_SubscriptionDiagnosticsArray);
+    if (array == model::no_node || !needs_.counters.is_enabled() ||
+        entries_.contains(subscription.id())) {
+        return;
+    }
+    const std::string name = std::to_string(subscription.id());
+    const PartNodes part{
+        .section = Section::Subscription,
+        .name = QualifiedName{0, String{name}},
+        .declaration = space.find(id::SubscriptionDiagnosticsArrayType_SubscriptionDiagnostics),
+        .type = id::SubscriptionDiagnosticsType,
+        .fields = subscription_field_names()};
+    const model::NodeIndex made =
+        add_part(space, array, needs_.own_namespace, subscription.id(), part);
+    if (made != model::no_node) {
+        refer(subscription, entries_[subscription.id()] = {space.handle(made), {}});
+    }
+}
+
+void SubscriptionNodes::refer(const Subscription& subscription, Entry& entry) const
+{
+    model::AddressSpace& space = needs_.space;
+    const model::NodeIndex element = space.resolve(entry.element);
+    const model::NodeIndex next = subscription.session() == nullptr
+                                      ? model::no_node
+                                      : sessions_.subscriptions_of(*subscription.session());
+    const model::NodeIndex before = space.resolve(entry.array);
+    if (element == model::no_node || next == before) {
+        return;
+    }
+    const NodeId has_component{0, id::HasComponent};
+    if (before != model::no_node) {
+        static_cast<void>(space.remove_reference(before, has_component, element));
+    }
+    entry.array = {};
+    if (next != model::no_node && space.add_reference(next, has_component, element)) {
+        entry.array = space.handle(next);
+    }
+}
+
+void SubscriptionNodes::moved(const Subscription& subscription)
+{
+    const auto found = entries_.find(subscription.id());
+    if (found != entries_.end()) {
+        refer(subscription, found->second);
+    }
+}
+
+void SubscriptionNodes::removed(const Subscription& subscription)
+{
+    const auto found = entries_.find(subscription.id());
+    if (found == entries_.end()) {
+        return;
+    }
+    const model::NodeIndex element = needs_.space.resolve(found->second.element);
+    if (element != model::no_node) {
+        static_cast<void>(needs_.space.remove(element));
+    }
+    entries_.erase(found);
+}
+
+void SubscriptionNodes::take_flag()
+{
+    if (std::exchange(is_shown_, needs_.counters.is_enabled()) == needs_.counters.is_enabled()) {
+        return;
+    }
+    for (const auto& [id, subscription] : needs_.subscriptions.all()) {
+        if (is_shown_) {
+            added(*subscription);
+        } else {
+            removed(*subscription);
+        }
+    }
+}
+
+} // namespace busbar::server::detail

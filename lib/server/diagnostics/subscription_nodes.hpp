@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <unordered_map>
+
+#include <busbar/model/address_space.hpp>
+
+#include "diagnostics_needs.hpp"
+#include "server/subscription/subscription_needs.hpp"
+#include "session_nodes.hpp"
+
+namespace busbar::server::detail {
+
+/// A Variable for each Subscription below the server's SubscriptionDiagnosticsArray (Part 5, 7.11
+/// and 7.12), which that of its session refers to, too. Its BrowseName is the SubscriptionId. There
+/// are none while diagnostics are off, nor in a namespace 0 without the types.
+class SubscriptionNodes final : public SubscriptionObserver {
+public:
+    SubscriptionNodes(const DiagnosticsNeeds& needs, const SessionNodes& sessions)
+        : needs_{needs}, sessions_{sessions}
+    {
+    }
+
+    void added(const Subscription& subscription) override;
+    void moved(const Subscription& subscription) override;
+    void removed(const Subscription& subscription) override;
+    /// Adds or removes the Variables of all Subscriptions if diagnostics were switched on or off.
+    /// Those of sessions have to be there by then.
+    void take_flag();
+
+private:
+    struct Entry {
+        model::NodeHandle element;
+        /// The session's array that refers to it, if any.
+        model::NodeHandle array;
+    };
+
+    /// Has the array of the Subscription's session refer to it, and no other.
+    void refer(const Subscription& subscription, Entry& entry) const;
+
+    const DiagnosticsNeeds& needs_;
+    const SessionNodes& sessions_;
+    std::unordered_map<std::uint32_t, Entry> entries_;
+    bool is_shown_{true};
+};
+
+} // namespace busbar::server::detail
