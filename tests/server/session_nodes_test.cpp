@@ -82,33 +82,62 @@ TEST_CASE_METHOD(DiagnosticsFixture, "each activated session has an Object, as l
     CHECK(session_objects(later).size() == 1);
 }
 
-TEST_CASE_METHOD(DiagnosticsFixture, "B7: the arrays have their elements as Variables", "[B7]")
-{
-    constexpr std::uint32_t security_array =
-        id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionSecurityDiagnosticsArray;
-    constexpr std::uint32_t subscriptions_array =
-        id::Server_ServerDiagnostics_SubscriptionDiagnosticsArray;
-    const auto elements = [&](TestClient& client, const NodeId& array) {
-        auto all = children(client, array);
+namespace {
+
+/// The arrays of the diagnostics, of two users' sessions.
+struct ArraysFixture : DiagnosticsFixture {
+    static std::vector<ReferenceDescription> elements(TestClient& reader, const NodeId& array)
+    {
+        auto all = children(reader, array);
         std::sort(all.begin(), all.end(),
                   [](const auto& a, const auto& b) { return a.browse_name < b.browse_name; });
         return all;
-    };
-    TestClient admin = log_in_admin();
-    TestClient client = log_in_as("operator");
-    const auto sessions = elements(admin, NodeId{0, sessions_array});
+    }
+    static std::vector<ReferenceDescription> elements(TestClient& reader, std::uint32_t array)
+    {
+        return elements(reader, NodeId{0, array});
+    }
+    /// Those of the SubscriptionDiagnosticsArray of the user's session.
+    std::vector<ReferenceDescription> elements_of(const char* user)
+    {
+        for (const ReferenceDescription& session : session_objects(admin)) {
+            const auto parts = children(admin, session.node_id.node_id);
+            for (const ReferenceDescription& part : children(admin, parts[1].node_id.node_id)) {
+                if (part.browse_name.name == "ClientUserIdOfSession" &&
+                    read(admin, part.node_id.node_id).value == Variant{user}) {
+                    return elements(admin, parts[2].node_id.node_id);
+                }
+            }
+        }
+        return {};
+    }
+
+    TestClient admin{log_in_admin()};
+    TestClient client{log_in_as("operator")};
+};
+
+constexpr std::uint32_t security_array =
+    id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionSecurityDiagnosticsArray;
+constexpr std::uint32_t subscriptions_array =
+    id::Server_ServerDiagnostics_SubscriptionDiagnosticsArray;
+
+} // namespace
+
+TEST_CASE_METHOD(ArraysFixture, "B7: the arrays have their elements as Variables", "[B7]")
+{
+    const auto sessions = elements(admin, sessions_array);
     REQUIRE(sessions.size() == 2);
     for (const ReferenceDescription& each : sessions) {
         CHECK(each.browse_name == QualifiedName{0, "SessionDiagnostics"});
         CHECK(each.type_definition.node_id == NodeId{0, id::SessionDiagnosticsVariableType});
         CHECK(read(admin, each.node_id.node_id).status == status::Good);
     }
-    CHECK(elements(admin, NodeId{0, security_array}).size() == 2);
-    CHECK(elements(client, NodeId{0, security_array}).empty());
+    CHECK(elements(admin, security_array).size() == 2);
+    CHECK(elements(client, security_array).empty());
 
     const std::uint32_t first = subscribe(client);
     const std::uint32_t second = subscribe(client);
-    const auto subscriptions = elements(client, NodeId{0, subscriptions_array});
+    const auto subscriptions = elements(client, subscriptions_array);
     REQUIRE(subscriptions.size() == 2);
     const NodeId element = subscriptions[first < second ? 0 : 1].node_id.node_id;
     const auto fields = children(client, element);
@@ -125,44 +154,37 @@ TEST_CASE_METHOD(DiagnosticsFixture, "B7: the arrays have their elements as Vari
     const auto* const object = whole.value.get_if<ExtensionObject>();
     REQUIRE(object != nullptr);
     CHECK(object->get_if<SubscriptionDiagnosticsDataType>()->subscription_id == first);
+}
 
-    // The array of its session has it, too, whichever session that is.
-    const auto own_array = [&](const char* user) {
-        NodeId found;
-        for (const ReferenceDescription& session : session_objects(admin)) {
-            const auto parts = children(admin, session.node_id.node_id);
-            for (const ReferenceDescription& part : children(admin, parts[1].node_id.node_id)) {
-                if (part.browse_name.name == "ClientUserIdOfSession" &&
-                    read(admin, part.node_id.node_id).value == Variant{user}) {
-                    found = parts[2].node_id.node_id;
-                }
-            }
-        }
-        return found;
-    };
-    CHECK(elements(admin, own_array("operator")).size() == 2);
-    CHECK(elements(admin, own_array("admin")).empty());
+TEST_CASE_METHOD(ArraysFixture, "B7: a Subscription is in the array of whichever session it has",
+                 "[B7]")
+{
+    const std::uint32_t first = subscribe(client);
+    const std::uint32_t second = subscribe(client);
+    CHECK(elements_of("operator").size() == 2);
+    CHECK(elements_of("admin").empty());
     REQUIRE(remove(client, second) == status::Good);
-    CHECK(elements(admin, own_array("operator")).size() == 1);
+    REQUIRE(elements_of("operator").size() == 1);
+    const NodeId element = elements_of("operator")[0].node_id.node_id;
+
     TestClient heir = log_in_as("operator");
     CloseSessionRequest close;
     close.delete_subscriptions = false;
     REQUIRE(client.status_of<CloseSessionResponse>(close) == status::Good);
     CHECK(read(admin, element).status == status::Good); // it lives on without a session
-    CHECK(elements(admin, own_array("operator")).empty());
+    CHECK(elements_of("operator").empty());
     REQUIRE(transfer(heir, first).status_code == status::Good);
-    const auto inherited = elements(admin, own_array("operator"));
-    REQUIRE(inherited.size() == 1);
-    CHECK(inherited[0].node_id.node_id == element);
+    REQUIRE(elements_of("operator").size() == 1);
+    CHECK(elements_of("operator")[0].node_id.node_id == element);
 
     REQUIRE(enable(admin, false) == status::Good);
-    CHECK(elements(admin, NodeId{0, subscriptions_array}).empty());
-    CHECK(elements(admin, NodeId{0, sessions_array}).empty());
+    CHECK(elements(admin, subscriptions_array).empty());
+    CHECK(elements(admin, sessions_array).empty());
     REQUIRE(enable(admin, true) == status::Good);
-    CHECK(elements(admin, NodeId{0, subscriptions_array}).size() == 1);
-    CHECK(elements(admin, own_array("operator")).size() == 1);
+    CHECK(elements(admin, subscriptions_array).size() == 1);
+    CHECK(elements_of("operator").size() == 1);
     REQUIRE(remove(heir, first) == status::Good);
-    CHECK(elements(admin, NodeId{0, subscriptions_array}).empty());
+    CHECK(elements(admin, subscriptions_array).empty());
     CHECK(read(admin, element).status == status::Bad_NodeIdUnknown);
 }
 
