@@ -78,7 +78,10 @@ void ReadOperation::handle_deadline(TimePoint now)
 void ReadOperation::call_completed()
 {
     job_->finish();
-    respond<ReadResponse>([&](binary::Writer& writer) { job_->encode_results(writer); });
+    ReturnDiagnostics diagnostics = this->diagnostics();
+    const auto infos = job_->diagnose(diagnostics);
+    respond<ReadResponse>(diagnostics,
+                          [&](binary::Writer& writer) { job_->encode_results(writer, infos); });
 }
 
 } // namespace busbar::server::detail

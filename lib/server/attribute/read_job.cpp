@@ -67,7 +67,8 @@ void ReadJob::take_answer(std::size_t index, DataValue answer, const NumericRang
     }
     const std::size_t before = writer_.written();
     encode_slot(writer_, slot, timestamps_);
-    encoded_.push_back({index, writer_.written() - before});
+    encoded_.push_back({static_cast<std::uint32_t>(index),
+                        static_cast<std::uint32_t>(writer_.written() - before), slot.status});
 }
 
 void ReadJob::plan_one(const ReadContext& context, std::size_t index, const ReadValueId& id)
@@ -128,7 +129,23 @@ void ReadJob::finish()
     }
 }
 
-void ReadJob::encode_results(binary::Writer& writer)
+Array<DiagnosticInfo> ReadJob::diagnose(ReturnDiagnostics& diagnostics) const
+{
+    if (!diagnostics.wants_operations()) {
+        return {};
+    }
+    std::vector<StatusCode> all(call_.size());
+    auto next = encoded_.begin();
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const bool is_encoded = next != encoded_.end() && next->index == i;
+        all[i] = is_encoded ? next++->status : call_.result(i).status;
+    }
+    return diagnostics.of_operations(
+        all.size(), [&](std::size_t i) { return all[i]; },
+        [&](std::size_t i) { return operand_text(request_, i); });
+}
+
+void ReadJob::encode_results(binary::Writer& writer, const Array<DiagnosticInfo>& infos)
 {
     const std::vector<std::byte> bytes = sink_.take(writer_.written());
     std::span<const std::byte> rest{bytes};
@@ -143,7 +160,7 @@ void ReadJob::encode_results(binary::Writer& writer)
             encode_slot(writer, call_.result(i), timestamps_);
         }
     }
-    encode(writer, Array<DiagnosticInfo>{});
+    encode(writer, infos);
 }
 
 } // namespace busbar::server::detail

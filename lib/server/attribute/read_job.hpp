@@ -13,6 +13,7 @@
 #include "server/data/data_call.hpp"
 #include "server/data/read_results.hpp"
 #include "server/rights/read_plan.hpp"
+#include "server/session/operand_text.hpp"
 #include "server/session/turn.hpp"
 
 namespace busbar::server::detail {
@@ -59,8 +60,10 @@ public:
 
     /// Cuts the ranges that were left to the server; once, when the results are there.
     void finish();
+    /// What became of each, after finish().
+    [[nodiscard]] Array<DiagnosticInfo> diagnose(ReturnDiagnostics& diagnostics) const;
     /// Writes `results` and `diagnostic_infos` of the ReadResponse; once, after finish().
-    void encode_results(binary::Writer& writer);
+    void encode_results(binary::Writer& writer, const Array<DiagnosticInfo>& infos = {});
 
 private:
     /// An IndexRange of the request.
@@ -72,8 +75,9 @@ private:
 
     /// A DataValue that is written already.
     struct Encoded {
-        std::size_t index;
-        std::size_t size;
+        std::uint32_t index;
+        std::uint32_t size;
+        StatusCode status;
     };
 
     void plan_one(const ReadContext& context, std::size_t index, const ReadValueId& id);

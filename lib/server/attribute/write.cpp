@@ -71,7 +71,12 @@ void WriteOperation::handle_deadline(TimePoint now)
 void WriteOperation::call_completed()
 {
     needs_.observer.written(request(), [this](std::size_t index) { return job_->result(index); });
-    respond<WriteResponse>([&](binary::Writer& writer) { job_->encode_results(writer); });
+    ReturnDiagnostics diagnostics = this->diagnostics();
+    const auto infos = diagnostics.of_operations(
+        request().nodes_to_write.size(), [&](std::size_t index) { return job_->result(index); },
+        [&](std::size_t index) { return operand_text(request(), index); });
+    respond<WriteResponse>(diagnostics,
+                           [&](binary::Writer& writer) { job_->encode_results(writer, infos); });
 }
 
 } // namespace busbar::server::detail

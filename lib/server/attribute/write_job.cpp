@@ -295,13 +295,13 @@ void WriteJob::keep(WriteRequest request, std::vector<std::byte> message)
     memory_->message = std::move(message);
 }
 
-void WriteJob::encode_results(binary::Writer& writer) const
+void WriteJob::encode_results(binary::Writer& writer, const Array<DiagnosticInfo>& infos) const
 {
     writer.length(call_.size());
     for (std::size_t i = 0; i < call_.size(); ++i) {
         encode(writer, call_.result(i));
     }
-    encode(writer, Array<DiagnosticInfo>{});
+    encode(writer, infos);
 }
 
 } // namespace busbar::server::detail

@@ -60,7 +60,7 @@ public:
     /// What became of an item, once the results are there.
     [[nodiscard]] StatusCode result(std::size_t index) const { return call_.result(index); }
     /// Writes `results` and `diagnostic_infos` of the WriteResponse.
-    void encode_results(binary::Writer& writer) const;
+    void encode_results(binary::Writer& writer, const Array<DiagnosticInfo>& infos = {}) const;
 
     /// Takes over the request and the message that it borrows from: sources may still have batches
     /// with the values when client and server have given up. The last of them frees both.

@@ -3,10 +3,12 @@
 #include <utility>
 
 #include <busbar/core/text.hpp>
+#include <busbar/types/ids.hpp>
 
 #include "core.hpp"
 #include "peer_link.hpp"
 #include "run_service.hpp"
+#include "server/rights/role_permissions.hpp"
 #include "server/session/user_expiry.hpp"
 
 namespace busbar::server::detail {
@@ -51,6 +53,19 @@ Checked<Session*> find_session(Core& core, const PeerLink& link, const RequestHe
     return session;
 }
 
+/// What of it the user may be told (Part 4, 7.12).
+std::uint32_t allowed_diagnostics(const Core& core, const Session* session, std::uint32_t wanted)
+{
+    if ((wanted & diagnostic_bit::for_administrators) == 0) {
+        return wanted;
+    }
+    const bool is_known = session != nullptr && session->is_activated;
+    const bool is_admin = is_known && (is_configure_admin(session->user) ||
+                                       has_role(core.address_space, session->user,
+                                                NodeId{0, id::WellKnownRole_SecurityAdmin}));
+    return is_admin ? wanted : wanted & ~diagnostic_bit::for_administrators;
+}
+
 /// The whole header but its additionalHeader: no service uses it, so nothing is made of it.
 void decode_header(binary::Reader& reader, RequestHeader& header)
 {
@@ -85,6 +100,8 @@ void run(const Service* service, Core& core, PeerLink& link, Incoming& incoming,
                                     core.environment.wall_clock->now());
         incoming.reply.max_size = (*session)->max_response_message_size;
     }
+    incoming.reply.return_diagnostics =
+        allowed_diagnostics(core, *session, incoming.header.return_diagnostics);
     ServiceContext context{link, *session, now};
     service->run(core, context, incoming);
 }
@@ -108,7 +125,7 @@ void run_operation(Core& core, ServiceContext& context, Incoming& incoming,
 void dispatch(Core& core, PeerLink& link, std::vector<std::byte> message, std::uint32_t request_id,
               TimePoint now)
 {
-    Incoming incoming{std::move(message), {}, {request_id, 0, 0}, 0, link};
+    Incoming incoming{std::move(message), {}, {request_id, 0, 0, 0}, 0, link};
     binary::Reader reader{incoming.message, binary::Strings::Borrow, &core.types,
                           core.limits().decode};
     NodeId encoding_id;
@@ -124,6 +141,8 @@ void dispatch(Core& core, PeerLink& link, std::vector<std::byte> message, std::u
     incoming.offset = reader.offset();
     if (reader.ok()) {
         incoming.reply.request_handle = incoming.header.request_handle;
+        incoming.reply.return_diagnostics =
+            incoming.header.return_diagnostics & ~diagnostic_bit::for_administrators;
     } else if (service != nullptr || encoding_id.is_null()) {
         return link.fault(incoming.reply, reader.status());
     }

@@ -75,7 +75,11 @@ void PeerLink::fault(const Reply& reply, StatusCode status)
     // It fails only if the channel is gone, or so small that there is nothing to say.
     static_cast<void>(channel_.send(reply.request_id, [&](binary::Writer& writer) {
         encode(writer, NodeId{0, ServiceFault::binary_encoding_id});
-        encode(writer, response_header(reply, answer));
+        ReturnDiagnostics diagnostics{reply.return_diagnostics};
+        ResponseHeader header = response_header(reply, answer);
+        header.service_diagnostics = diagnostics.of_service(answer);
+        header.string_table = diagnostics.string_table();
+        encode(writer, header);
     }));
     check_send_queue();
     mark();

@@ -42,6 +42,11 @@ void run_function(Core& core, ServiceContext& context, Incoming& incoming)
         return context.peer.fault(incoming.reply, status);
     }
     response.response_header = context.peer.response_header(incoming.reply, status);
+    if (incoming.reply.return_diagnostics != 0) {
+        ReturnDiagnostics diagnostics{incoming.reply.return_diagnostics};
+        diagnose(diagnostics, request, response);
+        response.response_header.string_table = diagnostics.string_table();
+    }
     context.peer.respond(incoming.reply, Response::binary_encoding_id,
                          [&](binary::Writer& writer) { encode(writer, response); });
     incoming.link.recycle(std::move(incoming.message));

@@ -44,7 +44,10 @@ void CallOperation::call_completed()
         return;
     }
     job_->finish();
-    respond<CallResponse>([&](binary::Writer& writer) { job_->encode_results(writer); });
+    ReturnDiagnostics diagnostics = this->diagnostics();
+    const CallDiagnostics told = job_->diagnose(diagnostics, request());
+    respond<CallResponse>(diagnostics,
+                          [&](binary::Writer& writer) { job_->encode_results(writer, told); });
 }
 
 } // namespace busbar::server::detail

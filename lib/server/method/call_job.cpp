@@ -182,17 +182,37 @@ void CallJob::keep(CallRequest request, std::vector<std::byte> message)
     memory_->message = std::move(message);
 }
 
-void CallJob::encode_results(binary::Writer& writer) const
+CallDiagnostics CallJob::diagnose(ReturnDiagnostics& diagnostics, const CallRequest& request) const
+{
+    CallDiagnostics all;
+    if (!diagnostics.wants_operations()) {
+        return all;
+    }
+    all.arguments.resize(call_.size());
+    for (std::size_t i = 0; i < call_.size(); ++i) {
+        const auto& inputs = call_.result(i).input_results;
+        all.arguments[i] = diagnostics.of_operations(
+            inputs.size(), [&](std::size_t input) { return inputs[input]; },
+            [](std::size_t input) { return "input argument " + std::to_string(input); });
+    }
+    all.calls = diagnostics.of_operations(
+        call_.size(), [&](std::size_t i) { return call_.result(i).status; },
+        [&](std::size_t i) { return operand_text(request, i); });
+    return all;
+}
+
+void CallJob::encode_results(binary::Writer& writer, const CallDiagnostics& diagnostics) const
 {
     writer.length(call_.size());
     for (std::size_t i = 0; i < call_.size(); ++i) {
         const CallResult& result = call_.result(i);
         encode(writer, result.status);
         encode(writer, result.input_results);
-        encode(writer, Array<DiagnosticInfo>{});
+        encode(writer,
+               diagnostics.arguments.empty() ? Array<DiagnosticInfo>{} : diagnostics.arguments[i]);
         encode(writer, result.outputs);
     }
-    encode(writer, Array<DiagnosticInfo>{});
+    encode(writer, diagnostics.calls);
 }
 
 } // namespace busbar::server::detail

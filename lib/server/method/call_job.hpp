@@ -15,6 +15,12 @@
 
 namespace busbar::server::detail {
 
+/// What a response tells of calls, and of the input arguments of each; both may be empty.
+struct CallDiagnostics {
+    Array<DiagnosticInfo> calls;
+    std::vector<Array<DiagnosticInfo>> arguments;
+};
+
 /// Good, or why the whole request is refused (Part 4, 5.12.2.3).
 [[nodiscard]] StatusCode check_call(const CallRequest& request, std::size_t max_methods);
 /// About the bytes that the request takes until it is answered.
@@ -34,8 +40,11 @@ public:
     [[nodiscard]] bool handle_deadline(TimePoint now) { return call_.handle_deadline(now); }
     /// Checks what the sources answered; before encode_results().
     void finish();
+    /// Of the calls and their arguments, after finish().
+    [[nodiscard]] CallDiagnostics diagnose(ReturnDiagnostics& diagnostics,
+                                           const CallRequest& request) const;
     /// Writes `results` and `diagnostic_infos` of the CallResponse.
-    void encode_results(binary::Writer& writer) const;
+    void encode_results(binary::Writer& writer, const CallDiagnostics& diagnostics) const;
 
     /// As WriteJob::keep.
     void keep(CallRequest request, std::vector<std::byte> message);

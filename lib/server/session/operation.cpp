@@ -18,14 +18,20 @@ Peer& ServiceOperation::finish()
     return peer;
 }
 
-void ServiceOperation::respond(std::uint32_t encoding_id, FunctionRef<void(binary::Writer&)> encode)
+void ServiceOperation::respond(std::uint32_t encoding_id, FunctionRef<void(binary::Writer&)> encode,
+                               const ReturnDiagnostics* diagnostics)
 {
     if (!is_finished()) {
         const Reply reply{request_id_, request_handle_,
-                          session_ != nullptr ? session_->max_response_message_size : 0};
+                          session_ != nullptr ? session_->max_response_message_size : 0,
+                          return_diagnostics_};
         Peer& peer = finish();
         peer.respond(reply, encoding_id, [&](binary::Writer& writer) {
-            busbar::encode(writer, peer.response_header(reply, status::Good));
+            ResponseHeader header = peer.response_header(reply, status::Good);
+            if (diagnostics != nullptr) {
+                header.string_table = diagnostics->string_table();
+            }
+            busbar::encode(writer, header);
             encode(writer);
         });
     }
@@ -35,7 +41,7 @@ void ServiceOperation::fault(StatusCode status)
 {
     if (!is_finished()) {
         peer_->count_fault(session_, encoding_id_, status);
-        finish().fault({request_id_, request_handle_, 0}, status);
+        finish().fault({request_id_, request_handle_, 0, return_diagnostics_}, status);
     }
 }
 
@@ -87,6 +93,7 @@ void ServiceOperation::open(const Question& question, ServiceContext& context)
     encoding_id_ = question.encoding_id;
     request_id_ = question.reply.request_id;
     request_handle_ = question.reply.request_handle;
+    return_diagnostics_ = question.reply.return_diagnostics;
     if (question.timeout_hint != 0) {
         client_deadline_ = context.now + std::chrono::milliseconds{question.timeout_hint};
     }

@@ -18,6 +18,8 @@ struct Reply {
     std::uint32_t request_handle{0};
     /// Bytes; 0 if only the channel's limit holds.
     std::uint32_t max_size{0};
+    /// Of the request, as far as the user may know it.
+    std::uint32_t return_diagnostics{0};
 };
 
 /// What is known of a request before its parameters are.

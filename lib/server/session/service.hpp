@@ -10,7 +10,9 @@
 #include <busbar/core/function_ref.hpp>
 #include <busbar/types/common.hpp>
 
+#include "operand_text.hpp"
 #include "peer.hpp"
+#include "return_diagnostics.hpp"
 
 /// What services are written against; `dispatch.cpp` has the table of them.
 ///
@@ -93,7 +95,17 @@ protected:
     template <typename Response>
     void respond(FunctionRef<void(binary::Writer&)> encode)
     {
-        respond(Response::binary_encoding_id, encode);
+        respond(Response::binary_encoding_id, encode, nullptr);
+    }
+    /// The same with what `diagnostics` has told of its operations.
+    template <typename Response>
+    void respond(const ReturnDiagnostics& diagnostics, FunctionRef<void(binary::Writer&)> encode)
+    {
+        respond(Response::binary_encoding_id, encode, &diagnostics);
+    }
+    [[nodiscard]] ReturnDiagnostics diagnostics() const
+    {
+        return ReturnDiagnostics{return_diagnostics_};
     }
     /// To be called when next_deadline() has become earlier, other than in start() and
     /// handle_deadline(), so that whoever drives the connection learns it.
@@ -108,7 +120,8 @@ protected:
 
 private:
     virtual void decode_request(binary::Reader& reader) = 0;
-    void respond(std::uint32_t encoding_id, FunctionRef<void(binary::Writer&)> encode);
+    void respond(std::uint32_t encoding_id, FunctionRef<void(binary::Writer&)> encode,
+                 const ReturnDiagnostics* diagnostics);
     /// Lets go of peer and session; the peer it had.
     Peer& finish();
 
@@ -121,6 +134,7 @@ private:
     std::uint32_t encoding_id_{0};
     std::uint32_t request_id_{0};
     std::uint32_t request_handle_{0};
+    std::uint32_t return_diagnostics_{0};
     TimePoint client_deadline_{no_deadline};
     std::size_t charged_{0};
 };
@@ -131,6 +145,17 @@ class OperationOf : public ServiceOperation {
 protected:
     [[nodiscard]] const Request& request() const { return request_; }
     [[nodiscard]] Request take_request() { return std::move(request_); }
+    /// Sends `results` and the diagnostics of each.
+    template <typename Response>
+    void respond_results(Response& response)
+    {
+        ReturnDiagnostics diagnostics = this->diagnostics();
+        diagnose(diagnostics, request_, response);
+        this->template respond<Response>(diagnostics, [&](binary::Writer& writer) {
+            encode(writer, response.results);
+            encode(writer, response.diagnostic_infos);
+        });
+    }
 
 private:
     void decode_request(binary::Reader& reader) final { decode_parameters(reader, request_); }

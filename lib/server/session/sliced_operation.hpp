@@ -49,10 +49,7 @@ public:
             return this->fault(status::Bad_InternalError);
         }
         if (response_.results.size() == size()) {
-            this->template respond<Response>([this](binary::Writer& writer) {
-                encode(writer, response_.results);
-                encode(writer, response_.diagnostic_infos);
-            });
+            this->respond_results(response_);
         }
     }
 

@@ -53,41 +53,56 @@ void PublishOperation::acknowledge(const Session& session)
 std::size_t PublishOperation::room_for_message(std::size_t available) const
 {
     // Headers, and what the response has besides its message.
-    const std::size_t others = 256 + 4 * results_.size() + 4 * available;
+    const std::size_t of_diagnostics =
+        diagnostics().wants_operations() ? 512 + 32 * results_.size() : 0;
+    const std::size_t others = 256 + 4 * results_.size() + 4 * available + of_diagnostics;
     const std::size_t limit = response_limit();
     return limit > others ? limit - others : 0;
 }
 
 void PublishOperation::answer(const Message& message)
 {
-    respond<PublishResponse>([&](binary::Writer& writer) {
+    ReturnDiagnostics diagnostics = this->diagnostics();
+    const auto infos = diagnose(diagnostics);
+    respond<PublishResponse>(diagnostics, [&](binary::Writer& writer) {
         writer.number(message.subscription.id());
         message.subscription.retransmission().encode_available(writer);
         encode(writer, message.more_notifications);
         writer.bytes(message.bytes);
-        encode_results(writer);
+        encode_results(writer, infos);
     });
 }
 
 void PublishOperation::answer_status_change(std::uint32_t subscription_id,
                                             std::span<const std::byte> message)
 {
-    respond<PublishResponse>([&](binary::Writer& writer) {
+    ReturnDiagnostics diagnostics = this->diagnostics();
+    const auto infos = diagnose(diagnostics);
+    respond<PublishResponse>(diagnostics, [&](binary::Writer& writer) {
         writer.number(subscription_id);
         writer.length(0);
         encode(writer, false);
         writer.bytes(message);
-        encode_results(writer);
+        encode_results(writer, infos);
     });
 }
 
-void PublishOperation::encode_results(binary::Writer& writer) const
+/// Of the acknowledgements.
+Array<DiagnosticInfo> PublishOperation::diagnose(ReturnDiagnostics& diagnostics) const
+{
+    return diagnostics.of_operations(
+        results_.size(), [&](std::size_t i) { return results_[i]; },
+        [](std::size_t) { return std::string{}; });
+}
+
+void PublishOperation::encode_results(binary::Writer& writer,
+                                      const Array<DiagnosticInfo>& infos) const
 {
     writer.length(results_.size());
     for (const StatusCode result : results_) {
         encode(writer, result);
     }
-    encode(writer, Array<DiagnosticInfo>{});
+    encode(writer, infos);
 }
 
 } // namespace busbar::server::detail

@@ -44,7 +44,8 @@ private:
     friend class PublishPart;
 
     void acknowledge(const Session& session);
-    void encode_results(binary::Writer& writer) const;
+    [[nodiscard]] Array<DiagnosticInfo> diagnose(ReturnDiagnostics& diagnostics) const;
+    void encode_results(binary::Writer& writer, const Array<DiagnosticInfo>& infos) const;
 
     SubscriptionTable& all_;
     /// Whose queue it is in.

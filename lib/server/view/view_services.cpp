@@ -54,10 +54,7 @@ public:
         visits_left_ = view.visits_left;
         references_left_ = view.references_left;
         if (is_complete) {
-            this->template respond<Response>([this](binary::Writer& writer) {
-                encode(writer, response_.results);
-                encode(writer, response_.diagnostic_infos);
-            });
+            this->respond_results(response_);
         } else if (!this->charge(added * sizeof(ReferenceDescription) + view.text_bytes)) {
             this->fault(status::Bad_OutOfMemory);
         }
