@@ -109,7 +109,8 @@ TimePoint Client::Impl::next_deadline() const
 
 bool Client::Impl::has_work() const
 {
-    return !changes.empty() || requests.has_results() || transport.lost().has_value() ||
+    const bool has_told = !user_changes.empty() && user_changes.front().result.has_value();
+    return !changes.empty() || has_told || requests.has_results() || transport.lost().has_value() ||
            (state == ClientState::Ready && requests.has_waiting()) ||
            (state == ClientState::Closing && transport.is_none());
 }
@@ -161,6 +162,22 @@ void Client::on_state(std::function<void(ClientState, StatusCode)> handler)
 {
     impl_->state_handler =
         detail::guarded_handler(log(), "Client::on_state handler", std::move(handler));
+}
+
+Duration Client::session_timeout() const
+{
+    const bool has_session = impl_->state == ClientState::Ready && impl_->config.wants_session;
+    return has_session ? Duration{impl_->connection->session().timeout} : Duration::zero();
+}
+
+void Client::change_user(UserIdentity identity, std::function<void(StatusCode)> done)
+{
+    impl_->begin_user_change(
+        {std::move(identity),
+         {},
+         detail::guarded_handler(log(), "Client::change_user handler", std::move(done)),
+         0,
+         {}});
 }
 
 Subscriptions& Client::subscriptions()
@@ -267,9 +284,9 @@ void Client::handle_deadline(TimePoint now)
 bool Client::poll(TimePoint now, std::size_t max_steps)
 {
     using Step = bool (Impl::*)();
-    static constexpr std::array<Step, 7> steps{
-        &Impl::announce, &Impl::deliver,           &Impl::expire,      &Impl::receive,
-        &Impl::advance,  &Impl::run_subscriptions, &Impl::send_waiting};
+    static constexpr std::array<Step, 8> steps{
+        &Impl::announce, &Impl::tell_user_change, &Impl::deliver,           &Impl::expire,
+        &Impl::receive,  &Impl::advance,          &Impl::run_subscriptions, &Impl::send_waiting};
     impl_->tell(now);
     bool has_moved = true;
     while (has_moved) {

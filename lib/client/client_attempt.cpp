@@ -125,6 +125,7 @@ ConnectionConfig Client::Impl::connection_config() const
     to.identity = config.identity;
     to.session_timeout =
         std::chrono::duration_cast<std::chrono::milliseconds>(config.session_timeout);
+    to.locale_ids = config.locale_ids;
     to.request_timeout =
         std::chrono::duration_cast<std::chrono::milliseconds>(config.request_timeout);
     to.limits = config.decode;
@@ -257,6 +258,12 @@ void Client::Impl::drop_connection(bool keeps_session)
     }
     transport.drop(now);
     endpoints_handle = info_handle = state_handle = 0;
+    for (PendingUserChange& change : user_changes) {
+        if (!change.result) {
+            change.handle = 0;
+            change.result = status::Bad_ConnectionClosed;
+        }
+    }
     keep_alive.stop();
 }
 

@@ -1,6 +1,9 @@
+#include <algorithm>
+
 #include <busbar/core/text.hpp>
 
 #include "client_impl.hpp"
+#include "user_token.hpp"
 
 namespace busbar::client {
 
@@ -73,6 +76,13 @@ void Client::Impl::handle_response(ConnectionEvent event)
     if (is_for(info_handle)) {
         return info_arrived(event);
     }
+    const auto change =
+        std::find_if(user_changes.begin(), user_changes.end(), [&](const PendingUserChange& one) {
+            return one.handle != 0 && one.handle == event.handle;
+        });
+    if (change != user_changes.end()) {
+        return user_change_arrived(*change, event.status);
+    }
     if (is_for(state_handle)) {
         state_arrived(event);
     } else {
@@ -131,6 +141,61 @@ void Client::Impl::become_ready()
                                              : Subscriptions::SessionStart::New);
 }
 
+void Client::Impl::begin_user_change(PendingUserChange change)
+{
+    const auto answer = [&](StatusCode status) { change.result = status; };
+    const bool is_other_under_way =
+        std::any_of(user_changes.begin(), user_changes.end(),
+                    [](const PendingUserChange& other) { return !other.result; });
+    if (state == ClientState::Waiting || state == ClientState::Closed) {
+        config.identity = std::move(change.identity);
+        choice.reset();       // that one was good for the other
+        kept_session.reset(); // another channel gets a session for its own user only
+        answer(status::Good_CompletesAsynchronously);
+    } else if (state != ClientState::Ready || !config.wants_session || is_other_under_way) {
+        answer(status::Bad_InvalidState);
+    } else if (const UserTokenPolicy* const policy = detail::find_token_policy(
+                   choice->endpoint.user_identity_tokens,
+                   {choice->policy, choice->endpoint.security_mode}, change.identity)) {
+        change.token_policy = *policy;
+        const auto sent = connection->change_user(change.identity, change.token_policy);
+        if (sent) {
+            change.handle = *sent;
+        } else {
+            answer(sent.error());
+        }
+    } else {
+        answer(status::Bad_IdentityTokenRejected);
+    }
+    user_changes.push_back(std::move(change));
+}
+
+void Client::Impl::user_change_arrived(PendingUserChange& change, StatusCode status)
+{
+    change.handle = 0;
+    change.result = status.is_bad() ? status : StatusCode{};
+    if (!status.is_bad()) {
+        config.identity = std::move(change.identity);
+        choice->token_policy = std::move(change.token_policy);
+    } else if (status == status::Bad_Timeout || status == status::Bad_NonceInvalid ||
+               detail::is_session_gone(status)) {
+        lose(status); // nobody knows whose the session is now
+    }
+}
+
+bool Client::Impl::tell_user_change()
+{
+    if (user_changes.empty() || !user_changes.front().result) {
+        return false;
+    }
+    const PendingUserChange change = std::move(user_changes.front());
+    user_changes.pop_front();
+    if (change.done) {
+        change.done(*change.result);
+    }
+    return true;
+}
+
 void Client::Impl::keep_alive_due()
 {
     switch (keep_alive.due(now)) {
@@ -138,7 +203,7 @@ void Client::Impl::keep_alive_due()
         break;
     case detail::KeepAlive::Action::Ask:
         if (state_handle != 0) {
-            connection->cancel(state_handle);
+            connection->forget(state_handle);
         }
         ask(detail::state_request(), state_handle, 2 * keep_alive.interval());
         break;

@@ -26,6 +26,16 @@ struct KeptSession {
     int failures{0};
 };
 
+/// A change of the user that has not been told of yet.
+struct PendingUserChange {
+    UserIdentity identity;
+    UserTokenPolicy token_policy;
+    std::function<void(StatusCode)> done;
+    /// Of the request; 0 if none is under way.
+    std::uint32_t handle{0};
+    std::optional<StatusCode> result;
+};
+
 /// What poll() does, one step of each kind in turn, so that none keeps the others waiting. A step
 /// is true if there was something to do.
 struct Client::Impl {
@@ -37,6 +47,7 @@ struct Client::Impl {
 
     // Steps (client.cpp).
     bool announce();
+    bool tell_user_change();
     bool deliver();
     bool expire();
     bool run_subscriptions();
@@ -53,6 +64,8 @@ struct Client::Impl {
     void info_arrived(const ConnectionEvent& event);
     void state_arrived(const ConnectionEvent& event);
     void become_ready();
+    void begin_user_change(PendingUserChange change);
+    void user_change_arrived(PendingUserChange& change, StatusCode status);
     template <typename Request>
     void ask(Request request, std::uint32_t& handle, Duration timeout = {});
     void keep_alive_due();
@@ -126,6 +139,9 @@ struct Client::Impl {
     /// With the server's namespace indexes.
     binary::TypeRegistry types{standard_types()};
     detail::KeepAlive keep_alive;
+
+    /// Told of in the order they were asked for; one at most is under way.
+    std::deque<PendingUserChange> user_changes;
 
     detail::RequestQueue requests;
     Subscriptions subscriptions;

@@ -22,6 +22,13 @@ std::uint32_t timeout_hint(Duration timeout)
 } // namespace
 
 struct Connection::Impl {
+    /// A change of the session's user that is under way.
+    struct UserChange {
+        std::uint32_t handle{0};
+        UserIdentity identity;
+        std::optional<UserTokenPolicy> token_policy;
+    };
+
     Impl(ConnectionConfig c, const channel::ChannelEnvironment& e, TimePoint start)
         : config{std::move(c)},
           environment{e}, channel{config.channel, environment, start}, now{start}
@@ -43,6 +50,9 @@ struct Connection::Impl {
     void become_ready();
     void close_session(bool deletes_subscriptions);
     [[nodiscard]] bool has_session() const;
+    void tell_cancelled(std::uint32_t request_handle);
+    [[nodiscard]] Result<std::uint32_t> change_user(UserChange change);
+    void user_changed(ConnectionEvent& event);
     void abandon(StatusCode status);
     void end(StatusCode status);
 
@@ -56,6 +66,7 @@ struct Connection::Impl {
     std::uint32_t last_request_handle{0};
     detail::PendingRequests pending;
     std::deque<ConnectionEvent> events;
+    std::optional<UserChange> user_change;
 };
 
 Result<std::uint32_t>
@@ -72,7 +83,7 @@ Connection::Impl::send(FunctionRef<void(binary::Writer&, const RequestHeader&)> 
     header.timeout_hint = timeout_hint(timeout);
     const auto id = channel.send([&](binary::Writer& writer) { encode(writer, header); });
     if (id) {
-        pending.add(*id, detail::deadline_after(now, timeout), context);
+        pending.add(*id, detail::deadline_after(now, timeout), context, header.request_handle);
     }
     return id;
 }
@@ -140,6 +151,9 @@ void Connection::Impl::handle_response(channel::ChannelEvent event)
     } else if (state == State::Activating || state == State::Resuming) {
         session_activated(response);
     } else {
+        if (user_change && user_change->handle == response.handle) {
+            user_changed(response);
+        }
         events.push_back(std::move(response));
     }
 }
@@ -220,6 +234,58 @@ bool Connection::Impl::has_session() const
 {
     return state != State::Resuming && state != State::Closed &&
            !session.ticket.authentication_token.is_null();
+}
+
+/// Nobody waits for the answer.
+void Connection::Impl::tell_cancelled(std::uint32_t request_handle)
+{
+    CancelRequest request;
+    request.request_handle = request_handle;
+    const auto sent = send([&](binary::Writer& writer, const RequestHeader& header) {
+        request.request_header = header;
+        encode(writer, NodeId{0, CancelRequest::binary_encoding_id});
+        encode(writer, request);
+    });
+    if (sent) {
+        pending.remove(*sent);
+    }
+}
+
+Result<std::uint32_t> Connection::Impl::change_user(UserChange change)
+{
+    ConnectionConfig next = config;
+    next.identity = change.identity;
+    next.token_policy = change.token_policy;
+    auto request = detail::make_activate_session(next, environment, session);
+    if (!request) {
+        return fail(request.error());
+    }
+    const auto sent = send([&](binary::Writer& writer, const RequestHeader& header) {
+        request->request_header = header;
+        encode(writer, NodeId{0, ActivateSessionRequest::binary_encoding_id});
+        encode(writer, *request);
+    });
+    if (sent) {
+        change.handle = *sent;
+        user_change = std::move(change);
+    }
+    return sent;
+}
+
+/// A bad answer leaves the session to the user it had; `event` tells of it.
+void Connection::Impl::user_changed(ConnectionEvent& event)
+{
+    UserChange change = *std::exchange(user_change, std::nullopt);
+    const auto response = event.response<ActivateSessionResponse>(config.limits);
+    const auto accepted =
+        response ? detail::accept_activation(config, *response, session) : fail(response.error());
+    if (accepted) {
+        config.identity = std::move(change.identity);
+        config.token_policy = std::move(change.token_policy);
+    } else {
+        event.status = accepted.error();
+        event.body.clear();
+    }
 }
 
 /// The server shall not keep a session that nobody will use.
@@ -332,6 +398,27 @@ Result<void> Connection::open_session(ConnectionConfig config)
 
 void Connection::cancel(std::uint32_t handle)
 {
+    const std::uint32_t request_handle = impl_->pending.handle_of(handle);
+    forget(handle);
+    if (request_handle != 0 && impl_->state == State::Ready && impl_->has_session()) {
+        impl_->tell_cancelled(request_handle);
+    }
+}
+
+Result<std::uint32_t> Connection::change_user(UserIdentity identity,
+                                              std::optional<UserTokenPolicy> token_policy)
+{
+    if (impl_->state != State::Ready || !impl_->has_session() || impl_->user_change) {
+        return fail(status::Bad_InvalidState);
+    }
+    return impl_->change_user({0, std::move(identity), std::move(token_policy)});
+}
+
+void Connection::forget(std::uint32_t handle)
+{
+    if (impl_->user_change && impl_->user_change->handle == handle) {
+        impl_->user_change.reset();
+    }
     if (impl_->pending.remove(handle)) {
         return;
     }

@@ -18,11 +18,17 @@ public:
         std::uint64_t context{0};
     };
 
-    /// `context` is given back with the request.
-    void add(std::uint32_t id, TimePoint deadline, std::uint64_t context)
+    /// `context` is given back with the request; `handle` is the requestHandle of its header.
+    void add(std::uint32_t id, TimePoint deadline, std::uint64_t context, std::uint32_t handle = 0)
     {
-        requests_[id] = {deadline, context};
+        requests_[id] = {deadline, context, handle};
         deadlines_.add(deadline, id);
+    }
+    /// 0 if there is none with that id.
+    [[nodiscard]] std::uint32_t handle_of(std::uint32_t id) const
+    {
+        const auto found = requests_.find(id);
+        return found == requests_.end() ? 0 : found->second.handle;
     }
     /// Its context; nothing if there is none with that id.
     std::optional<std::uint64_t> remove(std::uint32_t id)
@@ -60,6 +66,7 @@ private:
     struct Request {
         TimePoint deadline{};
         std::uint64_t context{0};
+        std::uint32_t handle{0};
     };
 
     [[nodiscard]] Pending take_first()

@@ -180,6 +180,9 @@ Result<ActivateSessionRequest> make_activate_session(const ConnectionConfig& con
         return fail(user.error());
     }
     ActivateSessionRequest request;
+    for (const std::string& locale : config.locale_ids) {
+        request.locale_ids.push_back(String{locale});
+    }
     request.user_identity_token = std::move(user->token);
     request.user_token_signature = std::move(user->signature);
     if (!policy_of(config).is_none()) {

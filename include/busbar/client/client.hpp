@@ -40,6 +40,8 @@ struct ClientConfig {
     std::string application_name{"Busbar client"};
     std::string session_name{"Busbar"};
     Duration session_timeout{std::chrono::minutes{1}};
+    /// LocaleIds that texts are wanted in, the best first (Part 4, 5.4); none: as the server likes.
+    std::vector<std::string> locale_ids;
     Duration request_timeout{std::chrono::seconds{10}};
     /// For one attempt, from asking for a connection to a session.
     Duration connect_timeout{std::chrono::seconds{20}};
@@ -138,6 +140,14 @@ public:
     /// the failure or there were too many.
     void on_state(std::function<void(ClientState, StatusCode)> handler);
     [[nodiscard]] Subscriptions& subscriptions();
+    /// RevisedSessionTimeout, which the session is kept alive within; zero while not Ready.
+    [[nodiscard]] Duration session_timeout() const;
+    /// Gives the session to another user, who keeps its Subscriptions (Part 4, 5.7.3.1). `done` is
+    /// told in poll(): Good; why the server refuses him or has no token policy for him, and the old
+    /// one stays; Bad_ConnectionClosed if that was lost meanwhile: whose it was is then taken up
+    /// again. Waiting or Closed: the next session, a new one, is his, Good_CompletesAsynchronously.
+    /// Else, and while another change is under way: Bad_InvalidState.
+    void change_user(UserIdentity identity, std::function<void(StatusCode)> done);
 
     // Requester
     void cancel(RequestId id) override;

@@ -45,6 +45,8 @@ struct ConnectionConfig {
     /// let us, another one created.
     std::optional<SessionTicket> resumed_session;
     std::chrono::milliseconds session_timeout{60'000};
+    /// LocaleIds that the session would have texts in, the best first (Part 4, 5.4).
+    std::vector<std::string> locale_ids;
     /// After this time an open request is given up with Bad_Timeout, unless it has a timeout of its
     /// own.
     std::chrono::milliseconds request_timeout{10'000};
@@ -113,8 +115,17 @@ public:
     /// `config` counts what is not of the channel. Bad_InvalidState if it is not Ready, or has a
     /// session.
     [[nodiscard]] Result<void> open_session(ConnectionConfig config);
-    /// Forgets a request: no Response event will come for it.
+    /// Forgets a request: no Response event will come for it. Where it is under way in a session
+    /// the server is told, once, so that it does not work for nobody (Part 4, 5.7.5).
     void cancel(std::uint32_t handle);
+    /// The same without a word to the server.
+    void forget(std::uint32_t handle);
+    /// Gives the session, which is Ready, to another user (Part 4, 5.7.3.1). A Response with the
+    /// handle says what became of it; that of the session stays if it is bad. Bad_InvalidState
+    /// without a session or while another change is under way; Bad_IdentityTokenRejected if the
+    /// server has no token policy for such a user, unless `token_policy` is given.
+    [[nodiscard]] Result<std::uint32_t> change_user(UserIdentity identity,
+                                                    std::optional<UserTokenPolicy> token_policy);
     /// Closes session and channel (Part 4, 5.7.4 and 5.6.3), with or without the Subscriptions.
     void close(bool deletes_subscriptions = true);
     /// Closes the channel and leaves the session to the server, for another connection.
