@@ -1,16 +1,10 @@
-#include <busbar/client/connection.hpp>
+#include "connection_impl.hpp"
 
 #include <algorithm>
-#include <deque>
-
-#include "pending_requests.hpp"
-#include "session.hpp"
 
 namespace busbar::client {
 
 namespace {
-
-enum class State : std::uint8_t { Connecting, Resuming, Creating, Activating, Ready, Closed };
 
 /// TimeoutHint counts whole milliseconds, and zero means none (Part 4, 7.33).
 std::uint32_t timeout_hint(Duration timeout)
@@ -20,54 +14,6 @@ std::uint32_t timeout_hint(Duration timeout)
 }
 
 } // namespace
-
-struct Connection::Impl {
-    /// A change of the session's user that is under way.
-    struct UserChange {
-        std::uint32_t handle{0};
-        UserIdentity identity;
-        std::optional<UserTokenPolicy> token_policy;
-    };
-
-    Impl(ConnectionConfig c, const channel::ChannelEnvironment& e, TimePoint start)
-        : config{std::move(c)},
-          environment{e}, channel{config.channel, environment, start}, now{start}
-    {
-    }
-
-    [[nodiscard]] Result<std::uint32_t>
-    send(FunctionRef<void(binary::Writer&, const RequestHeader&)> encode, Duration timeout = {},
-         std::uint64_t context = 0);
-    template <typename Request>
-    [[nodiscard]] Result<void> send(Request& request);
-    void handle(channel::ChannelEvent event);
-    void handle_opened();
-    void handle_response(channel::ChannelEvent event);
-    void create_session();
-    void session_created(const ConnectionEvent& event);
-    void activate_session(State next);
-    void session_activated(const ConnectionEvent& event);
-    void become_ready();
-    void close_session(bool deletes_subscriptions);
-    [[nodiscard]] bool has_session() const;
-    void tell_cancelled(std::uint32_t request_handle);
-    [[nodiscard]] Result<std::uint32_t> change_user(UserChange change);
-    void user_changed(ConnectionEvent& event);
-    void abandon(StatusCode status);
-    void end(StatusCode status);
-
-    ConnectionConfig config;
-    channel::ChannelEnvironment environment;
-    channel::ClientChannel channel;
-    detail::SessionData session;
-    State state{State::Connecting};
-    bool is_resumed{false};
-    TimePoint now;
-    std::uint32_t last_request_handle{0};
-    detail::PendingRequests pending;
-    std::deque<ConnectionEvent> events;
-    std::optional<UserChange> user_change;
-};
 
 Result<std::uint32_t>
 Connection::Impl::send(FunctionRef<void(binary::Writer&, const RequestHeader&)> encode,
@@ -308,156 +254,6 @@ void Connection::Impl::end(StatusCode status)
     }
     events.push_back({ConnectionEvent::Kind::Closed, 0, status, {}, 0});
     channel.close();
-}
-
-Connection::Connection(ConnectionConfig config, const channel::ChannelEnvironment& environment,
-                       TimePoint now)
-    : impl_{std::make_unique<Impl>(std::move(config), environment, now)}
-{
-}
-Connection::Connection(Connection&&) noexcept = default;
-Connection& Connection::operator=(Connection&&) noexcept = default;
-Connection::~Connection() = default;
-
-Result<void> Connection::feed(std::span<const std::byte> in, TimePoint now)
-{
-    impl_->now = now;
-    return impl_->channel.feed(in, now);
-}
-
-std::optional<ConnectionEvent> Connection::next_event()
-{
-    while (impl_->events.empty()) {
-        auto event = impl_->channel.next_event();
-        if (!event) {
-            return std::nullopt;
-        }
-        impl_->handle(*std::move(event));
-    }
-    ConnectionEvent event = std::move(impl_->events.front());
-    impl_->events.pop_front();
-    return event;
-}
-
-std::span<const std::byte> Connection::output() const
-{
-    return impl_->channel.output();
-}
-
-void Connection::consume(std::size_t size)
-{
-    impl_->channel.consume(size);
-}
-
-TimePoint Connection::next_deadline() const
-{
-    return std::min(impl_->channel.next_deadline(), impl_->pending.next_deadline());
-}
-
-void Connection::handle_deadline(TimePoint now)
-{
-    impl_->now = now;
-    while (const auto expired = impl_->pending.take_expired(now)) {
-        if (impl_->state != State::Ready) {
-            impl_->abandon(status::Bad_Timeout);
-            return;
-        }
-        impl_->events.push_back({ConnectionEvent::Kind::Response,
-                                 expired->id,
-                                 status::Bad_Timeout,
-                                 {},
-                                 expired->context});
-    }
-    impl_->channel.handle_deadline(now);
-}
-
-bool Connection::is_closed() const
-{
-    return impl_->channel.is_closed();
-}
-
-Result<std::uint32_t>
-Connection::send_encoded(FunctionRef<void(binary::Writer&, const RequestHeader&)> encode,
-                         Duration timeout, std::uint64_t context)
-{
-    if (impl_->state != State::Ready) {
-        return fail(status::Bad_SessionNotActivated);
-    }
-    return impl_->send(encode, timeout, context);
-}
-
-Result<void> Connection::open_session(ConnectionConfig config)
-{
-    if (impl_->state != State::Ready || impl_->config.wants_session) {
-        return fail(status::Bad_InvalidState);
-    }
-    impl_->config = std::move(config);
-    impl_->handle_opened();
-    return {};
-}
-
-void Connection::cancel(std::uint32_t handle)
-{
-    const std::uint32_t request_handle = impl_->pending.handle_of(handle);
-    forget(handle);
-    if (request_handle != 0 && impl_->state == State::Ready && impl_->has_session()) {
-        impl_->tell_cancelled(request_handle);
-    }
-}
-
-Result<std::uint32_t> Connection::change_user(UserIdentity identity,
-                                              std::optional<UserTokenPolicy> token_policy)
-{
-    if (impl_->state != State::Ready || !impl_->has_session() || impl_->user_change) {
-        return fail(status::Bad_InvalidState);
-    }
-    return impl_->change_user({0, std::move(identity), std::move(token_policy)});
-}
-
-void Connection::forget(std::uint32_t handle)
-{
-    if (impl_->user_change && impl_->user_change->handle == handle) {
-        impl_->user_change.reset();
-    }
-    if (impl_->pending.remove(handle)) {
-        return;
-    }
-    std::erase_if(impl_->events, [&](const ConnectionEvent& event) {
-        return event.kind == ConnectionEvent::Kind::Response && event.handle == handle;
-    });
-}
-
-void Connection::close(bool deletes_subscriptions)
-{
-    if (impl_->has_session()) {
-        impl_->close_session(deletes_subscriptions);
-    }
-    impl_->end({});
-}
-
-void Connection::leave()
-{
-    impl_->end({});
-}
-
-const Array<EndpointDescription>& Connection::endpoints() const
-{
-    return impl_->session.endpoints;
-}
-
-const SessionTicket& Connection::session() const
-{
-    return impl_->session.ticket;
-}
-
-bool Connection::is_resumed() const
-{
-    return impl_->is_resumed;
-}
-
-const std::string& Connection::endpoint_url() const
-{
-    return impl_->channel.endpoint_url();
 }
 
 } // namespace busbar::client
