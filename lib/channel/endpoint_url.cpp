@@ -4,17 +4,14 @@
 #include <charconv>
 #include <optional>
 
+#include "core/ascii_case.hpp"
+
 namespace busbar::channel {
 
 namespace {
 
 constexpr std::string_view scheme = "opc.tcp://";
 constexpr std::size_t max_length = 4'095;
-
-char lower(char c)
-{
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
 
 /// Splits "host:port" and "[address]:port"; the port with its colon.
 std::optional<std::pair<std::string_view, std::string_view>> split(std::string_view authority)
@@ -76,8 +73,7 @@ std::string EndpointUrl::text() const
 
 bool is_same_host(std::string_view a, std::string_view b)
 {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                      [](char x, char y) { return lower(x) == lower(y); });
+    return busbar::detail::is_same_ignoring_case(a, b);
 }
 
 } // namespace busbar::channel

@@ -6,6 +6,8 @@
 
 #include <busbar/crypto/security_policy.hpp>
 
+#include "core/ascii_case.hpp"
+
 namespace busbar::harness {
 
 namespace {
@@ -69,11 +71,13 @@ void DiscoveryServer::answer_requests()
 {
     server_.allow<FindServersRequest>().reply(
         [this](const FindServersRequest& request) { return find_servers(request); });
+    server_.allow<FindServersOnNetworkRequest>().reply(
+        [this](const FindServersOnNetworkRequest& request) { return find_on_network(request); });
     server_.allow<GetEndpointsRequest>().reply(
         [this](const GetEndpointsRequest&) { return get_endpoints(); });
     server_.allow<RegisterServerRequest>().reply(
         [this](const RegisterServerRequest& request) -> Result<RegisterServerResponse> {
-            if (auto registered = register_server(request.server, {}); !registered) {
+            if (auto registered = register_server({request.server}); !registered) {
                 return fail(registered.error());
             }
             return RegisterServerResponse{};
@@ -143,6 +147,38 @@ FindServersResponse DiscoveryServer::find_servers(const FindServersRequest& requ
     return response;
 }
 
+/// Part 4, 5.5.3: in the order of their records.
+FindServersOnNetworkResponse
+DiscoveryServer::find_on_network(const FindServersOnNetworkRequest& request)
+{
+    const auto has = [](const Entry& entry, const String& wanted) {
+        return std::ranges::any_of(entry.capabilities, [&](const std::string& own) {
+            return busbar::detail::is_same_ignoring_case(own, wanted.view());
+        });
+    };
+    FindServersOnNetworkResponse response;
+    response.servers.clear();
+    for (const auto& [uri, entry] : entries()) {
+        if (entry.record_id > request.starting_record_id &&
+            std::ranges::all_of(request.server_capability_filter,
+                                [&](const String& wanted) { return has(entry, wanted); })) {
+            ServerOnNetwork& record = response.servers.emplace_back();
+            record.record_id = entry.record_id;
+            record.server_name = entry.mdns_name;
+            record.discovery_url = entry.server.discovery_urls[0];
+            for (const std::string& capability : entry.capabilities) {
+                record.server_capabilities.emplace_back(capability);
+            }
+        }
+    }
+    std::ranges::sort(response.servers, {}, &ServerOnNetwork::record_id);
+    if (request.max_records_to_return != 0 &&
+        response.servers.size() > request.max_records_to_return) {
+        response.servers.resize(request.max_records_to_return);
+    }
+    return response;
+}
+
 /// Without token policies: there are no sessions (Part 12, 5.1).
 GetEndpointsResponse DiscoveryServer::get_endpoints() const
 {
@@ -171,7 +207,7 @@ DiscoveryServer::register_extended(const RegisterServer2Request& request)
         return fail(status::Bad_InvalidArgument);
     }
     RegisterServer2Response response;
-    std::vector<std::string> capabilities;
+    Entry entry{request.server};
     for (const ExtensionObject& configuration : request.discovery_configuration) {
         const auto* const mdns = configuration.get_if<MdnsDiscoveryConfiguration>();
         // Part 4, 5.5.6.2.
@@ -182,19 +218,23 @@ DiscoveryServer::register_extended(const RegisterServer2Request& request)
                 return fail(status::Bad_InvalidArgument);
             }
             for (const String& capability : mdns->server_capabilities) {
-                capabilities.push_back(capability.str());
+                entry.capabilities.push_back(capability.str());
             }
+            entry.mdns_name = mdns->mdns_server_name.str();
+            const Entry* const known = find(request.server.server_uri.view());
+            const bool has_record = known != nullptr && known->record_id != 0;
+            entry.record_id = has_record ? known->record_id : ++last_record_;
         }
     }
-    if (auto registered = register_server(request.server, std::move(capabilities)); !registered) {
+    if (auto registered = register_server(std::move(entry)); !registered) {
         return fail(registered.error());
     }
     return response;
 }
 
-Result<void> DiscoveryServer::register_server(const RegisteredServer& server,
-                                              std::vector<std::string> capabilities)
+Result<void> DiscoveryServer::register_server(Entry entry)
 {
+    const RegisteredServer& server = entry.server;
     forget_expired();
     for (const StatusCode checked : {check_caller(server), check_texts(server)}) {
         if (checked.is_bad()) {
@@ -215,8 +255,8 @@ Result<void> DiscoveryServer::register_server(const RegisteredServer& server,
     if (entries_.find(uri) == entries_.end() && entries_.size() >= options_.limits.max_servers) {
         return fail(status::Bad_ResourceUnavailable);
     }
-    entries_.insert_or_assign(
-        uri, Entry{server, std::move(capabilities), world_.now() + options_.lifetime});
+    entry.expires_at = world_.now() + options_.lifetime;
+    entries_.insert_or_assign(uri, std::move(entry));
     return {};
 }
 

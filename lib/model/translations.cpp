@@ -59,13 +59,6 @@ LocalizedText owned(const LocalizedText& text)
 
 } // namespace
 
-bool is_same_locale(std::string_view a, std::string_view b)
-{
-    const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                      [&](char x, char y) { return lower(x) == lower(y); });
-}
-
 std::span<const Translation> Translations::of(NodeIndex node) const
 {
     const auto found = entries_.find(number(node));

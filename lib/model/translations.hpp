@@ -10,6 +10,7 @@
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/model/node.hpp>
 
+#include "core/ascii_case.hpp"
 #include "record.hpp"
 
 namespace busbar::model::detail {
@@ -21,7 +22,10 @@ struct Translation {
 };
 
 /// LocaleIds are compared without case (Part 3, 8.4; RFC 5646, 2.1.1).
-[[nodiscard]] bool is_same_locale(std::string_view a, std::string_view b);
+[[nodiscard]] inline bool is_same_locale(std::string_view a, std::string_view b)
+{
+    return busbar::detail::is_same_ignoring_case(a, b);
+}
 
 /// Texts in further locales than the first, which few nodes have, by node.
 class Translations {

@@ -113,3 +113,42 @@ TEST_CASE("servers are found by URI and named in the client's language",
     request.locale_ids.push_back(String{"de"});
     CHECK(test::found_servers(caller.world, request) == "Presse;");
 }
+
+TEST_CASE("servers that gave their mDNS configuration are found as those of the network",
+          "[registration][unit:Discovery Client Find Servers on Network]")
+{
+    Caller caller;
+    ConnectionHost client{caller.world, test::discovery_connection()};
+    REQUIRE(client.open());
+    const auto add = [&](const char* uri, const char* name, Array<String> capabilities) {
+        RegisterServer2Request request;
+        request.server = online_press();
+        request.server.server_uri = uri;
+        MdnsDiscoveryConfiguration mdns;
+        mdns.mdns_server_name = name;
+        mdns.server_capabilities = std::move(capabilities);
+        request.discovery_configuration.push_back(ExtensionObject::from(mdns));
+        REQUIRE(client.call<RegisterServer2Response>(std::move(request)));
+    };
+    add("urn:b", "Press 2", {"DA"});
+    add("urn:a", "Press 1", {"DA", "HD"});
+    add("urn:b", "Press two", {"DA"}); // the same record
+    CHECK(caller.send(online_press()) == status::Good);
+    const auto found = [&](std::uint32_t after, std::uint32_t most, Array<String> wanted) {
+        FindServersOnNetworkRequest request;
+        request.starting_record_id = after;
+        request.max_records_to_return = most;
+        request.server_capability_filter = std::move(wanted);
+        const auto response = client.call<FindServersOnNetworkResponse>(std::move(request));
+        REQUIRE(response);
+        std::string names;
+        for (const ServerOnNetwork& server : response->servers) {
+            names += std::to_string(server.record_id) + " " + server.server_name.str() + ";";
+        }
+        return names;
+    };
+    CHECK(found(0, 0, {}) == "1 Press two;2 Press 1;");
+    CHECK(found(1, 0, {}) == "2 Press 1;");
+    CHECK(found(0, 1, {}) == "1 Press two;");
+    CHECK(found(0, 0, {"hd"}) == "2 Press 1;");
+}

@@ -139,6 +139,12 @@ TEST_CASE("FindServersOnNetwork tells of the servers of the configuration (Part 
     CHECK(records(UINT32_MAX, UINT32_MAX, {}) == Ids{});
     CHECK(records(0, 0, {"hd", "da"}) == Ids{2});
     CHECK(records(0, 0, {"LDS"}) == Ids{});
+    FindServersOnNetworkRequest long_filter;
+    for (int i = 0; i < 101; ++i) {
+        long_filter.server_capability_filter.push_back("DA");
+    }
+    CHECK(client.status_of<FindServersOnNetworkResponse>(long_filter) ==
+          status::Bad_InvalidArgument);
 }
 
 TEST_CASE("FindServersOnNetwork is not there where no servers are configured")

@@ -43,15 +43,19 @@ struct DiscoveryServerOptions {
     const channel::ApplicationIdentity* identity{nullptr};
 };
 
-/// A discovery server for tests (Part 4, 5.5; Part 12, 5): FindServers, GetEndpoints,
-/// RegisterServer and RegisterServer2; no mDNS. Other services are answered with
-/// Bad_ServiceUnsupported. One thread; the world must outlive it.
+/// A discovery server for tests (Part 4, 5.5; Part 12, 5): FindServers, FindServersOnNetwork of
+/// those that gave it an MdnsDiscoveryConfiguration, GetEndpoints, RegisterServer and
+/// RegisterServer2; no mDNS. Other services are answered with Bad_ServiceUnsupported. One thread;
+/// the world must outlive it.
 class BUSBAR_API DiscoveryServer {
 public:
     struct Entry {
         RegisteredServer server;
-        /// Of RegisterServer2; empty with RegisterServer.
-        std::vector<std::string> capabilities;
+        /// Of RegisterServer2; empty with RegisterServer, whose servers are none of the network's.
+        std::vector<std::string> capabilities{};
+        std::string mdns_name{};
+        /// What FindServersOnNetwork calls it by, from 1; 0 with RegisterServer.
+        std::uint32_t record_id{0};
         TimePoint expires_at{no_deadline};
     };
 
@@ -72,11 +76,12 @@ private:
     void answer_requests();
     [[nodiscard]] ApplicationDescription describe_itself() const;
     [[nodiscard]] FindServersResponse find_servers(const FindServersRequest& request);
+    [[nodiscard]] FindServersOnNetworkResponse
+    find_on_network(const FindServersOnNetworkRequest& request);
     [[nodiscard]] GetEndpointsResponse get_endpoints() const;
     [[nodiscard]] Result<RegisterServer2Response>
     register_extended(const RegisterServer2Request& request);
-    [[nodiscard]] Result<void> register_server(const RegisteredServer& server,
-                                               std::vector<std::string> capabilities);
+    [[nodiscard]] Result<void> register_server(Entry entry);
     [[nodiscard]] StatusCode check_caller(const RegisteredServer& server) const;
     [[nodiscard]] StatusCode check_texts(const RegisteredServer& server) const;
     void forget_expired();
@@ -86,6 +91,7 @@ private:
     ScriptedServer server_;
     std::map<std::string, Entry, std::less<>> entries_;
     std::set<std::string, std::less<>> files_;
+    std::uint32_t last_record_{0};
 };
 
 } // namespace busbar::harness

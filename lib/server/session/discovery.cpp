@@ -4,6 +4,7 @@
 
 #include <busbar/channel/endpoint_url.hpp>
 
+#include "core/ascii_case.hpp"
 #include "server/users/user_policies.hpp"
 #include "session_services.hpp"
 
@@ -60,19 +61,12 @@ std::uint8_t security_level(const EndpointConfig& endpoint)
     return static_cast<std::uint8_t>(mode + rank);
 }
 
-bool is_same_identifier(std::string_view a, std::string_view b)
-{
-    const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                      [&](char x, char y) { return lower(x) == lower(y); });
-}
-
 /// Part 4, 5.5.3.2: whatever their case.
 bool has_all(const std::vector<std::string>& capabilities, const Array<String>& wanted)
 {
     return std::all_of(wanted.begin(), wanted.end(), [&](const String& identifier) {
         return std::any_of(capabilities.begin(), capabilities.end(), [&](const std::string& own) {
-            return is_same_identifier(own, identifier.view());
+            return busbar::detail::is_same_ignoring_case(own, identifier.view());
         });
     });
 }
@@ -160,6 +154,11 @@ StatusCode find_servers_on_network(const SessionNeeds& needs, ServiceContext&,
     const std::vector<NetworkServer>& all = needs.config.network_servers;
     if (all.empty()) {
         return status::Bad_ServiceUnsupported;
+    }
+    // No server has as many: a long list of what all of them have is only work.
+    constexpr std::size_t max_capabilities = 100;
+    if (request.server_capability_filter.size() > max_capabilities) {
+        return status::Bad_InvalidArgument;
     }
     const std::size_t most =
         request.max_records_to_return == 0 ? all.size() : request.max_records_to_return;

@@ -5,6 +5,8 @@
 
 #include <busbar/core/text.hpp>
 
+#include "core/ascii_case.hpp"
+
 namespace busbar::server {
 
 namespace {
@@ -12,17 +14,6 @@ namespace {
 constexpr std::string_view name_check = "user name rules";
 constexpr std::string_view password_check = "password rules";
 constexpr std::string_view rule = "PasswordRules of the configuration";
-
-char to_lower(char c)
-{
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
-
-bool is_same_word(std::string_view a, std::string_view b)
-{
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                      [](char x, char y) { return to_lower(x) == to_lower(y); });
-}
 
 bool has_one_of(std::string_view text, char first, char last)
 {
@@ -71,9 +62,10 @@ Checked<void> judge(std::string_view check, std::string fault)
 
 std::string find_name_fault(const PasswordRules& rules, std::string_view name)
 {
-    const bool is_reserved =
-        std::any_of(rules.reserved_names.begin(), rules.reserved_names.end(),
-                    [&](std::string_view reserved) { return is_same_word(reserved, name); });
+    const bool is_reserved = std::any_of(
+        rules.reserved_names.begin(), rules.reserved_names.end(), [&](std::string_view reserved) {
+            return busbar::detail::is_same_ignoring_case(reserved, name);
+        });
     if (is_reserved) {
         return "\"" + std::string{name} + "\" is a reserved name";
     }
@@ -86,7 +78,7 @@ std::string find_name_fault(const PasswordRules& rules, std::string_view name)
 std::string find_password_fault(const PasswordRules& rules, std::string_view name,
                                 std::string_view password)
 {
-    if (is_same_word(name, password)) {
+    if (busbar::detail::is_same_ignoring_case(name, password)) {
         return "it is the user's name";
     }
     if (rules.needs_letters_and_digit &&
