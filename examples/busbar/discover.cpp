@@ -67,6 +67,44 @@ void print(Output& out, const Array<ApplicationDescription>& servers)
     table.print(out);
 }
 
+/// FindServersOnNetwork (Part 4, 5.5.3).
+Exit discover_network(Context& context)
+{
+    DiscoveryConnection connection{context};
+    const auto response =
+        connection.call<FindServersOnNetworkResponse>(FindServersOnNetworkRequest{});
+    if (context.options.is_json) {
+        JsonWriter json;
+        json.open_array();
+        for (const ServerOnNetwork& server : response.servers) {
+            json.open_object();
+            json.member("record", std::int64_t{server.record_id});
+            json.member("name", server.server_name.view());
+            json.member("url", server.discovery_url.view());
+            json.key("capabilities").open_array();
+            for (const String& capability : server.server_capabilities) {
+                json.text(capability.view());
+            }
+            json.close_array().close_object();
+        }
+        context.out.line(json.close_array().document());
+        return Exit::Good;
+    }
+    Table table{{{"RECORD", 6, true}, {"NAME"}, {"CAPABILITIES"}, {"URL", 24}}};
+    for (const ServerOnNetwork& server : response.servers) {
+        std::string capabilities;
+        for (const String& capability : server.server_capabilities) {
+            capabilities += (capabilities.empty() ? "" : ",") + safe(capability.view());
+        }
+        table.add({{std::to_string(server.record_id)},
+                   {safe(server.server_name.view())},
+                   {capabilities.empty() ? "-" : capabilities},
+                   {safe(server.discovery_url.view())}});
+    }
+    table.print(context.out);
+    return Exit::Good;
+}
+
 Exit discover(Context& context)
 {
     DiscoveryConnection connection{context};
@@ -88,10 +126,13 @@ void add_discover(CLI::App& app, Run& run)
     auto* command = app.add_subcommand("discover", "Lists the servers that a server knows of.");
     auto arguments = std::make_shared<std::vector<std::string>>();
     command->add_option("URL", *arguments, "server, mostly a discovery server");
-    command->callback([&run, arguments] {
-        run = [arguments](Context& context) {
+    auto is_of_network = std::make_shared<bool>(false);
+    command->add_flag("--network", *is_of_network,
+                      "those that a discovery server knows from the network");
+    command->callback([&run, arguments, is_of_network] {
+        run = [arguments, is_of_network](Context& context) {
             take_only_url(*arguments, context.options);
-            return discover(context);
+            return *is_of_network ? discover_network(context) : discover(context);
         };
     });
 }

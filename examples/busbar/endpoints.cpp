@@ -5,6 +5,7 @@
 #include <busbar/crypto/security_policy.hpp>
 #include <busbar/types/discovery.hpp>
 
+#include "claims.hpp"
 #include "commands.hpp"
 #include "discovery.hpp"
 #include "display_text.hpp"
@@ -152,11 +153,14 @@ void add_endpoints(CLI::App& app, Run& run)
     auto* command =
         app.add_subcommand("endpoints", "Shows what security and logins a server offers.");
     auto arguments = std::make_shared<std::vector<std::string>>();
+    auto shows_claims = std::make_shared<bool>(false);
     command->add_option("URL", *arguments, "server");
-    command->callback([&run, arguments] {
-        run = [arguments](Context& context) {
+    command->add_flag("--conformance", *shows_claims,
+                      "the profiles that it claims, and what others lack; needs a session");
+    command->callback([&run, arguments, shows_claims] {
+        run = [arguments, shows_claims](Context& context) {
             take_only_url(*arguments, context.options);
-            return show_endpoints(context);
+            return *shows_claims ? show_claims(context) : show_endpoints(context);
         };
     });
 }

@@ -105,7 +105,7 @@ void read_reverse_connect(const TomlTable& table, ControllerConfig& config)
 /// Part 4, 5.5.5.1: registered anew after ten minutes at the latest.
 void read_discovery(const TomlTable& table, DiscoveryConfig& config)
 {
-    table.allow({"url", "interval_s", "allow_none"});
+    table.allow({"url", "interval_s", "allow_none", "server"});
     config.url = table.text("url", "");
     if (!config.url.empty() && !channel::EndpointUrl::parse(config.url)) {
         table.fail("url", "opc.tcp://host:port of the discovery server");
@@ -113,6 +113,30 @@ void read_discovery(const TomlTable& table, DiscoveryConfig& config)
     config.interval =
         std::chrono::seconds{table.integer("interval_s", config.interval.count(), 10, 600)};
     config.allows_none = table.flag("allow_none", false);
+}
+
+/// What FindServersOnNetwork answers (Part 4, 5.5.3).
+std::vector<server::NetworkServer> read_network_servers(const TomlTable& table)
+{
+    constexpr std::size_t most = 1'000;
+    constexpr std::size_t longest_name = 63; // Part 12, 4.3.4
+    std::vector<server::NetworkServer> servers;
+    for (const TomlTable& entry : table.tables("server")) {
+        entry.allow({"name", "url", "capabilities"});
+        server::NetworkServer server{entry.text("name"), entry.text("url"),
+                                     entry.texts("capabilities")};
+        if (server.name.empty() || server.name.size() > longest_name) {
+            entry.fail("name", "a name of 1 to 63 bytes");
+        }
+        if (!channel::EndpointUrl::parse(server.discovery_url)) {
+            entry.fail("url", "opc.tcp://host:port of the server");
+        }
+        if (servers.size() == most) {
+            entry.fail("name", "no more than 1,000 servers");
+        }
+        servers.push_back(std::move(server));
+    }
+    return servers;
 }
 
 ControllerConfig read_root(const TomlTable& root)
@@ -123,6 +147,7 @@ ControllerConfig read_root(const TomlTable& root)
     read_server(root.table("server"), config);
     read_reverse_connect(root.table("reverse_connect"), config);
     read_discovery(root.table("discovery"), config.discovery);
+    config.server.network_servers = read_network_servers(root.table("discovery"));
     read_certificates(root.table("certificates"), config);
     read_limits(root.table("limits"), config.server.limits);
     read_users(root.table("users"), config);

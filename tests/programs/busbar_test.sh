@@ -74,10 +74,25 @@ has '"symbol":"Bad_'
 sed -e 's/^port = .*/port = 0/' \
     -e "s|^\[server\]|&\nnodesets = [\"$source/tests/model/line.NodeSet2.xml\"]|" \
     "$source/examples/controller/demo.toml" > "$work/demo.toml"
+cat >> "$work/demo.toml" <<'TOML'
+[[discovery.server]]
+name = "Press 2"
+url = "opc.tcp://press-2.example:4840"
+capabilities = ["DA"]
+TOML
 serve demo
 run 0 discover
 has "Busbar demo"
 json 0 discover
+run 0 discover --network
+has "Press 2"
+json 0 discover --network
+has '"DA"'
+run 0 endpoints --conformance --insecure
+has "StandardDataChangeSubscription2017"
+has "yes"
+json 0 endpoints --conformance --insecure
+has '"lacks"'
 run 0 endpoints
 has "anonymous"
 json 0 endpoints

@@ -114,6 +114,44 @@ urls = ["opc.tcp://scada:4841", "opc.tcp://[::1]:4842"]
           std::vector<std::string>{"opc.tcp://scada:4841", "opc.tcp://[::1]:4842"});
 }
 
+TEST_CASE("B13: servers of the network are configured", "[B13]")
+{
+    const auto config = parse(R"([discovery]
+[[discovery.server]]
+name = "Press 2"
+url = "opc.tcp://press-2:4840"
+capabilities = ["DA", "HD"]
+[[discovery.server]]
+name = "Oven"
+url = "opc.tcp://oven:4840"
+)");
+    REQUIRE(config.server.network_servers.size() == 2);
+    CHECK(config.server.network_servers[0].name == "Press 2");
+    CHECK(config.server.network_servers[0].capabilities == std::vector<std::string>{"DA", "HD"});
+    CHECK(config.server.network_servers[1].discovery_url == "opc.tcp://oven:4840");
+    const auto one = [](const std::string& line) {
+        return complaint("[[discovery.server]]\nname = \"a\"\nurl = \"opc.tcp://a:1\"\n" + line);
+    };
+    CHECK(one("") == "nothing");
+    CHECK(one("port = 3").find("port") != std::string::npos);
+    CHECK(complaint("[[discovery.server]]\nname = \"\"\nurl = \"opc.tcp://a:1\"")
+              .find("plant.toml:2") != std::string::npos);
+    CHECK(
+        complaint("[[discovery.server]]\nname = \"a\"\nurl = \"http://a\"").find("plant.toml:3") !=
+        std::string::npos);
+}
+
+TEST_CASE("B9: locales are languages with or without a country", "[B9]")
+{
+    CHECK(parse("").server.locale_ids == std::vector<std::string>{"en"});
+    CHECK(parse("[server]\nlocales = [\"de-AT\", \"en\", \"es-419\"]").server.locale_ids ==
+          std::vector<std::string>{"de-AT", "en", "es-419"});
+    for (const char* wrong : {"e", "english", "en-", "-en", "en-USAX", "d\u00e9", "en-US-x"}) {
+        CHECK(complaint("[server]\nlocales = [\"" + std::string{wrong} + "\"]")
+                  .find("plant.toml:2") != std::string::npos);
+    }
+}
+
 TEST_CASE("a discovery server is configured", "[unit:Discovery Configuration]")
 {
     for (const std::string& none :

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -113,5 +114,7 @@ struct Conformance {
 
 /// Looks each profile up in what Part 7 asks for (schemas/profiles.csv, schemas/conformance.csv).
 [[nodiscard]] BUSBAR_API Conformance assess(const ConformanceFacts& facts);
+/// What a server meets that names these units as its own; what it lacks it "does not name".
+[[nodiscard]] BUSBAR_API Conformance assess_units(std::span<const std::string_view> units);
 
 } // namespace busbar::server

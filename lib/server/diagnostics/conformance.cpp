@@ -178,13 +178,17 @@ const ProfileAssessment* Conformance::find(std::string_view name) const
     return found != profiles.end() ? &*found : nullptr;
 }
 
-Conformance assess(const ConformanceFacts& facts)
+namespace {
+
+/// `find_lack` says what a unit lacks; empty for nothing.
+template <typename FindLack>
+Conformance assess_all(FindLack find_lack)
 {
     using namespace detail::conformance_table;
     Conformance result;
     std::vector<std::string_view> lacks;
     for (const UnitRow& unit : unit_rows) {
-        lacks.push_back(find_lack(unit, facts));
+        lacks.push_back(find_lack(unit));
         if (lacks.back().empty()) {
             (is_of_clients(unit) ? result.client_units : result.units).push_back(unit.name);
         }
@@ -193,6 +197,23 @@ Conformance assess(const ConformanceFacts& facts)
         result.profiles.push_back(assess_profile(profile, lacks));
     }
     return result;
+}
+
+} // namespace
+
+Conformance assess(const ConformanceFacts& facts)
+{
+    using namespace detail::conformance_table;
+    return assess_all([&](const UnitRow& unit) { return find_lack(unit, facts); });
+}
+
+Conformance assess_units(std::span<const std::string_view> units)
+{
+    using namespace detail::conformance_table;
+    return assess_all([&](const UnitRow& unit) -> std::string_view {
+        const bool is_named = std::find(units.begin(), units.end(), unit.name) != units.end();
+        return is_named ? "" : "does not name";
+    });
 }
 
 } // namespace busbar::server
