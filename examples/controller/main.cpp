@@ -35,8 +35,7 @@
 #include "first_account.hpp"
 #include "identity.hpp"
 #include "models.hpp"
-#include "print_conformance.hpp"
-#include "print_limits.hpp"
+#include "prints.hpp"
 #include "reload.hpp"
 #include "welcome.hpp"
 
@@ -102,7 +101,7 @@ void set_names(ControllerConfig& config)
     }
     server.build = {"Busbar", BUSBAR_VERSION, BUSBAR_VERSION,
                     parse_date_time(BUSBAR_BUILD_DATE "T00:00:00Z").value_or(DateTime{})};
-    server.program = example::program_of(config);
+    server.program = example::program_of(config, net::is_clock_synchronized());
     server.host_names = example::known_hosts(config, machine, example::interface_addresses());
 }
 
@@ -324,9 +323,7 @@ int run(int argc, char** argv)
     bool wants_hash = false;
     bool wants_config = false;
     bool wants_certificate = false;
-    std::string limits_file;
-    std::string conformance_file;
-    bool wants_json = false;
+    example::Prints prints;
     CLI::App app{"An OPC UA server in front of a simulated PLC. SIGHUP has it read users and trust "
                  "lists again."};
     app.add_option("--config", file, "configuration; the built-in one by default");
@@ -336,19 +333,7 @@ int run(int argc, char** argv)
                  "read a password from standard input, print what a configuration may store");
     app.add_flag("--regenerate-certificate", wants_certificate,
                  "make a new certificate and key with the names of the configuration, and end");
-    const CLI::Option* const limits =
-        app.add_option("--print-limits", limits_file,
-                       "print all limits, of a configuration if it is given, and the memory that "
-                       "clients can make the controller hold by them")
-            ->expected(0, 1)
-            ->type_name("[FILE]");
-    CLI::Option* const conformance =
-        app.add_option("--print-conformance", conformance_file,
-                       "print which profiles of OPC UA are claimed, of a configuration if it is "
-                       "given, and what the others lack")
-            ->expected(0, 1)
-            ->type_name("[FILE]");
-    app.add_flag("--json", wants_json, "with --print-conformance, as JSON")->needs(conformance);
+    prints.add_to(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -361,12 +346,8 @@ int run(int argc, char** argv)
     if (wants_hash) {
         return hash_password();
     }
-    if (limits->count() != 0) {
-        return example::print_limits(limits_file.empty() ? file : limits_file);
-    }
-    if (conformance->count() != 0) {
-        return example::print_conformance(conformance_file.empty() ? file : conformance_file,
-                                          wants_json, net::SystemWallClock{}.now());
+    if (const auto end = prints.run(file)) {
+        return *end;
     }
     // Messages of some 100 kB come and go all the time: keep their pages.
     ::mallopt(M_MMAP_THRESHOLD, 64 << 20);

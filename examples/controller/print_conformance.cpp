@@ -104,17 +104,22 @@ void add_profile(busbar::detail::JsonWriter& json, const server::ProfileAssessme
 
 } // namespace
 
-server::ProgramConformance program_of(const ControllerConfig& config)
+server::ProgramConformance program_of(const ControllerConfig& config, bool has_time_sync)
 {
     server::ProgramConformance program;
     program.has_registration = !config.discovery.url.empty();
     program.has_reverse_connect = !config.reverse_urls.empty();
     // Its file has the port and the discovery server.
-    program.conformance_units = {"Discovery Configuration", "Protocol Configuration"};
+    // --print-capacities is the document.
+    program.conformance_units = {"Discovery Configuration", "Protocol Configuration",
+                                 "Documentation - Core Capacities"};
+    if (has_time_sync) {
+        program.conformance_units.emplace_back("Time Sync - Support");
+    }
     return program;
 }
 
-server::Conformance conformance_of(ControllerConfig config, DateTime now)
+server::Conformance conformance_of(ControllerConfig config, DateTime now, bool has_time_sync)
 {
     NullLog log;
     crypto::SystemRandom random;
@@ -131,7 +136,7 @@ server::Conformance conformance_of(ControllerConfig config, DateTime now)
         config.server.application_uri = "urn:busbar:controller";
     }
     config.server.identity = passing_identity(config, now);
-    config.server.program = program_of(config);
+    config.server.program = program_of(config, has_time_sync);
     const auto plc = expect(controller::Plc::create(config.plc, config.image));
     server::ImageSource source{plc->image()};
     auto server = expect(server::Server::create(config.server, {.random = &random,
@@ -175,14 +180,14 @@ std::string conformance_json(const server::Conformance& conformance)
     return json.take() + "\n";
 }
 
-int print_conformance(const std::string& file, bool as_json, DateTime now)
+int print_conformance(const std::string& file, bool as_json, DateTime now, bool has_time_sync)
 {
     ControllerConfig config = read_config_or_default(file);
     if (file.empty()) { // its first start makes an account
         config.users.accounts.emplace_back();
         offer_users(config);
     }
-    const server::Conformance conformance = conformance_of(std::move(config), now);
+    const server::Conformance conformance = conformance_of(std::move(config), now, has_time_sync);
     std::fputs(
         (as_json ? conformance_json(conformance) : describe_conformance(conformance)).c_str(),
         stdout);

@@ -8,12 +8,15 @@
 
 namespace busbar::example {
 
-/// What the controller does around its server, for what that claims.
-[[nodiscard]] server::ProgramConformance program_of(const ControllerConfig& config);
+/// What the controller does around its server, for what that claims; `has_time_sync` as the host's
+/// clock follows a time service.
+[[nodiscard]] server::ProgramConformance program_of(const ControllerConfig& config,
+                                                    bool has_time_sync);
 
 /// What a controller with this configuration claims. Makes its server, but no files: it has a key
 /// that is forgotten, and a certificate of `now`. Throws ConfigError.
-[[nodiscard]] server::Conformance conformance_of(ControllerConfig config, DateTime now);
+[[nodiscard]] server::Conformance conformance_of(ControllerConfig config, DateTime now,
+                                                 bool has_time_sync);
 
 /// What --print-conformance prints: each profile of servers with what it lacks, then the units that
 /// are claimed.
@@ -22,6 +25,6 @@ namespace busbar::example {
 [[nodiscard]] std::string conformance_json(const server::Conformance& conformance);
 
 /// Prints that of a file, of the built-in configuration without one; 0, as a program's end.
-int print_conformance(const std::string& file, bool as_json, DateTime now);
+int print_conformance(const std::string& file, bool as_json, DateTime now, bool has_time_sync);
 
 } // namespace busbar::example

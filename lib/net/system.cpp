@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <ctime>
 
+#include <sys/timex.h>
+
 namespace busbar::net {
 
 DateTime SystemWallClock::now() const
@@ -22,6 +24,12 @@ TimeZone SystemWallClock::time_zone() const
     }
     constexpr long seconds_of_minute = 60;
     return {static_cast<std::int16_t>(local.tm_gmtoff / seconds_of_minute), local.tm_isdst > 0};
+}
+
+bool is_clock_synchronized()
+{
+    timex state{}; // modes of 0: only asks
+    return ::adjtimex(&state) != TIME_ERROR && (state.status & STA_UNSYNC) == 0;
 }
 
 void StderrLog::write(LogLevel level, std::string_view source, std::string_view text)

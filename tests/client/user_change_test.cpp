@@ -15,6 +15,9 @@ namespace {
 
 using Statuses = std::vector<StatusCode>;
 
+constexpr std::uint32_t security_of_sessions =
+    id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionSecurityDiagnosticsArray;
+
 /// A client whose user changes; the server tells the users of its sessions to "admin".
 struct Shift : ClientFixture {
     explicit Shift(client::ClientConfig config = named_user()) : ClientFixture{std::move(config)} {}
@@ -31,9 +34,7 @@ struct Shift : ClientFixture {
         std::vector<std::string> users;
         ReadRequest request;
         request.nodes_to_read.resize(1);
-        request.nodes_to_read[0].node_id = NodeId{
-            0,
-            id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionSecurityDiagnosticsArray};
+        request.nodes_to_read[0].node_id = NodeId{0, security_of_sessions};
         request.nodes_to_read[0].attribute_id = 13;
         client.call<ReadResponse>(std::move(request), [&](Result<ReadResponse> response) {
             REQUIRE(response);

@@ -13,9 +13,9 @@ namespace {
 
 constexpr DateTime today{134'000'000'000'000'000}; // in 2025
 
-server::Conformance conformance(const std::string& text)
+server::Conformance conformance(const std::string& text, bool has_time_sync = false)
 {
-    return example::conformance_of(example::parse_config(text, "plant.toml"), today);
+    return example::conformance_of(example::parse_config(text, "plant.toml"), today, has_time_sync);
 }
 
 } // namespace
@@ -33,6 +33,17 @@ TEST_CASE("what a configuration claims is printed, and what it lacks")
     CHECK(json.starts_with(R"({"profiles":[{"name":)"));
     CHECK(json.find(R"({"unit":"Discovery Register","need":"discovery"})") != std::string::npos);
     CHECK(json.find(R"("name":"MethodClient",)") != std::string::npos);
+}
+
+TEST_CASE("a host whose clock follows a time service supports time synchronization",
+          "[unit:Time Sync - Support]")
+{
+    CHECK(conformance("[users]\nanonymous = \"read\"", true)
+              .find("SecurityTimeSynchronization")
+              ->is_claimed);
+    CHECK_FALSE(conformance("[users]\nanonymous = \"read\"", false)
+                    .find("SecurityTimeSynchronization")
+                    ->is_claimed);
 }
 
 TEST_CASE("endpoints, users and what the controller connects to make claims")
@@ -55,8 +66,9 @@ certificates = "write"
 [[users.account]]
 name = "engineer"
 password = ")" + *crypto::hash_password("engineer-secret", random) +
-                                                R"("
-)");
+                                                    R"("
+)",
+                                                true);
     for (const char* const profile :
          {"SecurityPolicyAes128Sha256RsaOaep", "SecurityPolicyNone", "UserTokenAnonymousServer",
           "UserTokenX509CertificateServer", "UserTokenUserNamePasswordServer",
@@ -64,4 +76,16 @@ password = ")" + *crypto::hash_password("engineer-secret", random) +
         INFO(profile);
         CHECK(all.find(profile)->is_claimed);
     }
+    // What is left of what came later: the push model, and in 2022 the elliptic curves.
+    const auto lacks = [&](const char* profile) {
+        std::vector<std::string_view> units;
+        for (const server::UnitLack& lack : all.find(profile)->lacks) {
+            units.push_back(lack.unit);
+        }
+        return units;
+    };
+    constexpr std::string_view push = "Push Model for Global Certificate and TrustList Management";
+    CHECK(lacks("Embedded2025Server") == std::vector{push});
+    CHECK(lacks("Standard2022Server") ==
+          std::vector<std::string_view>{push, "Security ECC Policy"});
 }

@@ -1,5 +1,7 @@
 #include <catch2/catch.hpp>
 
+#include <fstream>
+#include <iterator>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -7,6 +9,7 @@
 #include <busbar/server/worst_case_memory.hpp>
 
 #include "limits_section.hpp"
+#include "print_capacities.hpp"
 #include "print_limits.hpp"
 
 using namespace busbar;
@@ -112,4 +115,20 @@ TEST_CASE("sizes are printed as people read them")
     CHECK(example::size_text(std::uint64_t{3} << 29U) == "1.5 GiB");
     CHECK(example::size_text(UINT64_MAX - 1) == "16.0 EiB");
     CHECK(example::size_text(UINT64_MAX) == "no end");
+}
+
+TEST_CASE("README.md has the capacities of the built-in configuration",
+          "[unit:Documentation - Core Capacities]")
+{
+    std::ifstream file{BUSBAR_SOURCE_DIR "/README.md"};
+    const std::string readme{std::istreambuf_iterator<char>{file}, {}};
+    const std::string table = example::describe_capacities(parse(""));
+    for (const std::string& line : lines_of(table)) {
+        INFO(line);
+        CHECK(readme.find(line + "\n") != std::string::npos);
+    }
+    CHECK(readme.find(table) != std::string::npos); // in this order, and no more
+    CHECK(table.find("| Sessions | 100 | `sessions` |\n") != std::string::npos);
+    CHECK(example::describe_capacities(parse("[limits]\nsessions = 7\n"))
+              .find("| Sessions | 7 | `sessions` |") != std::string::npos);
 }

@@ -236,6 +236,9 @@ TEST_CASE_METHOD(ChangeFixture, "Each namespace is described below Server.Namesp
     CHECK(property("urn:late", "NamespaceVersion") == Variant{"2.1"});
     CHECK(property("urn:late", "NamespacePublicationDate") ==
           Variant{parse_date_time("2026-11-23T00:00:00Z").value()});
+    // They say nothing of the rest.
+    CHECK(property("urn:late", "IsNamespaceSubset") == Variant{true});
+    CHECK(property("urn:late", "StaticNumericNodeIdRange") == Variant{Array<String>{"1:99"}});
 
     ReadRequest request;
     request.nodes_to_read.resize(1);

@@ -208,7 +208,8 @@ TEST_CASE_METHOD(DiagnosticsFixture, "a session's diagnostics can be monitored u
     CHECK(data[0].value.status == status::Bad_NodeIdUnknown);
 }
 
-TEST_CASE_METHOD(DiagnosticsFixture, "a continuation point lives on when others connect and leave")
+TEST_CASE_METHOD(DiagnosticsFixture,
+                 "B2: a continuation point lives on when others connect and leave")
 {
     TestClient client = log_in();
     BrowseRequest request;

@@ -15,6 +15,10 @@ public:
     [[nodiscard]] TimeZone time_zone() const override;
 };
 
+/// Whether the clock of this machine follows a time service, such as NTP or PTP, as its kernel
+/// knows (Part 6, 6.3). Any thread.
+[[nodiscard]] BUSBAR_API bool is_clock_synchronized();
+
 /// Writes a line to stderr for each message of a level or above. Any thread.
 class BUSBAR_API StderrLog final : public LogSink {
 public:

@@ -128,15 +128,18 @@ Result<void> Server::describe_namespace(std::uint16_t index, const NamespaceMeta
 
 void describe_models(Server& server, std::span<const model::NodeSetModel> models)
 {
-    const model::AddressSpace& space = server.address_space();
+    model::AddressSpace& space = server.address_space();
+    const auto own = space.namespace_index(server.config().application_uri);
     for (const model::NodeSetModel& model : models) {
         const auto index = space.namespace_index(model.uri);
-        if (index) {
+        const auto object = index && own ? detail::find_or_add_namespace(space, *own, *index)
+                                         : fail(status::Bad_NotFound);
+        if (object) {
             NamespaceMetadata metadata;
             metadata.version = model.version;
             metadata.publication_date =
                 parse_date_time(model.publication_date).value_or(DateTime{});
-            static_cast<void>(server.describe_namespace(*index, metadata));
+            detail::set_version(space, *object, metadata);
         }
     }
 }

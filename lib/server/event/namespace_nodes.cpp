@@ -1,6 +1,7 @@
 #include "namespace_nodes.hpp"
 
 #include <array>
+#include <span>
 
 #include <busbar/types/ids.hpp>
 
@@ -126,9 +127,12 @@ Result<NodeIndex> find_or_add_namespace(model::AddressSpace& space, std::uint16_
     return object;
 }
 
-void set_metadata(model::AddressSpace& space, NodeIndex object, const NamespaceMetadata& metadata)
+namespace {
+
+void set_properties(model::AddressSpace& space, NodeIndex object, std::span<const Property> some,
+                    const NamespaceMetadata& metadata)
 {
-    for (const Property& property : properties) {
+    for (const Property& property : some) {
         static_cast<void>(space.for_each_child(
             object, space.find(id::HasProperty), true, QualifiedName{0, property.name},
             [&](NodeIndex child) {
@@ -136,6 +140,19 @@ void set_metadata(model::AddressSpace& space, NodeIndex object, const NamespaceM
                 return false;
             }));
     }
+}
+
+} // namespace
+
+void set_metadata(model::AddressSpace& space, NodeIndex object, const NamespaceMetadata& metadata)
+{
+    set_properties(space, object, properties, metadata);
+}
+
+void set_version(model::AddressSpace& space, NodeIndex object, const NamespaceMetadata& metadata)
+{
+    constexpr std::size_t version_and_date = 2;
+    set_properties(space, object, std::span{properties}.first(version_and_date), metadata);
 }
 
 } // namespace busbar::server::detail

@@ -14,5 +14,8 @@ Result<model::NodeIndex> find_or_add_namespace(model::AddressSpace& space,
 /// Gives the object's properties their values.
 void set_metadata(model::AddressSpace& space, model::NodeIndex object,
                   const NamespaceMetadata& metadata);
+/// Of it version and publication date alone.
+void set_version(model::AddressSpace& space, model::NodeIndex object,
+                 const NamespaceMetadata& metadata);
 
 } // namespace busbar::server::detail
