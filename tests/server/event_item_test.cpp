@@ -316,7 +316,9 @@ TEST_CASE_METHOD(EventFixture, "fields that no response can take give way to a r
     CHECK(events[0].event_fields[1] == Variant{event.message});
 }
 
-TEST_CASE_METHOD(EventFixture, "the end of the server is an event, of the time where it stands")
+TEST_CASE_METHOD(EventFixture,
+                 "B12: the end of the server is an event, of the time where it stands",
+                 "[unit:Base Info System Status][unit:Base Info LocalTime Events]")
 {
     monitor(client, id, event_request(selecting({"EventType", "SystemState", "LocalTime"})));
     server.begin_shutdown(now, "maintenance");

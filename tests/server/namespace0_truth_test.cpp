@@ -152,7 +152,18 @@ TEST_CASE_METHOD(Crawl, "B12: the folder of ModellingRules has those that there 
     }
 }
 
-TEST_CASE_METHOD(Crawl, "the Server object tells what time it is where it stands")
+TEST_CASE_METHOD(Crawl, "B12: the Server object tells when it is back after an end that is none",
+                 "[unit:Base Info Estimated Return Time]")
+{
+    const auto back = [&] { return read(admin, id::Server_EstimatedReturnTime).value; };
+    REQUIRE(back().get_if<DateTime>() != nullptr);
+    CHECK(*back().get_if<DateTime>() <= wall_clock.time); // it is there
+    server.begin_shutdown(now, "for good");
+    CHECK(back() == Variant{DateTime{}}); // nobody knows
+}
+
+TEST_CASE_METHOD(Crawl, "B12: the Server object tells what time it is where it stands",
+                 "[unit:Base Info LocalTime]")
 {
     const DataValue uris = read(admin, id::Server_UrisVersion);
     const DataValue local = read(admin, id::Server_LocalTime);
