@@ -1,6 +1,5 @@
 #include "session_nodes.hpp"
 
-#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -53,11 +52,8 @@ Result<model::NodeIndex> add_object(const DiagnosticsNeeds& needs, const Session
 
 void SessionNodes::add(const Session& session)
 {
-    const bool is_there = std::any_of(entries_.begin(), entries_.end(), [&](const auto& entry) {
-        return entry.second.session == &session;
-    });
     model::AddressSpace& space = needs_.space;
-    if (is_there || !needs_.counters.is_enabled() ||
+    if (numbers_.contains(&session) || !needs_.counters.is_enabled() ||
         space.find(id::Server_ServerDiagnostics_SessionsDiagnosticsSummary) == model::no_node ||
         space.find(id::SessionDiagnosticsObjectType) == model::no_node) {
         return;
@@ -68,6 +64,7 @@ void SessionNodes::add(const Session& session)
     }
     const std::uint32_t number = ++last_number_;
     entries_.emplace(number, Entry{&session, space.handle(*object), {}});
+    numbers_.emplace(&session, number);
     const auto add = [&](const PartNodes& part) {
         return add_part(space, *object, needs_.own_namespace, number, part);
     };
@@ -101,25 +98,25 @@ void SessionNodes::add(const Session& session)
 
 model::NodeIndex SessionNodes::subscriptions_of(const Session& session) const
 {
-    const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const auto& entry) {
-        return entry.second.session == &session;
-    });
-    return found == entries_.end() ? model::no_node
-                                   : needs_.space.resolve(found->second.subscriptions);
+    const auto number = numbers_.find(&session);
+    return number == numbers_.end()
+               ? model::no_node
+               : needs_.space.resolve(entries_.at(number->second).subscriptions);
 }
 
 void SessionNodes::remove(const Session& session)
 {
-    std::erase_if(entries_, [&](const auto& entry) {
-        if (entry.second.session != &session) {
-            return false;
-        }
-        const model::NodeIndex object = needs_.space.resolve(entry.second.object);
-        if (object != model::no_node) {
-            static_cast<void>(needs_.space.remove(object));
-        }
-        return true;
-    });
+    const auto number = numbers_.find(&session);
+    if (number == numbers_.end()) {
+        return;
+    }
+    const auto entry = entries_.find(number->second);
+    const model::NodeIndex object = needs_.space.resolve(entry->second.object);
+    if (object != model::no_node) {
+        static_cast<void>(needs_.space.remove(object));
+    }
+    entries_.erase(entry);
+    numbers_.erase(number);
 }
 
 void SessionNodes::take_flag()

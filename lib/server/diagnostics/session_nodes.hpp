@@ -40,6 +40,7 @@ private:
 
     const DiagnosticsNeeds& needs_;
     std::unordered_map<std::uint32_t, Entry> entries_;
+    std::unordered_map<const Session*, std::uint32_t> numbers_;
     std::uint32_t last_number_{0};
     bool is_shown_{true};
 };

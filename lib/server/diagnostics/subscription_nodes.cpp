@@ -23,7 +23,7 @@ void SubscriptionNodes::added(const Subscription& subscription)
     const std::string name = std::to_string(subscription.id());
     const PartNodes part{
         .section = Section::Subscription,
-        .name = QualifiedName{0, String{name}},
+        .name = QualifiedName{needs_.own_namespace, String{name}},
         .declaration = space.find(id::SubscriptionDiagnosticsArrayType_SubscriptionDiagnostics),
         .type = id::SubscriptionDiagnosticsType,
         .fields = subscription_field_names()};
