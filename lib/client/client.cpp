@@ -172,12 +172,10 @@ Duration Client::session_timeout() const
 
 void Client::change_user(UserIdentity identity, std::function<void(StatusCode)> done)
 {
-    impl_->begin_user_change(
-        {std::move(identity),
-         {},
-         detail::guarded_handler(log(), "Client::change_user handler", std::move(done)),
-         0,
-         {}});
+    PendingUserChange change;
+    change.identity = std::move(identity);
+    change.done = detail::guarded_handler(log(), "Client::change_user handler", std::move(done));
+    impl_->begin_user_change(std::move(change));
 }
 
 Subscriptions& Client::subscriptions()

@@ -158,7 +158,8 @@ DiscoveryServer::find_on_network(const FindServersOnNetworkRequest& request)
     };
     FindServersOnNetworkResponse response;
     response.servers.clear();
-    for (const auto& [uri, entry] : entries()) {
+    for (const auto& each : entries()) {
+        const Entry& entry = each.second;
         if (entry.record_id > request.starting_record_id &&
             std::ranges::all_of(request.server_capability_filter,
                                 [&](const String& wanted) { return has(entry, wanted); })) {

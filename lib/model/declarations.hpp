@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include <busbar/model/space_reader.hpp>
@@ -17,7 +18,11 @@ struct DeclarationSource {
     NodeIndex node{no_node};
     std::uint32_t scope{0};
 
-    friend auto operator<=>(const DeclarationSource&, const DeclarationSource&) = default;
+    friend bool operator==(const DeclarationSource&, const DeclarationSource&) = default;
+    friend bool operator<(const DeclarationSource& a, const DeclarationSource& b)
+    {
+        return std::tie(a.node, a.scope) < std::tie(b.node, b.scope);
+    }
 };
 
 /// What an instance has at one BrowseName.

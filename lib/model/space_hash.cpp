@@ -33,8 +33,8 @@ class SpaceHash {
 public:
     explicit SpaceHash(const SpaceReader& space) : space_{space}, map_(space.namespace_count())
     {
-        for (std::uint16_t i = 1; i < map_.size(); ++i) {
-            const std::string_view uri = space.namespace_uri(i);
+        for (std::size_t i = 1; i < map_.size(); ++i) {
+            const std::string_view uri = space.namespace_uri(static_cast<std::uint16_t>(i));
             map_[i] = static_cast<std::uint16_t>(hash_of(std::as_bytes(std::span{uri})) | 1U);
         }
     }

@@ -56,7 +56,7 @@ model::NodeIndex add_part(model::AddressSpace& space, model::NodeIndex parent,
 {
     model::NewNode node;
     node.id = NodeId{name_space, 0U};
-    node.browse_name = part.name;
+    node.browse_name = QualifiedName{part.name_space, String{part.name}};
     node.parent = parent;
     const model::NodeIndex made =
         add_like(space, part.declaration, node, part.type, handle_of(number, part.section, 0));

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
-#include <busbar/core/text.hpp>
 #include <busbar/model/address_space.hpp>
 
 #include "session_fields.hpp"
@@ -30,13 +30,15 @@ enum class Section : std::uint8_t {
 /// A Variable of the diagnostics with one Variable for each field that its type has.
 struct PartNodes {
     Section section;
-    QualifiedName name;
+    std::string_view name;
     /// Whose DataType and ValueRank it has. There is no such part where this is no_node.
     model::NodeIndex declaration;
     std::uint32_t type;
     std::span<const FieldName> fields;
     /// Who may see it; null for everybody.
     const model::NodeAccess* access{nullptr};
+    /// Of its name; its fields' are of OPC UA.
+    std::uint16_t name_space{0};
 };
 
 /// Adds it below `parent`, with NodeIds of `name_space`; no_node if it could not be added.

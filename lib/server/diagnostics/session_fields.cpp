@@ -44,8 +44,11 @@ template <typename Structure, std::size_t Count>
 Variant field_of(const Structure& from, const std::array<Field<Structure>, Count>& fields,
                  std::size_t field)
 {
-    return field == 0 || field > Count ? Variant{ExtensionObject::from(from)}
-                                       : fields[field - 1].get(from);
+    if (field == 0 || field > Count) {
+        Variant whole{ExtensionObject::from(from)};
+        return whole;
+    }
+    return fields[field - 1].get(from);
 }
 
 using SessionData = SessionDiagnosticsDataType;

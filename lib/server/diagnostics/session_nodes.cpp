@@ -68,11 +68,10 @@ void SessionNodes::add(const Session& session)
     const auto add = [&](const PartNodes& part) {
         return add_part(space, *object, needs_.own_namespace, number, part);
     };
-    const auto name = [](const char* text) { return QualifiedName{0, text}; };
     add_to_array(
         space, id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionDiagnosticsArray,
         add({.section = Section::Session,
-             .name = name("SessionDiagnostics"),
+             .name = "SessionDiagnostics",
              .declaration = space.find(id::SessionDiagnosticsObjectType_SessionDiagnostics),
              .type = id::SessionDiagnosticsVariableType,
              .fields = session_field_names()}));
@@ -80,14 +79,14 @@ void SessionNodes::add(const Session& session)
         space,
         id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionSecurityDiagnosticsArray,
         add({.section = Section::Security,
-             .name = name("SessionSecurityDiagnostics"),
+             .name = "SessionSecurityDiagnostics",
              .declaration = space.find(id::SessionDiagnosticsObjectType_SessionSecurityDiagnostics),
              .type = id::SessionSecurityDiagnosticsType,
              .fields = security_field_names(),
              .access = access_to_security(space)}));
     const model::NodeIndex subscriptions = add(
         {.section = Section::SubscriptionTable,
-         .name = name("SubscriptionDiagnosticsArray"),
+         .name = "SubscriptionDiagnosticsArray",
          .declaration = space.find(id::SessionDiagnosticsObjectType_SubscriptionDiagnosticsArray),
          .type = id::SubscriptionDiagnosticsArrayType,
          .fields = {}});

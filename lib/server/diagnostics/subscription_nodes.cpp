@@ -23,10 +23,11 @@ void SubscriptionNodes::added(const Subscription& subscription)
     const std::string name = std::to_string(subscription.id());
     const PartNodes part{
         .section = Section::Subscription,
-        .name = QualifiedName{needs_.own_namespace, String{name}},
+        .name = name,
         .declaration = space.find(id::SubscriptionDiagnosticsArrayType_SubscriptionDiagnostics),
         .type = id::SubscriptionDiagnosticsType,
-        .fields = subscription_field_names()};
+        .fields = subscription_field_names(),
+        .name_space = needs_.own_namespace};
     const model::NodeIndex made =
         add_part(space, array, needs_.own_namespace, subscription.id(), part);
     if (made != model::no_node) {

@@ -34,7 +34,7 @@ inline constexpr std::uint32_t for_administrators = additional_info | additional
 class ReturnDiagnostics {
 public:
     /// Bytes of additionalInfo in one response; there are none beyond.
-    static constexpr std::size_t max_additional_info = 64 * 1'024;
+    static constexpr std::size_t max_additional_info = std::size_t{64} * 1'024;
 
     /// `wanted`: bits of returnDiagnostics.
     explicit ReturnDiagnostics(std::uint32_t wanted) : wanted_{wanted} {}
