@@ -99,16 +99,22 @@ void Translations::erase_if(NodeIndex node, Match match)
 
 LocalizedText Translations::take_first(NodeIndex node, AttributeId attribute)
 {
-    LocalizedText taken;
-    bool is_taken = false;
-    erase_if(node, [&](Translation& each) {
-        const bool is_it = !is_taken && each.attribute == attribute;
-        if (is_it) {
-            taken = std::move(each.text);
-            is_taken = true;
-        }
-        return is_it;
+    const auto all = entries_.find(number(node));
+    if (all == entries_.end()) {
+        return {};
+    }
+    std::vector<Translation>& texts = all->second;
+    const auto found = std::find_if(texts.begin(), texts.end(), [&](const Translation& each) {
+        return each.attribute == attribute;
     });
+    if (found == texts.end()) {
+        return {};
+    }
+    LocalizedText taken = std::move(found->text);
+    texts.erase(found);
+    if (texts.empty()) {
+        entries_.erase(all);
+    }
     return taken;
 }
 
