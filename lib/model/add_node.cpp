@@ -4,7 +4,7 @@
 
 namespace busbar::model {
 
-using detail::Record;
+using detail::NodeRecord;
 
 namespace {
 
@@ -102,7 +102,7 @@ Result<NodeIndex> AddressSpace::add_object(const NewNode& node, const NewObject&
     }
     const auto created = create(node, NodeClass::Object);
     if (created) {
-        Record& record = tables_->record(*created);
+        NodeRecord& record = tables_->record(*created);
         record.type_definition = *type;
         record.event_notifier = object.event_notifier;
     }
@@ -129,7 +129,7 @@ Result<NodeIndex> AddressSpace::add_variable(const NewNode& node, const NewVaria
     if (!created) {
         return created;
     }
-    Record& record = tables_->record(*created);
+    NodeRecord& record = tables_->record(*created);
     record.type_definition = *type;
     record.data_type = *data_type;
     record.value_rank = variable.value_rank;
@@ -200,7 +200,7 @@ Result<NodeIndex> AddressSpace::add_method(const NewNode& node, const NewMethod&
     if (!created) {
         return created;
     }
-    Record& record = tables_->record(*created);
+    NodeRecord& record = tables_->record(*created);
     record.flags = flag(method.executable, static_flag::executable);
     record.source = method.source;
     record.handle = method.handle;
@@ -256,7 +256,7 @@ Result<NodeIndex> AddressSpace::add_variable_type(const NewNode& node, const New
     }
     const auto created = create(node, NodeClass::VariableType);
     if (created) {
-        Record& record = tables_->record(*created);
+        NodeRecord& record = tables_->record(*created);
         record.data_type = *data_type;
         record.value_rank = type.value_rank;
         record.flags = flag(type.is_abstract, static_flag::is_abstract);
@@ -271,7 +271,7 @@ Result<NodeIndex> AddressSpace::add_reference_type(const NewNode& node,
 {
     const auto created = create(node, NodeClass::ReferenceType);
     if (created) {
-        Record& record = tables_->record(*created);
+        NodeRecord& record = tables_->record(*created);
         record.flags = static_cast<std::uint8_t>(flag(type.is_abstract, static_flag::is_abstract) |
                                                  flag(type.symmetric, static_flag::symmetric));
         record.make_extra().inverse_name = type.inverse_name;
@@ -283,7 +283,7 @@ Result<NodeIndex> AddressSpace::add_data_type(const NewNode& node, const NewData
 {
     const auto created = create(node, NodeClass::DataType);
     if (created) {
-        Record& record = tables_->record(*created);
+        NodeRecord& record = tables_->record(*created);
         record.flags = flag(type.is_abstract, static_flag::is_abstract);
         record.make_extra().definition = type.definition;
     }

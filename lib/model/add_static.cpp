@@ -7,7 +7,7 @@
 
 namespace busbar::model {
 
-using detail::Record;
+using detail::NodeRecord;
 
 namespace {
 
@@ -30,8 +30,8 @@ private:
     [[nodiscard]] Result<void> map_namespaces();
     void find_externals();
     [[nodiscard]] Result<void> create_nodes();
-    void set_details(const StaticNode& node, Record& record);
-    void set_variable(const StaticVariable& variable, Record& record);
+    void set_details(const StaticNode& node, NodeRecord& record);
+    void set_variable(const StaticVariable& variable, NodeRecord& record);
     [[nodiscard]] Variant value(const StaticText& at) const;
     [[nodiscard]] bool has_other_namespaces() const;
     void map_values();
@@ -172,7 +172,7 @@ void StaticCopy::map_values()
     }
 }
 
-void StaticCopy::set_details(const StaticNode& node, Record& record)
+void StaticCopy::set_details(const StaticNode& node, NodeRecord& record)
 {
     record.flags = node.flags;
     record.event_notifier = node.event_notifier;
@@ -200,7 +200,7 @@ void StaticCopy::set_details(const StaticNode& node, Record& record)
     }
 }
 
-void StaticCopy::set_variable(const StaticVariable& variable, Record& record)
+void StaticCopy::set_variable(const StaticVariable& variable, NodeRecord& record)
 {
     record.data_type = target(variable.data_type);
     if (record.data_type == no_node) {

@@ -9,8 +9,8 @@
 namespace busbar::model {
 
 using detail::Extra;
+using detail::NodeRecord;
 using detail::Overlay;
-using detail::Record;
 using detail::Tables;
 
 namespace {
@@ -126,7 +126,7 @@ Common common(const Tables& tables, NodeIndex node)
         const StaticNode& constant = tables.constant(node);
         return {constant.flags, constant.event_notifier};
     }
-    const Record& record = tables.record(node);
+    const NodeRecord& record = tables.record(node);
     return {record.flags, record.event_notifier};
 }
 
@@ -196,7 +196,7 @@ bool SpaceReader::has_attribute(NodeClass node_class, AttributeId id)
 LocalizedText SpaceReader::display_name(NodeIndex node) const
 {
     if (!tables_->is_constant(node)) {
-        const Record& record = tables_->record(node);
+        const NodeRecord& record = tables_->record(node);
         if (record.extra != nullptr && !record.extra->display_name.text.is_null()) {
             return borrowed(record.extra->display_name);
         }
@@ -220,7 +220,7 @@ VariableAttributes SpaceReader::variable(NodeIndex node) const
         return result;
     }
     if (!tables_->is_constant(node)) {
-        const Record& record = tables_->record(node);
+        const NodeRecord& record = tables_->record(node);
         result.data_type = record.data_type;
         result.value_rank = record.value_rank;
         result.minimum_sampling_interval = record.minimum_sampling_interval;
@@ -262,7 +262,7 @@ MethodAttributes SpaceReader::method(NodeIndex node) const
     MethodAttributes result;
     result.executable = common(*tables_, node).has(static_flag::executable);
     if (!tables_->is_constant(node)) {
-        const Record& record = tables_->record(node);
+        const NodeRecord& record = tables_->record(node);
         result.source = record.source;
         result.handle = record.handle;
     } else if (const Overlay* const overlay = tables_->overlay(node)) {

@@ -5,8 +5,8 @@
 namespace busbar::model {
 
 using detail::Entry;
+using detail::NodeRecord;
 using detail::Overlay;
-using detail::Record;
 using detail::ReferenceList;
 using detail::Tables;
 
@@ -113,7 +113,7 @@ void AddressSpace::bind(NodeIndex node, std::uint32_t source, std::uint64_t hand
         overlay.source = source;
         overlay.handle = handle;
     } else {
-        Record& record = tables_->record(node);
+        NodeRecord& record = tables_->record(node);
         record.source = source;
         record.handle = handle;
     }
@@ -130,7 +130,7 @@ void AddressSpace::set_access_level(NodeIndex node, Access access_level, Access 
         overlay.user_access_level = of_user;
         overlay.has_access_level = true;
     } else {
-        Record& record = tables_->record(node);
+        NodeRecord& record = tables_->record(node);
         record.access_level = level;
         record.user_access_level = of_user;
     }

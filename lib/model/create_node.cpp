@@ -5,7 +5,7 @@
 namespace busbar::model {
 
 using detail::IndexTable;
-using detail::Record;
+using detail::NodeRecord;
 using detail::Tables;
 
 namespace {
@@ -115,7 +115,7 @@ Result<NodeIndex> AddressSpace::create(const NewNode& node, NodeClass node_class
                                                   node.browse_name, node_class)
                                   : tables.create(node.id, node.browse_name, node_class);
     tables.link(node.parent, reference, created);
-    Record& record = tables.record(created);
+    NodeRecord& record = tables.record(created);
     if (!node.display_name.text.is_null()) {
         record.make_extra().display_name = node.display_name;
     }

@@ -12,7 +12,7 @@
 namespace busbar::model::detail {
 
 /// Adds many nodes of any NodeClass, that may refer to one another in any order, to an
-/// AddressSpace: create each, fill its Record, add the references, link, keep. Whatever was not
+/// AddressSpace: create each, fill its NodeRecord, add the references, link, keep. Whatever was not
 /// kept is taken back, types and namespaces too.
 ///
 /// Checks no more than it must to stay sound; what the nodes are is up to the caller.
@@ -29,7 +29,7 @@ public:
     [[nodiscard]] Result<NodeIndex> create(const NodeId& id, const QualifiedName& name,
                                            NodeClass node_class);
     /// Of a node that was created.
-    [[nodiscard]] Record& record(NodeIndex node) { return tables_.record(node); }
+    [[nodiscard]] NodeRecord& record(NodeIndex node) { return tables_.record(node); }
     void set_access(NodeIndex node, NodeAccess access)
     {
         space_.set_node_access(node, std::move(access));

@@ -30,7 +30,7 @@ void Tables::note(NodeIndex node, unsigned verb)
             change.affected = id_of(node);
             return;
         }
-        const Record& from = record(node);
+        const NodeRecord& from = record(node);
         // Copies own their text.
         const NodeId id = from.node_id();
         change.affected = id;
@@ -49,7 +49,7 @@ NodeId Tables::id_of(NodeIndex node) const
     return is_constant(node) ? NodeId{0, constant(node).id.value} : record(node).node_id();
 }
 
-bool Tables::is_node_version(const Record& child) const
+bool Tables::is_node_version(const NodeRecord& child) const
 {
     return child.browse_namespace == 0 && child.parent_reference == has_property &&
            child.name() == "NodeVersion";

@@ -37,7 +37,7 @@ std::string_view identifier_text(const NodeId& id)
 
 } // namespace
 
-NodeId Record::node_id() const
+NodeId NodeRecord::node_id() const
 {
     const std::string_view identifier{text.get(), id};
     switch (id_type) {
@@ -56,7 +56,7 @@ NodeId Record::node_id() const
     return NodeId{id_namespace, id};
 }
 
-void Record::set_names(const NodeId& id_of_node, const QualifiedName& browse_name)
+void NodeRecord::set_names(const NodeId& id_of_node, const QualifiedName& browse_name)
 {
     const std::string_view identifier = identifier_text(id_of_node);
     const std::string_view name_text = browse_name.name.view();
@@ -75,7 +75,7 @@ void Record::set_names(const NodeId& id_of_node, const QualifiedName& browse_nam
     }
 }
 
-bool Record::has_id(const NodeId& other) const
+bool NodeRecord::has_id(const NodeId& other) const
 {
     if (id_type != other.id_type() || id_namespace != other.namespace_index()) {
         return false;
@@ -86,7 +86,7 @@ bool Record::has_id(const NodeId& other) const
     return std::string_view{text.get(), id} == identifier_text(other);
 }
 
-Extra& Record::make_extra()
+Extra& NodeRecord::make_extra()
 {
     if (extra == nullptr) {
         extra = std::make_unique<Extra>();

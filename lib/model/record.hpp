@@ -68,7 +68,7 @@ struct Extra {
 
 /// A dynamic node. The text block has the identifier of a String or Opaque NodeId (the 16 bytes
 /// of a Guid) and the BrowseName, which shares bytes with the identifier where that ends with it.
-struct Record {
+struct NodeRecord {
     std::uint32_t generation{0};
     std::uint16_t id_namespace{0};
     std::uint16_t browse_namespace{0};
@@ -107,7 +107,7 @@ struct Record {
     [[nodiscard]] BUSBAR_API Extra& make_extra();
 };
 
-static_assert(sizeof(void*) != 8 || sizeof(Record) == 96);
+static_assert(sizeof(void*) != 8 || sizeof(NodeRecord) == 96);
 
 /// What was set of a constant node at run time.
 struct Overlay {

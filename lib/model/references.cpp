@@ -5,8 +5,8 @@
 namespace busbar::model {
 
 using detail::Entry;
+using detail::NodeRecord;
 using detail::number;
-using detail::Record;
 using detail::ReferenceList;
 using detail::Tables;
 
@@ -74,7 +74,7 @@ ReferenceCursor SpaceReader::references(NodeIndex node, std::size_t position) co
         cursor.constant_ = all.data() + first;
         cursor.constant_count_ = last - first;
     } else {
-        const Record& record = tables.record(node);
+        const NodeRecord& record = tables.record(node);
         if (record.parent != no_node) {
             cursor.own_[cursor.own_count_++] = {record.parent_reference, record.parent, false};
         }

@@ -94,7 +94,7 @@ QualifiedName SpaceReader::browse_name(NodeIndex node) const
         const StaticNode& constant = tables_->constant(node);
         return {constant.browse_namespace, String::borrow(tables_->text(constant.browse_name))};
     }
-    const detail::Record& record = tables_->record(node);
+    const detail::NodeRecord& record = tables_->record(node);
     return {record.browse_namespace, String::borrow(record.name())};
 }
 

@@ -126,7 +126,7 @@ std::uint64_t Tables::id_hash(std::uint32_t record_number) const
 
 std::uint64_t Tables::name_hash(std::uint32_t record_number) const
 {
-    const Record& node = at(record_number);
+    const NodeRecord& node = at(record_number);
     return name_hash(node.parent,
                      QualifiedName{node.browse_namespace, String::borrow(node.name())});
 }
@@ -139,11 +139,11 @@ NodeIndex Tables::create(const NodeId& id, const QualifiedName& name, NodeClass 
         free_records.pop_back();
     } else {
         if (record_count % block_size == 0) {
-            blocks.push_back(std::make_unique<Record[]>(block_size));
+            blocks.push_back(std::make_unique<NodeRecord[]>(block_size));
         }
         ++record_count;
     }
-    Record& node = at(number_of_record);
+    NodeRecord& node = at(number_of_record);
     node.generation = ++next_generation;
     node.class_bits = static_cast<std::uint8_t>(node_class);
     node.set_names(id, name);
@@ -153,7 +153,7 @@ NodeIndex Tables::create(const NodeId& id, const QualifiedName& name, NodeClass 
 
 void Tables::link(NodeIndex parent, NodeIndex reference_type, NodeIndex child)
 {
-    Record& node = record(child);
+    NodeRecord& node = record(child);
     node.parent = parent;
     node.parent_reference = reference_type;
     node.parent_slot = push(parent, Entry{reference_type, child, true});
@@ -181,7 +181,7 @@ void Tables::place_type(NodeIndex type, NodeIndex supertype)
 
 void Tables::unlink(NodeIndex child)
 {
-    Record& node = record(child);
+    NodeRecord& node = record(child);
     if (node.parent == no_node) {
         return;
     }
@@ -206,7 +206,7 @@ void Tables::destroy(NodeIndex node)
     translations.erase(node);
     // The last source before none is a server's own: its values are looked up when they are read.
     rebindings += record(node).source < no_source - 1 ? 1U : 0U;
-    record(node) = Record{};
+    record(node) = NodeRecord{};
     free_records.push_back(number_of_record);
     watches.tell_removed(node);
 }
@@ -233,7 +233,7 @@ void Tables::compact(NodeIndex node, ReferenceList& references)
             continue;
         }
         if (!is_constant(entry.target)) {
-            Record& child = record(entry.target);
+            NodeRecord& child = record(entry.target);
             if (child.parent == node && child.parent_slot == i) {
                 child.parent_slot = kept;
             }

@@ -45,7 +45,7 @@ struct Tables {
     explicit Tables(const StaticNodes& nodes);
 
     static constexpr std::uint32_t block_size = 256;
-    using Block = std::unique_ptr<Record[]>;
+    using Block = std::unique_ptr<NodeRecord[]>;
 
     const StaticNodes* constants;
     std::uint32_t constant_count;
@@ -78,19 +78,19 @@ struct Tables {
     {
         return constants->nodes[number(node)];
     }
-    [[nodiscard]] const Record& at(std::uint32_t record) const
+    [[nodiscard]] const NodeRecord& at(std::uint32_t record) const
     {
         return blocks[record / block_size][record % block_size];
     }
-    [[nodiscard]] Record& at(std::uint32_t record)
+    [[nodiscard]] NodeRecord& at(std::uint32_t record)
     {
         return blocks[record / block_size][record % block_size];
     }
-    [[nodiscard]] const Record& record(NodeIndex node) const
+    [[nodiscard]] const NodeRecord& record(NodeIndex node) const
     {
         return at(number(node) - constant_count);
     }
-    [[nodiscard]] Record& record(NodeIndex node) { return at(number(node) - constant_count); }
+    [[nodiscard]] NodeRecord& record(NodeIndex node) { return at(number(node) - constant_count); }
     [[nodiscard]] NodeIndex index_of(std::uint32_t record_number) const
     {
         return NodeIndex{constant_count + record_number};
@@ -121,7 +121,7 @@ struct Tables {
     {
         const std::uint32_t found =
             by_name.find(name_hash(parent, name), [&](std::uint32_t candidate) {
-                const Record& child = at(candidate);
+                const NodeRecord& child = at(candidate);
                 return child.parent == parent && child.name() == name.name.view() &&
                        child.browse_namespace == name.namespace_index && match(index_of(candidate));
             });
@@ -161,7 +161,7 @@ struct Tables {
 
 private:
     void share_access(const StaticNodes& nodes);
-    [[nodiscard]] bool is_node_version(const Record& child) const;
+    [[nodiscard]] bool is_node_version(const NodeRecord& child) const;
     std::uint32_t push(NodeIndex node, const Entry& entry);
     void compact(NodeIndex node, ReferenceList& list);
 };

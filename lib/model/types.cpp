@@ -138,7 +138,7 @@ bool fit_structures(const SpaceReader& space, const Variant& value, NodeIndex da
 NodeIndex SpaceReader::supertype(NodeIndex type) const
 {
     if (!tables_->is_constant(type)) {
-        const detail::Record& record = tables_->record(type);
+        const detail::NodeRecord& record = tables_->record(type);
         return record.parent_reference == tables_->has_subtype ? record.parent : no_node;
     }
     ReferenceCursor cursor = references(type);

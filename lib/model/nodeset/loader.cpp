@@ -17,7 +17,7 @@ namespace {
 using model::NodeIndex;
 using model::NodeSetSummary;
 using model::detail::Graft;
-using model::detail::Record;
+using model::detail::NodeRecord;
 
 std::vector<std::string> namespaces_of(const model::SpaceReader& space)
 {
@@ -49,8 +49,8 @@ public:
 
 private:
     [[nodiscard]] bool create();
-    void fill(const Node& node, Record& record);
-    void fill_variable(const Node& node, Record& record);
+    void fill(const Node& node, NodeRecord& record);
+    void fill_variable(const Node& node, NodeRecord& record);
     void set_access(const Node& node, NodeIndex index);
     void add_texts(const Node& node, NodeIndex index);
     void set_restrictions();
@@ -128,7 +128,7 @@ bool Loader::create()
     return true;
 }
 
-void Loader::fill(const Node& node, Record& record)
+void Loader::fill(const Node& node, NodeRecord& record)
 {
     record.flags = flags(node);
     record.event_notifier = node.event_notifier;
@@ -152,7 +152,7 @@ void Loader::fill(const Node& node, Record& record)
     }
 }
 
-void Loader::fill_variable(const Node& node, Record& record)
+void Loader::fill_variable(const Node& node, NodeRecord& record)
 {
     record.data_type = find(node.data_type);
     record.value_rank = node.value_rank;
