@@ -20,6 +20,12 @@ namespace {
 
 enum class AtTheEnd { Dark, Kill, FailOnce };
 
+/// What was written to a file and may be lost.
+struct Written {
+    off_t size_before{0};
+    off_t bytes{0};
+};
+
 struct Disk {
     AtTheEnd at_the_end{AtTheEnd::Dark};
     std::size_t steps{0};
@@ -29,7 +35,7 @@ struct Disk {
     std::size_t reads{0};
     std::vector<std::size_t> calls;
     std::map<int, std::string> open_files;
-    std::map<std::string, off_t> unsynchronised; // bytes that were written
+    std::map<std::string, Written> unsynchronised;
 };
 
 Disk disk;
@@ -78,8 +84,8 @@ void stop()
 
 void lose_unsynchronised()
 {
-    for (const auto& [path, size] : disk.unsynchronised) {
-        static_cast<void>(::truncate(path.c_str(), size / 2));
+    for (const auto& [path, written] : disk.unsynchronised) {
+        static_cast<void>(::truncate(path.c_str(), written.size_before + written.bytes / 2));
     }
 }
 
@@ -139,7 +145,6 @@ using busbar::test::failing_disk::takes_step;
 extern "C" {
 
 int __real_open(const char* path, int flags, ...);
-int __real_openat(int folder, const char* path, int flags, ...);
 ssize_t __real_write(int file, const void* bytes, size_t size);
 int __real_rename(const char* from, const char* to);
 int __real_unlink(const char* path);
@@ -148,7 +153,15 @@ int __real_fchmod(int file, mode_t mode);
 int __wrap_open(const char* path, int flags, ...)
 {
     if ((flags & O_CREAT) == 0) {
-        return __real_open(path, flags);
+        const int file = __real_open(path, flags);
+        if ((flags & (O_ACCMODE | O_DIRECTORY)) == O_RDONLY) {
+            ++disk.reads;
+        } else if ((flags & O_ACCMODE) != O_RDONLY && file >= 0) {
+            struct stat facts = {};
+            disk.open_files[file] = path;
+            disk.unsynchronised[path].size_before = ::fstat(file, &facts) == 0 ? facts.st_size : 0;
+        }
+        return file;
     }
     va_list rest;
     va_start(rest, flags);
@@ -160,15 +173,9 @@ int __wrap_open(const char* path, int flags, ...)
     const int file = __real_open(path, flags, mode);
     if (file >= 0) {
         disk.open_files[file] = path;
-        disk.unsynchronised[path] = 0;
+        disk.unsynchronised[path] = {};
     }
     return file;
-}
-
-int __wrap_openat(int folder, const char* path, int flags, ...)
-{
-    ++disk.reads;
-    return __real_openat(folder, path, flags);
 }
 
 ssize_t __wrap_write(int file, const void* bytes, size_t size)
@@ -185,7 +192,7 @@ ssize_t __wrap_write(int file, const void* bytes, size_t size)
     }
     disk.steps += allowed;
     if (const auto known = disk.open_files.find(file); known != disk.open_files.end()) {
-        disk.unsynchronised[known->second] += written;
+        disk.unsynchronised[known->second].bytes += written;
     }
     if (allowed < size && disk.at_the_end == AtTheEnd::Kill) {
         takes_step();
@@ -208,7 +215,7 @@ int __wrap_fsync(int file)
 int __wrap_rename(const char* from, const char* to)
 {
     if (disk.are_two) {
-        // What save_file does stays on one disk.
+        // Giving a new file its name stays on one disk.
         const std::string source{from};
         if (source.substr(0, source.rfind('/')) !=
             std::string{to}.substr(0, std::string{to}.rfind('/'))) {

@@ -18,12 +18,13 @@ struct Layer {
 constexpr std::array layers = {
     Layer{"core", " core "},
     Layer{"binary", " core binary types "},
+    Layer{"storage", " core storage "},
     Layer{"crypto", " core crypto "},
     Layer{"channel", " core binary types crypto channel "},
     Layer{"model", " core binary types model nodes "},
     Layer{"server", " core binary types crypto channel model nodes server "},
     Layer{"client", " core binary types crypto channel client "},
-    Layer{"net", " core binary types crypto channel model nodes server client net "},
+    Layer{"net", " core binary types crypto channel model nodes server client storage net "},
     Layer{"harness", " core binary types crypto channel model nodes server client harness "},
     Layer{"controller", " core binary types crypto channel model nodes server controller "},
 };

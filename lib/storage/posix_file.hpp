@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include <busbar/core/storage.hpp>
+
+/// The single steps of a FolderStorage. Paths are those of the operating system.
+namespace busbar::storage::detail {
+
+/// What errno says.
+[[nodiscard]] StorageError last_error();
+
+/// Whether a file of this name, without its folder, is a temporary one.
+[[nodiscard]] bool is_unfinished(std::string_view name);
+
+/// A new name is on the disk only when its folder is.
+void sync_folder_of(const std::string& path);
+
+/// See Storage::replace.
+[[nodiscard]] Stored<void> save(const std::string& path, std::span<const std::byte> bytes,
+                                FileAccess access);
+/// See Storage::append.
+[[nodiscard]] Stored<void> append(const std::string& path, std::span<const std::byte> bytes,
+                                  FileAccess access);
+/// Also to another disk. A file that is at `to` is replaced.
+[[nodiscard]] Stored<void> rename_durably(const std::string& from, const std::string& to);
+/// As many bytes as there are, of a file that is open.
+[[nodiscard]] Stored<std::size_t> read_from(int file, std::uint64_t offset,
+                                            std::span<std::byte> into);
+
+} // namespace busbar::storage::detail
