@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <busbar/core/storage.hpp>
+
+namespace busbar::storage {
+
+/// Files in memory, for tests: a medium that fails when it is told to.
+///
+/// Each byte that is written is a step, and so is each other change. One thread.
+class BUSBAR_API MemoryStorage final : public Storage {
+public:
+    /// What `modified` and `touched` are from now on.
+    void set_time(DateTime now) { now_ = now; }
+
+    // Faults.
+
+    /// Bytes that all files may have together; Full beyond.
+    void set_capacity(std::uint64_t bytes) { capacity_ = bytes; }
+    /// Nothing can be changed: Protected.
+    void set_protected(bool is_protected) { is_protected_ = is_protected; }
+    /// Nothing can be read or changed: Away.
+    void set_away(bool is_away) { is_away_ = is_away; }
+    /// So many steps from now the power goes: every call fails with Away, until restore_power().
+    void cut_power_after(std::size_t steps);
+    void restore_power();
+    /// The change that is made so many steps from now fails, once.
+    void fail_once_after(std::size_t steps, StorageError error);
+    /// Steps since the beginning.
+    [[nodiscard]] std::size_t steps() const { return steps_; }
+    /// How often a file was read.
+    [[nodiscard]] std::size_t reads() const { return reads_; }
+
+    /// The names of all files, for a test to compare.
+    [[nodiscard]] std::vector<std::string> names() const;
+    /// Others than its owner may read it. False for a file that is not there.
+    [[nodiscard]] bool is_open_to_others(std::string_view name) const;
+    void open_to_others(std::string_view name);
+
+    Stored<StorageEntry> entry(std::string_view name) override;
+    Stored<std::size_t> read(std::string_view name, std::uint64_t offset,
+                             std::span<std::byte> into) override;
+    Stored<void> replace(std::string_view name, std::span<const std::byte> bytes,
+                         FileAccess access) override;
+    Stored<void> append(std::string_view name, std::span<const std::byte> bytes,
+                        FileAccess access) override;
+    Stored<void> move(std::string_view from, std::string_view to, WhenThere when_there) override;
+    Stored<void> remove(std::string_view name) override;
+    Stored<StorageListing> list(std::string_view folder, std::size_t most) override;
+    Stored<void> make_folder(std::string_view name, FileAccess access) override;
+    Stored<bool> close_to_others(std::string_view name) override;
+    void remove_unfinished(std::string_view) override {}
+    Stored<std::uint64_t> free_space() override;
+    [[nodiscard]] std::string place(std::string_view name) const override;
+
+private:
+    struct Item {
+        bool is_folder{false};
+        FileAccess access{FileAccess::Everyone};
+        std::vector<std::byte> bytes;
+        DateTime modified;
+        std::uint64_t version{0};
+    };
+    using Items = std::map<std::string, Item, std::less<>>;
+
+    [[nodiscard]] std::optional<StorageError> refusal(std::string_view name) const;
+    [[nodiscard]] std::optional<StorageError> refusal_of_change(std::string_view name) const;
+    [[nodiscard]] bool is_folder(std::string_view name) const;
+    [[nodiscard]] bool has_children(std::string_view name) const;
+    [[nodiscard]] std::uint64_t used() const;
+    /// How many of so many bytes are written before the power goes or something fails.
+    [[nodiscard]] std::size_t take_bytes(std::size_t count);
+    [[nodiscard]] Stored<void> take_step();
+    [[nodiscard]] StorageEntry entry_of(std::string_view name, const Item& item) const;
+    void touch(Item& item);
+
+    Items items_;
+    DateTime now_;
+    std::uint64_t capacity_{UINT64_MAX};
+    bool is_protected_{false};
+    bool is_away_{false};
+    bool is_dark_{false};
+    std::size_t steps_{0};
+    std::size_t reads_{0};
+    std::uint64_t versions_{0};
+    std::size_t end_{SIZE_MAX};
+    std::optional<StorageError> error_; // at the end, instead of darkness
+};
+
+} // namespace busbar::storage
