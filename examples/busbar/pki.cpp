@@ -52,7 +52,9 @@ std::string host_name()
 } // namespace
 
 Pki::Pki(const Options& options, LogSink& log)
-    : folder_{folder_of(options)}, own_{folder_}, store_{folder_, crypto::StoreLimits{}, log}
+    : folder_{folder_of(options)}, storage_{folder_}, own_{storage_}, store_{storage_,
+                                                                             crypto::StoreLimits{},
+                                                                             log}
 {
     if (const auto made = store_.create(); !made) {
         throw Failure{made.error(), folder_ + ": the folders of certificates cannot be made",

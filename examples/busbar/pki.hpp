@@ -7,6 +7,7 @@
 #include <busbar/core/log.hpp>
 #include <busbar/crypto/certificate_store.hpp>
 #include <busbar/crypto/own_certificate.hpp>
+#include <busbar/storage/folder_storage.hpp>
 
 #include "context.hpp"
 
@@ -36,6 +37,7 @@ private:
     [[nodiscard]] crypto::OwnCertificateSettings settings(std::uint32_t valid_days) const;
 
     std::string folder_;
+    storage::FolderStorage storage_;
     crypto::OwnCertificateStore own_;
     crypto::CertificateStore store_;
 };

@@ -39,7 +39,8 @@ std::string changed_kind(const UserConfig& before, const UserConfig& after)
 void make_folders(crypto::CertificateStore& store)
 {
     if (const auto made = store.create(); !made) {
-        throw ConfigError{Problem{made.error(), store.folder(), "the folder cannot be made"}};
+        throw ConfigError{
+            Problem{made.error(), store.storage().place(""), "the folder cannot be made"}};
     }
 }
 
@@ -47,9 +48,12 @@ void make_folders(crypto::CertificateStore& store)
 
 Admission::Admission(const ControllerConfig& config, LogSink& log)
     : config_{config.users}, trusts_all_clients_{config.certificates.trusts_all_clients},
-      client_store_{config.certificates.folder, config.certificates.limits, log},
+      client_files_{config.certificates.folder}, client_store_{client_files_,
+                                                               config.certificates.limits, log},
       client_validator_{client_store_, log, config.certificates.validation},
-      user_store_{config.certificates.folder + "/users", config.certificates.limits, log},
+      user_files_{config.certificates.folder + "/users"}, user_store_{user_files_,
+                                                                      config.certificates.limits,
+                                                                      log},
       user_validator_{user_store_, log, config.certificates.validation}
 {
     if (needs_certificates(config)) {

@@ -2,6 +2,7 @@
 
 #include <busbar/crypto/store_validator.hpp>
 #include <busbar/server/user_directory.hpp>
+#include <busbar/storage/folder_storage.hpp>
 
 #include "config.hpp"
 
@@ -29,8 +30,10 @@ private:
     UserConfig config_;
     bool trusts_all_clients_;
     crypto::InsecureAcceptAnyCertificate accept_all_;
+    storage::FolderStorage client_files_;
     crypto::CertificateStore client_store_;
     crypto::StoreValidator client_validator_;
+    storage::FolderStorage user_files_;
     crypto::CertificateStore user_store_;
     crypto::StoreValidator user_validator_;
     server::UserDirectory users_;

@@ -1,18 +1,11 @@
 #include "first_account.hpp"
 
-#include <array>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-
-#include <busbar/crypto/file.hpp>
 #include <busbar/crypto/password_hash.hpp>
+#include <busbar/storage/folder_storage.hpp>
 
 namespace busbar::example {
 
 namespace {
-
-namespace fs = std::filesystem;
 
 /// 32 characters that are not mistaken for each other.
 constexpr std::string_view alphabet = "abcdefghjkmnpqrstuvwxyz023456789";
@@ -21,10 +14,7 @@ constexpr std::size_t group = 5;
 constexpr std::size_t groups = 4; // 100 bits
 constexpr std::size_t max_file_size = 1'024;
 
-std::string file_in(const std::string& folder)
-{
-    return (fs::path{folder} / "operator.password").string();
-}
+constexpr std::string_view file_name = "operator.password";
 
 Account account_with(std::string hash)
 {
@@ -54,14 +44,16 @@ crypto::Secret new_password(crypto::Random& random)
 
 std::optional<FirstAccount> load_first_account(const std::string& folder)
 {
-    const std::string path = file_in(folder);
-    if (std::error_code ignored; !fs::exists(path, ignored)) {
-        return std::nullopt;
+    storage::FolderStorage files{folder};
+    const std::string path = files.place(file_name);
+    const auto bytes = read_file(files, file_name, max_file_size);
+    if (!bytes) {
+        if (bytes.error() == StorageError::NotFound || bytes.error() == StorageError::Away) {
+            return std::nullopt;
+        }
+        throw ConfigError{path, std::string{text(bytes.error())}};
     }
-    std::ifstream file{path, std::ios::binary};
-    std::array<char, max_file_size> text{};
-    file.read(text.data(), text.size());
-    std::string hash{text.data(), static_cast<std::size_t>(file.gcount())};
+    std::string hash{reinterpret_cast<const char*>(bytes->data()), bytes->size()};
     if (hash.ends_with('\n')) {
         hash.pop_back();
     }
@@ -79,12 +71,12 @@ FirstAccount make_first_account(const std::string& folder, crypto::Random& rando
     if (!hash) {
         throw ConfigError{Problem{hash.error(), "the first password", "cannot be hashed"}};
     }
-    const std::string path = file_in(folder);
-    std::error_code error;
-    fs::create_directories(folder, error);
+    storage::FolderStorage files{folder};
     const std::string line = *hash + "\n";
-    if (!crypto::save_file(path, std::as_bytes(std::span{line}), crypto::FileAccess::Owner)) {
-        throw ConfigError{path, "the file cannot be written, expected a folder of this user"};
+    if (!files.make_folder("", FileAccess::Everyone) ||
+        !files.replace(file_name, std::as_bytes(std::span{line}), FileAccess::Owner)) {
+        throw ConfigError{files.place(file_name),
+                          "the file cannot be written, expected a folder of this user"};
     }
     return {account_with(*std::move(hash)), std::move(password)};
 }

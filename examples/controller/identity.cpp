@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include <busbar/crypto/own_certificate.hpp>
+#include <busbar/storage/folder_storage.hpp>
 
 #include "toml_reader.hpp"
 
@@ -69,7 +70,8 @@ channel::ApplicationIdentity load_identity(const CertificateConfig& config, cons
                                            const std::string& application_uri,
                                            const std::vector<std::string>& host_names, DateTime now)
 {
-    const crypto::OwnCertificateStore store{config.folder};
+    storage::FolderStorage files{config.folder};
+    const crypto::OwnCertificateStore store{files};
     if (!expect_own(store.load(application_uri))) {
         take_over_first_version(fs::path{config.folder} / "own", store, application_uri);
     }
@@ -82,7 +84,8 @@ crypto::Certificate regenerate_certificate(const CertificateConfig& config, cons
                                            const std::string& application_uri,
                                            const std::vector<std::string>& host_names, DateTime now)
 {
-    const crypto::OwnCertificateStore store{config.folder};
+    storage::FolderStorage files{config.folder};
+    const crypto::OwnCertificateStore store{files};
     return expect_own(store.regenerate(settings_of(config, name, application_uri, host_names), now))
         .certificates.front();
 }

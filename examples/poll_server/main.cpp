@@ -12,6 +12,7 @@
 #include <busbar/server/memory_source.hpp>
 #include <busbar/server/password_users.hpp>
 #include <busbar/server/server.hpp>
+#include <busbar/storage/folder_storage.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "poll_loop.hpp"
@@ -65,7 +66,8 @@ int main(int argc, char** argv)
     Log log;
     crypto::SystemRandom random;
 
-    crypto::CertificateStore store{folder, {}, log};
+    storage::FolderStorage files{folder};
+    crypto::CertificateStore store{files, {}, log};
     if (const auto made = store.create(); !made) {
         return fail_with("certificate folder", made.error());
     }
@@ -74,7 +76,7 @@ int main(int argc, char** argv)
     certificate.subject.common_name = "Poll server";
     certificate.subject.application_uri = application_uri;
     crypto::add_host(certificate.subject, "localhost");
-    const crypto::OwnCertificateStore own{folder};
+    const crypto::OwnCertificateStore own{files};
     auto identity = own.load_or_create(certificate, clock.now());
     if (!identity) {
         return fail_with("own certificate", identity.error().status);

@@ -1,4 +1,3 @@
-#include <busbar/crypto/file.hpp>
 #include <busbar/crypto/own_certificate.hpp>
 
 #include <openssl/err.h>
@@ -69,11 +68,6 @@ Checked<std::vector<Certificate>> read_certificates(std::span<const std::byte> c
     auto result = read(contents);
     ERR_clear_error();
     return result;
-}
-
-Result<void> export_der(const Certificate& certificate, const std::string& path)
-{
-    return save_file(path, certificate.der(), FileAccess::Everyone);
 }
 
 } // namespace busbar::crypto

@@ -1,18 +1,11 @@
 #include "certificate_folder.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <span>
 #include <utility>
 
-#include <dirent.h>
-#include <fcntl.h>
-#include <sys/stat.h>
-
 #include <busbar/core/text.hpp>
-#include <busbar/crypto/file.hpp>
 
-#include "descriptor.hpp"
 #include "openssl.hpp"
 
 namespace busbar::crypto::detail {
@@ -26,18 +19,9 @@ constexpr std::int64_t settling_seconds = 3;
 constexpr std::string_view unreadable = "cannot be read";
 constexpr std::string_view beyond_budget = "is beyond the limit of bytes in a folder";
 
-FileState state_of(const struct stat& facts)
+bool is_settled(const StorageEntry& entry, DateTime now)
 {
-    return {facts.st_dev,
-            facts.st_ino,
-            facts.st_size,
-            {facts.st_mtim.tv_sec, facts.st_mtim.tv_nsec},
-            {facts.st_ctim.tv_sec, facts.st_ctim.tv_nsec}};
-}
-
-bool is_settled(const FileState& state, DateTime now)
-{
-    return std::max(state.modified, state.changed).seconds < now.unix_seconds() - settling_seconds;
+    return entry.touched.unix_seconds() < now.unix_seconds() - settling_seconds;
 }
 
 std::array<std::byte, 32> digest_of(std::span<const std::byte> bytes)
@@ -93,42 +77,11 @@ std::string FolderFile::thumbprint() const
     return list == nullptr ? std::string{} : list->thumbprint_text();
 }
 
-CertificateFolder::CertificateFolder(const std::string& store, std::string name,
-                                     FolderContents contents, bool may_be_missing)
-    : path_{store + "/" + name}, name_{std::move(name)}, contents_{contents}, may_be_missing_{
-                                                                                  may_be_missing}
+CertificateFolder::CertificateFolder(Storage& storage, std::string name, FolderContents contents,
+                                     bool may_be_missing)
+    : storage_{&storage}, name_{std::move(name)}, contents_{contents}, may_be_missing_{
+                                                                           may_be_missing}
 {
-}
-
-std::string CertificateFolder::path_of(std::string_view file) const
-{
-    return path_ + "/" + std::string{file};
-}
-
-std::optional<CertificateFolder::Names> CertificateFolder::names(const StoreLimits& limits,
-                                                                 int folder) const
-{
-    Descriptor again{::dup(folder)};
-    DIR* stream = again.is_open() ? ::fdopendir(again.get()) : nullptr;
-    if (stream == nullptr) {
-        return std::nullopt;
-    }
-    static_cast<void>(again.release());
-    Names result;
-    while (const dirent* entry = ::readdir(stream)) {
-        const std::string_view name{entry->d_name};
-        if (name == "." || name == ".." || is_unfinished_file(name)) {
-            continue;
-        }
-        if (result.names.size() == limits.max_files) {
-            result.is_cut = true;
-            break;
-        }
-        result.names.emplace_back(name);
-    }
-    ::closedir(stream);
-    std::sort(result.names.begin(), result.names.end());
-    return result;
 }
 
 const FolderFile* CertificateFolder::known(std::string_view name) const
@@ -139,24 +92,16 @@ const FolderFile* CertificateFolder::known(std::string_view name) const
     return found != files_.end() && found->name == name ? &*found : nullptr;
 }
 
-FolderFile CertificateFolder::read(int folder, const std::string& name, std::size_t max_size) const
+FolderFile CertificateFolder::read(const StorageEntry& entry, std::size_t max_size) const
 {
-    FolderFile result{name, {}, {}, {}, {}};
-    const Descriptor file{
-        ::openat(folder, name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC)};
-    struct stat facts = {};
-    if (!file.is_open() || ::fstat(file.get(), &facts) != 0 || !S_ISREG(facts.st_mode)) {
-        result.problem = unreadable;
-        return result;
-    }
-    result.state = state_of(facts);
-    const auto contents = read_rest(file.get(), max_size);
+    FolderFile result{entry.name, entry.modified, entry.version, {}, {}, {}};
+    const auto contents = read_file(*storage_, path_of(entry.name), max_size);
     if (!contents) {
         result.problem = unreadable;
         return result;
     }
     result.digest = digest_of(*contents);
-    const FolderFile* before = known(name);
+    const FolderFile* before = known(entry.name);
     if (before != nullptr && before->is_usable() && before->digest == result.digest) {
         result.object = before->object;
     } else {
@@ -165,37 +110,35 @@ FolderFile CertificateFolder::read(int folder, const std::string& name, std::siz
     return result;
 }
 
-/// Nothing for folders and for files that have just gone. `budget`: bytes that the files from here
-/// on may have together.
-std::optional<FolderFile> CertificateFolder::look_at(int folder, const std::string& name,
+/// Nothing for folders. `budget`: bytes that the files from here on may have together.
+std::optional<FolderFile> CertificateFolder::look_at(const StorageEntry& entry,
                                                      const StoreLimits& limits, DateTime now,
                                                      std::size_t& budget) const
 {
-    struct stat facts = {};
-    if (::fstatat(folder, name.c_str(), &facts, AT_SYMLINK_NOFOLLOW) != 0 ||
-        S_ISDIR(facts.st_mode)) {
+    if (entry.kind == StorageEntry::Kind::Folder) {
         return std::nullopt;
     }
-    const FileState state = state_of(facts);
-    const auto size = static_cast<std::size_t>(facts.st_size);
+    const auto useless = [&](std::string_view why) {
+        return FolderFile{entry.name, entry.modified, entry.version, {}, {}, why};
+    };
     const std::size_t max_size = kind() == Kind::Certificate ? limits.max_certificate_file_size
                                                              : limits.max_revocation_list_file_size;
-    if (!S_ISREG(facts.st_mode)) {
-        return FolderFile{name, state, {}, {}, "is no plain file; links are not followed"};
+    if (entry.kind != StorageEntry::Kind::File) {
+        return useless("is no plain file; links are not followed");
     }
-    if (size > max_size) {
-        return FolderFile{name, state, {}, {}, "is too large"};
+    if (entry.size > max_size) {
+        return useless("is too large");
     }
-    if (size > budget) {
-        return FolderFile{name, state, {}, {}, beyond_budget};
+    if (entry.size > budget) {
+        return useless(beyond_budget);
     }
-    budget -= size;
-    const FolderFile* before = known(name);
-    if (before != nullptr && before->state == state && before->problem != beyond_budget &&
-        is_settled(state, now)) {
+    budget -= static_cast<std::size_t>(entry.size);
+    const FolderFile* before = known(entry.name);
+    if (before != nullptr && before->version == entry.version && before->problem != beyond_budget &&
+        is_settled(entry, now)) {
         return *before;
     }
-    return read(folder, name, max_size);
+    return read(entry, max_size);
 }
 
 void CertificateFolder::tell(LogSink& log, std::string_view problem, std::string_view file) const
@@ -225,14 +168,17 @@ void CertificateFolder::set_problem(std::string_view problem, LogSink& log)
 
 bool CertificateFolder::refresh(const StoreLimits& limits, DateTime now, LogSink& log)
 {
-    const Descriptor folder{::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
-    const bool is_missing = !folder.is_open() && errno == ENOENT && may_be_missing_;
-    const auto found = folder.is_open() ? names(limits, folder.get()) : std::nullopt;
+    const auto found = storage_->list(name_, limits.max_files);
+    const bool is_missing =
+        !found && may_be_missing_ &&
+        (found.error() == StorageError::NotFound || found.error() == StorageError::Away);
     std::vector<FolderFile> files;
     std::size_t budget = limits.max_folder_size;
-    for (const std::string& name : found ? found->names : std::vector<std::string>{}) {
-        if (auto file = look_at(folder.get(), name, limits, now, budget)) {
-            files.push_back(*std::move(file));
+    if (found) {
+        for (const StorageEntry& entry : found->entries) {
+            if (auto file = look_at(entry, limits, now, budget)) {
+                files.push_back(*std::move(file));
+            }
         }
     }
     is_cut_ = found && found->is_cut;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -13,6 +12,7 @@
 
 #include <busbar/core/date_time.hpp>
 #include <busbar/core/log.hpp>
+#include <busbar/core/storage.hpp>
 #include <busbar/crypto/certificate.hpp>
 #include <busbar/crypto/certificate_store.hpp>
 #include <busbar/crypto/revocation_list.hpp>
@@ -23,29 +23,11 @@ namespace busbar::crypto::detail {
 /// PEM with more than one certificate. Which of them an administrator means is not known.
 [[nodiscard]] bool holds_several_certificates(std::span<const std::byte> contents);
 
-/// A file's time, since 1970.
-struct FileTime {
-    std::int64_t seconds{0};
-    std::int64_t nanoseconds{0};
-
-    friend auto operator<=>(const FileTime&, const FileTime&) = default;
-};
-
-/// What shows that a file is another one than before, without reading it.
-struct FileState {
-    std::uint64_t device{0};
-    std::uint64_t inode{0};
-    std::int64_t size{0};
-    FileTime modified;
-    FileTime changed; // contents, name or rights
-
-    friend bool operator==(const FileState&, const FileState&) = default;
-};
-
 /// One file of a folder.
 struct FolderFile {
     std::string name;
-    FileState state;
+    DateTime modified;
+    StorageEntry::Version version;
     std::array<std::byte, 32> digest{}; // of the contents
     std::variant<std::monostate, Certificate, RevocationList> object;
     std::string_view problem; // why there is no object
@@ -67,9 +49,8 @@ class CertificateFolder {
 public:
     using Kind = StoreEntry::Kind;
 
-    /// The folder `name` in the store's folder. Whether it is missing is told unless
-    /// `may_be_missing`.
-    CertificateFolder(const std::string& store, std::string name, FolderContents contents,
+    /// The folder `name` in the storage. Whether it is missing is told unless `may_be_missing`.
+    CertificateFolder(Storage& storage, std::string name, FolderContents contents,
                       bool may_be_missing);
 
     /// Looks at the folder again; true if something changed. Problems are logged once.
@@ -82,28 +63,25 @@ public:
                                                             : Kind::Certificate;
     }
     [[nodiscard]] const std::string& name() const { return name_; }
-    [[nodiscard]] std::string path_of(std::string_view file) const;
+    [[nodiscard]] std::string path_of(std::string_view file) const
+    {
+        return storage_path(name_, file);
+    }
     /// There are more names than were looked at.
     [[nodiscard]] bool is_cut() const { return is_cut_; }
 
 private:
-    struct Names {
-        std::vector<std::string> names; // sorted
-        bool is_cut{false};
-    };
-
-    [[nodiscard]] std::optional<Names> names(const StoreLimits& limits, int folder) const;
-    [[nodiscard]] std::optional<FolderFile> look_at(int folder, const std::string& name,
+    [[nodiscard]] std::optional<FolderFile> look_at(const StorageEntry& entry,
                                                     const StoreLimits& limits, DateTime now,
                                                     std::size_t& budget) const;
-    [[nodiscard]] FolderFile read(int folder, const std::string& name, std::size_t max_size) const;
+    [[nodiscard]] FolderFile read(const StorageEntry& entry, std::size_t max_size) const;
     [[nodiscard]] const FolderFile* known(std::string_view name) const;
     void tell(LogSink& log, std::string_view problem, std::string_view file = {}) const;
     void tell_changes(const std::vector<FolderFile>& files, LogSink& log) const;
     /// What is said of the folder as a whole.
     void set_problem(std::string_view problem, LogSink& log);
 
-    std::string path_;
+    Storage* storage_;
     std::string name_;
     FolderContents contents_;
     bool may_be_missing_;

@@ -111,8 +111,7 @@ DateTime CertificateWatch::check(const Certificate& certificate, DateTime now,
         const bool is_fresh =
             before != said_.end() && before->at <= now && now < before->at + one_day;
         if (!is_fresh) {
-            log_->write(notice.kind == NoticeKind::Expired ? LogLevel::Error : LogLevel::Warning,
-                        "certificate", notice.text);
+            tell_notice(*log_, certificate, notice);
         }
         still.push_back({std::move(notice), is_fresh ? before->at : now});
         next = std::min(next, still.back().at + one_day);

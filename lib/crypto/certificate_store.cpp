@@ -18,9 +18,9 @@ std::string_view name(StoreList list)
     return names[static_cast<std::size_t>(list)];
 }
 
-CertificateStore::CertificateStore(std::string folder, const StoreLimits& limits, LogSink& log)
-    : folder_{std::move(folder)}, log_{&log}, lists_{std::make_unique<detail::StoreLists>(
-                                                  folder_, limits, log)},
+CertificateStore::CertificateStore(Storage& storage, const StoreLimits& limits, LogSink& log)
+    : storage_{&storage}, log_{&log}, lists_{std::make_unique<detail::StoreLists>(storage, limits,
+                                                                                  log)},
       rejected_{std::make_unique<detail::RejectedList>(*lists_, log)}
 {
 }
@@ -29,7 +29,7 @@ CertificateStore::~CertificateStore() = default;
 
 Result<void> CertificateStore::create()
 {
-    return detail::make_store_folders(folder_, *log_);
+    return detail::make_store_folders(*storage_, *log_);
 }
 
 const TrustList& CertificateStore::trust_list(DateTime now)

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include <busbar/core/text.hpp>
-#include <busbar/crypto/file.hpp>
 
 #include "store_lists.hpp"
 #include "store_names.hpp"
@@ -84,11 +83,12 @@ tl::unexpected<Refusal> refuse_missing(std::string_view check, StoreList list,
                    "", ""});
 }
 
-/// `code` is that of a file operation.
-tl::unexpected<Refusal> refuse_disk(StatusCode code, std::string_view check, StoreList list)
+tl::unexpected<Refusal> refuse_disk(StorageError error, std::string_view check, StoreList list)
 {
-    return refuse({code, check, "the disk did not take the change of " + name_of(list), "",
-                   "Look after free space and rights of the store's folder"});
+    return refuse(
+        {status_of(error), check,
+         "the disk did not take the change of " + name_of(list) + ": " + std::string{text(error)},
+         "", "Look after free space and rights of the store's folder"});
 }
 
 std::optional<Refusal> check_room(const detail::StoreLists& lists, std::string_view check,
@@ -138,19 +138,16 @@ Checked<void> move_one(const detail::StoreLists& lists, const FileInList& found,
                        home.name() + " holds another file called " + printable(name), "",
                        "Remove that one or give it another name"});
     }
-    const std::string target = home.path_of(name);
-    auto moved = move_file(found.path(), target);
-    if (!moved && moved.error() == status::Bad_EntryExists && remove_file(target)) {
-        moved = move_file(found.path(), target); // what lay there was of no use
-    }
+    // What lies there is of no use.
+    const auto moved = lists.storage().move(found.name(), home.path_of(name), WhenThere::Replace);
     return moved ? Checked<void>{} : Checked<void>{refuse_disk(moved.error(), moving, to)};
 }
 
-Checked<void> remove_all(const std::vector<FileInList>& files, std::string_view check,
-                         StoreList list)
+Checked<void> remove_all(const detail::StoreLists& lists, const std::vector<FileInList>& files,
+                         std::string_view check, StoreList list)
 {
     for (const FileInList& one : files) {
-        if (const auto removed = remove_file(one.path()); !removed) {
+        if (const auto removed = lists.storage().remove(one.name()); !removed) {
             return refuse_disk(removed.error(), check, list);
         }
     }
@@ -188,7 +185,8 @@ Checked<StoreEntry> CertificateStore::add(StoreList list, std::span<const std::b
         return refuse(std::move(checked.error()));
     }
     const CertificateFolder& home = lists_->home(list, kind);
-    const auto saved = save_file(home.path_of(file->name), der_of(*file), FileAccess::Everyone);
+    const auto saved =
+        storage_->replace(home.path_of(file->name), der_of(*file), FileAccess::Everyone);
     if (!saved) {
         return refuse_disk(saved.error(), adding, list);
     }
@@ -208,7 +206,8 @@ Checked<void> CertificateStore::remove(StoreList list, std::string_view thumbpri
         return refuse_missing(removing, list, thumbprint);
     }
     const StoreEntry entry = detail::entry_of(found.front());
-    if (auto removed = remove_all(found, removing, list); !removed) {
+    const FolderFile file = *found.front().file;
+    if (auto removed = remove_all(*lists_, found, removing, list); !removed) {
         return removed;
     }
     tell(*log_, "removed from " + name_of(list), entry);
@@ -236,7 +235,7 @@ Checked<void> CertificateStore::move(std::string_view thumbprint, StoreList from
         }
         found.erase(found.begin());
     }
-    if (auto removed = remove_all(found, moving, from); !removed) {
+    if (auto removed = remove_all(*lists_, found, moving, from); !removed) {
         return removed;
     }
     tell(*log_, "moved from " + name_of(from) + " to " + name_of(to), entry);
@@ -244,3 +243,4 @@ Checked<void> CertificateStore::move(std::string_view thumbprint, StoreList from
 }
 
 } // namespace busbar::crypto
+    const FolderFile file = *found.front().file;

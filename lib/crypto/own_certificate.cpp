@@ -50,12 +50,12 @@ Checked<PrivateKey> generate(std::uint32_t bits)
 
 } // namespace
 
-OwnCertificateStore::OwnCertificateStore(std::string folder) : folder_{std::move(folder)} {}
+OwnCertificateStore::OwnCertificateStore(Storage& storage) : storage_{&storage} {}
 
 Checked<std::optional<OwnCertificate>>
 OwnCertificateStore::load(std::string_view application_uri) const
 {
-    const Files files{folder_};
+    const Files files{*storage_};
     State state = detail::read_state(files);
     if (!state.has_certificate && !state.has_key) {
         const std::string stranger = files.stranger();
@@ -88,7 +88,7 @@ Checked<OwnCertificate> OwnCertificateStore::load_or_create(const OwnCertificate
     if (*found) {
         return **std::move(found);
     }
-    const Files files{folder_};
+    const Files files{*storage_};
     auto state = detail::prepare(files);
     if (!state) {
         return refuse(std::move(state).error());
@@ -104,7 +104,7 @@ Checked<OwnCertificate> OwnCertificateStore::load_or_create(const OwnCertificate
 Checked<OwnCertificate> OwnCertificateStore::regenerate(const OwnCertificateSettings& settings,
                                                         DateTime now) const
 {
-    const Files files{folder_};
+    const Files files{*storage_};
     const auto state = detail::prepare(files);
     if (!state) {
         return refuse(state.error());
@@ -117,7 +117,7 @@ Checked<std::vector<std::byte>>
 OwnCertificateStore::create_signing_request(const OwnCertificateSettings& settings,
                                             RequestKey which) const
 {
-    const Files files{folder_};
+    const Files files{*storage_};
     const auto state = detail::prepare(files);
     if (!state) {
         return refuse(state.error());
@@ -149,7 +149,7 @@ Checked<OwnCertificate> OwnCertificateStore::take_in(std::span<const std::byte> 
     if (!parsed) {
         return refuse(parsed.error());
     }
-    const Files files{folder_};
+    const Files files{*storage_};
     const auto state = detail::prepare(files);
     if (!state) {
         return refuse(state.error());
@@ -182,7 +182,7 @@ Checked<OwnCertificate> OwnCertificateStore::install(const OwnCertificate& own,
     if (auto refused = detail::check_certificates(chain, application_uri)) {
         return refuse(*std::move(refused));
     }
-    const Files files{folder_};
+    const Files files{*storage_};
     const auto state = detail::prepare(files);
     return state ? detail::put_in_force(files, *state, {std::move(chain), own.key})
                  : refuse(state.error());

@@ -23,17 +23,17 @@ bool is_same_key(const PrivateKey& a, const PrivateKey& b)
     return EVP_PKEY_eq(a.native(), b.native()) == 1;
 }
 
-Result<void> replace(const OwnCertificateFiles& files, const OwnCertificate& own, bool has_its_key)
+Stored<void> replace(const OwnCertificateFiles& files, const OwnCertificate& own, bool has_its_key)
 {
     std::vector<std::byte> der;
     for (const Certificate& certificate : own.certificates) {
         der.insert(der.end(), certificate.der().begin(), certificate.der().end());
     }
-    if (const auto kept = files.keep_aside(); !kept) {
+    if (auto kept = files.keep_aside(); !kept) {
         return kept;
     }
     if (!has_its_key) {
-        if (const auto saved = files.save_pending_key(own.key); !saved) {
+        if (auto saved = files.save_pending_key(own.key); !saved) {
             return saved;
         }
     }
@@ -44,9 +44,9 @@ Result<void> replace(const OwnCertificateFiles& files, const OwnCertificate& own
 
 OwnCertificateState read_state(const OwnCertificateFiles& files)
 {
-    const FileContents certificate = read_file(files.certificate());
-    const FileContents key = read_file(files.key());
-    const FileContents pending_key = read_file(files.pending_key());
+    const FileContents certificate = files.read_certificate();
+    const FileContents key = files.read_key();
+    const FileContents pending_key = files.read_pending_key();
     OwnCertificateState state{certificate.exists, key.exists,
                               pending_key.exists, {},
                               parse_key(key),     parse_key(pending_key)};
@@ -58,12 +58,12 @@ OwnCertificateState read_state(const OwnCertificateFiles& files)
     return state;
 }
 
-Result<void> finish_switch(const OwnCertificateFiles& files, OwnCertificateState& state)
+Stored<void> finish_switch(const OwnCertificateFiles& files, OwnCertificateState& state)
 {
     state.key = std::exchange(state.pending_key, std::nullopt);
     state.has_key = true;
     // The key that lies there now is the old one, or one that an operator put there meanwhile.
-    const auto kept = files.keep_key_aside();
+    auto kept = files.keep_key_aside();
     return kept ? files.promote_pending_key(*state.key) : kept;
 }
 

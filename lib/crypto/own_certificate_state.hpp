@@ -31,7 +31,7 @@ struct OwnCertificateState {
 
 /// Of a half-switched state: gives the pending key the other's name. `state` is as if that had been
 /// done, also if it fails.
-[[nodiscard]] Result<void> finish_switch(const OwnCertificateFiles& files,
+[[nodiscard]] Stored<void> finish_switch(const OwnCertificateFiles& files,
                                          OwnCertificateState& state);
 
 /// Before anything changes: makes the folders and finishes what a power cut left, so that the place

@@ -6,8 +6,6 @@
 
 #include <algorithm>
 
-#include <busbar/crypto/file.hpp>
-
 #include "key_derivation.hpp"
 #include "openssl.hpp"
 
@@ -89,10 +87,11 @@ Result<Secret> PrivateKey::to_pem() const
     return Secret{std::string_view{text, static_cast<std::size_t>(size)}};
 }
 
-Result<void> PrivateKey::save(const std::string& path) const
+Stored<void> PrivateKey::save(Storage& storage, std::string_view name) const
 {
     const auto pem = to_pem();
-    return pem ? save_file(path, pem->span(), FileAccess::Owner) : fail(pem.error());
+    return pem ? storage.replace(name, pem->span(), FileAccess::Owner)
+               : Stored<void>{not_stored(StorageError::Failed)};
 }
 
 std::size_t PrivateKey::key_size() const

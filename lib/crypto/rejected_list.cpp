@@ -4,7 +4,6 @@
 #include <tuple>
 
 #include <busbar/core/text.hpp>
-#include <busbar/crypto/file.hpp>
 
 #include "store_names.hpp"
 
@@ -18,8 +17,7 @@ constexpr std::int64_t one_minute = 60 * DateTime::ticks_per_second;
 
 bool is_older(const FileInList& a, const FileInList& b)
 {
-    return std::tie(a.file->state.modified, a.file->name) <
-           std::tie(b.file->state.modified, b.file->name);
+    return std::tie(a.file->modified, a.file->name) < std::tie(b.file->modified, b.file->name);
 }
 
 } // namespace

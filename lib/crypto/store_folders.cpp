@@ -1,76 +1,63 @@
 #include "store_folders.hpp"
 
 #include <array>
-#include <filesystem>
+#include <string>
 
-#include <fcntl.h>
-#include <sys/stat.h>
-
+#include <busbar/core/status_codes.hpp>
 #include <busbar/core/text.hpp>
-#include <busbar/crypto/file.hpp>
-
-#include "descriptor.hpp"
 
 namespace busbar::crypto::detail {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 /// Part 12, F.1.
 constexpr std::array folders = {"own/certs",     "own/crl",     "trusted/certs",  "trusted/crl",
                                 "issuers/certs", "issuers/crl", "rejected/certs", "rejected/crl"};
 constexpr const char* private_folder = "own/private";
-constexpr mode_t others = S_IRWXG | S_IRWXO;
+constexpr std::size_t max_private_files = 10'000;
 
 /// A file or folder that only its owner may use from now on.
-void close_to_others(const std::string& path, mode_t allowed, LogSink& log)
+void close_to_others(Storage& storage, const std::string& name, LogSink& log)
 {
-    const Descriptor file{::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC)};
-    struct stat facts = {};
-    if (!file.is_open() || ::fstat(file.get(), &facts) != 0 || (facts.st_mode & others) == 0) {
+    const auto closed = storage.close_to_others(name);
+    if (closed ? !*closed : closed.error() == StorageError::NotFound) {
         return;
     }
-    const bool is_closed = ::fchmod(file.get(), allowed) == 0;
     log.write(LogLevel::Warning, "certificate store",
-              printable(path) + " was open to other users than its owner; " +
-                  (is_closed ? "it is closed now" : "it cannot be closed") +
+              printable(storage.place(name)) + " was open to other users than its owner; " +
+                  (closed ? "it is closed now" : "it cannot be closed") +
                   ". If somebody may have read a private key there, make a new one");
 }
 
-void close_private_keys(const std::string& folder, LogSink& log)
+void close_private_keys(Storage& storage, LogSink& log)
 {
-    close_to_others(folder, S_IRWXU, log);
-    std::error_code error;
-    for (fs::directory_iterator at{folder, error}; !error && at != fs::directory_iterator{};
-         at.increment(error)) {
-        std::error_code unreadable;
-        if (at->symlink_status(unreadable).type() == fs::file_type::regular) {
-            close_to_others(at->path().string(), S_IRUSR | S_IWUSR, log);
+    close_to_others(storage, private_folder, log);
+    const auto found = storage.list(private_folder, max_private_files);
+    if (!found) {
+        return;
+    }
+    for (const StorageEntry& entry : found->entries) {
+        if (entry.kind == StorageEntry::Kind::File) {
+            close_to_others(storage, storage_path(private_folder, entry.name), log);
         }
     }
 }
 
 } // namespace
 
-Result<void> make_store_folders(const std::string& store, LogSink& log)
+Result<void> make_store_folders(Storage& storage, LogSink& log)
 {
-    std::error_code error;
     for (const char* name : folders) {
-        const std::string folder = store + "/" + name;
-        fs::create_directories(folder, error);
-        if (error) {
+        if (!storage.make_folder(name, FileAccess::Everyone)) {
             return fail(status::Bad_ConfigurationError);
         }
-        remove_unfinished_files(folder);
+        storage.remove_unfinished(name);
     }
-    const std::string keys = store + "/" + private_folder;
-    // In no moment open to others.
-    if (::mkdir(keys.c_str(), S_IRWXU) != 0 && !fs::is_directory(keys, error)) {
+    if (!storage.make_folder(private_folder, FileAccess::Owner)) {
         return fail(status::Bad_ConfigurationError);
     }
-    remove_unfinished_files(keys);
-    close_private_keys(keys, log);
+    storage.remove_unfinished(private_folder);
+    close_private_keys(storage, log);
     return {};
 }
 

@@ -66,11 +66,11 @@ StoreEntry entry_of(const FileInList& found)
     return entry;
 }
 
-StoreLists::StoreLists(const std::string& store, const StoreLimits& limits, LogSink& log)
-    : limits_{limits}, log_{&log}
+StoreLists::StoreLists(Storage& storage, const StoreLimits& limits, LogSink& log)
+    : storage_{&storage}, limits_{limits}, log_{&log}
 {
     for (const Place& place : places) {
-        folders(place.list).emplace_back(store, place.folder, place.contents, !place.is_home);
+        folders(place.list).emplace_back(storage, place.folder, place.contents, !place.is_home);
     }
 }
 

@@ -15,9 +15,8 @@ struct FileInList {
     const CertificateFolder* folder;
     const FolderFile* file;
 
-    [[nodiscard]] std::string path() const { return folder->path_of(file->name); }
-    /// Below the store's folder.
-    [[nodiscard]] std::string name() const { return folder->name() + "/" + file->name; }
+    /// In the storage.
+    [[nodiscard]] std::string name() const { return folder->path_of(file->name); }
 };
 
 [[nodiscard]] StoreEntry entry_of(const FileInList& found);
@@ -28,9 +27,10 @@ inline constexpr DateTime read_anew{};
 /// The lists of a store as the disk has them: what there is, and where new files go.
 class StoreLists {
 public:
-    StoreLists(const std::string& store, const StoreLimits& limits, LogSink& log);
+    StoreLists(Storage& storage, const StoreLimits& limits, LogSink& log);
 
     [[nodiscard]] const StoreLimits& limits() const { return limits_; }
+    [[nodiscard]] Storage& storage() const { return *storage_; }
 
     /// Looks at the disk again. Pointers into the list get invalid.
     void refresh(StoreList list, DateTime now);
@@ -56,6 +56,7 @@ private:
     [[nodiscard]] std::vector<CertificateFolder>& folders(StoreList list);
     [[nodiscard]] const std::vector<CertificateFolder>& folders(StoreList list) const;
 
+    Storage* storage_;
     StoreLimits limits_;
     LogSink* log_;
     std::array<std::vector<CertificateFolder>, 4> folders_;

@@ -1,7 +1,5 @@
 #include <busbar/crypto/certificate_store.hpp>
 
-#include <busbar/crypto/file.hpp>
-
 #include "revoking.hpp"
 #include "store_fixture.hpp"
 
@@ -36,8 +34,8 @@ TEST_CASE("a store has the folders that tools know", "[crypto][store]")
     REQUIRE(fixture.store.create()); // again is fine
     LogBook log;
     write_text(fixture.path("file"), "");
-    CHECK(CertificateStore{fixture.path("file").string(), {}, log}.create().error() ==
-          status::Bad_ConfigurationError);
+    storage::FolderStorage file{fixture.path("file").string()};
+    CHECK(CertificateStore{file, {}, log}.create().error() == status::Bad_ConfigurationError);
 }
 
 TEST_CASE("certificates and revocation lists are added, shown, moved and removed",
@@ -245,7 +243,7 @@ TEST_CASE("own certificates are listed and shown, with their chain behind them",
 TEST_CASE("private keys are closed to others, and the operator hears of it", "[crypto][store]")
 {
     StoreFixture fixture;
-    REQUIRE(key_number(1).save(fixture.path("own/private/own.pem").string()));
+    REQUIRE(key_number(1).save(fixture.files, "own/private/own.pem"));
     REQUIRE(fixture.store.create());
     CHECK(fixture.log.lines.empty());
     fs::permissions(fixture.path("own/private/own.pem"), fs::perms{0640});
@@ -268,7 +266,6 @@ TEST_CASE("what a writer that died left is not read and goes", "[crypto][store]"
     StoreFixture fixture;
     const Certificate press = named("press");
     const std::string left = "trusted/certs/press.der.77-0.busbar-new";
-    REQUIRE(crypto::is_unfinished_file(fs::path{left}.filename().string()));
     fixture.put(left, press.der());
     CHECK(fixture.store.trust_list(now).trusted.empty());
     CHECK(fixture.in(StoreList::Trusted).empty());

@@ -355,14 +355,3 @@ TEST_CASE("a certificate and key from elsewhere are installed",
     refused(store, [&] { return store.store.install({{ca().certificate}, issued.key}, uri); });
     refused(store, [&] { return store.store.install({{}, issued.key}, uri); });
 }
-
-TEST_CASE("a certificate is exported alone", "[crypto][own]")
-{
-    const Store store;
-    const Issued issued = issue({}, key_number(1), &ca());
-    REQUIRE(store.store.install({{issued.certificate, ca().certificate}, issued.key}, uri));
-    const fs::path file = store.folder.path / "ServerCertificate.der";
-    REQUIRE(crypto::export_der(store.start().certificates.front(), file.string()));
-    CHECK(read(file) == text_of(issued.certificate.der()));
-    CHECK_FALSE(crypto::export_der(issued.certificate, (file / "no").string()));
-}

@@ -2,11 +2,13 @@
 
 #include <fstream>
 #include <iterator>
+#include <memory>
 #include <string>
 
 #include <catch2/catch.hpp>
 
 #include <busbar/crypto/own_certificate.hpp>
+#include <busbar/storage/folder_storage.hpp>
 
 #include "issuing.hpp"
 #include "store_fixture.hpp"
@@ -63,7 +65,10 @@ inline bool is_same(const OwnCertificate& a, const OwnCertificate& b)
 /// A store in a folder of its own, and what its files are called.
 struct Store {
     TemporaryFolder folder;
-    OwnCertificateStore store{folder.path.string()};
+    // A store is passed around as one that cannot be changed.
+    std::unique_ptr<storage::FolderStorage> files{
+        std::make_unique<storage::FolderStorage>(folder.path.string())};
+    OwnCertificateStore store{*files};
 
     [[nodiscard]] fs::path certificate() const { return folder.path / "own/certs/own.der"; }
     [[nodiscard]] fs::path key() const { return folder.path / "own/private/own.pem"; }

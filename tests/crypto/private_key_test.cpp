@@ -9,9 +9,9 @@
 
 #include <busbar/crypto/asymmetric.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
-#include <busbar/crypto/file.hpp>
 #include <busbar/crypto/private_key.hpp>
 #include <busbar/crypto/self_signed.hpp>
+#include <busbar/storage/folder_storage.hpp>
 
 #include "hex.hpp"
 #include "issuing.hpp"
@@ -146,44 +146,17 @@ TEST_CASE("a saved key is its owner's alone", "[crypto][key]")
     const Folder folder;
     const fs::path file = folder.path / "own.pem";
     const ::mode_t before = ::umask(0);
-    REQUIRE(key_number(1).save(file.string()));
+    storage::FolderStorage files{folder.path.string()};
+    REQUIRE(key_number(1).save(files, "own.pem"));
     CHECK(mode_of(file) == 0600);
     // Also where a file that everybody may read was before.
     fs::permissions(file, fs::perms::all);
-    REQUIRE(key_number(2).save(file.string()));
+    REQUIRE(key_number(2).save(files, "own.pem"));
     CHECK(mode_of(file) == 0600);
     ::umask(before);
     CHECK(count_files(folder.path) == 1);
     const std::string text = read(file);
     CHECK(is_same(*PrivateKey::parse(std::as_bytes(std::span{text})), key_number(2)));
-}
-
-TEST_CASE("files are replaced whole or not at all", "[crypto][file]")
-{
-    const Folder folder;
-    const fs::path file = folder.path / "a.der";
-    REQUIRE(save_file(file.string(), from_text("first"), crypto::FileAccess::Everyone));
-    CHECK(mode_of(file) == (0644 & ~[] {
-              const ::mode_t mask = ::umask(0);
-              ::umask(mask);
-              return mask;
-          }()));
-    // A link that somebody laid where the new file is written is not followed.
-    const fs::path victim = folder.path / "victim";
-    std::ofstream{victim} << "untouched";
-    fs::create_symlink(victim, file.string() + "." + std::to_string(::getpid()) + "-0.busbar-new");
-    REQUIRE(save_file(file.string(), from_text("second"), crypto::FileAccess::Everyone));
-    CHECK(read(file) == "second");
-    CHECK(read(victim) == "untouched");
-    CHECK(count_files(folder.path) == 3);
-    REQUIRE(save_file(file.string(), {}, crypto::FileAccess::Everyone));
-    CHECK(read(file).empty());
-    CHECK(save_file((folder.path / "no" / "a").string(), {}, crypto::FileAccess::Owner).error() ==
-          status::Bad_ResourceUnavailable);
-    // Where a folder stands, no file goes, and nothing is left behind.
-    fs::create_directory(folder.path / "taken");
-    CHECK_FALSE(save_file((folder.path / "taken").string(), {}, crypto::FileAccess::Owner));
-    CHECK(count_files(folder.path) == 4);
 }
 
 TEST_CASE("a key knows its certificate", "[crypto][key]")

@@ -14,6 +14,7 @@
 #include <catch2/catch.hpp>
 
 #include <busbar/crypto/certificate_store.hpp>
+#include <busbar/storage/folder_storage.hpp>
 
 #include "issuing.hpp"
 #include "support/temporary_folder.hpp"
@@ -59,6 +60,12 @@ inline unsigned mode_of(const fs::path& file)
     return static_cast<unsigned>(facts.st_mode) & 07777U;
 }
 
+/// What a writer leaves whose power was cut.
+inline bool is_unfinished(const fs::path& file)
+{
+    return file.extension() == ".busbar-new";
+}
+
 /// Late enough for every file that a test writes to count as settled.
 [[nodiscard]] inline DateTime long_after()
 {
@@ -68,8 +75,7 @@ inline unsigned mode_of(const fs::path& file)
 /// A CertificateStore with verbs.
 class StoreFixture {
 public:
-    explicit StoreFixture(const crypto::StoreLimits& limits = {})
-        : store{folder.path.string(), limits, log}
+    explicit StoreFixture(const crypto::StoreLimits& limits = {}) : store{files, limits, log}
     {
         REQUIRE(store.create());
     }
@@ -96,6 +102,7 @@ public:
     }
 
     TemporaryFolder folder;
+    storage::FolderStorage files{folder.path.string()};
     LogBook log;
     crypto::CertificateStore store;
 };

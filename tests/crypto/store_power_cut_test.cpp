@@ -1,7 +1,5 @@
 #include <busbar/crypto/certificate_store.hpp>
 
-#include <busbar/crypto/file.hpp>
-
 #include "revoking.hpp"
 #include "store_fixture.hpp"
 #include "support/failing_disk.hpp"
@@ -53,7 +51,7 @@ public:
     {
         fs::remove_all(folder_.path);
         LogBook log;
-        REQUIRE(CertificateStore{folder_.path.string(), limits_, log}.create());
+        REQUIRE(CertificateStore{files_, limits_, log}.create());
         put("trusted/certs/a.der", certificates()[0]);
         put("issuers/certs/b.der", certificates()[1]);
         for (std::size_t i = 2; i < 4; ++i) {
@@ -68,7 +66,7 @@ public:
     bool run()
     {
         LogBook log;
-        CertificateStore store{folder_.path.string(), limits_, log};
+        CertificateStore store{files_, limits_, log};
         return operation_(store);
     }
 
@@ -80,7 +78,7 @@ public:
             REQUIRE(mode_of(entry.path()) == 0600);
         }
         const State found = state();
-        REQUIRE(CertificateStore{folder_.path.string(), limits_, log_}.create());
+        REQUIRE(CertificateStore{files_, limits_, log_}.create());
         REQUIRE(unfinished_files() == 0);
         REQUIRE(log_.lines.empty());
         REQUIRE((!is_thorough || state() == found));
@@ -91,15 +89,14 @@ public:
     {
         std::size_t count = 0;
         for (const auto& entry : fs::recursive_directory_iterator{folder_.path}) {
-            count += static_cast<std::size_t>(
-                crypto::is_unfinished_file(entry.path().filename().string()));
+            count += static_cast<std::size_t>(is_unfinished(entry.path()));
         }
         return count;
     }
 
     State state()
     {
-        CertificateStore store{folder_.path.string(), limits_, log_};
+        CertificateStore store{files_, limits_, log_};
         const auto in = [&](StoreList list) {
             std::set<std::string> result;
             for (const crypto::StoreEntry& entry : store.list(list)) {
@@ -135,6 +132,7 @@ private:
     }
 
     TemporaryFolder folder_;
+    storage::FolderStorage files_{folder_.path.string()};
     StoreLimits limits_;
     LogBook log_;
     Operation operation_;
@@ -277,7 +275,7 @@ TEST_CASE("a power cut leaves the old private key or the new one", "[crypto][sto
 {
     cut_everywhere(
         [](CertificateStore& store) -> bool {
-            return !!key_number(1).save(store.folder() + "/own/private/own.pem");
+            return !!key_number(1).save(store.storage(), "own/private/own.pem");
         },
         1'600);
 }

@@ -13,6 +13,7 @@
 #include <busbar/core/log.hpp>
 #include <busbar/core/refusal.hpp>
 #include <busbar/core/result.hpp>
+#include <busbar/core/storage.hpp>
 #include <busbar/crypto/certificate.hpp>
 #include <busbar/crypto/store_limits.hpp>
 #include <busbar/crypto/trust_list.hpp>
@@ -44,7 +45,7 @@ struct StoreEntry {
     DateTime valid_to;      // and nextUpdate, null if it has none
 };
 
-/// Certificates and revocation lists on the disk, in the folders that OPC UA tools know (Part 12,
+/// Certificates and revocation lists in a Storage, in the folders that OPC UA tools know (Part 12,
 /// F.1): `own`, `trusted`, `issuers` and `rejected`, each with `certs` and `crl`; `own/private` for
 /// the private keys.
 ///
@@ -58,15 +59,14 @@ struct StoreEntry {
 /// moved away from there, so that the older version still runs; remove and move reach them.
 ///
 /// After a power cut at any moment a file is there as it was before or as it is after the
-/// operation, and a certificate that is moved in at least one of both lists. The temporary files of
-/// a writer that died are never read; create() removes them. Other processes may read and write the
-/// same store.
+/// operation, and a certificate that is moved in at least one of both lists. What a writer that
+/// died left is never read; create() removes it. Other processes may read and write the same store.
 ///
-/// Operations block on the disk. One thread at a time.
+/// Operations block on the storage. One thread at a time.
 class BUSBAR_API CertificateStore {
 public:
-    /// `log` must outlive this object.
-    CertificateStore(std::string folder, const StoreLimits& limits, LogSink& log);
+    /// The store is the root of `storage`, which must outlive this object as `log` must.
+    CertificateStore(Storage& storage, const StoreLimits& limits, LogSink& log);
     ~CertificateStore();
     CertificateStore(const CertificateStore&) = delete;
     CertificateStore& operator=(const CertificateStore&) = delete;
@@ -105,10 +105,10 @@ public:
     /// as for add and remove.
     [[nodiscard]] Checked<void> move(std::string_view thumbprint, StoreList from, StoreList to);
 
-    [[nodiscard]] const std::string& folder() const { return folder_; }
+    [[nodiscard]] Storage& storage() const { return *storage_; }
 
 private:
-    std::string folder_;
+    Storage* storage_;
     LogSink* log_;
     std::unique_ptr<detail::StoreLists> lists_;
     std::unique_ptr<detail::RejectedList> rejected_;

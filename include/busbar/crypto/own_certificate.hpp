@@ -10,6 +10,7 @@
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/refusal.hpp>
+#include <busbar/core/storage.hpp>
 #include <busbar/crypto/certificate.hpp>
 #include <busbar/crypto/private_key.hpp>
 #include <busbar/crypto/self_signed.hpp>
@@ -31,7 +32,7 @@ struct OwnCertificateSettings {
     std::uint32_t key_bits{2048};
 };
 
-/// Where an application keeps its certificate and key (layout of Part 12, F.1), below `folder`:
+/// Where an application keeps its certificate and key (layout of Part 12, F.1), in a Storage:
 ///
 ///     own/certs/own.der         the certificate, behind it those that signed it, as on the wire
 ///     own/private/own.pem       its key, readable by its owner only
@@ -47,13 +48,14 @@ struct OwnCertificateSettings {
 /// file, what was found and what was expected; they never hold a part of a key.
 ///
 /// Files that others put there may be PEM or DER; keys with a passphrase are to be installed. One
-/// process, one thread at a time. All functions block on the disk; making a key takes seconds.
+/// process, one thread at a time. All functions block on the storage; making a key takes seconds.
 class BUSBAR_API OwnCertificateStore {
 public:
     /// A new key pair for the request, or that of the certificate in force.
     enum class RequestKey : std::uint8_t { New, Present };
 
-    explicit OwnCertificateStore(std::string folder);
+    /// The root of `storage`, which must outlive this object.
+    explicit OwnCertificateStore(Storage& storage);
 
     /// The certificate and key in force; nothing if neither is there. Refused if the certificate
     /// does not name `application_uri` (Part 6, 6.2.2), unless that is empty.
@@ -83,16 +85,12 @@ public:
                                                   std::string_view application_uri) const;
 
 private:
-    std::string folder_;
+    Storage* storage_;
 };
 
 /// The certificates of a PEM file, or concatenated DER, in their order: max_chain_length at most,
 /// of max_chain_size together.
 [[nodiscard]] BUSBAR_API Checked<std::vector<Certificate>>
 read_certificates(std::span<const std::byte> contents);
-
-/// Writes the certificate alone, for the peers that are to trust it; replaces the file `path`.
-[[nodiscard]] BUSBAR_API Result<void> export_der(const Certificate& certificate,
-                                                 const std::string& path);
 
 } // namespace busbar::crypto

@@ -9,6 +9,7 @@
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/result.hpp>
+#include <busbar/core/storage.hpp>
 #include <busbar/crypto/certificate.hpp>
 #include <busbar/crypto/secret.hpp>
 
@@ -29,8 +30,8 @@ public:
 
     /// PKCS#8 PEM, without a passphrase. For a file that only its owner may read.
     [[nodiscard]] Result<Secret> to_pem() const;
-    /// The same in a file that only its owner may read, whole or not at all (see save_file).
-    [[nodiscard]] Result<void> save(const std::string& path) const;
+    /// The same in a file that only its owner may read. Failed if the key cannot be written as PEM.
+    [[nodiscard]] Stored<void> save(Storage& storage, std::string_view name) const;
     [[nodiscard]] std::size_t key_size() const;
     /// True if this is the private half of the certificate's key.
     [[nodiscard]] bool belongs_to(const Certificate& certificate) const;
