@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include <busbar/core/record.hpp>
 #include <busbar/core/text.hpp>
 #include <busbar/types/secure_channel.hpp>
 
@@ -57,6 +58,7 @@ struct ServerChannel::Impl {
     [[nodiscard]] Result<void> issue(const OpenSecureChannelRequest& request,
                                      std::uint32_t request_id);
     void give_up(const Refusal& refusal);
+    void record_issued(const OpenSecureChannelRequest& request, bool is_new) const;
     void fail_with(StatusCode told_status, StatusCode status, std::string_view reason);
     void end(StatusCode status, std::string reason);
 
@@ -175,8 +177,32 @@ Result<void> ServerChannel::Impl::issue(const OpenSecureChannelRequest& request,
     client_nonce = request.client_nonce;
     conversation.offer(*std::move(token));
     const bool is_new = std::exchange(state, State::Open) == State::Opening;
+    record_issued(request, is_new);
     events.push({is_new ? ChannelEvent::Kind::Opened : ChannelEvent::Kind::Renewed, 0, {}, {}, {}});
     return {};
+}
+
+/// Part 5, 6.4.5 to 6.4.7.
+void ServerChannel::Impl::record_issued(const OpenSecureChannelRequest& request, bool is_new) const
+{
+    LogSink& log = *conversation.environment().log;
+    const RecordKind kind = is_new ? RecordKind::ChannelOpened : RecordKind::ChannelRenewed;
+    if (!log.wants(kind)) {
+        return;
+    }
+    const std::array fields{
+        RecordField{"RequestType", Variant{static_cast<std::int32_t>(request.request_type)}},
+        RecordField{"SecurityPolicyUri", Variant{String{conversation.security.policy->uri}}},
+        RecordField{"SecurityMode", Variant{static_cast<std::int32_t>(conversation.security.mode)}},
+        RecordField{"RequestedLifetime", Variant{static_cast<double>(request.requested_lifetime)}}};
+    Record record{kind, LogLevel::Debug, "channel"};
+    record.actor.secure_channel_id = config.channel_id;
+    record.actor.audit_entry_id = request.request_header.audit_entry_id.view();
+    if (const auto& peer = conversation.peer_certificates; !peer.empty()) {
+        record.certificate = peer.front().der();
+    }
+    record.fields = fields;
+    log.record(record);
 }
 
 Checked<void> ServerChannel::Impl::handle_message(const Frame& frame)
@@ -206,7 +232,11 @@ Checked<void> ServerChannel::Impl::handle_message(const Frame& frame)
 /// Where an error of the peer becomes an Error message (Part 6, 7.1.5).
 void ServerChannel::Impl::give_up(const Refusal& refusal)
 {
-    explain(*conversation.environment().log, "channel", refusal);
+    Record record{RecordKind::ChannelRefused, LogLevel::Warning, "channel"};
+    record.status = refusal.status;
+    record.refusal = &refusal;
+    record.actor.secure_channel_id = config.channel_id;
+    tell(*conversation.environment().log, record);
     fail_with(outward(refusal.status), refusal.status, name(refusal.status));
 }
 

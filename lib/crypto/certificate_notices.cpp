@@ -6,6 +6,7 @@
 
 #include <openssl/err.h>
 
+#include <busbar/core/record.hpp>
 #include <busbar/core/text.hpp>
 
 #include "openssl.hpp"
@@ -26,14 +27,6 @@ DateTime operator+(DateTime a, DateTime b)
 DateTime notice_time(const Certificate& certificate)
 {
     return {certificate.valid_to().ticks - expiry_notice_days * one_day.ticks};
-}
-
-/// As a client compares it (Part 4, 6.1.3).
-bool names_host(const Certificate& certificate, const std::string& host)
-{
-    constexpr unsigned flags = X509_CHECK_FLAG_NO_WILDCARDS | X509_CHECK_FLAG_NEVER_CHECK_SUBJECT;
-    return X509_check_host(certificate.native(), host.data(), host.size(), flags, nullptr) == 1 ||
-           X509_check_ip_asc(certificate.native(), host.c_str(), 0) == 1;
 }
 
 /// Those of `hosts` that the certificate does not name, with commas between them.
@@ -73,7 +66,39 @@ CertificateNotice expiry_notice(const Certificate& certificate, DateTime now)
                            " days; regenerate it or have it issued again");
 }
 
+RecordKind kind_of(NoticeKind kind)
+{
+    switch (kind) {
+    case NoticeKind::HostNotNamed:
+        return RecordKind::CertificateHostNotNamed;
+    case NoticeKind::Expired:
+        return RecordKind::CertificateExpired;
+    case NoticeKind::NotYetValid:
+    case NoticeKind::ExpiresSoon:
+        break;
+    }
+    return RecordKind::CertificateExpiring;
+}
+
+void tell_notice(LogSink& log, const Certificate& certificate, const CertificateNotice& notice)
+{
+    const bool is_over = notice.kind == NoticeKind::Expired;
+    Record record{kind_of(notice.kind), is_over ? LogLevel::Error : LogLevel::Warning,
+                  "certificate"};
+    record.text = notice.text;
+    record.certificate = certificate.der();
+    tell(log, record);
+}
+
 } // namespace
+
+/// As a client compares it (Part 4, 6.1.3).
+bool names_host(const Certificate& certificate, const std::string& host)
+{
+    constexpr unsigned flags = X509_CHECK_FLAG_NO_WILDCARDS | X509_CHECK_FLAG_NEVER_CHECK_SUBJECT;
+    return X509_check_host(certificate.native(), host.data(), host.size(), flags, nullptr) == 1 ||
+           X509_check_ip_asc(certificate.native(), host.c_str(), 0) == 1;
+}
 
 std::vector<CertificateNotice> certificate_notices(const Certificate& certificate, DateTime now,
                                                    std::span<const std::string> hosts)

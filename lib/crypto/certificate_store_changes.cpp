@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include <busbar/core/record.hpp>
 #include <busbar/core/text.hpp>
 
 #include "store_lists.hpp"
@@ -154,10 +155,22 @@ Checked<void> remove_all(const detail::StoreLists& lists, const std::vector<File
     return {};
 }
 
-void tell(LogSink& log, const std::string& what, const StoreEntry& entry)
+/// `from` is empty unless it was moved.
+void tell_change(LogSink& log, RecordKind of_certificate, const std::string& what,
+                 const FolderFile& file, const StoreEntry& entry, StoreList list,
+                 std::string_view from = {})
 {
-    log.write(LogLevel::Info, "certificate store",
-              entry.subject + ", " + entry.thumbprint + ", was " + what);
+    const bool is_list = entry.kind == EntryKind::RevocationList;
+    const RecordKind of_list = of_certificate == RecordKind::CertificateRemoved
+                                   ? RecordKind::RevocationListRemoved
+                                   : RecordKind::RevocationListAdded;
+    const std::array fields{RecordField{"ListName", Variant{String{name_of(list)}}},
+                            RecordField{"FromListName", Variant{String{std::string{from}}}}};
+    Record record{is_list ? of_list : of_certificate, LogLevel::Info, "certificate store"};
+    record.text = entry.subject + ", " + entry.thumbprint + ", was " + what;
+    record.certificate = is_list ? std::span<const std::byte>{} : file.certificate()->der();
+    record.fields = std::span{fields}.first(from.empty() ? 1 : 2);
+    tell(log, record);
 }
 
 } // namespace
@@ -191,7 +204,8 @@ Checked<StoreEntry> CertificateStore::add(StoreList list, std::span<const std::b
         return refuse_disk(saved.error(), adding, list);
     }
     StoreEntry entry = detail::entry_of({&home, &*file});
-    tell(*log_, "added to " + name_of(list), entry);
+    tell_change(*log_, RecordKind::CertificateAdded, "added to " + name_of(list), *file, entry,
+                list);
     return entry;
 }
 
@@ -210,7 +224,8 @@ Checked<void> CertificateStore::remove(StoreList list, std::string_view thumbpri
     if (auto removed = remove_all(*lists_, found, removing, list); !removed) {
         return removed;
     }
-    tell(*log_, "removed from " + name_of(list), entry);
+    tell_change(*log_, RecordKind::CertificateRemoved, "removed from " + name_of(list), file, entry,
+                list);
     return {};
 }
 
@@ -229,6 +244,7 @@ Checked<void> CertificateStore::move(std::string_view thumbprint, StoreList from
         return {};
     }
     const StoreEntry entry = detail::entry_of(found.front());
+    const FolderFile file = *found.front().file;
     if (lists_->find(to, thumbprint).empty()) {
         if (auto moved = move_one(*lists_, found.front(), to); !moved) {
             return moved;
@@ -238,9 +254,9 @@ Checked<void> CertificateStore::move(std::string_view thumbprint, StoreList from
     if (auto removed = remove_all(*lists_, found, moving, from); !removed) {
         return removed;
     }
-    tell(*log_, "moved from " + name_of(from) + " to " + name_of(to), entry);
+    tell_change(*log_, RecordKind::CertificateMoved,
+                "moved from " + name_of(from) + " to " + name_of(to), file, entry, to, name(from));
     return {};
 }
 
 } // namespace busbar::crypto
-    const FolderFile file = *found.front().file;

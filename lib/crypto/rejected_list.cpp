@@ -51,11 +51,15 @@ bool RejectedList::contains(const Certificate& certificate) const
     });
 }
 
-void RejectedList::tell(LogLevel level, const Certificate& certificate, std::string_view what) const
+void RejectedList::tell(RecordKind kind, const Certificate& certificate,
+                        std::string_view what) const
 {
-    log_->write(level, "certificate store",
-                printable(certificate.subject()) + ", " + certificate.thumbprint_text() + ", " +
-                    std::string{what});
+    const bool is_saved = kind == RecordKind::CertificateSaved;
+    Record record{kind, is_saved ? LogLevel::Info : LogLevel::Warning, "certificate store"};
+    record.text = printable(certificate.subject()) + ", " + certificate.thumbprint_text() + ", " +
+                  std::string{what};
+    record.certificate = certificate.der();
+    busbar::tell(*log_, record);
 }
 
 void RejectedList::make_room()
@@ -68,8 +72,8 @@ void RejectedList::make_room()
     std::sort(files.begin(), files.end(), is_older);
     const std::size_t limit = lists_->limits().max_rejected;
     for (std::size_t i = 0; files.size() - i >= limit && i < files.size(); ++i) {
-        if (remove_file(files[i].path())) {
-            tell(LogLevel::Warning, *files[i].file->certificate(),
+        if (lists_->storage().remove(files[i].name())) {
+            tell(RecordKind::CertificateDiscarded, *files[i].file->certificate(),
                  "the oldest in rejected, was discarded: the list is full");
         }
     }
@@ -88,17 +92,18 @@ void RejectedList::save(const Certificate& certificate, DateTime now)
         limits.when_rejected_is_full == RejectedFull::OldestOut && limits.max_rejected != 0;
     // What was not looked at cannot be counted.
     if (lists_->is_cut(StoreList::Rejected) || (is_full && !may_replace)) {
-        tell(LogLevel::Warning, certificate,
+        tell(RecordKind::CertificateDiscarded, certificate,
              "was discarded: rejected is full until somebody deletes a certificate there");
         return;
     }
     const CertificateFolder& home = lists_->home(StoreList::Rejected, EntryKind::Certificate);
     const std::string file = store_file_name(certificate) + ".der";
-    if (!save_file(home.path_of(file), certificate.der(), FileAccess::Everyone)) {
-        tell(LogLevel::Warning, certificate, "cannot be saved in rejected");
+    if (!lists_->storage().replace(home.path_of(file), certificate.der(), FileAccess::Everyone)) {
+        tell(RecordKind::CertificateDiscarded, certificate, "cannot be saved in rejected");
         return;
     }
-    tell(LogLevel::Info, certificate, "was saved in rejected; to trust it, move it to trusted");
+    tell(RecordKind::CertificateSaved, certificate,
+         "was saved in rejected; to trust it, move it to trusted");
     make_room();
 }
 

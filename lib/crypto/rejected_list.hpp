@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <string_view>
 
+#include <busbar/core/record.hpp>
+
 #include "store_lists.hpp"
 
 namespace busbar::crypto::detail {
@@ -19,7 +21,7 @@ private:
     [[nodiscard]] bool contains(const Certificate& certificate) const;
     /// The oldest files go until, with a new one, there are no more than the limit.
     void make_room();
-    void tell(LogLevel level, const Certificate& certificate, std::string_view what) const;
+    void tell(RecordKind kind, const Certificate& certificate, std::string_view what) const;
 
     StoreLists* lists_;
     LogSink* log_;

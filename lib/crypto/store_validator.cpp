@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include <busbar/core/record.hpp>
+
 namespace busbar::crypto {
 
 namespace {
@@ -15,6 +17,17 @@ bool is_worth_keeping(StatusCode code)
         status::Bad_CertificateUntrusted, status::Bad_CertificateChainIncomplete,
         status::Bad_CertificateRevoked, status::Bad_CertificateIssuerRevoked};
     return std::find(codes.begin(), codes.end(), code) != codes.end();
+}
+
+Record record_of(RecordKind kind, const Refusal& refusal, const CertificateChain& chain)
+{
+    Record record{kind, LogLevel::Info, "certificate"};
+    record.status = refusal.status;
+    record.refusal = &refusal;
+    if (!chain.empty()) {
+        record.certificate = chain.front().der();
+    }
+    return record;
 }
 
 } // namespace
@@ -35,10 +48,16 @@ Checked<void> StoreValidator::validate(const CertificateChain& chain,
         if (!chain.empty() && is_worth_keeping(refusal->status)) {
             store_->reject(chain.front(), context.now);
         }
+        // The line is written by whoever answers the peer.
+        if (log_->wants(RecordKind::CertificateRefused)) {
+            log_->record(record_of(RecordKind::CertificateRefused, *refusal, chain));
+        }
         return refuse(*std::move(refusal));
     }
     for (const Refusal& passed : suppressed_) {
-        log_->write(LogLevel::Info, "certificate", "accepted by a setting: " + text(passed));
+        Record record = record_of(RecordKind::CertificateSuppressed, passed, chain);
+        record.text = "accepted by a setting: " + text(passed);
+        tell(*log_, record);
     }
     return {};
 }

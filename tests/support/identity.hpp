@@ -2,8 +2,11 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <busbar/channel/channel_types.hpp>
+#include <busbar/core/record.hpp>
 #include <busbar/crypto/self_signed.hpp>
 
 namespace busbar::test {
@@ -29,9 +32,29 @@ public:
         text += std::string{source} + ": " + std::string{message} + "\n";
     }
 
+    [[nodiscard]] bool wants(RecordKind) const override { return keeps_records; }
+    void record(const Record& record) override
+    {
+        std::string line = std::string{name(record.kind)} + " " + std::string{name(record.status)} +
+                           " " + std::string{record.actor.session_name} + "/" +
+                           std::string{record.actor.user} + " " + std::string{record.actor.address};
+        for (const RecordField& field : record.fields) {
+            line += " " + std::string{field.name};
+        }
+        line += record.actor.audit_entry_id.empty()
+                    ? ""
+                    : " by " + std::string{record.actor.audit_entry_id};
+        records.push_back(std::move(line));
+    }
+
     std::string text;
     /// Throws away, in both senses.
     bool is_broken{false};
+    /// From now on, in `records`.
+    bool keeps_records{false};
+    /// "SessionCreated Good test/operator 192.0.2.1 RevisedSessionTimeout by audit 7": session,
+    /// user, address, names of fields, AuditEntryId.
+    std::vector<std::string> records;
 };
 
 /// A key and a self-signed certificate, valid for a year around `today`. Made anew by each test

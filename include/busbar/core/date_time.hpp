@@ -38,6 +38,7 @@ struct DateTime {
         return ticks <= 0 ? 0 : (ticks >= latest ? INT64_MAX : ticks);
     }
 
+    // NOLINTNEXTLINE(modernize-use-nullptr): the compiler's own comparison has a 0
     friend constexpr auto operator<=>(DateTime, DateTime) = default;
 };
 

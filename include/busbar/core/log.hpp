@@ -8,6 +8,8 @@
 namespace busbar {
 
 enum class LogLevel : std::uint8_t { Debug, Info, Warning, Error };
+enum class RecordKind : std::uint8_t;
+struct Record;
 
 /// Where the library reports what an operator may want to know. It is never given a secret; texts
 /// from peers have been through `printable`.
@@ -21,6 +23,11 @@ public:
     /// `source` is the layer or part ("channel", "session"). Called from any thread; must not block
     /// for long and must not call back into the library. A line that makes it throw is lost.
     virtual void write(LogLevel level, std::string_view source, std::string_view text) = 0;
+
+    /// What happened, typed, of the kinds that the sink wants; its line is written besides. Called
+    /// as `write` is. The sink must be bounded by itself: peers can cause as many as they like.
+    virtual void record(const Record&) {}
+    [[nodiscard]] virtual bool wants(RecordKind) const { return false; }
 };
 
 /// Drops everything.

@@ -35,6 +35,9 @@ inline constexpr std::int64_t expiry_notice_days = 30;
 certificate_notices(const Certificate& certificate, DateTime now,
                     std::span<const std::string> hosts);
 
+/// Whether the certificate names a host or address (Part 6, 6.2.2).
+[[nodiscard]] BUSBAR_API bool names_host(const Certificate& certificate, const std::string& host);
+
 /// Writes notices to a log: each when it comes up, and again once a day. An expired certificate is
 /// an error, everything else a warning. One thread at a time.
 class BUSBAR_API CertificateWatch {

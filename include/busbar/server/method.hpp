@@ -27,6 +27,10 @@ class CallPart;
 struct MethodCaller {
     NodeId session_id;
     UserIdentity user;
+    /// Of the channel.
+    MessageSecurityMode security_mode{MessageSecurityMode::None};
+    std::string address{};
+    std::string audit_entry_id{};
 };
 
 /// One Method to carry out.

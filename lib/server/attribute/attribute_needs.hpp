@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <busbar/core/function_ref.hpp>
@@ -16,6 +17,8 @@
 
 namespace busbar::server::detail {
 
+class Session;
+
 /// Who wants to know what clients write.
 class WriteObserver {
 public:
@@ -25,8 +28,10 @@ public:
 
     /// Values that the address space keeps may have been replaced.
     virtual void kept_values_written() = 0;
-    /// The request was carried out; `result` is what became of an item.
-    virtual void written(const WriteRequest& request,
+    /// The request was carried out; `result` is what became of an item. The session may be null,
+    /// if it has gone meanwhile.
+    virtual void written(const Session* session, std::string_view audit_entry_id,
+                         const WriteRequest& request,
                          FunctionRef<StatusCode(std::size_t)> result) = 0;
 
 protected:

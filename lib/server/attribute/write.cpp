@@ -13,6 +13,7 @@ WriteOperation::~WriteOperation()
 
 void WriteOperation::start(ServiceContext& context)
 {
+    audit_entry_id_ = context.audit_entry_id;
     const StatusCode refusal = check_write(request(), needs_.limits.operations.max_nodes_per_write);
     if (refusal.is_bad()) {
         return fault(refusal);
@@ -70,7 +71,8 @@ void WriteOperation::handle_deadline(TimePoint now)
 
 void WriteOperation::call_completed()
 {
-    needs_.observer.written(request(), [this](std::size_t index) { return job_->result(index); });
+    needs_.observer.written(session(), audit_entry_id_, request(),
+                            [this](std::size_t index) { return job_->result(index); });
     ReturnDiagnostics diagnostics = this->diagnostics();
     const auto infos = diagnostics.of_operations(
         request().nodes_to_write.size(), [&](std::size_t index) { return job_->result(index); },

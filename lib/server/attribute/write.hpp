@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include <busbar/types/attribute.hpp>
 
@@ -29,6 +30,7 @@ private:
 
     const AttributeNeeds& needs_;
     std::optional<WriteJob> job_;
+    std::string audit_entry_id_;
     bool is_planning_{true};
 };
 

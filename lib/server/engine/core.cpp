@@ -13,6 +13,8 @@
 #include "base_services.hpp"
 #include "peer_link.hpp"
 #include "server/attribute/semantic_changes.hpp"
+#include "server/attribute/write_record.hpp"
+#include "server/session/session_record.hpp"
 #include "server/subscription/sampler.hpp"
 #include "type_table.hpp"
 
@@ -141,8 +143,12 @@ void Core::close_session(Session& session, StatusCode status, bool deletes_subsc
         (*link)->end_operations(session, status);
     }
     subscriptions.session_ends(session, deletes_subscriptions);
-    log(LogLevel::Info, "session",
-        "\"" + printable(session.name) + "\" ended: " + std::string{name(status)});
+    Record record{RecordKind::SessionClosed, LogLevel::Info, "session"};
+    record.text = "\"" + printable(session.name) + "\" ended: " + std::string{name(status)};
+    record.status = status;
+    record.actor = actor_of(session);
+    record.certificate = certificate_of(session);
+    tell(rationed_log, record);
     diagnostics->remove(session);
     sessions.remove(session);
 }
@@ -175,8 +181,10 @@ void Core::kept_values_written()
 }
 
 /// Goes once through all items, however many were written.
-void Core::written(const WriteRequest& request, FunctionRef<StatusCode(std::size_t)> result)
+void Core::written(const Session* session, std::string_view audit_entry_id,
+                   const WriteRequest& request, FunctionRef<StatusCode(std::size_t)> result)
 {
+    record_write(rationed_log, session, audit_entry_id, request, result);
     if (subscriptions.item_count() == 0) {
         return;
     }

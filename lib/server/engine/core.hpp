@@ -38,6 +38,11 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
         {
             core.log(level, source, text);
         }
+        void record(const Record& record) override { core.environment.log->record(record); }
+        [[nodiscard]] bool wants(RecordKind kind) const override
+        {
+            return core.environment.log->wants(kind);
+        }
         Core& core;
     };
 
@@ -130,7 +135,8 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
 
 private:
     void kept_values_written() override;
-    void written(const WriteRequest& request, FunctionRef<StatusCode(std::size_t)> result) override;
+    void written(const Session* session, std::string_view audit_entry_id,
+                 const WriteRequest& request, FunctionRef<StatusCode(std::size_t)> result) override;
     void model_changed() override;
 
     std::int64_t log_minute_{0};

@@ -102,7 +102,7 @@ void run(const Service* service, Core& core, PeerLink& link, Incoming& incoming,
     }
     incoming.reply.return_diagnostics =
         allowed_diagnostics(core, *session, incoming.header.return_diagnostics);
-    ServiceContext context{link, *session, now};
+    ServiceContext context{link, *session, now, incoming.header.audit_entry_id.view()};
     service->run(core, context, incoming);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include <busbar/core/record.hpp>
 #include <busbar/core/text.hpp>
 
 #include "dispatch.hpp"
@@ -67,6 +68,18 @@ Refusal takes_nothing(const ServerLimits& limits)
 void PeerLog::write(LogLevel level, std::string_view source, std::string_view text)
 {
     core_.log(level, source, std::string{address_} + ": " + std::string{text});
+}
+
+void PeerLog::record(const Record& record)
+{
+    Record of_peer = record;
+    of_peer.actor.address = address_;
+    core_.rationed_log.record(of_peer);
+}
+
+bool PeerLog::wants(RecordKind kind) const
+{
+    return core_.rationed_log.wants(kind);
 }
 
 class PeerLink::Running {

@@ -17,12 +17,15 @@
 
 namespace busbar::server::detail {
 
-/// The server's log with the peer's address before each line; as bounded as Core::log.
+/// The server's log with the peer's address before each line and in each record; as bounded as
+/// Core::log.
 class PeerLog final : public LogSink {
 public:
     PeerLog(Core& core, std::string_view address) : core_{core}, address_{address} {}
 
     void write(LogLevel level, std::string_view source, std::string_view text) override;
+    void record(const Record& record) override;
+    [[nodiscard]] bool wants(RecordKind kind) const override;
 
 private:
     Core& core_;

@@ -11,6 +11,7 @@ CallOperation::~CallOperation()
 
 void CallOperation::start(ServiceContext& context)
 {
+    audit_entry_id_ = context.audit_entry_id;
     const StatusCode refusal =
         check_call(request(), needs_.limits.operations.max_nodes_per_method_call);
     if (refusal.is_bad()) {
@@ -44,6 +45,9 @@ void CallOperation::call_completed()
         return;
     }
     job_->finish();
+    if (session() != nullptr) {
+        job_->record(*session(), audit_entry_id_, request());
+    }
     ReturnDiagnostics diagnostics = this->diagnostics();
     const CallDiagnostics told = job_->diagnose(diagnostics, request());
     respond<CallResponse>(diagnostics,

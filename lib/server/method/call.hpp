@@ -25,5 +25,6 @@ private:
     const MethodNeeds& needs_;
     std::optional<CallJob> job_;
 };
+    std::string audit_entry_id_;
 
 } // namespace busbar::server::detail

@@ -8,6 +8,7 @@
 #include "server/rights/method_lookup.hpp"
 #include "server/session/session_rights.hpp"
 
+#include "server/session/session_record.hpp"
 namespace busbar::server::detail {
 
 namespace {
@@ -78,7 +79,8 @@ CallJob::CallJob(const MethodNeeds& needs, const ServiceContext& context,
     : needs_{needs}, call_{needs.sources, request.methods_to_call.size()},
       memory_{std::make_shared<Memory>()}, asked_(request.methods_to_call.size())
 {
-    memory_->caller = {context.session->id, context.session->user};
+    memory_->caller = {context.session->id, context.session->user, context.session->security.mode,
+                       std::string{context.peer.address()}, std::string{context.audit_entry_id}};
     const auto calls = request.methods_to_call.span();
     for (std::size_t i = 0; i < calls.size(); ++i) {
         if (auto answer = plan(context, i, calls[i])) {
@@ -177,6 +179,26 @@ void CallJob::finish()
 
 void CallJob::keep(CallRequest request, std::vector<std::byte> message)
 {
+void CallJob::record(const Session& session, std::string_view audit_entry_id,
+                     const CallRequest& request) const
+{
+    if (!needs_.log.wants(RecordKind::MethodCalled)) {
+        return;
+    }
+    for (std::size_t i = 0; i < call_.size(); ++i) {
+        const CallMethodRequest& call = request.methods_to_call[i];
+        const std::array fields{RecordField{"ObjectId", Variant{call.object_id}},
+                                RecordField{"MethodId", Variant{call.method_id}},
+                                RecordField{"InputArguments", Variant{call.input_arguments}}};
+        Record one{RecordKind::MethodCalled, LogLevel::Debug, "method"};
+        one.status = call_.result(i).status;
+        one.actor = actor_of(session, audit_entry_id);
+        // The last field may hold a password.
+        one.fields = std::span{fields}.first(has_secret_inputs(call.method_id) ? 2 : 3);
+        needs_.log.record(one);
+    }
+}
+
     // Moving the array and the buffer leaves what they hold where it is.
     memory_->request = std::move(request);
     memory_->message = std::move(message);

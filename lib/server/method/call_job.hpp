@@ -41,6 +41,9 @@ public:
     /// Checks what the sources answered; before encode_results().
     void finish();
     /// Of the calls and their arguments, after finish().
+    /// A record for each Method, if the log wants them (Part 5, 6.4.28); after finish().
+    void record(const Session& session, std::string_view audit_entry_id,
+                const CallRequest& request) const;
     [[nodiscard]] CallDiagnostics diagnose(ReturnDiagnostics& diagnostics,
                                            const CallRequest& request) const;
     /// Writes `results` and `diagnostic_infos` of the CallResponse.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <busbar/core/log.hpp>
 #include <busbar/model/address_space.hpp>
 #include <busbar/server/access_control.hpp>
 #include <busbar/server/server_config.hpp>
@@ -30,6 +31,8 @@ struct NodeManagementNeeds {
     const AccessControl* access;
     ClientNodes& client_nodes;
     ModelObserver& observer;
+    /// Gets a record of each change; as bounded as what peers cause has to be.
+    LogSink& log;
     /// Index of the ApplicationUri in the NamespaceArray.
     std::uint16_t own_namespace;
 };

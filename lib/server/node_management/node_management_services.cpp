@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "add_nodes.hpp"
+#include "node_record.hpp"
 #include "references.hpp"
 #include "server/session/session_rights.hpp"
 #include "server/session/sliced_operation.hpp"
@@ -81,6 +82,7 @@ private:
         const std::size_t before = management_->visits_left;
         Result result = WorkOne(*management_, (this->request().*Items)[index]);
         turn.spend(units_of_change + before - management_->visits_left);
+        record_change(needs_.log, *this->session(), (this->request().*Items)[index], result);
         return result;
     }
     void undo(const Response& response) override

@@ -5,6 +5,7 @@
 
 #include "server/users/user_token.hpp"
 #include "session_proof.hpp"
+#include "session_record.hpp"
 #include "session_services.hpp"
 #include "user_expiry.hpp"
 
@@ -39,6 +40,7 @@ public:
     void start(ServiceContext& context) override
     {
         peer_ = &context.peer;
+        audit_entry_id_ = context.audit_entry_id;
         attempt(context.now);
     }
     [[nodiscard]] TimePoint next_deadline() const override { return wait_until_; }
@@ -70,6 +72,7 @@ private:
     const SessionNeeds& needs_;
     Peer* peer_{nullptr};
     std::string thumbprint_;
+    std::string audit_entry_id_;
     TimePoint wait_until_{no_deadline};
     bool has_waited_{false};
     /// What a worker is at, and the nonce that it was begun with.
@@ -296,7 +299,16 @@ void ActivateSession::refuse(StatusCode answer, Refusal refusal, Duration delay,
 {
     refusal.found +=
         ", in session \"" + printable(session()->name) + "\" from " + std::string{peer_->address()};
-    needs_.log.write(LogLevel::Warning, "session", text(refusal));
+    Record record{RecordKind::LoginRefused, LogLevel::Warning, "session"};
+    record.status = answer;
+    record.refusal = &refusal;
+    record.actor = actor_of(*session(), audit_entry_id_);
+    const std::string claimed{login_attempt().user};
+    record.actor.user = claimed;
+    record.actor.address = peer_->address();
+    record.actor.secure_channel_id = peer_->channel().channel_id();
+    record.certificate = certificate_of(*session());
+    tell(needs_.log, record);
     if (delay == Duration::zero()) {
         return fault(answer);
     }
@@ -330,6 +342,7 @@ void ActivateSession::accept(UserIdentity user, TimePoint now)
     session.is_activated = true;
     peer_->bind(session);
     set_user(needs_, *find_endpoint(needs_.config, session), session, std::move(user), now);
+    tell_activated(needs_, session, audit_entry_id_);
     needs_.keeper.session_activated(session);
     if (is_other_user) {
         needs_.keeper.user_changed(session, now);

@@ -1,3 +1,6 @@
+#include <array>
+
+#include "session_record.hpp"
 #include "session_services.hpp"
 
 namespace busbar::server::detail {
@@ -19,6 +22,13 @@ StatusCode cancel(const SessionNeeds& needs, ServiceContext& context, const Canc
                   CancelResponse& response)
 {
     response.cancel_count = needs.keeper.cancel(*context.session, request.request_handle);
+    if (needs.log.wants(RecordKind::RequestCancelled)) {
+        const std::array fields{RecordField{"RequestHandle", Variant{request.request_handle}}};
+        Record record{RecordKind::RequestCancelled, LogLevel::Debug, "session"};
+        record.actor = actor_of(*context.session, context.audit_entry_id);
+        record.fields = fields;
+        needs.log.record(record);
+    }
     return status::Good;
 }
 

@@ -8,6 +8,7 @@
 #include "session_services.hpp"
 
 namespace busbar::server::detail {
+#include "session_record.hpp"
 
 namespace {
 
@@ -226,6 +227,54 @@ Result<std::unique_ptr<Session>> make_session(const SessionNeeds& needs,
 } // namespace
 
 StatusCode create_session(const SessionNeeds& needs, ServiceContext& context,
+void tell_refused(const ServiceContext& context, const CreateSessionRequest& request,
+                  const Refusal& refusal)
+{
+    Record record{RecordKind::SessionRefused, LogLevel::Warning, "session"};
+    record.status = refusal.status;
+    record.refusal = &refusal;
+    record.actor.session_name = request.session_name.view();
+    record.actor.application_uri = request.client_description.application_uri.view();
+    record.actor.audit_entry_id = context.audit_entry_id;
+    record.actor.secure_channel_id = context.peer.channel().channel_id();
+    if (const auto& peer = context.peer.channel().peer_certificates(); !peer.empty()) {
+        record.certificate = peer.front().der();
+    }
+    tell(context.peer.log(), record);
+}
+
+void tell_created(const SessionNeeds& needs, const Session& session, const ServiceContext& context)
+{
+    const std::array fields{
+        RecordField{"RevisedSessionTimeout", Variant{static_cast<double>(session.timeout.count())}},
+        RecordField{"EndpointUrl", Variant{session.endpoint_url}}};
+    Record record{RecordKind::SessionCreated, LogLevel::Info, "session"};
+    record.text =
+        "\"" + printable(session.name) + "\" created from " + std::string{context.peer.address()};
+    record.actor = actor_of(session, context.audit_entry_id);
+    record.certificate = certificate_of(session);
+    record.fields = fields;
+    tell(needs.log, record);
+}
+
+/// Part 4, 5.7.2.2: a name that the server's certificate does not have may be an attacker's.
+void tell_other_url(const SessionNeeds& needs, const Session& session,
+                    const ServiceContext& context)
+{
+    const auto url = channel::EndpointUrl::parse(session.endpoint_url.view());
+    if (!needs.log.wants(RecordKind::UrlMismatch) || !needs.config.identity ||
+        session.endpoint_url.empty() ||
+        (url && crypto::names_host(needs.config.identity->certificates.front(), url->host))) {
+        return;
+    }
+    const std::array fields{RecordField{"EndpointUrl", Variant{session.endpoint_url}}};
+    Record record{RecordKind::UrlMismatch, LogLevel::Debug, "session"};
+    record.actor = actor_of(session, context.audit_entry_id);
+    record.certificate = certificate_of(session);
+    record.fields = fields;
+    needs.log.record(record);
+}
+
                           const CreateSessionRequest& request, CreateSessionResponse& response)
 {
     const bool is_secure = !context.peer.channel().security().policy->is_none();

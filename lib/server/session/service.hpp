@@ -34,6 +34,8 @@ struct ServiceContext {
     /// Null for the services that need no session.
     Session* session;
     TimePoint now;
+    /// Of the request; empty in later turns. Borrowed from the request.
+    std::string_view audit_entry_id{};
 };
 
 /// One request whose answer may come later. Owns the message it was decoded from.
@@ -97,6 +99,12 @@ protected:
     {
         respond(Response::binary_encoding_id, encode, nullptr);
     }
+    /// The same with another serviceResult than Good, of its severity.
+    template <typename Response>
+    void respond_with(StatusCode result, FunctionRef<void(binary::Writer&)> encode)
+    {
+        respond(Response::binary_encoding_id, encode, nullptr, result);
+    }
     /// The same with what `diagnostics` has told of its operations.
     template <typename Response>
     void respond(const ReturnDiagnostics& diagnostics, FunctionRef<void(binary::Writer&)> encode)
@@ -121,7 +129,7 @@ protected:
 private:
     virtual void decode_request(binary::Reader& reader) = 0;
     void respond(std::uint32_t encoding_id, FunctionRef<void(binary::Writer&)> encode,
-                 const ReturnDiagnostics* diagnostics);
+                 const ReturnDiagnostics* diagnostics, StatusCode result = {});
     /// Lets go of peer and session; the peer it had.
     Peer& finish();
 

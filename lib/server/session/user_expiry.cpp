@@ -6,6 +6,7 @@
 
 #include "session_needs.hpp"
 
+#include "session_record.hpp"
 namespace busbar::server::detail {
 
 namespace {
@@ -66,3 +67,16 @@ void expire_user(const SessionNeeds& needs, Session& session, TimePoint now)
 }
 
 } // namespace busbar::server::detail
+void tell_activated(const SessionNeeds& needs, const Session& session,
+                    std::string_view audit_entry_id)
+{
+    const std::array fields{
+        RecordField{"UserTokenType", Variant{static_cast<std::int32_t>(session.user.token_type)}}};
+    Record record{RecordKind::SessionActivated, LogLevel::Info, "session"};
+    record.text = "\"" + printable(session.name) + "\" activated by " + describe(session.user);
+    record.actor = actor_of(session, audit_entry_id);
+    record.certificate = certificate_of(session);
+    record.fields = fields;
+    tell(needs.log, record);
+}
+

@@ -16,6 +16,14 @@ void set_user(const SessionNeeds& needs, const EndpointConfig& endpoint, Session
 
 /// In time, and before the session is used: takes a user away whose time is over. What the
 /// session's Subscriptions may see is looked at again.
+/// The user with the roles that the server's rules give him in this session.
+[[nodiscard]] UserIdentity with_roles(const SessionNeeds& needs, const Session& session,
+                                      UserIdentity user);
+
+/// Says that the session has been activated.
+void tell_activated(const SessionNeeds& needs, const Session& session,
+                    std::string_view audit_entry_id);
+
 void expire_user(const SessionNeeds& needs, Session& session, TimePoint now);
 
 } // namespace busbar::server::detail

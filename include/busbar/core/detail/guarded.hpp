@@ -46,6 +46,10 @@ template <typename Function>
 BUSBAR_API void write_safely(LogSink& log, LogLevel level, std::string_view source,
                              std::string_view text);
 
+/// Gives a record to a user's log, or asks whether it wants one; no, if it throws.
+BUSBAR_API void record_safely(LogSink& log, const Record& record);
+[[nodiscard]] BUSBAR_API bool wants_safely(LogSink& log, RecordKind kind);
+
 /// Tells the log what `callback` threw.
 BUSBAR_API void report_thrown(LogSink& log, std::string_view callback, std::string_view what);
 
@@ -72,6 +76,8 @@ public:
     {
         write_safely(*log_, level, source, text);
     }
+    void record(const Record& record) override { record_safely(*log_, record); }
+    [[nodiscard]] bool wants(RecordKind kind) const override { return wants_safely(*log_, kind); }
 
 private:
     LogSink* log_;

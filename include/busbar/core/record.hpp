@@ -1,0 +1,109 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include <busbar/core/api.hpp>
+#include <busbar/core/log.hpp>
+#include <busbar/core/node_id.hpp>
+#include <busbar/core/refusal.hpp>
+#include <busbar/core/variant.hpp>
+
+namespace busbar {
+
+/// What can happen that somebody may have to know of later. In brackets the fields that a record
+/// of the kind has, by the names that the specification's event types have for them.
+enum class RecordKind : std::uint8_t {
+    ChannelOpened,  // [RequestType, SecurityPolicyUri, SecurityMode, RequestedLifetime]
+    ChannelRenewed, // the same
+    ChannelRefused,
+
+    SessionCreated, // [RevisedSessionTimeout, EndpointUrl]
+    SessionRefused, // by CreateSession
+    /// [EndpointUrl]: the client connects by a name that the server does not have.
+    UrlMismatch,
+    SessionActivated, // [UserTokenType]
+    LoginRefused,     // by ActivateSession
+    SessionClosed,    // status: why; Bad_SessionClosed if the client asked for it
+    RequestCancelled, // [RequestHandle]
+
+    CertificateRefused,
+    CertificateSuppressed, // accepted by a setting; the refusal says what was passed over
+    CertificateSaved,      // in rejected
+    CertificateDiscarded,
+    CertificateAdded, // [ListName]; also for the next ones
+    CertificateMoved, // [ListName, FromListName]
+    CertificateRemoved,
+    CertificateUpdated,  // the application's own
+    CertificateExpiring, // or not valid yet
+    CertificateExpired,
+    CertificateHostNotNamed,
+    RevocationListAdded, // [ListName]
+    RevocationListRemoved,
+
+    SettingsChanged,
+    UsersChanged,
+    RolesChanged,
+
+    /// [NodeId, AttributeId, IndexRange, NewValue], one for each node of a Write.
+    AttributeWritten,
+    MethodCalled,      // [ObjectId, MethodId, InputArguments]
+    NodesAdded,        // [NodeId, ParentNodeId], one for each node
+    NodesDeleted,      // [NodeId]
+    ReferencesAdded,   // [SourceNodeId, ReferenceTypeId, TargetNodeId]
+    ReferencesDeleted, // the same
+};
+
+/// "SessionCreated".
+[[nodiscard]] BUSBAR_API std::string_view name(RecordKind kind);
+
+struct RecordField {
+    std::string_view name;
+    Variant value;
+};
+
+/// Who did it; empty where that is not known. Texts come from the peer and have not been through
+/// `printable`.
+struct RecordActor {
+    /// Null if there is no session.
+    const NodeId* session_id{nullptr};
+    std::string_view session_name{};
+    std::string_view application_uri{};
+    /// ClientUserId (Part 5, 6.4.3).
+    std::string_view user{};
+    /// Without port.
+    std::string_view address{};
+    /// AuditEntryId of the request's header (Part 4, 7.33).
+    std::string_view audit_entry_id{};
+    std::uint32_t secure_channel_id{0};
+};
+
+/// One thing that happened. Never holds a secret. Borrows all that it refers to.
+struct Record {
+    RecordKind kind{};
+    LogLevel level{LogLevel::Info};
+    /// The layer or part, as LogSink::write has it.
+    std::string_view source{};
+    /// For people, in one line; empty: the refusal says it, or no line is written.
+    std::string text{};
+    /// Good if it was done.
+    StatusCode status{};
+    /// Why it was not done; may be null.
+    const Refusal* refusal{nullptr};
+    RecordActor actor{};
+    /// DER of the certificate that it is about: the peer's of a channel or session. Empty if there
+    /// is none.
+    std::span<const std::byte> certificate{};
+    std::span<const RecordField> fields{};
+};
+
+/// The record for a sink that wants it, and its line for every sink.
+BUSBAR_API void tell(LogSink& log, const Record& record);
+
+/// The field's value; null if there is none of this name.
+[[nodiscard]] BUSBAR_API const Variant* field(const Record& record, std::string_view name);
+
+} // namespace busbar

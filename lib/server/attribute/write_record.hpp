@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include <busbar/core/function_ref.hpp>
+#include <busbar/types/attribute.hpp>
+
+#include "server/session/session_record.hpp"
+
+namespace busbar::server::detail {
+
+/// A record for each node of a Write, if the log wants them (Part 5, 6.4.27). What was there before
+/// is not among them: a data source is not asked for it.
+inline void record_write(LogSink& log, const Session* session, std::string_view audit_entry_id,
+                         const WriteRequest& request, FunctionRef<StatusCode(std::size_t)> result)
+{
+    if (session == nullptr || !log.wants(RecordKind::AttributeWritten)) {
+        return;
+    }
+    for (std::size_t i = 0; i < request.nodes_to_write.size(); ++i) {
+        const WriteValue& written = request.nodes_to_write[i];
+        const std::array fields{RecordField{"NodeId", Variant{written.node_id}},
+                                RecordField{"AttributeId", Variant{written.attribute_id}},
+                                RecordField{"IndexRange", Variant{written.index_range}},
+                                RecordField{"NewValue", written.value.value}};
+        Record record{RecordKind::AttributeWritten, LogLevel::Debug, "attribute"};
+        record.status = result(i);
+        record.actor = actor_of(*session, audit_entry_id);
+        record.fields = fields;
+        log.record(record);
+    }
+}
+
+} // namespace busbar::server::detail
