@@ -38,9 +38,9 @@ public:
     }
     [[nodiscard]] const UserIdentity& user() const { return batch_->caller().user; }
     [[nodiscard]] const NodeId& session_id() const { return batch_->caller().session_id; }
+    [[nodiscard]] const MethodCaller& caller() const { return batch_->caller(); }
 
     // Each of these ends the call; a second one does nothing.
-
     void succeed(Array<Variant> outputs = {});
     void fail(StatusCode status);
     /// Bad_InvalidArgument with one status for each input.

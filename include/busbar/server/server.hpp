@@ -67,8 +67,7 @@ public:
     /// The same with one, not null, that the server keeps alive: for what other threads may let go.
     std::uint32_t add_source(std::shared_ptr<DataSource> source);
 
-    /// Raises an event from any thread that knows the server is there; see EventQueue::raise. False
-    /// without modules::events.
+    /// Raises an event, from any thread; see EventQueue::raise. False without modules::events.
     bool raise_event(Event event);
     /// For threads that may outlive the server. Null without modules::events.
     [[nodiscard]] std::shared_ptr<EventQueue> event_queue() const;
@@ -115,6 +114,7 @@ public:
 
 private:
     friend class Connection;
+    friend class RunningServer;
     struct Impl;
     explicit Server(std::unique_ptr<Impl> impl);
 

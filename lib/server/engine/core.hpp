@@ -107,7 +107,13 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     /// Of the next channel; begins at a random number (Part 6, 6.7.2.2).
     std::uint32_t next_channel_id{1};
 
+    /// When the server was called last.
+    TimePoint latest{};
     TimePoint shutdown_deadline{no_deadline};
+    /// When channels that were opened with another certificate are closed: those of links before
+    /// this one.
+    TimePoint old_channels_deadline{no_deadline};
+    std::uint64_t first_new_link_id{0};
 
     [[nodiscard]] const ServerLimits& limits() const { return config.limits; }
     [[nodiscard]] bool is_shutting_down() const { return life.is_shutting_down(); }

@@ -88,6 +88,7 @@ public:
     {
         link_.is_running_ = true;
         link_.now_ = now;
+        link_.core_.latest = now;
     }
     Running(const Running&) = delete;
     Running& operator=(const Running&) = delete;

@@ -7,13 +7,12 @@
 #include <busbar/model/nodeset_types.hpp>
 
 #include "config_check.hpp"
-#include "core.hpp"
-#include "peer_link.hpp"
 #include "server/diagnostics/server_object.hpp"
 #include "server/event/namespace_nodes.hpp"
 #include "server/session/user_expiry.hpp"
 #include "server/subscription/sampler.hpp"
 #include "server/users/user_policies.hpp"
+#include "server_impl.hpp"
 
 namespace busbar::server {
 
@@ -36,19 +35,6 @@ Event state_event(ServerState state, std::string_view reason)
 } // namespace
 
 } // namespace detail
-
-struct Server::Impl : detail::Core {
-    using Core::Core;
-
-    /// Refused if the configuration asks for what no module has.
-    [[nodiscard]] Configured<void> check_modules() const;
-    /// Why a peer cannot be taken; nothing if it can.
-    [[nodiscard]] std::string find_obstacle(std::string_view peer_address);
-    /// Makes place by closing the oldest connection that has no session (Part 4, 5.6.2.1).
-    [[nodiscard]] bool make_place();
-    void expire_sessions(TimePoint now);
-    void finish_shutdown();
-};
 
 std::vector<EndpointConfig> secure_endpoints()
 {
@@ -82,7 +68,7 @@ Configured<Server> Server::create(ModuleTable modules, ServerConfig config,
         std::make_unique<Impl>(std::move(config), environment, std::move(address_space), *own);
     detail::list_modelling_rules(impl->address_space);
     impl->add(modules);
-    if (auto complete = impl->check_modules(); !complete) {
+    if (auto complete = impl->check_modules(impl->config); !complete) {
         environment.log->write(LogLevel::Error, "server", text(complete.error()));
         return tl::unexpected{std::move(complete).error()};
     }
@@ -167,6 +153,7 @@ std::shared_ptr<EventQueue> Server::event_queue() const
 
 Result<Connection> Server::connect(std::string_view peer_address, TimePoint now)
 {
+    impl_->latest = now;
     if (auto found = impl_->find_obstacle(peer_address); !found.empty()) {
         const Refusal refusal{status::Bad_TcpServerTooBusy, "place for a connection",
                               std::move(found), "Part 6, 7.1.2.5",
@@ -177,13 +164,13 @@ Result<Connection> Server::connect(std::string_view peer_address, TimePoint now)
     return Connection{std::make_unique<detail::PeerLink>(*impl_, peer_address, now)};
 }
 
-Configured<void> Server::Impl::check_modules() const
+Configured<void> Server::Impl::check_modules(const ServerConfig& wanted) const
 {
-    if (config.has_node_management && node_management == nullptr) {
+    if (wanted.has_node_management && node_management == nullptr) {
         return misconfigured("has_node_management", "needs modules::node_management");
     }
     const bool has_issued = std::any_of(
-        config.endpoints.begin(), config.endpoints.end(), [&](const EndpointConfig& endpoint) {
+        wanted.endpoints.begin(), wanted.endpoints.end(), [&](const EndpointConfig& endpoint) {
             return detail::accepts(endpoint, environment.users, UserTokenType::IssuedToken);
         });
     if (has_issued && session_needs.log_in_issued == nullptr) {
@@ -242,23 +229,28 @@ TimePoint Server::next_deadline() const
     const detail::Session* first = impl_->sessions.next_due();
     return std::min({first != nullptr ? first->next_deadline() : no_deadline,
                      impl_->shutdown_deadline, impl_->certificate_check,
-                     impl_->subscriptions.next_deadline()});
+                     impl_->old_channels_deadline, impl_->subscriptions.next_deadline()});
 }
 
 void Server::start(TimePoint now)
 {
+    impl_->latest = now;
     impl_->claim();
     impl_->watch_certificate(now);
 }
 
 void Server::handle_deadline(TimePoint now)
 {
+    impl_->latest = now;
     if (impl_->certificate_check <= now) {
         impl_->watch_certificate(now);
     }
     impl_->events->announce_model_changes();
     impl_->expire_sessions(now);
     impl_->subscriptions.handle_deadline(now);
+    if (impl_->old_channels_deadline <= now) {
+        impl_->close_old_channels();
+    }
     if (impl_->shutdown_deadline <= now) {
         impl_->finish_shutdown();
     }
@@ -281,6 +273,7 @@ void Server::Impl::expire_sessions(TimePoint now)
 
 void Server::handle_completions(TimePoint now)
 {
+    impl_->latest = now;
     impl_->sources.handle_completions();
     impl_->password_checks.drain(now);
     impl_->events->announce_model_changes();

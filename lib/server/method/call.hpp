@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include <busbar/types/method.hpp>
 
@@ -24,7 +25,7 @@ private:
 
     const MethodNeeds& needs_;
     std::optional<CallJob> job_;
-};
     std::string audit_entry_id_;
+};
 
 } // namespace busbar::server::detail

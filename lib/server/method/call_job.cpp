@@ -1,14 +1,16 @@
 #include "call_job.hpp"
 
+#include <array>
 #include <string>
 
 #include <busbar/binary/codec.hpp>
 #include <busbar/core/text.hpp>
 
+#include "server/rights/built_in_methods.hpp"
 #include "server/rights/method_lookup.hpp"
+#include "server/session/session_record.hpp"
 #include "server/session/session_rights.hpp"
 
-#include "server/session/session_record.hpp"
 namespace busbar::server::detail {
 
 namespace {
@@ -177,8 +179,6 @@ void CallJob::finish()
     }
 }
 
-void CallJob::keep(CallRequest request, std::vector<std::byte> message)
-{
 void CallJob::record(const Session& session, std::string_view audit_entry_id,
                      const CallRequest& request) const
 {
@@ -199,6 +199,8 @@ void CallJob::record(const Session& session, std::string_view audit_entry_id,
     }
 }
 
+void CallJob::keep(CallRequest request, std::vector<std::byte> message)
+{
     // Moving the array and the buffer leaves what they hold where it is.
     memory_->request = std::move(request);
     memory_->message = std::move(message);

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
@@ -40,10 +41,10 @@ public:
     [[nodiscard]] bool handle_deadline(TimePoint now) { return call_.handle_deadline(now); }
     /// Checks what the sources answered; before encode_results().
     void finish();
-    /// Of the calls and their arguments, after finish().
     /// A record for each Method, if the log wants them (Part 5, 6.4.28); after finish().
     void record(const Session& session, std::string_view audit_entry_id,
                 const CallRequest& request) const;
+    /// Of the calls and their arguments, after finish().
     [[nodiscard]] CallDiagnostics diagnose(ReturnDiagnostics& diagnostics,
                                            const CallRequest& request) const;
     /// Writes `results` and `diagnostic_infos` of the CallResponse.

@@ -1,14 +1,17 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include <busbar/channel/endpoint_url.hpp>
 #include <busbar/core/text.hpp>
+#include <busbar/crypto/certificate_notices.hpp>
 
 #include "discovery.hpp"
 #include "session_proof.hpp"
+#include "session_record.hpp"
 #include "session_services.hpp"
 
 namespace busbar::server::detail {
-#include "session_record.hpp"
 
 namespace {
 
@@ -224,9 +227,6 @@ Result<std::unique_ptr<Session>> make_session(const SessionNeeds& needs,
     return session;
 }
 
-} // namespace
-
-StatusCode create_session(const SessionNeeds& needs, ServiceContext& context,
 void tell_refused(const ServiceContext& context, const CreateSessionRequest& request,
                   const Refusal& refusal)
 {
@@ -275,6 +275,9 @@ void tell_other_url(const SessionNeeds& needs, const Session& session,
     needs.log.record(record);
 }
 
+} // namespace
+
+StatusCode create_session(const SessionNeeds& needs, ServiceContext& context,
                           const CreateSessionRequest& request, CreateSessionResponse& response)
 {
     const bool is_secure = !context.peer.channel().security().policy->is_none();
@@ -285,7 +288,7 @@ void tell_other_url(const SessionNeeds& needs, const Session& session,
                               })
                               .and_then([&] { return make_place(needs, context); });
     if (!admitted) {
-        explain(context.peer.log(), "session", admitted.error());
+        tell_refused(context, request, admitted.error());
         return admitted.error().status;
     }
     const auto& peer = context.peer.channel().peer_certificates();
@@ -312,9 +315,8 @@ void tell_other_url(const SessionNeeds& needs, const Session& session,
     response.server_endpoints = describe_endpoints(needs, request.endpoint_url.view());
     response.server_signature = *std::move(signature);
     response.max_request_message_size = needs.limits().transport.max_message_size;
-    needs.log.write(LogLevel::Info, "session",
-                    "\"" + printable(session.name) + "\" created from " +
-                        std::string{context.peer.address()});
+    tell_created(needs, session, context);
+    tell_other_url(needs, session, context);
     return status::Good;
 }
 

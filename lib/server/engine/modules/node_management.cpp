@@ -15,8 +15,8 @@ namespace {
 
 struct NodeManagementServices final : ModulePart {
     explicit NodeManagementServices(Core& core)
-        : needs{core.address_space, core.config,           core.environment.access,
-                client_nodes,       core.model_observer(), core.own_namespace}
+        : needs{core.address_space,    core.config,       core.environment.access, client_nodes,
+                core.model_observer(), core.rationed_log, core.own_namespace}
     {
     }
 

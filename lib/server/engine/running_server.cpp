@@ -1,0 +1,138 @@
+#include <algorithm>
+
+#include <busbar/core/record.hpp>
+#include <busbar/server/config_check.hpp>
+#include <busbar/server/running_server.hpp>
+
+#include "server/session/user_expiry.hpp"
+#include "server_impl.hpp"
+
+/// What changes a server while it runs.
+namespace busbar::server {
+
+namespace {
+
+/// Long enough for answers that are under way.
+constexpr Duration old_channel_time = std::chrono::seconds{1};
+
+bool is_same_certificate(const ServerConfig& a, const ServerConfig& b)
+{
+    if (!a.identity || !b.identity) {
+        return a.identity.has_value() == b.identity.has_value();
+    }
+    return a.identity->certificates == b.identity->certificates;
+}
+
+} // namespace
+
+Configured<void> Server::Impl::check_change(const ServerConfig& wanted) const
+{
+    if (wanted.application_uri != config.application_uri) {
+        return misconfigured("application_uri", "cannot change while the server runs");
+    }
+    if (wanted.limits.max_assembly != config.limits.max_assembly) {
+        return misconfigured("limits.max_assembly", "cannot change while the server runs");
+    }
+    if (auto checked = check_config(wanted, environment); !checked) {
+        return checked;
+    }
+    return check_modules(wanted);
+}
+
+Configured<void> RunningServer::reconfigure(ServerConfig config) const
+{
+    if (auto checked = impl_->check_change(config); !checked) {
+        return checked;
+    }
+    const bool is_same = is_same_certificate(impl_->config, config);
+    impl_->config = std::move(config);
+    if (!is_same) {
+        impl_->first_new_link_id = impl_->next_link_id;
+        impl_->old_channels_deadline = impl_->latest + old_channel_time;
+        impl_->watch_certificate(impl_->latest);
+    }
+    impl_->end_homeless_sessions();
+    impl_->claim();
+    Record record{RecordKind::SettingsChanged, LogLevel::Info, "server"};
+    record.text = is_same ? "has another configuration"
+                          : "has another configuration and another certificate: channels are "
+                            "closed, sessions stay";
+    tell(*impl_->environment.log, record);
+    impl_->sweep();
+    return {};
+}
+
+/// Also one that opens its channel only now may have been told the old certificate.
+void Server::Impl::close_old_channels()
+{
+    old_channels_deadline = no_deadline;
+    for (detail::PeerLink* link : links) {
+        const auto* policy = link->channel().security().policy;
+        if (link->id() < first_new_link_id && !link->is_closed() && policy != nullptr &&
+            !policy->is_none()) {
+            link->close(status::Bad_SecureChannelClosed, "the server has another certificate");
+        }
+    }
+    sweep();
+}
+
+void Server::Impl::end_homeless_sessions()
+{
+    static_cast<void>(end_sessions(
+        status::Bad_SecurityPolicyRejected, false, [&](const detail::Session& session) {
+            return std::none_of(config.endpoints.begin(), config.endpoints.end(),
+                                [&](const EndpointConfig& endpoint) {
+                                    return endpoint.security == session.security;
+                                });
+        }));
+}
+
+std::size_t Server::Impl::end_sessions(StatusCode status, bool deletes_subscriptions,
+                                       FunctionRef<bool(const detail::Session&)> which)
+{
+    std::vector<NodeId> tokens;
+    for (const auto& [token, session] : sessions.all()) {
+        if (which(*session)) {
+            tokens.push_back(token);
+        }
+    }
+    for (const NodeId& token : tokens) {
+        if (detail::Session* session = sessions.find(token)) {
+            close_session(*session, status, deletes_subscriptions);
+        }
+    }
+    sweep();
+    return tokens.size();
+}
+
+std::size_t RunningServer::end_sessions(FunctionRef<bool(const UserIdentity&)> whose) const
+{
+    return impl_->end_sessions(status::Bad_UserAccessDenied, true,
+                               [&](const detail::Session& session) {
+                                   return session.is_activated && whose(session.user);
+                               });
+}
+
+void RunningServer::roles_changed() const
+{
+    for (const auto& [token, session] : impl_->sessions.all()) {
+        if (!session->is_activated) {
+            continue;
+        }
+        UserIdentity user = with_roles(impl_->session_needs, *session, session->granted);
+        if (!(user == session->user)) {
+            session->user = std::move(user);
+            impl_->user_changed(*session, impl_->latest);
+        }
+    }
+    impl_->sweep();
+}
+
+bool RunningServer::has_session(const NodeId& session_id) const
+{
+    const auto& all = impl_->sessions.all();
+    return std::any_of(all.begin(), all.end(),
+                       [&](const auto& entry) { return entry.second->id == session_id; });
+}
+
+} // namespace busbar::server

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <busbar/server/server.hpp>
+
+#include "core.hpp"
+#include "peer_link.hpp"
+
+namespace busbar::server {
+
+struct Server::Impl : detail::Core {
+    using Core::Core;
+
+    /// Refused if the configuration asks for what no module has.
+    [[nodiscard]] Configured<void> check_modules(const ServerConfig& wanted) const;
+    /// Why a peer cannot be taken; nothing if it can.
+    [[nodiscard]] std::string find_obstacle(std::string_view peer_address);
+    /// Makes place by closing the oldest connection that has no session (Part 4, 5.6.2.1).
+    [[nodiscard]] bool make_place();
+    void expire_sessions(TimePoint now);
+    void finish_shutdown();
+    [[nodiscard]] Configured<void> check_change(const ServerConfig& wanted) const;
+    void close_old_channels();
+    /// Sessions over endpoints that there are no more.
+    void end_homeless_sessions();
+    /// Ends sessions one by one, since each may take others along.
+    std::size_t end_sessions(StatusCode status, bool deletes_subscriptions,
+                             FunctionRef<bool(const detail::Session&)> which);
+};
+
+} // namespace busbar::server
