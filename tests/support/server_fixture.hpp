@@ -33,6 +33,7 @@ public:
         if (name == "admin") {
             user.roles = {"ConfigureAdmin", "SecurityAdmin"};
         }
+        user.must_change_password = must_change;
         return user;
     }
     [[nodiscard]] server::Worker* worker() override { return used_worker; }
@@ -67,6 +68,7 @@ public:
 
     int asked{0};
     bool is_broken{false};
+    bool must_change{false};
     server::UserIdentity everybody{server::anonymous_reader()};
     server::Worker* used_worker{nullptr};
     crypto::CertificateValidator* validator{nullptr};

@@ -32,6 +32,11 @@ struct UserIdentity {
     std::vector<std::string> roles{};
     /// Who issued the token, `iss`; empty for other kinds of user.
     std::string issuer{};
+    /// Of a user certificate, in upper-case hexadecimal.
+    std::string thumbprint{};
+    /// The password has to be changed first (Part 18, 5.2.8): until then the session has the role
+    /// Anonymous alone, and may call the Method ChangePassword and no other.
+    bool must_change_password{false};
     /// When the certificate or token expires; null for never. The session is anonymous from then
     /// on, or closed where that is not allowed (Part 4, 7.40.5).
     DateTime valid_until{};
@@ -62,6 +67,8 @@ struct UserIdentity {
 struct UserRights {
     std::uint8_t access_level_mask{0xFF};
     std::vector<std::string> roles{};
+    /// See UserIdentity.
+    bool must_change_password{false};
 };
 
 /// Knows the users. The server checks what clients send; the store says whom it trusts and what
@@ -106,6 +113,33 @@ public:
     {
         return fail(status::Bad_IdentityTokenRejected);
     }
+};
+
+/// What roles are given for (Part 18, 4.4.1), besides those that the UserStore gives.
+struct RoleQuestion {
+    const UserIdentity& user;
+    /// The client's; the one of its certificate where the channel has security, which is when
+    /// `is_trusted` is true too.
+    std::string_view application_uri{};
+    bool is_trusted{false};
+    /// The endpoint that the session uses.
+    std::string_view endpoint_url{};
+    MessageSecurityMode security_mode{MessageSecurityMode::None};
+    std::string_view security_policy_uri{};
+};
+
+/// Gives sessions roles by rules. Called on the server's thread, when a session is activated and
+/// after RunningServer::roles_changed. One that throws gives no roles, and a login then fails.
+class BUSBAR_API RoleMapper {
+public:
+    RoleMapper() = default;
+    RoleMapper(const RoleMapper&) = delete;
+    RoleMapper& operator=(const RoleMapper&) = delete;
+    virtual ~RoleMapper() = default;
+
+    /// Names of roles, as UserIdentity::roles has them, and bits that the user gets in addition to
+    /// his own.
+    [[nodiscard]] virtual UserRights roles_of(const RoleQuestion& question) const = 0;
 };
 
 /// Decides for each node; without one, AccessLevel and the user's mask decide. Called on the

@@ -29,6 +29,8 @@ struct ServerEnvironment {
     UserStore* users{nullptr};
     /// Optional; null: the rights that the nodes have are all there are.
     const AccessControl* access{nullptr};
+    /// Optional; null: users have the roles that the UserStore gives them.
+    const RoleMapper* roles{nullptr};
     /// Optional; null if every data source completes inline.
     Waker* waker{nullptr};
     /// Optional; null in every product. Builds without BUSBAR_KEY_LOG do not look at it.

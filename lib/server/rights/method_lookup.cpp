@@ -106,7 +106,11 @@ bool is_executable(const AddressSpace& space, NodeIndex method)
 
 bool is_user_executable(const AddressSpace& space, const NodeRights& rights, NodeIndex method)
 {
-    const bool is_servers_own = is_built_in_method(space.node_id(method));
+    const NodeId& id = space.node_id(method);
+    if (rights.user.must_change_password && !is_change_password(id)) {
+        return false;
+    }
+    const bool is_servers_own = is_built_in_method(id) || is_change_password(id);
     return is_executable(space, method) && rights.may_call(method, is_servers_own);
 }
 

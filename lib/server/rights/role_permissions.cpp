@@ -20,6 +20,7 @@ std::string_view well_known_name(const NodeId& role)
     static constexpr std::array roles{
         WellKnown{id::WellKnownRole_Anonymous, "Anonymous"},
         WellKnown{id::WellKnownRole_AuthenticatedUser, "AuthenticatedUser"},
+        WellKnown{id::WellKnownRole_TrustedApplication, "TrustedApplication"},
         WellKnown{id::WellKnownRole_Observer, "Observer"},
         WellKnown{id::WellKnownRole_Operator, "Operator"},
         WellKnown{id::WellKnownRole_Engineer, "Engineer"},
@@ -40,7 +41,7 @@ bool has_role(const model::AddressSpace& space, const UserIdentity& user, const 
         return true;
     }
     if (role.is(id::WellKnownRole_AuthenticatedUser) &&
-        user.token_type != UserTokenType::Anonymous) {
+        user.token_type != UserTokenType::Anonymous && !user.must_change_password) {
         return true;
     }
     std::string_view name = well_known_name(role);

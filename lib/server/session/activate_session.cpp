@@ -337,21 +337,24 @@ void ActivateSession::accept(UserIdentity user, TimePoint now)
         }
     }
     // Also the same user, with other rights than before.
-    const bool is_other_user = !(session.user == user);
+    const UserIdentity before = session.user;
     session.server_nonce = *std::move(nonce);
     session.is_activated = true;
     peer_->bind(session);
     set_user(needs_, *find_endpoint(needs_.config, session), session, std::move(user), now);
     tell_activated(needs_, session, audit_entry_id_);
     needs_.keeper.session_activated(session);
-    if (is_other_user) {
+    if (!(session.user == before)) {
         needs_.keeper.user_changed(session, now);
     }
-    respond<ActivateSessionResponse>([&](binary::Writer& writer) {
-        encode(writer, session.server_nonce);
-        encode(writer, Array<StatusCode>{}); // of software certificates
-        encode(writer, Array<DiagnosticInfo>{});
-    });
+    const bool must_change = session.user.must_change_password;
+    respond_with<ActivateSessionResponse>(
+        must_change ? status::Good_PasswordChangeRequired : status::Good,
+        [&](binary::Writer& writer) {
+            encode(writer, session.server_nonce);
+            encode(writer, Array<StatusCode>{}); // of software certificates
+            encode(writer, Array<DiagnosticInfo>{});
+        });
 }
 
 } // namespace

@@ -19,7 +19,7 @@ Peer& ServiceOperation::finish()
 }
 
 void ServiceOperation::respond(std::uint32_t encoding_id, FunctionRef<void(binary::Writer&)> encode,
-                               const ReturnDiagnostics* diagnostics)
+                               const ReturnDiagnostics* diagnostics, StatusCode result)
 {
     if (!is_finished()) {
         const Reply reply{request_id_, request_handle_,
@@ -27,7 +27,7 @@ void ServiceOperation::respond(std::uint32_t encoding_id, FunctionRef<void(binar
                           return_diagnostics_};
         Peer& peer = finish();
         peer.respond(reply, encoding_id, [&](binary::Writer& writer) {
-            ResponseHeader header = peer.response_header(reply, status::Good);
+            ResponseHeader header = peer.response_header(reply, result);
             if (diagnostics != nullptr) {
                 header.string_table = diagnostics->string_table();
             }

@@ -66,6 +66,8 @@ public:
     std::vector<std::string> locale_ids;
     bool is_activated{false};
     UserIdentity user;
+    /// The same as the UserStore gave it, without the roles of rules.
+    UserIdentity granted;
     /// The ClientUserId of whoever activated it first, then those it was given to, the latest last.
     std::vector<std::string> users;
     /// When the user becomes an anonymous one (see user_expiry.hpp).

@@ -1,12 +1,13 @@
 #include "user_expiry.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include <busbar/core/text.hpp>
 
 #include "session_needs.hpp"
-
 #include "session_record.hpp"
+
 namespace busbar::server::detail {
 
 namespace {
@@ -39,34 +40,47 @@ std::string describe(const UserIdentity& user)
 
 } // namespace
 
+UserIdentity with_roles(const SessionNeeds& needs, const Session& session, UserIdentity user)
+{
+    if (user.must_change_password) { // Part 18, 5.2.8
+        user.roles.clear();
+        user.access_level_mask = 0;
+        return user;
+    }
+    if (needs.environment.roles == nullptr) {
+        return user;
+    }
+    const bool is_secure = !session.security.policy->is_none();
+    const RoleQuestion question{.user = user,
+                                .application_uri = session.client_application_uri,
+                                .is_trusted = is_secure,
+                                .endpoint_url = session.endpoint_url.view(),
+                                .security_mode = session.security.mode,
+                                .security_policy_uri = session.security.policy->uri};
+    UserRights given{0, {}};
+    static_cast<void>(needs.guards.report().guard(
+        "RoleMapper::roles_of", [&] { given = needs.environment.roles->roles_of(question); }));
+    user.access_level_mask |= given.access_level_mask;
+    for (std::string& role : given.roles) {
+        if (std::find(user.roles.begin(), user.roles.end(), role) == user.roles.end()) {
+            user.roles.push_back(std::move(role));
+        }
+    }
+    return user;
+}
+
 void set_user(const SessionNeeds& needs, const EndpointConfig& endpoint, Session& session,
               UserIdentity user, TimePoint now)
 {
-    needs.log.write(LogLevel::Info, "session",
-                    "\"" + printable(session.name) + "\" activated by " + describe(user));
     const TimePoint end = deadline_of(user, needs.wall_time(), now);
-    session.change_user(std::move(user));
+    session.granted = user;
+    session.change_user(with_roles(needs, session, std::move(user)));
     session.user_deadline = endpoint.allows_anonymous ? end : no_deadline;
     session.ends_at = endpoint.allows_anonymous ? no_deadline : end;
     session.touch(now);
     needs.sessions.hurry(session);
 }
 
-void expire_user(const SessionNeeds& needs, Session& session, TimePoint now)
-{
-    if (now < session.user_deadline) {
-        return;
-    }
-    needs.log.write(LogLevel::Info, "session",
-                    "\"" + printable(session.name) + "\" is anonymous now: the token of " +
-                        describe(session.user) + " has expired");
-    UserStore* users = needs.environment.users;
-    session.change_user(users != nullptr ? users->anonymous() : anonymous_reader());
-    session.user_deadline = no_deadline;
-    needs.keeper.user_changed(session, now);
-}
-
-} // namespace busbar::server::detail
 void tell_activated(const SessionNeeds& needs, const Session& session,
                     std::string_view audit_entry_id)
 {
@@ -80,3 +94,19 @@ void tell_activated(const SessionNeeds& needs, const Session& session,
     tell(needs.log, record);
 }
 
+void expire_user(const SessionNeeds& needs, Session& session, TimePoint now)
+{
+    if (now < session.user_deadline) {
+        return;
+    }
+    needs.log.write(LogLevel::Info, "session",
+                    "\"" + printable(session.name) + "\" is anonymous now: the token of " +
+                        describe(session.user) + " has expired");
+    UserStore* users = needs.environment.users;
+    session.granted = users != nullptr ? users->anonymous() : anonymous_reader();
+    session.change_user(with_roles(needs, session, session.granted));
+    session.user_deadline = no_deadline;
+    needs.keeper.user_changed(session, now);
+}
+
+} // namespace busbar::server::detail

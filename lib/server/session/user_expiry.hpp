@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string_view>
+
 #include <busbar/core/clock.hpp>
 #include <busbar/server/access_control.hpp>
 #include <busbar/server/server_config.hpp>
@@ -14,8 +16,6 @@ class Session;
 void set_user(const SessionNeeds& needs, const EndpointConfig& endpoint, Session& session,
               UserIdentity user, TimePoint now);
 
-/// In time, and before the session is used: takes a user away whose time is over. What the
-/// session's Subscriptions may see is looked at again.
 /// The user with the roles that the server's rules give him in this session.
 [[nodiscard]] UserIdentity with_roles(const SessionNeeds& needs, const Session& session,
                                       UserIdentity user);
@@ -24,6 +24,8 @@ void set_user(const SessionNeeds& needs, const EndpointConfig& endpoint, Session
 void tell_activated(const SessionNeeds& needs, const Session& session,
                     std::string_view audit_entry_id);
 
+/// In time, and before the session is used: takes a user away whose time is over. What the
+/// session's Subscriptions may see is looked at again.
 void expire_user(const SessionNeeds& needs, Session& session, TimePoint now);
 
 } // namespace busbar::server::detail

@@ -108,8 +108,10 @@ Result<UserIdentity> PasswordUsers::log_in(std::string_view name, std::string_vi
     if (!is_there || !is_right) {
         return fail(status::Bad_UserAccessDenied);
     }
-    return UserIdentity{UserTokenType::UserName, std::string{name}, user.rights.access_level_mask,
-                        std::move(user.rights.roles)};
+    UserIdentity identity{UserTokenType::UserName, std::string{name}, user.rights.access_level_mask,
+                          std::move(user.rights.roles)};
+    identity.must_change_password = user.rights.must_change_password;
+    return identity;
 }
 
 UserIdentity PasswordUsers::anonymous() const

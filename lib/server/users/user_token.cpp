@@ -112,6 +112,7 @@ Login log_in_certificate(const LoginContext& context, const X509IdentityToken& t
     }
     UserIdentity user =
         identity_of(UserTokenType::Certificate, certificate.subject(), *std::move(rights));
+    user.thumbprint = certificate.thumbprint_text();
     user.valid_until = certificate.valid_to();
     return user;
 }
