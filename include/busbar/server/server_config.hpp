@@ -101,6 +101,10 @@ struct ServerConfig {
     /// AccessControl allows them; without this they answer Bad_ServiceUnsupported.
     bool has_node_management{false};
 
+    /// Server.Auditing: the LogSink makes audit events of what it is told, as
+    /// administration::AuditLog does.
+    bool is_auditing{false};
+
     ProgramConformance program;
 
     /// What FindServersOnNetwork answers, by their RecordIds from 1 on; none: it is answered with

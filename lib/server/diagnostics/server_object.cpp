@@ -192,7 +192,8 @@ constexpr std::array status_values{
               [](const DiagnosticsNeeds& c) -> Variant {
                   return c.life.is_shutting_down() ? DateTime{} : c.life.start_time;
               }},
-    LiveValue{id::Server_Auditing, [](const DiagnosticsNeeds&) -> Variant { return false; }},
+    LiveValue{id::Server_Auditing,
+              [](const DiagnosticsNeeds& needs) -> Variant { return needs.config.is_auditing; }},
     LiveValue{id::Server_ServerRedundancy_RedundancySupport,
               [](const DiagnosticsNeeds&) -> Variant { return RedundancySupport::None; }},
 };

@@ -136,13 +136,27 @@ StatusCode EventItem::take_filter(const ExtensionObject& filter, ItemRevision& r
 
 void EventItem::deliver(const RaisedEvent& event)
 {
-    if (!may_receive_ || !filter_.matches(event, needs_.space)) {
+    if (!may_receive_ || !may_know_of(event.type()) || !filter_.matches(event, needs_.space)) {
         return;
     }
     if (!queue_.push(filter_.select(event, needs_.space))) {
         queue_overflow();
     }
     notify();
+}
+
+/// RolePermissions of event types (Part 3, 4.9); audit events only over channels with encryption
+/// and to those who may receive AuditEvents at all (Part 5, 6.4.3), whatever a subtype says.
+bool EventItem::may_know_of(model::NodeIndex type) const
+{
+    const NodeRights rights = subscription().rights();
+    if (!rights.is_permitted(PermissionType::ReceiveEvents, type)) {
+        return false;
+    }
+    const model::NodeIndex audit = needs_.space.find(id::AuditEventType);
+    return !needs_.space.is_subtype_of(type, audit) ||
+           (rights.security_mode == MessageSecurityMode::SignAndEncrypt &&
+            rights.is_permitted(PermissionType::ReceiveEvents, audit));
 }
 
 void EventItem::tell_of_loss()

@@ -38,6 +38,7 @@ private:
     void set(const MonitoringParameters& parameters, ItemRevision& revision);
     [[nodiscard]] StatusCode take_filter(const ExtensionObject& filter, ItemRevision& revision);
     void queue_overflow();
+    [[nodiscard]] bool may_know_of(model::NodeIndex type) const;
 
     Events& events_;
     const SubscriptionNeeds& needs_;
