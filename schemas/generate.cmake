@@ -108,7 +108,8 @@ endfunction()
 
 # The command that writes a namespace's nodes as constant data, nodes.hpp and nodes.cpp.
 function(busbar_generate_nodes name sources_variable)
-  cmake_parse_arguments(ARG "" "NAMESPACE_URI;CPP_NAMESPACE;INCLUDE_PATH;ROOT;NODE_LIST;FEATURE_LIST"
+  cmake_parse_arguments(ARG "ADDITION"
+    "NAMESPACE_URI;CPP_NAMESPACE;INCLUDE_PATH;ROOT;NODE_LIST;FEATURE_LIST"
     "NODESETS;DEPENDENCIES;FEATURES" ${ARGN})
   busbar_find_generator(command generator)
   set(folder ${ARG_ROOT}/${ARG_INCLUDE_PATH})
@@ -126,6 +127,9 @@ function(busbar_generate_nodes name sources_variable)
   foreach(feature IN LISTS ARG_FEATURES)
     list(APPEND arguments --feature ${feature})
   endforeach()
+  if(ARG_ADDITION)
+    list(APPEND arguments --addition)
+  endif()
   set(files ${ARG_NODESETS} ${ARG_NODE_LIST} ${ARG_FEATURE_LIST})
   foreach(dependency IN LISTS ARG_DEPENDENCIES)
     list(APPEND arguments --dependency ${dependency})

@@ -123,6 +123,9 @@ tl::expected<void, Failure> NodeTableBuilder::select()
     if (!others) {
         return tl::make_unexpected(others.error());
     }
+    if (options_.is_addition) {
+        return select_addition(*std::move(others));
+    }
     for (const Node& node : document_.nodes()) {
         if (node.id.namespace_index() == namespace_ && others->count(node.id) == 0 &&
             (options_.node_list.empty() || listed.count(node.id) != 0)) {
@@ -130,6 +133,32 @@ tl::expected<void, Failure> NodeTableBuilder::select()
         }
     }
     return {};
+}
+
+/// What is left out without the features and not with them.
+tl::expected<void, Failure> NodeTableBuilder::select_addition(std::set<NodeId> others)
+{
+    Options without = options_;
+    without.features.clear();
+    const auto all = nodes_of_other_features(document_, without);
+    if (!all) {
+        return tl::make_unexpected(all.error());
+    }
+    others_ = std::move(others);
+    for (const Node& node : document_.nodes()) {
+        if (all->count(node.id) != 0 && others_.count(node.id) == 0) {
+            selected_.emplace(node.id, &node);
+        }
+    }
+    return {};
+}
+
+bool NodeTableBuilder::is_left_out(const NodeId& id) const
+{
+    if (options_.is_addition) {
+        return others_.count(id) != 0;
+    }
+    return id.namespace_index() == namespace_ && !is_emitted(id);
 }
 
 /// Types first, each directly before its subtypes; then the others by their ids.
@@ -352,7 +381,7 @@ void NodeTableBuilder::add_access(const Node& node)
 /// Namespace 0 is looked up where it lies; nodes of others are copied.
 void NodeTableBuilder::fill_slots()
 {
-    if (namespace_ != 0 || tables_.nodes.size() >= UINT16_MAX) {
+    if (namespace_ != 0 || options_.is_addition || tables_.nodes.size() >= UINT16_MAX) {
         return;
     }
     std::size_t size = 64;

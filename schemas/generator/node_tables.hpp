@@ -61,6 +61,7 @@ private:
     };
 
     [[nodiscard]] tl::expected<void, Failure> select();
+    [[nodiscard]] tl::expected<void, Failure> select_addition(std::set<NodeId> others);
     void order();
     void order_below(const nodeset::Node& type);
     void collect_links();
@@ -76,10 +77,7 @@ private:
     [[nodiscard]] std::uint32_t index(const NodeId& id);
     [[nodiscard]] bool is_emitted(const NodeId& id) const { return indices_.count(id) != 0; }
     /// Left out of a small namespace: references to it go, too.
-    [[nodiscard]] bool is_left_out(const NodeId& id) const
-    {
-        return id.namespace_index() == namespace_ && !is_emitted(id);
-    }
+    [[nodiscard]] bool is_left_out(const NodeId& id) const;
     void fill_slots();
 
     const nodeset::Document& document_;
@@ -88,6 +86,8 @@ private:
     NodeValues values_;
     std::uint16_t namespace_{0};
     std::unordered_map<NodeId, const nodeset::Node*> selected_;
+    /// Of an addition: what belongs to features that are not emitted.
+    std::set<NodeId> others_;
     std::unordered_map<NodeId, std::vector<const nodeset::Node*>> subtypes_;
     std::vector<const nodeset::Node*> ordered_;
     std::vector<std::uint32_t> lasts_;

@@ -29,7 +29,8 @@ constexpr const char* usage =
     "  --features FILE          with --nodes: CSV of \"feature,number\"; these nodes and what "
     "they\n"
     "                           consist of are left out\n"
-    "  --feature NAME           but not those of this one; may be repeated\n";
+    "  --feature NAME           but not those of this one; may be repeated\n"
+    "  --addition               with --feature: emit its nodes alone, to be added to the others\n";
 
 tl::unexpected<Failure> wrong(const std::string& what)
 {
@@ -95,6 +96,10 @@ tl::expected<Options, Failure> parse_options(int argc, char** argv)
         const std::string argument = argv[i];
         if (argument.substr(0, 2) != "--") {
             options.inputs.push_back(argument);
+            continue;
+        }
+        if (argument == "--addition") {
+            options.is_addition = true;
             continue;
         }
         if (argument == "--nodes" || argument == "--definitions") {

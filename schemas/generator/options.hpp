@@ -40,6 +40,8 @@ struct Options {
     /// `features` is emitted.
     std::string features_file;
     std::vector<std::string> features;
+    /// The nodes of `features` alone; all others are external.
+    bool is_addition{false};
 };
 
 /// A message for a person: what failed, with the path.
