@@ -1,0 +1,113 @@
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/core/api.hpp>
+#include <busbar/core/problem.hpp>
+#include <busbar/core/refusal.hpp>
+#include <busbar/core/storage.hpp>
+#include <busbar/server/access_control.hpp>
+#include <busbar/types/data_types.hpp>
+
+namespace busbar::administration {
+
+/// A role and the rules by which sessions get it (Part 18, 4.4.1): a session that fulfils one of
+/// the identities, and whose application and endpoint are not ruled out.
+struct RoleRules {
+    /// The name of a well-known role, or what AddRole was given.
+    std::string name;
+    /// What qualifies the name: that of OPC UA for a well-known role.
+    std::string namespace_uri;
+    std::vector<IdentityMappingRuleType> identities;
+    /// True: the applications of the list do not get the role; false: none but these.
+    bool applications_exclude{true};
+    std::vector<std::string> applications; // ApplicationUris
+    bool endpoints_exclude{true};
+    /// Empty and zero fields of one fit every endpoint.
+    std::vector<EndpointType> endpoints;
+};
+
+/// How much rules may take.
+struct RoleLimits {
+    std::size_t max_roles{64};
+    /// Of each list of a role.
+    std::size_t max_rules{256};
+    std::size_t max_text{1'024};
+};
+
+/// The roles of a server, well-known ones and own ones, kept in a file of a Storage. A change is in
+/// the file, whole, or not done at all.
+///
+/// Rules fit by: the name of a user with a password (UserName); the thumbprint of a user
+/// certificate (Thumbprint); a role that an issued token names (Role); Anonymous;
+/// AuthenticatedUser; an ApplicationUri of a channel with security (Application); name and value
+/// pairs of a user certificate's subject, "CN=Pat/O=Works", each of which the subject has
+/// (X509Subject); any application with a certificate (TrustedApplication). GroupId is refused:
+/// tokens bring no groups.
+///
+/// The roles Anonymous, AuthenticatedUser and TrustedApplication have the rule that their name says
+/// and no other. One thread, that of
+/// the server.
+class BUSBAR_API RoleList final : public server::RoleMapper {
+public:
+    RoleList(Storage& storage, std::string file, const RoleLimits& limits = {});
+
+    /// Reads the file; no file is the well-known roles without rules. The problem names the file
+    /// and what is wrong in it, and nothing changes then.
+    [[nodiscard]] Configured<void> load();
+
+    /// The well-known ones first, in the order of Part 3, 4.9.2.
+    [[nodiscard]] const std::vector<RoleRules>& roles() const { return roles_; }
+    /// Null if there is none of this name.
+    [[nodiscard]] const RoleRules* find(std::string_view name) const;
+    [[nodiscard]] static bool is_well_known(std::string_view name);
+
+    // Refusals have the status that the Methods of Part 18, 4.2 and 4.4 answer;
+    // Bad_ResourceUnavailable at a limit and if the Storage fails.
+
+    /// Bad_AlreadyExists, also for the name of a well-known role in another namespace: permissions
+    /// name roles by it. Bad_InvalidArgument for an empty or overlong name.
+    [[nodiscard]] Checked<void> add(std::string name, std::string namespace_uri);
+    /// Bad_NotFound; Bad_RequestNotAllowed for a well-known role.
+    [[nodiscard]] Checked<void> remove(std::string_view name);
+    /// Bad_InvalidArgument, Bad_NotSupported, Bad_AlreadyExists; Bad_RequestNotAllowed for a
+    /// role whose name is its rule.
+    [[nodiscard]] Checked<void> add_identity(std::string_view role,
+                                             const IdentityMappingRuleType& rule);
+    /// Bad_NotFound; Bad_RequestNotAllowed as above, and for the last rule by which somebody is
+    /// SecurityAdmin.
+    [[nodiscard]] Checked<void> remove_identity(std::string_view role,
+                                                const IdentityMappingRuleType& rule);
+    [[nodiscard]] Checked<void> add_application(std::string_view role, std::string_view uri);
+    [[nodiscard]] Checked<void> remove_application(std::string_view role, std::string_view uri);
+    [[nodiscard]] Checked<void> add_endpoint(std::string_view role, const EndpointType& endpoint);
+    [[nodiscard]] Checked<void> remove_endpoint(std::string_view role,
+                                                const EndpointType& endpoint);
+    [[nodiscard]] Checked<void> set_applications_exclude(std::string_view role, bool excludes);
+    [[nodiscard]] Checked<void> set_endpoints_exclude(std::string_view role, bool excludes);
+
+    /// Whether rules alone make the user with this name and password an administrator. Any thread.
+    [[nodiscard]] bool is_administrator(std::string_view user) const;
+
+    [[nodiscard]] server::UserRights roles_of(const server::RoleQuestion& question) const override;
+
+private:
+    /// Changes a copy of the role by `change`, which may refuse, and keeps it once it is in the
+    /// file.
+    template <typename Change>
+    [[nodiscard]] Checked<void> change(std::string_view role, Change change);
+    [[nodiscard]] Checked<void> replace(std::vector<RoleRules> roles);
+
+    Storage* storage_;
+    std::string file_;
+    RoleLimits limits_;
+    /// Of roles_ while they change and where another thread reads them.
+    mutable std::mutex mutex_;
+    std::vector<RoleRules> roles_;
+};
+
+} // namespace busbar::administration

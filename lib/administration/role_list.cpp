@@ -1,0 +1,334 @@
+#include <busbar/administration/role_list.hpp>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <busbar/core/status_codes.hpp>
+#include <busbar/core/text.hpp>
+
+#include "role_access.hpp"
+#include "role_file.hpp"
+#include "role_rules.hpp"
+
+namespace busbar::administration {
+
+namespace {
+
+constexpr std::string_view ua_uri = "http://opcfoundation.org/UA/";
+/// Part 3, 4.9.2.
+constexpr std::array<std::string_view, 9> well_known{
+    "Anonymous", "AuthenticatedUser", "TrustedApplication", "Observer",     "Operator",
+    "Engineer",  "Supervisor",        "ConfigureAdmin",     "SecurityAdmin"};
+
+tl::unexpected<Refusal> refuse_role(StatusCode status, std::string_view role, std::string found)
+{
+    return refuse({status,
+                   "role set",
+                   "role \"" + printable(role) + "\" " + std::move(found),
+                   "Part 18, 4",
+                   {}});
+}
+
+/// Those whose one rule is their meaning.
+bool is_fixed(const RoleRules& role)
+{
+    return role.namespace_uri == ua_uri &&
+           (role.name == "Anonymous" || role.name == "AuthenticatedUser" ||
+            role.name == "TrustedApplication");
+}
+
+bool can_make_administrator(const RoleRules& role)
+{
+    return role.name == "SecurityAdmin" && !role.identities.empty();
+}
+
+template <typename T, typename Value>
+Checked<void> add_to(std::vector<T>& list, const Value& value, const RoleRules& role,
+                     std::size_t most)
+{
+    if (std::find(list.begin(), list.end(), value) != list.end()) {
+        return refuse_role(status::Bad_AlreadyExists, role.name, "has that rule already");
+    }
+    if (list.size() >= most) {
+        return refuse_role(status::Bad_ResourceUnavailable, role.name,
+                           "has " + std::to_string(most) + " such rules, which is the limit");
+    }
+    list.push_back(T{value});
+    return {};
+}
+
+template <typename T, typename Value>
+Checked<void> remove_from(std::vector<T>& list, const Value& value, const RoleRules& role)
+{
+    const auto found = std::find(list.begin(), list.end(), value);
+    if (found == list.end()) {
+        return refuse_role(status::Bad_NotFound, role.name, "has no such rule");
+    }
+    list.erase(found);
+    return {};
+}
+
+// Copies that own their texts, which a request may have lent, and have none that is null: that is
+// the same as an empty one here.
+
+IdentityMappingRuleType own_copy(const IdentityMappingRuleType& rule)
+{
+    IdentityMappingRuleType own;
+    own.criteria_type = rule.criteria_type;
+    own.criteria = String{rule.criteria.str()};
+    return own;
+}
+
+EndpointType own_copy(const EndpointType& endpoint)
+{
+    EndpointType own;
+    own.endpoint_url = String{endpoint.endpoint_url.str()};
+    own.security_mode = endpoint.security_mode;
+    own.security_policy_uri = String{endpoint.security_policy_uri.str()};
+    own.transport_profile_uri = String{endpoint.transport_profile_uri.str()};
+    return own;
+}
+
+Checked<void> check_fixed(const RoleRules& role)
+{
+    if (is_fixed(role)) {
+        return refuse_role(status::Bad_RequestNotAllowed, role.name,
+                           "has the rule that its name says, and no other");
+    }
+    return {};
+}
+
+} // namespace
+
+namespace detail {
+
+std::vector<RoleRules> well_known_roles()
+{
+    std::vector<RoleRules> roles;
+    for (const std::string_view name : well_known) {
+        RoleRules role;
+        role.name = name;
+        role.namespace_uri = ua_uri;
+        if (name == "Anonymous") {
+            role.identities = {{IdentityCriteriaType::Anonymous, {}},
+                               {IdentityCriteriaType::AuthenticatedUser, {}}};
+        } else if (name == "AuthenticatedUser") {
+            role.identities = {{IdentityCriteriaType::AuthenticatedUser, {}}};
+        } else if (name == "TrustedApplication") {
+            role.identities = {{IdentityCriteriaType::TrustedApplication, {}}};
+        }
+        roles.push_back(std::move(role));
+    }
+    return roles;
+}
+
+} // namespace detail
+
+RoleList::RoleList(Storage& storage, std::string file, const RoleLimits& limits)
+    : storage_{&storage}, file_{std::move(file)}, limits_{limits}, roles_{
+                                                                       detail::well_known_roles()}
+{
+}
+
+Configured<void> RoleList::load()
+{
+    auto roles = detail::read_roles(*storage_, file_, limits_);
+    if (!roles) {
+        return tl::unexpected{roles.error()};
+    }
+    const std::lock_guard lock{mutex_};
+    roles_ = *std::move(roles);
+    return {};
+}
+
+const RoleRules* RoleList::find(std::string_view name) const
+{
+    const auto found = std::find_if(roles_.begin(), roles_.end(),
+                                    [&](const RoleRules& role) { return role.name == name; });
+    return found == roles_.end() ? nullptr : &*found;
+}
+
+bool RoleList::is_well_known(std::string_view name)
+{
+    return std::find(well_known.begin(), well_known.end(), name) != well_known.end();
+}
+
+Checked<void> RoleList::replace(std::vector<RoleRules> roles)
+{
+    const std::string document = detail::document_of(roles);
+    const auto written = storage_->replace(
+        file_, std::as_bytes(std::span{document.data(), document.size()}), FileAccess::Owner);
+    if (!written) {
+        return refuse(
+            {status::Bad_ResourceUnavailable,
+             "role set",
+             storage_->place(file_) + " cannot be written: " + std::string{text(written.error())},
+             {},
+             "Nothing was changed"});
+    }
+    const std::lock_guard lock{mutex_};
+    roles_ = std::move(roles);
+    return {};
+}
+
+template <typename Change>
+Checked<void> RoleList::change(std::string_view name, Change change)
+{
+    std::vector<RoleRules> roles = roles_;
+    const auto found = std::find_if(roles.begin(), roles.end(),
+                                    [&](const RoleRules& role) { return role.name == name; });
+    if (found == roles.end()) {
+        return refuse_role(status::Bad_NotFound, name, "is not there");
+    }
+    const bool was_administrator = can_make_administrator(*found);
+    if (Checked<void> changed = change(*found); !changed) {
+        return changed;
+    }
+    if (was_administrator && !can_make_administrator(*found)) {
+        return refuse_role(status::Bad_RequestNotAllowed, name,
+                           "would have no rule, and nobody could administer the server by it");
+    }
+    return replace(std::move(roles));
+}
+
+Checked<void> RoleList::add(std::string name, std::string namespace_uri)
+{
+    if (name.empty() || name.size() > limits_.max_text || namespace_uri.size() > limits_.max_text) {
+        return refuse_role(status::Bad_InvalidArgument, name, "has an empty or overlong name");
+    }
+    if (find(name) != nullptr) {
+        return refuse_role(status::Bad_AlreadyExists, name, "is there already");
+    }
+    if (roles_.size() >= limits_.max_roles) {
+        return refuse_role(status::Bad_ResourceUnavailable, name,
+                           "is one more than the limit of " + std::to_string(limits_.max_roles));
+    }
+    std::vector<RoleRules> roles = roles_;
+    RoleRules role;
+    role.name = std::move(name);
+    role.namespace_uri = std::move(namespace_uri);
+    roles.push_back(std::move(role));
+    return replace(std::move(roles));
+}
+
+Checked<void> RoleList::remove(std::string_view name)
+{
+    std::vector<RoleRules> roles = roles_;
+    const auto found = std::find_if(roles.begin(), roles.end(),
+                                    [&](const RoleRules& role) { return role.name == name; });
+    if (found == roles.end()) {
+        return refuse_role(status::Bad_NotFound, name, "is not there");
+    }
+    if (is_well_known(name)) {
+        return refuse_role(status::Bad_RequestNotAllowed, name, "is a well-known one, which stays");
+    }
+    roles.erase(found);
+    return replace(std::move(roles));
+}
+
+Checked<void> RoleList::add_identity(std::string_view role, const IdentityMappingRuleType& rule)
+{
+    return change(role, [&](RoleRules& changed) -> Checked<void> {
+        if (const StatusCode bad = detail::check_rule(rule, limits_.max_text); bad.is_bad()) {
+            return refuse_role(bad, role, "was to get a rule that cannot be used");
+        }
+        return check_fixed(changed).and_then(
+            [&] { return add_to(changed.identities, own_copy(rule), changed, limits_.max_rules); });
+    });
+}
+
+Checked<void> RoleList::remove_identity(std::string_view role, const IdentityMappingRuleType& rule)
+{
+    return change(role, [&](RoleRules& changed) {
+        return check_fixed(changed).and_then(
+            [&] { return remove_from(changed.identities, own_copy(rule), changed); });
+    });
+}
+
+Checked<void> RoleList::add_application(std::string_view role, std::string_view uri)
+{
+    return change(role, [&](RoleRules& changed) -> Checked<void> {
+        if (uri.empty() || uri.size() > limits_.max_text) {
+            return refuse_role(status::Bad_InvalidArgument, role, "was to get no ApplicationUri");
+        }
+        return check_fixed(changed).and_then([&] {
+            return add_to(changed.applications, std::string{uri}, changed, limits_.max_rules);
+        });
+    });
+}
+
+Checked<void> RoleList::remove_application(std::string_view role, std::string_view uri)
+{
+    return change(role, [&](RoleRules& changed) {
+        return remove_from(changed.applications, std::string{uri}, changed);
+    });
+}
+
+Checked<void> RoleList::add_endpoint(std::string_view role, const EndpointType& endpoint)
+{
+    return change(role, [&](RoleRules& changed) -> Checked<void> {
+        const std::size_t size = endpoint.endpoint_url.size() +
+                                 endpoint.security_policy_uri.size() +
+                                 endpoint.transport_profile_uri.size();
+        const auto mode = static_cast<std::int32_t>(endpoint.security_mode);
+        if (size > limits_.max_text || mode < 0 || mode > 3) {
+            return refuse_role(status::Bad_InvalidArgument, role,
+                               "was to get an endpoint that makes no sense");
+        }
+        return check_fixed(changed).and_then([&] {
+            return add_to(changed.endpoints, own_copy(endpoint), changed, limits_.max_rules);
+        });
+    });
+}
+
+Checked<void> RoleList::remove_endpoint(std::string_view role, const EndpointType& endpoint)
+{
+    return change(role, [&](RoleRules& changed) {
+        return remove_from(changed.endpoints, own_copy(endpoint), changed);
+    });
+}
+
+Checked<void> RoleList::set_applications_exclude(std::string_view role, bool excludes)
+{
+    return change(role, [&](RoleRules& changed) {
+        return check_fixed(changed).map([&] { changed.applications_exclude = excludes; });
+    });
+}
+
+Checked<void> RoleList::set_endpoints_exclude(std::string_view role, bool excludes)
+{
+    return change(role, [&](RoleRules& changed) {
+        return check_fixed(changed).map([&] { changed.endpoints_exclude = excludes; });
+    });
+}
+
+bool RoleList::is_administrator(std::string_view user) const
+{
+    const std::lock_guard lock{mutex_};
+    const RoleRules* const role = find("SecurityAdmin");
+    return role != nullptr &&
+           std::any_of(role->identities.begin(), role->identities.end(),
+                       [&](const IdentityMappingRuleType& rule) {
+                           return rule.criteria_type == IdentityCriteriaType::UserName &&
+                                  rule.criteria.view() == user;
+                       });
+}
+
+server::UserRights RoleList::roles_of(const server::RoleQuestion& question) const
+{
+    server::UserRights rights{0, {}};
+    for (const RoleRules& role : roles_) {
+        // Anonymous and AuthenticatedUser follow from the token; no list of roles has them.
+        const bool is_of_token = role.name == "Anonymous" || role.name == "AuthenticatedUser";
+        if (!is_of_token && detail::fits(role, question)) {
+            rights.roles.push_back(role.name);
+        }
+    }
+    if (!rights.roles.empty()) {
+        rights.access_level_mask = detail::access_of(rights.roles);
+    }
+    return rights;
+}
+
+} // namespace busbar::administration
