@@ -23,6 +23,7 @@ constexpr std::array layers = {
     Layer{"channel", " core binary types crypto channel "},
     Layer{"model", " core binary types model nodes "},
     Layer{"server", " core binary types crypto channel model nodes server "},
+    Layer{"administration", " core binary types crypto channel model nodes server administration "},
     Layer{"client", " core binary types crypto channel client "},
     Layer{"net", " core binary types crypto channel model nodes server client storage net "},
     Layer{"harness", " core binary types crypto channel model nodes server client harness "},

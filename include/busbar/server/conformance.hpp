@@ -28,6 +28,8 @@ struct ConformanceFacts {
     bool triggering{false};
     bool transfer{false};
     bool audit{false};
+    /// RoleSet with Methods.
+    bool roles{false};
 
     // What it is reached by, and what the program around it does.
 

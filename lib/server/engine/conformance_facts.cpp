@@ -6,6 +6,7 @@
 #include <busbar/types/ids.hpp>
 
 #include "core.hpp"
+#include "server/rights/method_lookup.hpp"
 #include "server/users/user_policies.hpp"
 
 namespace busbar::server::detail {
@@ -45,6 +46,9 @@ void add_modules(ConformanceFacts& facts, const Core& core)
     facts.events = core.events->queue() != nullptr;
     facts.node_management = core.node_management != nullptr && core.config.has_node_management;
     facts.diagnostics = core.server_object.has_others();
+    facts.audit = facts.events && core.config.is_auditing;
+    const auto add_role = core.address_space.find(id::Server_ServerCapabilities_RoleSet_AddRole);
+    facts.roles = add_role != model::no_node && is_executable(core.address_space, add_role);
     facts.triggering = has_service(core, id::SetTriggeringRequest_Encoding_DefaultBinary);
     facts.transfer = has_service(core, id::TransferSubscriptionsRequest_Encoding_DefaultBinary);
 }

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <memory>
+
+#include <busbar/administration/role_list.hpp>
+#include <busbar/core/api.hpp>
+#include <busbar/core/clock.hpp>
+#include <busbar/core/log.hpp>
+#include <busbar/core/named_fields.hpp>
+#include <busbar/core/problem.hpp>
+#include <busbar/server/server.hpp>
+
+namespace busbar::administration {
+
+/// What an Administration is made of. All must outlive it.
+struct AdministrationParts {
+    [[no_unique_address]] NamedFields named_fields{};
+
+    /// Required: the server's own ones.
+    const WallClock* wall_clock{nullptr};
+    LogSink* log{nullptr};
+    /// RoleSet (Part 18, 4): the one that is the server's ServerEnvironment::roles too. Null: the
+    /// server has well-known roles and no way to change them.
+    RoleList* roles{nullptr};
+};
+
+/// What administrators do while a server runs, by the means of the standard: nodes below the Server
+/// object and what is behind their Methods. What a part is missing for is absent from the address
+/// space.
+///
+/// On the server's thread. Outlives the server.
+class BUSBAR_API Administration {
+public:
+    explicit Administration(const AdministrationParts& parts);
+    Administration(const Administration&) = delete;
+    Administration& operator=(const Administration&) = delete;
+    ~Administration();
+
+    /// Adds the nodes to the server and binds them; once, before clients connect. What namespace 0
+    /// of this build is too small for is left out, and the log says so. The problem is one of nodes
+    /// that are there already.
+    [[nodiscard]] Configured<void> attach(server::Server& server);
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace busbar::administration

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <array>
+
+#include <busbar/core/record.hpp>
+#include <busbar/server/method_table.hpp>
+
+namespace busbar::administration::detail {
+
+/// Tells what a Method of the administration did, or why not; `refusal` may be null.
+inline void tell_method(LogSink& log, RecordKind kind, const server::MethodCall& call,
+                        StatusCode status, const Refusal* refusal)
+{
+    const server::MethodCaller& caller = call.caller();
+    const std::array fields{RecordField{"ObjectId", Variant{call.object_id()}},
+                            RecordField{"MethodId", Variant{call.method_id()}}};
+    Record record{kind, refusal == nullptr ? LogLevel::Info : LogLevel::Warning, "administration"};
+    record.text = std::string{name(kind)} + " by user \"" + printable(caller.user.name) +
+                  "\" from " + caller.address +
+                  (refusal != nullptr ? ": " + text(*refusal) : std::string{});
+    record.status = status;
+    record.refusal = refusal;
+    record.actor.session_id = &caller.session_id;
+    record.actor.user = caller.user.name;
+    record.actor.address = caller.address;
+    record.actor.audit_entry_id = caller.audit_entry_id;
+    record.fields = fields;
+    tell(log, record);
+}
+
+} // namespace busbar::administration::detail

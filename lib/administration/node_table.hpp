@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <string_view>
+#include <vector>
+
+#include <busbar/model/address_space.hpp>
+#include <busbar/server/data_source.hpp>
+#include <busbar/server/method_table.hpp>
+
+namespace busbar::administration::detail {
+
+/// Functions behind nodes: values that are made when they are asked for, values that are checked
+/// when they are written, and Methods.
+///
+/// On the server's thread, but for post(). Functions that throw end what they were called for.
+class NodeTable final : public server::DataSource {
+public:
+    using Value = std::function<Variant()>;
+    /// Good, or why not.
+    using Setter = std::function<StatusCode(const DataValue& value)>;
+    using Method = server::MethodTable::Function;
+
+    /// `now` is the source timestamp of values.
+    explicit NodeTable(const WallClock& clock) : clock_{&clock} {}
+
+    /// The Variable's value comes from `value` from now on. False if there is no such node.
+    bool bind_value(model::AddressSpace& space, model::NodeIndex node, Value value,
+                    Setter setter = {});
+    bool bind_method(model::AddressSpace& space, model::NodeIndex node, Method method);
+    /// Runs the task on the server's thread, soon; at once without a Waker. Any thread.
+    void post(std::function<void()> task);
+
+    void read(server::ReadBatch batch) override;
+    void write(server::WriteBatch batch) override;
+    void call(server::CallBatch batch) override;
+    void attach(server::Waker* waker) override;
+    void handle_completions() override;
+
+private:
+    struct Entry {
+        Value value;
+        Setter setter;
+        Method method;
+    };
+
+    std::uint64_t add(Entry entry);
+    [[nodiscard]] const Entry* find(std::uint64_t handle) const
+    {
+        return handle < entries_.size() ? &entries_[static_cast<std::size_t>(handle)] : nullptr;
+    }
+
+    const WallClock* clock_;
+    /// The handle is the index.
+    std::vector<Entry> entries_;
+    std::mutex mutex_; // of what follows
+    server::Waker* waker_{nullptr};
+    std::vector<std::function<void()>> tasks_;
+};
+
+/// The child with this name in namespace 0; no_node if there is none.
+[[nodiscard]] model::NodeIndex child_of(const model::AddressSpace& space, model::NodeIndex parent,
+                                        std::string_view name);
+
+} // namespace busbar::administration::detail

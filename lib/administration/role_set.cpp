@@ -1,0 +1,313 @@
+#include "role_set.hpp"
+
+#include <array>
+#include <optional>
+#include <utility>
+
+#include <busbar/administration/role_set_nodes/nodes.hpp>
+#include <busbar/binary/dynamic_value.hpp>
+#include <busbar/core/text.hpp>
+#include <busbar/model/instance.hpp>
+#include <busbar/server/running_server.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "method_record.hpp"
+
+namespace busbar::administration::detail {
+
+namespace {
+
+using model::NodeIndex;
+using server::MethodCall;
+
+/// The node of a well-known role (Part 6, Annex A); no_node in a small namespace 0.
+NodeIndex well_known_node(const model::AddressSpace& space, std::string_view name)
+{
+    struct WellKnown {
+        std::string_view name;
+        std::uint32_t id;
+    };
+    static constexpr std::array all{
+        WellKnown{"Anonymous", id::WellKnownRole_Anonymous},
+        WellKnown{"AuthenticatedUser", id::WellKnownRole_AuthenticatedUser},
+        WellKnown{"TrustedApplication", id::WellKnownRole_TrustedApplication},
+        WellKnown{"Observer", id::WellKnownRole_Observer},
+        WellKnown{"Operator", id::WellKnownRole_Operator},
+        WellKnown{"Engineer", id::WellKnownRole_Engineer},
+        WellKnown{"Supervisor", id::WellKnownRole_Supervisor},
+        WellKnown{"ConfigureAdmin", id::WellKnownRole_ConfigureAdmin},
+        WellKnown{"SecurityAdmin", id::WellKnownRole_SecurityAdmin},
+    };
+    for (const WellKnown& each : all) {
+        if (each.name == name) {
+            return space.find(each.id);
+        }
+    }
+    return model::no_node;
+}
+
+/// The structure of an argument; empty if it is another one, which the Method's InputArguments do
+/// not let through.
+template <typename T>
+T structure_input(const MethodCall& call)
+{
+    const auto* const object = call.inputs()[0].get_if<ExtensionObject>();
+    T result;
+    if (object == nullptr) {
+        return result;
+    }
+    if (const T* const decoded = object->get_if<T>()) {
+        result = *decoded;
+    } else if (auto found = binary::structure_of<T>(*object)) {
+        result = *std::move(found);
+    }
+    // The analyzer cannot follow a count of references.
+    return result; // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks)
+}
+
+/// The text of an argument; empty if it is null.
+std::string text_input(const MethodCall& call, std::size_t index)
+{
+    const auto* const text = call.inputs()[index].get_if<String>();
+    return text != nullptr ? text->str() : std::string{};
+}
+
+template <typename T, typename From>
+Variant structures(const std::vector<From>& list)
+{
+    Array<ExtensionObject> objects;
+    objects.clear(); // not null
+    for (const From& each : list) {
+        objects.push_back(ExtensionObject::from(T{each}));
+    }
+    return Variant{std::move(objects)};
+}
+
+Variant texts(const std::vector<std::string>& list)
+{
+    Array<String> result;
+    result.clear(); // not null
+    for (const std::string& each : list) {
+        result.push_back(String{each});
+    }
+    return Variant{std::move(result)};
+}
+
+} // namespace
+
+Configured<void> RoleSet::attach()
+{
+    if (space_.find(id::RoleType) == model::no_node ||
+        space_.find(id::Server_ServerCapabilities_RoleSet) == model::no_node) {
+        log_.write(LogLevel::Info, "administration",
+                   "no RoleSet: namespace 0 of this build is too small for it (BUSBAR_NAMESPACE0)");
+        return {};
+    }
+    const auto own = space_.namespace_index(server_.config().application_uri);
+    const auto added = space_.add(role_set_nodes::nodes());
+    if (!own || !added) {
+        return misconfigured("roles", "their nodes cannot be added",
+                             added ? StatusCode{status::Bad_ConfigurationError} : added.error());
+    }
+    own_namespace_ = *own;
+    table_.bind_method(space_, space_.find(id::Server_ServerCapabilities_RoleSet_AddRole),
+                       [this](MethodCall call) { add_role(std::move(call)); });
+    table_.bind_method(space_, space_.find(id::Server_ServerCapabilities_RoleSet_RemoveRole),
+                       [this](MethodCall call) { remove_role(std::move(call)); });
+    for (const RoleRules& role : roles_.roles()) {
+        if (RoleList::is_well_known(role.name)) {
+            bind(role.name, well_known_node(space_, role.name));
+        } else if (const auto node = add_node(role); !node) {
+            return misconfigured("role \"" + printable(role.name) + "\"",
+                                 "its node cannot be added", node.error());
+        }
+    }
+    return {};
+}
+
+void RoleSet::bind(const std::string& role, NodeIndex node)
+{
+    bind_values(role, node);
+    bind_methods(role, node);
+}
+
+void RoleSet::bind_values(const std::string& name, NodeIndex node)
+{
+    using Make = Variant (*)(const RoleRules&);
+    const auto bind_one = [&](std::string_view member, Make make, NodeTable::Setter setter = {}) {
+        table_.bind_value(
+            space_, child_of(space_, node, member),
+            [this, name, make] {
+                const RoleRules* const role = roles_.find(name);
+                return role != nullptr ? make(*role) : Variant{};
+            },
+            std::move(setter));
+    };
+    using Set = Checked<void> (RoleList::*)(std::string_view, bool);
+    const auto setter = [&](Set set) {
+        return [this, name, set](const DataValue& value) {
+            const auto done = (roles_.*set)(name, value.value.value_or<bool>(true));
+            if (!done) {
+                return done.error().status;
+            }
+            table_.post([this] { server::RunningServer{server_}.roles_changed(); });
+            return status::Good;
+        };
+    };
+    bind_one("Identities", [](const RoleRules& role) {
+        return structures<IdentityMappingRuleType>(role.identities);
+    });
+    bind_one("Applications", [](const RoleRules& role) { return texts(role.applications); });
+    bind_one("Endpoints",
+             [](const RoleRules& role) { return structures<EndpointType>(role.endpoints); });
+    bind_one(
+        "ApplicationsExclude",
+        [](const RoleRules& role) { return Variant{role.applications_exclude}; },
+        setter(&RoleList::set_applications_exclude));
+    bind_one(
+        "EndpointsExclude", [](const RoleRules& role) { return Variant{role.endpoints_exclude}; },
+        setter(&RoleList::set_endpoints_exclude));
+    // Rules are the whole of it.
+    bind_one("CustomConfiguration", [](const RoleRules&) { return Variant{false}; });
+}
+
+void RoleSet::bind_methods(const std::string& name, NodeIndex node)
+{
+    bind_change(node, "AddIdentity", [this, name](const MethodCall& call) {
+        return roles_.add_identity(name, structure_input<IdentityMappingRuleType>(call));
+    });
+    bind_change(node, "RemoveIdentity", [this, name](const MethodCall& call) {
+        return roles_.remove_identity(name, structure_input<IdentityMappingRuleType>(call));
+    });
+    bind_change(node, "AddApplication", [this, name](const MethodCall& call) {
+        return roles_.add_application(name, text_input(call, 0));
+    });
+    bind_change(node, "RemoveApplication", [this, name](const MethodCall& call) {
+        return roles_.remove_application(name, text_input(call, 0));
+    });
+    bind_change(node, "AddEndpoint", [this, name](const MethodCall& call) {
+        return roles_.add_endpoint(name, structure_input<EndpointType>(call));
+    });
+    bind_change(node, "RemoveEndpoint", [this, name](const MethodCall& call) {
+        return roles_.remove_endpoint(name, structure_input<EndpointType>(call));
+    });
+}
+
+void RoleSet::bind_change(NodeIndex node, std::string_view method, Change change)
+{
+    table_.bind_method(space_, child_of(space_, node, method),
+                       [this, change = std::move(change)](MethodCall call) {
+                           const Checked<void> done = change(call);
+                           if (!done) {
+                               tell_refused(call, done.error());
+                               return call.fail(done.error().status);
+                           }
+                           changed(call);
+                           call.succeed();
+                       });
+}
+
+void RoleSet::changed(const MethodCall& call)
+{
+    tell_method(log_, RecordKind::RolesChanged, call, status::Good, nullptr);
+    table_.post([this] { server::RunningServer{server_}.roles_changed(); });
+}
+
+void RoleSet::tell_refused(const MethodCall& call, const Refusal& refusal)
+{
+    tell_method(log_, RecordKind::RolesChanged, call, refusal.status, &refusal);
+}
+
+NodeId RoleSet::node_id(const RoleRules& role) const
+{
+    return NodeId{own_namespace_, "RoleSet/" + role.namespace_uri + "/" + role.name};
+}
+
+Result<NodeIndex> RoleSet::add_node(const RoleRules& role)
+{
+    const auto name_space = space_.namespace_index(role.namespace_uri);
+    model::NewNode node;
+    node.id = node_id(role);
+    // A namespace that a model brought once may be gone.
+    node.browse_name = QualifiedName{name_space.value_or(own_namespace_), String{role.name}};
+    node.parent = space_.find(id::Server_ServerCapabilities_RoleSet);
+    model::InstanceOptions options;
+    options.all_optional = true;
+    options.methods = model::InstanceMethods::Copied;
+    const auto made = model::instantiate(space_, node, space_.find(id::RoleType), options);
+    if (!made) {
+        return made;
+    }
+    // Who may do what with it is as for the others (Part 18, 4.4.1).
+    const NodeIndex like = space_.find(id::WellKnownRole_Operator);
+    const auto copy_access = [&](NodeIndex from, NodeIndex to) {
+        const model::NodeAccess* const access =
+            from != model::no_node ? space_.node_access(from) : nullptr;
+        if (access != nullptr && to != model::no_node) {
+            space_.set_node_access(to, model::NodeAccess{*access});
+        }
+    };
+    copy_access(like, *made);
+    for (const char* member :
+         {"Identities", "ApplicationsExclude", "Applications", "EndpointsExclude", "Endpoints",
+          "CustomConfiguration", "AddIdentity", "RemoveIdentity", "AddApplication",
+          "RemoveApplication", "AddEndpoint", "RemoveEndpoint"}) {
+        copy_access(child_of(space_, like, member), child_of(space_, *made, member));
+    }
+    bind(role.name, *made);
+    return made;
+}
+
+/// Part 18, 4.2.2.
+void RoleSet::add_role(MethodCall call)
+{
+    const std::string name = text_input(call, 0);
+    const std::string uri = text_input(call, 1);
+    if (!uri.empty() && !space_.namespace_index(uri)) {
+        return call.fail(status::Bad_InvalidArgument);
+    }
+    if (const auto added = roles_.add(name, uri); !added) {
+        tell_refused(call, added.error());
+        return call.fail(added.error().status);
+    }
+    const RoleRules& role = *roles_.find(name);
+    if (const auto node = add_node(role); !node) {
+        static_cast<void>(roles_.remove(name));
+        return call.fail(node.error());
+    }
+    changed(call);
+    Array<Variant> outputs;
+    outputs.push_back(Variant{node_id(role)});
+    call.succeed(std::move(outputs));
+}
+
+/// Part 18, 4.2.3.
+void RoleSet::remove_role(MethodCall call)
+{
+    const NodeId id = call.input<NodeId>(0);
+    const NodeIndex node = space_.find(id);
+    std::string name;
+    for (const RoleRules& role : roles_.roles()) {
+        const bool is_it = RoleList::is_well_known(role.name)
+                               ? well_known_node(space_, role.name) == node
+                               : node_id(role) == id;
+        name = is_it ? role.name : name;
+    }
+    if (node == model::no_node || name.empty()) {
+        return call.fail(status::Bad_NotFound);
+    }
+    if (const auto removed = roles_.remove(name); !removed) {
+        tell_refused(call, removed.error());
+        return call.fail(removed.error().status);
+    }
+    // Not while a Method of it may be running.
+    table_.post([this, id] {
+        if (const NodeIndex gone = space_.find(id); gone != model::no_node) {
+            static_cast<void>(space_.remove(gone));
+        }
+    });
+    changed(call);
+    call.succeed();
+}
+
+} // namespace busbar::administration::detail

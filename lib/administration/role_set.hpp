@@ -1,0 +1,50 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <busbar/administration/role_list.hpp>
+#include <busbar/core/record.hpp>
+#include <busbar/server/server.hpp>
+
+#include "node_table.hpp"
+
+namespace busbar::administration::detail {
+
+/// The RoleSet object (Part 18, 4.2 and 4.3) over a RoleList.
+class RoleSet {
+public:
+    RoleSet(server::Server& server, RoleList& roles, NodeTable& table, LogSink& log)
+        : server_{server}, space_{server.address_space()}, roles_{roles}, table_{table}, log_{log}
+    {
+    }
+
+    /// The problem says what is missing in namespace 0.
+    [[nodiscard]] Configured<void> attach();
+
+private:
+    using Change = std::function<Checked<void>(const server::MethodCall&)>;
+
+    void bind(const std::string& role, model::NodeIndex node);
+    void bind_values(const std::string& role, model::NodeIndex node);
+    void bind_methods(const std::string& role, model::NodeIndex node);
+    /// A Method that changes the list.
+    void bind_change(model::NodeIndex node, std::string_view method, Change change);
+    void add_role(server::MethodCall call);
+    void remove_role(server::MethodCall call);
+    /// The node of a role that is not well-known.
+    [[nodiscard]] Result<model::NodeIndex> add_node(const RoleRules& role);
+    [[nodiscard]] NodeId node_id(const RoleRules& role) const;
+    /// What was done, for those who write logs; sessions get their roles anew.
+    void changed(const server::MethodCall& call);
+    void tell_refused(const server::MethodCall& call, const Refusal& refusal);
+
+    server::Server& server_;
+    model::AddressSpace& space_;
+    RoleList& roles_;
+    NodeTable& table_;
+    LogSink& log_;
+    std::uint16_t own_namespace_{0};
+};
+
+} // namespace busbar::administration::detail
