@@ -1,0 +1,263 @@
+#include <busbar/administration/role_list.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <busbar/core/status_codes.hpp>
+#include <busbar/storage/memory_storage.hpp>
+
+using namespace busbar;
+using administration::RoleList;
+using administration::RoleRules;
+using server::RoleQuestion;
+using server::UserIdentity;
+
+namespace {
+
+using Names = std::vector<std::string>;
+using Criteria = IdentityCriteriaType;
+
+IdentityMappingRuleType rule(Criteria type, const char* criteria = "")
+{
+    return {type, String{criteria}};
+}
+
+template <typename T>
+std::string_view status_of(const Checked<T>& result)
+{
+    return result ? "Good" : name(result.error().status);
+}
+
+UserIdentity pat()
+{
+    return {UserTokenType::UserName, "pat"};
+}
+
+UserIdentity certified(const char* subject)
+{
+    UserIdentity user{UserTokenType::Certificate, subject};
+    user.thumbprint = "0123456789ABCDEF0123456789ABCDEF01234567";
+    return user;
+}
+
+struct Fixture {
+    Fixture() { REQUIRE(list.load()); }
+
+    [[nodiscard]] Names roles(const UserIdentity& user, bool is_trusted = false,
+                              const char* uri = "urn:client")
+    {
+        return list
+            .roles_of({.user = user,
+                       .application_uri = uri,
+                       .is_trusted = is_trusted,
+                       .endpoint_url = "opc.tcp://plc:4840",
+                       .security_mode =
+                           is_trusted ? MessageSecurityMode::Sign : MessageSecurityMode::None,
+                       .security_policy_uri =
+                           is_trusted ? "http://opcfoundation.org/UA/SecurityPolicy#Basic256Sha256"
+                                      : "http://opcfoundation.org/UA/SecurityPolicy#None"})
+            .roles;
+    }
+    [[nodiscard]] Names stored(std::string_view role)
+    {
+        RoleList again{storage, "roles.json"};
+        REQUIRE(again.load());
+        const RoleRules* const found = again.find(role);
+        Names criteria;
+        for (const auto& one :
+             found != nullptr ? found->identities : std::vector<IdentityMappingRuleType>{}) {
+            criteria.push_back(one.criteria.str());
+        }
+        return criteria;
+    }
+
+    storage::MemoryStorage storage;
+    RoleList list{storage, "roles.json"};
+};
+
+} // namespace
+
+TEST_CASE_METHOD(Fixture, "roles: the well-known ones are there, without rules of their own")
+{
+    CHECK(list.roles().size() == 9);
+    CHECK(roles(pat()).empty());
+    CHECK(roles(pat(), true) == Names{"TrustedApplication"});
+    CHECK(list.roles_of({.user = pat()}).access_level_mask == 0);
+}
+
+TEST_CASE_METHOD(Fixture, "roles: each kind of rule (Part 18, 4.4.3 and 4.4.4)")
+{
+    const auto gives = [&](const IdentityMappingRuleType& wanted, const UserIdentity& user,
+                           bool is_trusted = false) {
+        REQUIRE(list.add_identity("Observer", wanted));
+        const Names found = roles(user, is_trusted);
+        const bool is_given = std::find(found.begin(), found.end(), "Observer") != found.end();
+        REQUIRE(list.remove_identity("Observer", wanted));
+        return is_given;
+    };
+    const UserIdentity anonymous;
+    UserIdentity issued{UserTokenType::IssuedToken, "pat"};
+    issued.roles = {"line 3"};
+    CHECK(gives(rule(Criteria::UserName, "pat"), pat()));
+    CHECK_FALSE(gives(rule(Criteria::UserName, "sam"), pat()));
+    CHECK_FALSE(gives(rule(Criteria::UserName, "pat"), issued));
+    CHECK_FALSE(gives(rule(Criteria::UserName, "pat"), certified("pat")));
+    const char* const thumbprint = "0123456789ABCDEF0123456789ABCDEF01234567";
+    CHECK(gives(rule(Criteria::Thumbprint, thumbprint), certified("CN=Pat")));
+    CHECK_FALSE(gives(rule(Criteria::Thumbprint, "00000000000000000000ABCDEF0123456789ABCD"),
+                      certified("CN=Pat")));
+    CHECK(gives(rule(Criteria::Role, "line 3"), issued));
+    CHECK_FALSE(gives(rule(Criteria::Role, "line 4"), issued));
+    CHECK(gives(rule(Criteria::Anonymous), anonymous));
+    CHECK_FALSE(gives(rule(Criteria::Anonymous), pat()));
+    CHECK(gives(rule(Criteria::AuthenticatedUser), pat()));
+    CHECK_FALSE(gives(rule(Criteria::AuthenticatedUser), anonymous));
+    CHECK(gives(rule(Criteria::Application, "urn:client"), anonymous, true));
+    CHECK_FALSE(gives(rule(Criteria::Application, "urn:client"), anonymous, false)); // unproven
+    CHECK_FALSE(gives(rule(Criteria::Application, "urn:other"), anonymous, true));
+    CHECK(gives(rule(Criteria::TrustedApplication), anonymous, true));
+    CHECK_FALSE(gives(rule(Criteria::TrustedApplication), pat(), false));
+    const UserIdentity user = certified(R"(C=DE, O="Works, Ltd", CN=Pat)");
+    CHECK(gives(rule(Criteria::X509Subject, "CN=Pat"), user));
+    CHECK(gives(rule(Criteria::X509Subject, R"(CN=Pat/O="Works, Ltd")"), user));
+    CHECK(gives(rule(Criteria::X509Subject, R"(C="DE"/CN=Pat)"), user));
+    CHECK_FALSE(gives(rule(Criteria::X509Subject, "CN=Pat/O=Other"), user));
+    CHECK_FALSE(gives(rule(Criteria::X509Subject, "CN=Pa"), user));
+    // What a name says in quotes is not a pair.
+    CHECK_FALSE(gives(rule(Criteria::X509Subject, "O=Admins"), certified(R"(CN="Pat, O=Admins")")));
+}
+
+TEST_CASE_METHOD(Fixture, "roles: rules that are refused (Part 18, 4.4.5)")
+{
+    const auto add = [&](const IdentityMappingRuleType& wanted, const char* role = "Operator") {
+        return std::string{status_of(list.add_identity(role, wanted))};
+    };
+    CHECK(add(rule(Criteria::UserName)) == "Bad_InvalidArgument");
+    CHECK(add(rule(Criteria::UserName, std::string(1'025, 'x').c_str())) == "Bad_InvalidArgument");
+    CHECK(add(rule(Criteria::Anonymous, "x")) == "Bad_InvalidArgument");
+    CHECK(add(rule(Criteria::Thumbprint, "0123456789abcdef0123456789abcdef01234567")) ==
+          "Bad_InvalidArgument");
+    CHECK(add(rule(Criteria::X509Subject, "Pat")) == "Bad_InvalidArgument");
+    CHECK(add(rule(Criteria{0}, "x")) == "Bad_InvalidArgument");
+    CHECK(add(rule(Criteria{99}, "x")) == "Bad_InvalidArgument");
+    CHECK(add(rule(Criteria::GroupId, "x")) == "Bad_NotSupported");
+    for (const char* role : {"Anonymous", "AuthenticatedUser", "TrustedApplication"}) {
+        CHECK(add(rule(Criteria::UserName, "pat"), role) == "Bad_RequestNotAllowed");
+    }
+    CHECK(add(rule(Criteria::UserName, "pat"), "Nobody") == "Bad_NotFound");
+    CHECK(add(rule(Criteria::UserName, "pat")) == "Good");
+    CHECK(add(rule(Criteria::UserName, "pat")) == "Bad_AlreadyExists");
+    CHECK(status_of(list.remove_identity("Operator", rule(Criteria::UserName, "sam"))) ==
+          "Bad_NotFound");
+    CHECK(stored("Operator") == Names{"pat"});
+}
+
+TEST_CASE_METHOD(Fixture,
+                 "roles: applications and endpoints are let in or kept out (Part 18, 4.4.1)")
+{
+    REQUIRE(list.add_identity("Operator", rule(Criteria::UserName, "pat")));
+    const auto is_operator = [&](bool is_trusted, const char* uri = "urn:client") {
+        const Names found = roles(pat(), is_trusted, uri);
+        return std::find(found.begin(), found.end(), "Operator") != found.end();
+    };
+    CHECK(is_operator(false));
+    REQUIRE(list.add_application("Operator", "urn:client"));
+    CHECK_FALSE(is_operator(true));
+    CHECK(is_operator(true, "urn:other"));
+    CHECK_FALSE(is_operator(false, "urn:other")); // who knows who that is
+    REQUIRE(list.set_applications_exclude("Operator", false));
+    CHECK(is_operator(true));
+    CHECK_FALSE(is_operator(true, "urn:other"));
+    CHECK_FALSE(is_operator(false));
+    REQUIRE(list.remove_application("Operator", "urn:client"));
+    CHECK_FALSE(is_operator(true));
+    REQUIRE(list.set_applications_exclude("Operator", true));
+    CHECK(is_operator(true));
+
+    EndpointType signed_one;
+    signed_one.security_mode = MessageSecurityMode::Sign;
+    REQUIRE(list.add_endpoint("Operator", signed_one));
+    CHECK_FALSE(is_operator(true));
+    CHECK(is_operator(false));
+    REQUIRE(list.set_endpoints_exclude("Operator", false));
+    CHECK(is_operator(true));
+    CHECK_FALSE(is_operator(false));
+    EndpointType url;
+    url.endpoint_url = "opc.tcp://plc:4840";
+    REQUIRE(list.add_endpoint("Operator", url));
+    CHECK(is_operator(false));
+    CHECK(status_of(list.add_endpoint("Operator", url)) == "Bad_AlreadyExists");
+    REQUIRE(list.remove_endpoint("Operator", url));
+    CHECK(status_of(list.remove_endpoint("Operator", url)) == "Bad_NotFound");
+    url.security_mode = MessageSecurityMode{9};
+    CHECK(status_of(list.add_endpoint("Operator", url)) == "Bad_InvalidArgument");
+    RoleList again{storage, "roles.json"};
+    REQUIRE(again.load());
+    REQUIRE(again.find("Operator")->endpoints.size() == 1);
+    CHECK(again.find("Operator")->endpoints[0].security_mode == MessageSecurityMode::Sign);
+    CHECK_FALSE(again.find("Operator")->endpoints_exclude);
+}
+
+TEST_CASE_METHOD(Fixture, "roles: own ones come and go (Part 18, 4.2)")
+{
+    REQUIRE(list.add("Fitter", "urn:works"));
+    CHECK(list.find("Fitter")->applications_exclude);
+    CHECK(list.find("Fitter")->endpoints_exclude);
+    CHECK(status_of(list.add("Fitter", "")) == "Bad_AlreadyExists");
+    CHECK(status_of(list.add("SecurityAdmin", "urn:works")) == "Bad_AlreadyExists");
+    CHECK(status_of(list.add("", "")) == "Bad_InvalidArgument");
+    REQUIRE(list.add_identity("Fitter", rule(Criteria::UserName, "pat")));
+    CHECK(roles(pat()) == Names{"Fitter"});
+    CHECK(list.roles_of({.user = pat()}).access_level_mask == 0xFF);
+    CHECK(stored("Fitter") == Names{"pat"});
+    CHECK(status_of(list.remove("Operator")) == "Bad_RequestNotAllowed");
+    CHECK(status_of(list.remove("Nobody")) == "Bad_NotFound");
+    REQUIRE(list.remove("Fitter"));
+    CHECK(roles(pat()).empty());
+    for (int i = 0; list.roles().size() < 64; ++i) {
+        REQUIRE(list.add("role " + std::to_string(i), ""));
+    }
+    CHECK(status_of(list.add("one more", "")) == "Bad_ResourceUnavailable");
+}
+
+TEST_CASE_METHOD(Fixture, "roles: nobody takes the last rule of SecurityAdmin away")
+{
+    REQUIRE(list.add_identity("SecurityAdmin", rule(Criteria::UserName, "root")));
+    CHECK(list.is_administrator("root"));
+    CHECK_FALSE(list.is_administrator("pat"));
+    CHECK(status_of(list.remove_identity("SecurityAdmin", rule(Criteria::UserName, "root"))) ==
+          "Bad_RequestNotAllowed");
+    REQUIRE(list.add_identity("SecurityAdmin", rule(Criteria::UserName, "pat")));
+    REQUIRE(list.remove_identity("SecurityAdmin", rule(Criteria::UserName, "root")));
+    CHECK_FALSE(list.is_administrator("root"));
+}
+
+TEST_CASE_METHOD(Fixture,
+                 "roles: a file that is wrong is refused with its place, and nothing changes")
+{
+    REQUIRE(list.add_identity("Operator", rule(Criteria::UserName, "pat")));
+    const std::string rest =
+        R"("applications_exclude":true,"applications":[],"endpoints_exclude":true,"endpoints":[]})";
+    const auto problem = [&](const std::string& roles_text) {
+        const std::string document = R"({"version":1,"roles":[)" + roles_text + "]}";
+        REQUIRE(
+            storage.replace("roles.json", std::as_bytes(std::span{document}), FileAccess::Owner));
+        const auto loaded = list.load();
+        CHECK(list.find("Operator")->identities.size() == 1);
+        return loaded ? "Good" : busbar::text(loaded.error());
+    };
+    const std::string place = "memory:roles.json: roles[0].";
+    CHECK(problem("7") == place + "name: found nothing, expected a text");
+    CHECK(problem(R"({"name":"Operator","namespace_uri":"urn:other","identities":[],)" + rest) ==
+          place + "namespace_uri: found \"urn:other\", expected each name once");
+    CHECK(problem(R"({"name":"a","namespace_uri":"","identities":[7],)" + rest) ==
+          place + "identities: found a list, expected a list of rules");
+    CHECK(problem(R"({"name":"a","namespace_uri":"","identities":[)"
+                  R"({"criteria_type":4,"criteria":"x"}],)" +
+                  rest) == place + "identities: found a list, expected rules that can be used");
+    CHECK(problem(R"({"name":"a","namespace_uri":"","identities":[],"applications_exclude":1})") ==
+          place + "applications_exclude: found 1, expected true or false");
+    const std::string document = R"({"version":1,"roles":[]})";
+    REQUIRE(storage.replace("roles.json", std::as_bytes(std::span{document}), FileAccess::Owner));
+    REQUIRE(list.load());
+    CHECK(list.roles().size() == 9);
+}

@@ -1,0 +1,281 @@
+#include <busbar/administration/administration.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <busbar/administration/role_set_nodes/nodes.hpp>
+#include <busbar/storage/memory_storage.hpp>
+#include <busbar/types/attribute.hpp>
+#include <busbar/types/ids.hpp>
+#include <busbar/types/method.hpp>
+#include <busbar/types/view.hpp>
+
+#include "support/server_fixture.hpp"
+
+using namespace busbar;
+using namespace busbar::test;
+
+namespace {
+
+constexpr std::uint32_t add_identity = 15684; // of Operator
+constexpr std::uint32_t remove_identity = 15686;
+constexpr std::uint32_t identities = 16225;
+constexpr std::uint32_t applications_exclude = 15418;
+constexpr std::uint32_t add_application = 16228;
+
+IdentityMappingRuleType user_rule(const char* name)
+{
+    return {IdentityCriteriaType::UserName, String{name}};
+}
+
+struct Fixture {
+    Fixture()
+    {
+        REQUIRE(roles.load());
+        REQUIRE(administration.attach(server));
+    }
+
+    [[nodiscard]] TestClient log_in(const char* name,
+                                    MessageSecurityMode mode = MessageSecurityMode::SignAndEncrypt)
+    {
+        TestClient client{server.connect("192.0.2.1", now).value(), setting("Basic256Sha256", mode),
+                          channel::ChannelEnvironment{.random = &random,
+                                                      .wall_clock = &wall_clock,
+                                                      .log = &log,
+                                                      .validator = &validator,
+                                                      .identity = &client_identity()},
+                          now};
+        REQUIRE(client.create_session());
+        REQUIRE(client.activate(client.user(name, std::string{name} + "-secret")) == status::Good);
+        return client;
+    }
+    static CallMethodResult call(TestClient& client, const NodeId& object, const NodeId& method,
+                                 std::vector<Variant> inputs)
+    {
+        CallRequest request;
+        request.methods_to_call.resize(1);
+        request.methods_to_call[0].object_id = object;
+        request.methods_to_call[0].method_id = method;
+        request.methods_to_call[0].input_arguments = Array<Variant>{inputs};
+        const auto response = client.call<CallResponse>(request);
+        REQUIRE(response);
+        return response->results[0];
+    }
+    static std::string_view call_operator(TestClient& client, std::uint32_t method, Variant input)
+    {
+        return name(call(client, NodeId{0, id::WellKnownRole_Operator}, NodeId{0, method},
+                         {std::move(input)})
+                        .status_code);
+    }
+    static DataValue read(TestClient& client, const NodeId& node)
+    {
+        ReadRequest request;
+        request.nodes_to_read.resize(1);
+        request.nodes_to_read[0].node_id = node;
+        request.nodes_to_read[0].attribute_id = 13;
+        const auto response = client.call<ReadResponse>(request);
+        REQUIRE(response);
+        return response->results[0];
+    }
+    static StatusCode write(TestClient& client, const NodeId& node, Variant value)
+    {
+        WriteRequest request;
+        request.nodes_to_write.resize(1);
+        request.nodes_to_write[0].node_id = node;
+        request.nodes_to_write[0].attribute_id = 13;
+        request.nodes_to_write[0].value.value = std::move(value);
+        const auto response = client.call<WriteResponse>(request);
+        REQUIRE(response);
+        return response->results[0];
+    }
+    static Variant structure(const IdentityMappingRuleType& rule)
+    {
+        return Variant{ExtensionObject::from(IdentityMappingRuleType{rule})};
+    }
+
+    SeededRandom random;
+    FixedWallClock wall_clock;
+    LogBook log;
+    crypto::InsecureAcceptAnyCertificate validator;
+    PlainUsers users;
+    storage::MemoryStorage storage;
+    administration::RoleList roles{storage, "roles.json"};
+    administration::Administration administration{
+        {.wall_clock = &wall_clock, .log = &log, .roles = &roles}};
+    TimePoint now{};
+    server::Server server{
+        server::Server::create(ServerFixture::insecure_config(), {.random = &random,
+                                                                  .wall_clock = &wall_clock,
+                                                                  .log = &log,
+                                                                  .validator = &validator,
+                                                                  .users = &users,
+                                                                  .roles = &roles})
+            .value()};
+};
+
+} // namespace
+
+TEST_CASE_METHOD(Fixture, "role set: a rule gives a role at once, and is told",
+                 "[unit:Security Role Server IdentityManagement]")
+{
+    auto admin = log_in("admin"); // SecurityAdmin
+    auto pat = log_in("pat");
+    log.keeps_records = true;
+    CHECK(call_operator(admin, add_identity, structure(user_rule("pat"))) == "Good");
+    REQUIRE(log.records.size() >= 1);
+    CHECK(log.records[0] == "RolesChanged Good /admin 192.0.2.1 ObjectId MethodId");
+    CHECK(log.text.find("RolesChanged by user \"admin\" from 192.0.2.1") != std::string::npos);
+    const DataValue listed = read(admin, NodeId{0, identities});
+    const auto* const objects = listed.value.array_if<ExtensionObject>();
+    REQUIRE(objects != nullptr);
+    REQUIRE(objects->size() == 1);
+    CHECK(*(*objects)[0].get_if<IdentityMappingRuleType>() == user_rule("pat"));
+    CHECK(roles.find("Operator")->identities.size() == 1);
+    // Of a session that was there before.
+    REQUIRE(roles.add_identity("SecurityAdmin", user_rule("pat")));
+    CHECK(read(pat, NodeId{0, identities}).status != status::Good);
+    CHECK(call_operator(admin, remove_identity, structure(user_rule("pat"))) == "Good");
+    CHECK(read(pat, NodeId{0, identities}).status == status::Good);
+    CHECK(call_operator(admin, remove_identity, structure(user_rule("pat"))) == "Bad_NotFound");
+    CHECK(log.text.find("has no such rule") != std::string::npos);
+}
+
+TEST_CASE_METHOD(Fixture, "role set: for SecurityAdmin over an encrypted channel only")
+{
+    auto pat = log_in("pat");
+    CHECK(call_operator(pat, add_identity, structure(user_rule("pat"))) != "Good");
+    CHECK(read(pat, NodeId{0, identities}).status != status::Good);
+    auto weak = log_in("admin", MessageSecurityMode::Sign);
+    CHECK(call_operator(weak, add_identity, structure(user_rule("pat"))) ==
+          "Bad_SecurityModeInsufficient");
+    CHECK(read(weak, NodeId{0, identities}).status == status::Bad_SecurityModeInsufficient);
+    CHECK(roles.find("Operator")->identities.empty());
+    auto admin = log_in("admin");
+    CHECK(read(admin, NodeId{0, identities}).status == status::Good);
+    CHECK(call_operator(admin, add_identity, Variant{7}) == "Bad_InvalidArgument");
+}
+
+TEST_CASE_METHOD(Fixture, "role set: applications, and who is excluded",
+                 "[unit:Security Role Server ApplicationManagement]"
+                 "[unit:Security Role Server EndpointManagement]"
+                 "[unit:Security Role Server Restrict Endpoints]"
+                 "[unit:Security Role Server Restrict Applications]")
+{
+    auto admin = log_in("admin");
+    CHECK(call_operator(admin, add_application, Variant{String{"urn:a"}}) == "Good");
+    CHECK(call_operator(admin, add_application, Variant{String{"urn:a"}}) == "Bad_AlreadyExists");
+    CHECK(read(admin, NodeId{0, applications_exclude}).value == Variant{true});
+    CHECK(write(admin, NodeId{0, applications_exclude}, Variant{false}) == status::Good);
+    CHECK(read(admin, NodeId{0, applications_exclude}).value == Variant{false});
+    CHECK_FALSE(roles.find("Operator")->applications_exclude);
+    constexpr std::uint32_t add_endpoint = 16232;
+    constexpr std::uint32_t endpoints = 16227;
+    EndpointType endpoint;
+    endpoint.security_mode = MessageSecurityMode::Sign;
+    CHECK(call_operator(admin, add_endpoint,
+                        Variant{ExtensionObject::from(EndpointType{endpoint})}) == "Good");
+    CHECK(read(admin, NodeId{0, endpoints}).value.array_if<ExtensionObject>()->size() == 1);
+    CHECK(write(admin, NodeId{0, identities}, Variant{Array<ExtensionObject>{}}) ==
+          status::Bad_NotWritable);
+}
+
+TEST_CASE_METHOD(Fixture, "role set: own roles have nodes like the others",
+                 "[unit:Security Role Server Management]")
+{
+    auto admin = log_in("admin");
+    const NodeId set{0, id::Server_ServerCapabilities_RoleSet};
+    const NodeId add{0, id::Server_ServerCapabilities_RoleSet_AddRole};
+    const NodeId remove{0, id::Server_ServerCapabilities_RoleSet_RemoveRole};
+    const auto made = call(admin, set, add, {Variant{String{"Fitter"}}, Variant{String{}}});
+    REQUIRE(made.status_code == status::Good);
+    const NodeId role = *made.output_arguments[0].get_if<NodeId>();
+    CHECK(role == NodeId{1, "RoleSet//Fitter"});
+    const NodeId add_rule{1, "RoleSet//Fitter/AddIdentity"};
+    CHECK(name(call(admin, role, add_rule, {structure(user_rule("pat"))}).status_code) == "Good");
+    CHECK(roles.find("Fitter")->identities.size() == 1);
+    CHECK(read(admin, NodeId{1, "RoleSet//Fitter/Identities"})
+              .value.array_if<ExtensionObject>()
+              ->size() == 1);
+    CHECK(read(admin, NodeId{1, "RoleSet//Fitter/EndpointsExclude"}).value == Variant{true});
+    auto pat = log_in("pat");
+    CHECK(call(pat, role, add_rule, {structure(user_rule("sam"))}).status_code.is_bad());
+    CHECK(read(pat, NodeId{1, "RoleSet//Fitter/Identities"}).status.is_bad());
+
+    CHECK(call(admin, set, add, {Variant{String{"Fitter"}}, Variant{String{}}}).status_code ==
+          status::Bad_AlreadyExists);
+    CHECK(call(admin, set, add, {Variant{String{"Welder"}}, Variant{String{"urn:unknown"}}})
+              .status_code == status::Bad_InvalidArgument);
+    CHECK(call(admin, set, remove, {Variant{NodeId{0, id::WellKnownRole_Operator}}}).status_code ==
+          status::Bad_RequestNotAllowed);
+    CHECK(call(admin, set, remove, {Variant{NodeId{1, "RoleSet//Nobody"}}}).status_code ==
+          status::Bad_NotFound);
+    CHECK(call(admin, set, remove, {Variant{role}}).status_code == status::Good);
+    CHECK(read(admin, NodeId{1, "RoleSet//Fitter/Identities"}).status == status::Bad_NodeIdUnknown);
+    CHECK(roles.find("Fitter") == nullptr);
+}
+
+TEST_CASE_METHOD(Fixture, "role set: whatever is added has something behind it")
+{
+    const auto& space = server.address_space();
+    std::size_t count = 0;
+    for (const model::StaticNode& each : administration::role_set_nodes::nodes().nodes) {
+        const model::NodeIndex node = space.find(NodeId{0, each.id.value});
+        REQUIRE(node != model::no_node);
+        const std::string browse_name = space.browse_name(node).name.str();
+        INFO(browse_name << " i=" << each.id.value);
+        if (browse_name == "InputArguments" || browse_name == "OutputArguments") {
+            CHECK_FALSE(space.value(node).is_null());
+        } else if (space.node_class(node) == NodeClass::Method) {
+            CHECK(space.method(node).source != model::no_source);
+            ++count;
+        } else {
+            CHECK(space.variable(node).source != model::no_source);
+            ++count;
+        }
+    }
+    CHECK(count == 77);
+}
+
+TEST_CASE_METHOD(Fixture, "role set: a medium that fails changes nothing")
+{
+    auto admin = log_in("admin");
+    storage.set_protected(true);
+    CHECK(call_operator(admin, add_identity, structure(user_rule("pat"))) ==
+          "Bad_ResourceUnavailable");
+    CHECK(roles.find("Operator")->identities.empty());
+    const NodeId set{0, id::Server_ServerCapabilities_RoleSet};
+    CHECK(call(admin, set, NodeId{0, id::Server_ServerCapabilities_RoleSet_AddRole},
+               {Variant{String{"Fitter"}}, Variant{String{}}})
+              .status_code == status::Bad_ResourceUnavailable);
+    CHECK(read(admin, NodeId{1, "RoleSet//Fitter/Identities"}).status == status::Bad_NodeIdUnknown);
+}
+
+TEST_CASE("role set: own roles of the file have nodes, and a server without the list has none")
+{
+    Fixture first;
+    REQUIRE(first.roles.add("Fitter", "http://opcfoundation.org/UA/DI/"));
+    SeededRandom random;
+    FixedWallClock wall_clock;
+    LogBook log;
+    crypto::InsecureAcceptAnyCertificate validator;
+    administration::RoleList roles{first.storage, "roles.json"};
+    REQUIRE(roles.load());
+    administration::Administration with{{.wall_clock = &wall_clock, .log = &log, .roles = &roles}};
+    administration::Administration without{{.wall_clock = &wall_clock, .log = &log}};
+    const auto make = [&](administration::Administration& administration) {
+        auto server =
+            server::Server::create(ServerFixture::insecure_config(), {.random = &random,
+                                                                      .wall_clock = &wall_clock,
+                                                                      .log = &log,
+                                                                      .validator = &validator,
+                                                                      .users = &first.users});
+        REQUIRE(server);
+        REQUIRE(administration.attach(*server));
+        return *std::move(server);
+    };
+    auto one = make(with);
+    const NodeId node{1, "RoleSet/http://opcfoundation.org/UA/DI//Fitter"};
+    CHECK(one.address_space().find(node) != model::no_node);
+    CHECK(one.address_space().find(add_identity) != model::no_node);
+    auto other = make(without);
+    CHECK(other.address_space().find(add_identity) == model::no_node);
+}
