@@ -1,0 +1,118 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/core/api.hpp>
+#include <busbar/core/problem.hpp>
+#include <busbar/core/refusal.hpp>
+#include <busbar/core/storage.hpp>
+#include <busbar/crypto/random.hpp>
+#include <busbar/server/password_users.hpp>
+
+namespace busbar::administration {
+
+/// The bits of UserConfigurationMask (Part 18, 5.2.3).
+namespace user_bit {
+inline constexpr std::uint32_t no_delete = 1;
+/// Such a user is for a login as if he were not there.
+inline constexpr std::uint32_t disabled = 2;
+inline constexpr std::uint32_t no_change_by_user = 4;
+/// Not together with no_change_by_user.
+inline constexpr std::uint32_t must_change_password = 8;
+} // namespace user_bit
+
+/// A user with a password.
+struct User {
+    std::string name;
+    /// See crypto::hash_password.
+    std::string password_hash;
+    /// user_bit.
+    std::uint32_t configuration{0};
+    std::string description;
+    /// Names of roles, besides those that the rules of the RoleSet give.
+    std::vector<std::string> roles;
+};
+
+/// What ModifyUser changes; nothing is left as it is.
+struct UserChange {
+    std::optional<std::string_view> password;
+    std::optional<std::uint32_t> configuration;
+    std::optional<std::string_view> description;
+    std::optional<std::vector<std::string>> roles;
+};
+
+/// The users that administrators add, change and remove while a server runs (Part 18, 5), kept in a
+/// file of a Storage. A change is in the file, whole, or not done at all; then it counts for the
+/// next login.
+///
+/// Who has the right to ask for a change is not looked at. Any thread; each change takes as long as
+/// a hash of a password and the Storage do.
+class BUSBAR_API UserList {
+public:
+    /// True if the user is an administrator, by his roles or by rules; asked under a lock, on any
+    /// thread.
+    using IsAdministrator = std::function<bool(const User&)>;
+
+    /// `users` gets those of the list; names that it has otherwise are not this list's business and
+    /// cannot be added. All but `rules` must outlive this object. `is_administrator` is of use once
+    /// there are roles by rules: without it, whoever has the role SecurityAdmin is one.
+    UserList(Storage& storage, std::string file, server::PasswordRules rules,
+             server::PasswordUsers& users, IsAdministrator is_administrator = {});
+
+    /// Reads the file; no file is no users. The problem names the file and what is wrong in it, and
+    /// the list then stays as it was.
+    [[nodiscard]] Configured<void> load();
+
+    /// In the order of their names.
+    [[nodiscard]] std::vector<User> users() const;
+    [[nodiscard]] std::optional<User> find(std::string_view name) const;
+    /// Somebody who can log in is an administrator.
+    [[nodiscard]] bool has_administrator() const;
+    [[nodiscard]] const server::PasswordRules& rules() const { return rules_; }
+
+    // Refusals have the status that the Methods of Part 18 answer, and never a password. All of
+    // them: Bad_ResourceUnavailable if the Storage fails, Bad_ConfigurationError for bits that
+    // exclude each other, Bad_NotSupported for bits that are none, Bad_OutOfRange for a password
+    // that breaks the rules.
+
+    /// Part 18, 5.2.5: Bad_AlreadyExists, Bad_InvalidArgument for a name that breaks the rules,
+    /// Bad_ResourceUnavailable at PasswordRules::max_users.
+    [[nodiscard]] Checked<void> add(User user, std::string_view password, crypto::Random& random);
+    /// Part 18, 5.2.6: Bad_NotFound. Bad_RequestNotAllowed if nobody would be an administrator any
+    /// more.
+    [[nodiscard]] Checked<void> modify(std::string_view name, const UserChange& change,
+                                       crypto::Random& random);
+    /// Part 18, 5.2.7: Bad_NotFound, Bad_NotSupported for a user with no_delete,
+    /// Bad_RequestNotAllowed for the last administrator.
+    [[nodiscard]] Checked<void> remove(std::string_view name);
+    /// Part 18, 5.2.8, by the user himself: Bad_IdentityTokenInvalid if `old_password` is wrong,
+    /// Bad_NotSupported for a user with no_change_by_user, Bad_AlreadyExists if both are the same.
+    [[nodiscard]] Checked<void> change_password(std::string_view name,
+                                                std::string_view old_password,
+                                                std::string_view new_password,
+                                                crypto::Random& random);
+
+private:
+    [[nodiscard]] bool has_administrator_in(const std::vector<User>& users) const;
+    [[nodiscard]] Checked<std::string> hash(std::string_view name, std::string_view password,
+                                            crypto::Random& random) const;
+    /// Writes the file, and then makes `users` the ones that count.
+    [[nodiscard]] Checked<void> replace(std::vector<User> users);
+    void publish(const std::vector<User>& users);
+
+    Storage* storage_;
+    std::string file_;
+    server::PasswordRules rules_;
+    server::PasswordUsers* passwords_;
+    IsAdministrator is_administrator_;
+    mutable std::mutex mutex_;
+    std::vector<User> users_;
+};
+
+} // namespace busbar::administration

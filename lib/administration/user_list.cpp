@@ -1,0 +1,396 @@
+#include <busbar/administration/user_list.hpp>
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include <busbar/core/status_codes.hpp>
+#include <busbar/core/text.hpp>
+#include <busbar/crypto/password_hash.hpp>
+
+#include "json_file.hpp"
+#include "role_access.hpp"
+
+namespace busbar::administration {
+
+namespace {
+
+using detail::Json;
+
+constexpr std::uint32_t version = 1;
+constexpr std::uint32_t all_bits = user_bit::no_delete | user_bit::disabled |
+                                   user_bit::no_change_by_user | user_bit::must_change_password;
+constexpr std::size_t max_description_size = 256;
+
+tl::unexpected<Refusal> refuse_user(StatusCode status, std::string_view name, std::string found,
+                                    std::string remedy = {})
+{
+    return refuse({status, "user list", "user \"" + printable(name) + "\" " + std::move(found),
+                   "Part 18, 5.2", std::move(remedy)});
+}
+
+bool has(const User& user, std::uint32_t bit)
+{
+    return (user.configuration & bit) != 0;
+}
+
+Checked<void> check_configuration(std::string_view name, std::uint32_t bits)
+{
+    if ((bits & ~all_bits) != 0) {
+        return refuse_user(status::Bad_NotSupported, name,
+                           "would have bits that no user has: " + std::to_string(bits));
+    }
+    constexpr std::uint32_t both = user_bit::no_change_by_user | user_bit::must_change_password;
+    if ((bits & both) == both) {
+        return refuse_user(status::Bad_ConfigurationError, name,
+                           "would have to change a password that cannot be changed");
+    }
+    return {};
+}
+
+std::vector<User>::iterator place_of(std::vector<User>& users, std::string_view name)
+{
+    return std::lower_bound(users.begin(), users.end(), name,
+                            [](const User& user, std::string_view n) { return user.name < n; });
+}
+
+User* find_in(std::vector<User>& users, std::string_view name)
+{
+    const auto found = place_of(users, name);
+    return found != users.end() && found->name == name ? &*found : nullptr;
+}
+
+void apply(const UserChange& change, std::optional<std::string> password_hash, User& user)
+{
+    if (password_hash) {
+        user.password_hash = *std::move(password_hash);
+    }
+    if (change.configuration) {
+        user.configuration = *change.configuration;
+    }
+    if (change.description) {
+        user.description = *change.description;
+    }
+    if (change.roles) {
+        user.roles = *change.roles;
+    }
+}
+
+std::string document_of(const std::vector<User>& users)
+{
+    detail::JsonWriter json;
+    json.begin_object();
+    json.name("version");
+    json.word(std::to_string(version));
+    json.name("users");
+    json.begin_list();
+    for (const User& user : users) {
+        json.begin_object();
+        json.name("name");
+        json.string(user.name);
+        json.name("password_hash");
+        json.string(user.password_hash);
+        json.name("configuration");
+        json.word(std::to_string(user.configuration));
+        json.name("description");
+        json.string(user.description);
+        json.name("roles");
+        json.begin_list();
+        for (const std::string& role : user.roles) {
+            json.string(role);
+        }
+        json.end_list();
+        json.end_object();
+    }
+    json.end_list();
+    json.end_object();
+    return json.take() + "\n";
+}
+
+/// What is wrong with a user in the file.
+struct Wrong {
+    std::string_view member;
+    std::string_view expected;
+};
+
+/// A user as the file has it, or what is wrong.
+tl::expected<User, Wrong> user_of(const Json& json)
+{
+    const std::string* const name = detail::text_of(json, "name");
+    const std::string* const hash = detail::text_of(json, "password_hash");
+    const auto configuration = detail::number_of(json, "configuration");
+    const std::string* const description = detail::text_of(json, "description");
+    const Json* const roles = detail::list_of(json, "roles");
+    if (name == nullptr || name->empty()) {
+        return tl::unexpected{Wrong{"name", "a name"}};
+    }
+    if (hash == nullptr || !crypto::is_password_hash(*hash)) {
+        return tl::unexpected{Wrong{"password_hash", "the hash of a password"}};
+    }
+    if (!configuration || !check_configuration(*name, *configuration)) {
+        return tl::unexpected{Wrong{"configuration", "bits of UserConfigurationMask"}};
+    }
+    if (description == nullptr) {
+        return tl::unexpected{Wrong{"description", "a text"}};
+    }
+    const auto is_text = [](const Json& role) { return role.kind == Json::Kind::String; };
+    if (roles == nullptr || !std::all_of(roles->items.begin(), roles->items.end(), is_text)) {
+        return tl::unexpected{Wrong{"roles", "a list of texts"}};
+    }
+    User user{*name, *hash, *configuration, *description, {}};
+    for (const Json& role : roles->items) {
+        user.roles.push_back(role.text);
+    }
+    return user;
+}
+
+} // namespace
+
+UserList::UserList(Storage& storage, std::string file, server::PasswordRules rules,
+                   server::PasswordUsers& users, IsAdministrator is_administrator)
+    : storage_{&storage}, file_{std::move(file)}, rules_{std::move(rules)}, passwords_{&users},
+      is_administrator_{std::move(is_administrator)}
+{
+}
+
+Configured<void> UserList::load()
+{
+    const auto json = detail::read_json_file(*storage_, file_, version);
+    if (!json) {
+        return tl::unexpected{json.error()};
+    }
+    std::vector<User> users;
+    if (*json) {
+        const Json* const list = detail::list_of(**json, "users");
+        if (list == nullptr) {
+            return tl::unexpected{
+                detail::wrong_member(*storage_, file_, "users", (*json)->find("users"), "a list")};
+        }
+        for (std::size_t i = 0; i < list->items.size(); ++i) {
+            auto user = user_of(list->items[i]);
+            if (user && find_in(users, user->name) != nullptr) {
+                user = tl::unexpected{Wrong{"name", "each name once"}};
+            }
+            if (!user) {
+                const auto [member, expected] = user.error();
+                // A hash is not for a log.
+                const Json* const found =
+                    member == "password_hash" ? nullptr : list->items[i].find(member);
+                return tl::unexpected{detail::wrong_member(
+                    *storage_, file_, "users[" + std::to_string(i) + "]." + std::string{member},
+                    found, expected)};
+            }
+            const auto place = place_of(users, user->name);
+            users.insert(place, *std::move(user));
+        }
+    }
+    const std::lock_guard lock{mutex_};
+    publish(users);
+    users_ = std::move(users);
+    return {};
+}
+
+std::vector<User> UserList::users() const
+{
+    const std::lock_guard lock{mutex_};
+    return users_;
+}
+
+std::optional<User> UserList::find(std::string_view name) const
+{
+    const std::lock_guard lock{mutex_};
+    const auto found = std::find_if(users_.begin(), users_.end(),
+                                    [&](const User& user) { return user.name == name; });
+    return found == users_.end() ? std::nullopt : std::optional{*found};
+}
+
+bool UserList::has_administrator() const
+{
+    const std::lock_guard lock{mutex_};
+    return has_administrator_in(users_);
+}
+
+bool UserList::has_administrator_in(const std::vector<User>& users) const
+{
+    return std::any_of(users.begin(), users.end(), [&](const User& user) {
+        const bool is_one = is_administrator_ ? is_administrator_(user)
+                                              : std::find(user.roles.begin(), user.roles.end(),
+                                                          "SecurityAdmin") != user.roles.end();
+        return is_one && !has(user, user_bit::disabled);
+    });
+}
+
+Checked<std::string> UserList::hash(std::string_view name, std::string_view password,
+                                    crypto::Random& random) const
+{
+    if (auto checked = server::check_password(rules_, name, password); !checked) {
+        Refusal refusal = std::move(checked).error();
+        refusal.status = status::Bad_OutOfRange;
+        return refuse(std::move(refusal));
+    }
+    auto hashed = crypto::hash_password(password, random);
+    if (!hashed) {
+        return refuse_user(status::Bad_ResourceUnavailable, name, "has no hash of the password");
+    }
+    return *std::move(hashed);
+}
+
+void UserList::publish(const std::vector<User>& users)
+{
+    for (const User& user : users_) {
+        const bool stays = std::any_of(users.begin(), users.end(),
+                                       [&](const User& each) { return each.name == user.name; });
+        if (!stays) {
+            passwords_->remove(user.name);
+        }
+    }
+    for (const User& user : users) {
+        if (has(user, user_bit::disabled)) {
+            passwords_->remove(user.name);
+            continue;
+        }
+        // It fails for what is no hash only, which none of them is.
+        static_cast<void>(passwords_->set(user.name, user.password_hash,
+                                          {detail::access_of(user.roles), user.roles,
+                                           has(user, user_bit::must_change_password)}));
+    }
+}
+
+Checked<void> UserList::replace(std::vector<User> users)
+{
+    const std::string document = document_of(users);
+    const auto written = storage_->replace(
+        file_, std::as_bytes(std::span{document.data(), document.size()}), FileAccess::Owner);
+    if (!written) {
+        return refuse(
+            {status::Bad_ResourceUnavailable,
+             "user list",
+             storage_->place(file_) + " cannot be written: " + std::string{text(written.error())},
+             {},
+             "Nothing was changed"});
+    }
+    publish(users);
+    users_ = std::move(users);
+    return {};
+}
+
+Checked<void> UserList::add(User user, std::string_view password, crypto::Random& random)
+{
+    if (auto checked = server::check_user_name(rules_, user.name); !checked) {
+        return checked;
+    }
+    if (auto checked = check_configuration(user.name, user.configuration); !checked) {
+        return checked;
+    }
+    if (user.description.size() > max_description_size) {
+        return refuse_user(status::Bad_InvalidArgument, user.name,
+                           "has a description that is too long");
+    }
+    auto hashed = hash(user.name, password, random);
+    if (!hashed) {
+        return refuse(std::move(hashed).error());
+    }
+    user.password_hash = *std::move(hashed);
+    const std::lock_guard lock{mutex_};
+    if (find_in(users_, user.name) != nullptr || !passwords_->password_hash(user.name).empty()) {
+        return refuse_user(status::Bad_AlreadyExists, user.name, "is there already");
+    }
+    if (users_.size() >= rules_.max_users) {
+        return refuse_user(status::Bad_ResourceUnavailable, user.name,
+                           "is one more than the limit of " + std::to_string(rules_.max_users),
+                           "Remove users who are no longer needed");
+    }
+    std::vector<User> users = users_;
+    const auto place = place_of(users, user.name);
+    users.insert(place, std::move(user));
+    return replace(std::move(users));
+}
+
+Checked<void> UserList::modify(std::string_view name, const UserChange& change,
+                               crypto::Random& random)
+{
+    std::optional<std::string> hashed;
+    if (change.configuration) {
+        if (auto checked = check_configuration(name, *change.configuration); !checked) {
+            return checked;
+        }
+    }
+    if (change.description && change.description->size() > max_description_size) {
+        return refuse_user(status::Bad_InvalidArgument, name, "has a description that is too long");
+    }
+    if (change.password) {
+        auto made = hash(name, *change.password, random);
+        if (!made) {
+            return refuse(std::move(made).error());
+        }
+        hashed = *std::move(made);
+    }
+    const std::lock_guard lock{mutex_};
+    std::vector<User> users = users_;
+    User* const user = find_in(users, name);
+    if (user == nullptr) {
+        return refuse_user(status::Bad_NotFound, name, "is not there");
+    }
+    apply(change, std::move(hashed), *user);
+    if (has_administrator_in(users_) && !has_administrator_in(users)) {
+        return refuse_user(status::Bad_RequestNotAllowed, name, "is the last administrator",
+                           "Add another one first");
+    }
+    return replace(std::move(users));
+}
+
+Checked<void> UserList::remove(std::string_view name)
+{
+    const std::lock_guard lock{mutex_};
+    std::vector<User> users = users_;
+    const User* const user = find_in(users, name);
+    if (user == nullptr) {
+        return refuse_user(status::Bad_NotFound, name, "is not there");
+    }
+    if (has(*user, user_bit::no_delete)) {
+        return refuse_user(status::Bad_NotSupported, name, "cannot be removed",
+                           "Take NoDelete from the user's configuration first");
+    }
+    users.erase(place_of(users, name));
+    if (has_administrator_in(users_) && !has_administrator_in(users)) {
+        return refuse_user(status::Bad_RequestNotAllowed, name, "is the last administrator",
+                           "Add another one first");
+    }
+    return replace(std::move(users));
+}
+
+Checked<void> UserList::change_password(std::string_view name, std::string_view old_password,
+                                        std::string_view new_password, crypto::Random& random)
+{
+    const std::optional<User> known = find(name);
+    const auto is_right = [&](const User& user) {
+        return crypto::verify_password(old_password, user.password_hash);
+    };
+    if (!known || has(*known, user_bit::disabled) || !is_right(*known)) {
+        return refuse_user(status::Bad_IdentityTokenInvalid, name,
+                           "is not there or has another password");
+    }
+    if (has(*known, user_bit::no_change_by_user)) {
+        return refuse_user(status::Bad_NotSupported, name, "cannot change the password",
+                           "An administrator can");
+    }
+    if (old_password == new_password) {
+        return refuse_user(status::Bad_AlreadyExists, name, "has that password already");
+    }
+    auto hashed = hash(name, new_password, random);
+    if (!hashed) {
+        return refuse(std::move(hashed).error());
+    }
+    const std::lock_guard lock{mutex_};
+    std::vector<User> users = users_;
+    User* const user = find_in(users, name);
+    // Somebody may have been faster.
+    if (user == nullptr || user->password_hash != known->password_hash) {
+        return refuse_user(status::Bad_IdentityTokenInvalid, name, "has been changed meanwhile");
+    }
+    user->password_hash = *std::move(hashed);
+    user->configuration &= ~user_bit::must_change_password;
+    return replace(std::move(users));
+}
+
+} // namespace busbar::administration

@@ -1,0 +1,212 @@
+#include <busbar/administration/user_list.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <busbar/core/status_codes.hpp>
+#include <busbar/crypto/password_hash.hpp>
+#include <busbar/crypto/random.hpp>
+#include <busbar/storage/memory_storage.hpp>
+
+using namespace busbar;
+using administration::User;
+using administration::UserChange;
+using administration::UserList;
+namespace user_bit = administration::user_bit;
+
+namespace {
+
+const std::string good_password = "correct horse 1";
+
+struct Fixture {
+    Fixture() { REQUIRE(list.load()); }
+
+    Checked<void> add(std::string name, std::vector<std::string> roles = {},
+                      std::uint32_t configuration = 0)
+    {
+        User user;
+        user.name = std::move(name);
+        user.roles = std::move(roles);
+        user.configuration = configuration;
+        return list.add(std::move(user), good_password, random);
+    }
+    [[nodiscard]] Result<server::UserIdentity> log_in(std::string_view name,
+                                                      std::string_view password = good_password)
+    {
+        return passwords.log_in(name, password);
+    }
+    /// What a program finds that starts anew.
+    [[nodiscard]] std::vector<User> stored()
+    {
+        server::PasswordUsers others;
+        UserList again{storage, "users.json", {}, others};
+        REQUIRE(again.load());
+        return again.users();
+    }
+
+    storage::MemoryStorage storage;
+    crypto::SystemRandom random;
+    server::PasswordUsers passwords;
+    UserList list{storage, "users.json", {}, passwords};
+};
+
+template <typename T>
+std::string_view status_of(const Checked<T>& result)
+{
+    return result ? "Good" : name(result.error().status);
+}
+
+} // namespace
+
+TEST_CASE_METHOD(Fixture, "users: one is added, logs in, and is there after a restart")
+{
+    REQUIRE(add("pat", {"Operator"}));
+    CHECK(log_in("pat")->roles == std::vector<std::string>{"Operator"});
+    CHECK(log_in("pat")->access_level_mask == 0xFF);
+    CHECK_FALSE(log_in("pat", "wrong"));
+    REQUIRE(add("ann", {"Observer"}));
+    CHECK(log_in("ann")->access_level_mask == 5); // reads
+    REQUIRE(stored().size() == 2);
+    CHECK(stored()[0].name == "ann");
+    CHECK(stored()[1].roles == std::vector<std::string>{"Operator"});
+    CHECK(crypto::is_password_hash(stored()[1].password_hash));
+    CHECK_FALSE(storage.is_open_to_others("users.json"));
+}
+
+TEST_CASE_METHOD(Fixture, "users: what cannot be added (Part 18, 5.2.5)")
+{
+    REQUIRE(add("pat"));
+    CHECK(status_of(add("pat")) == "Bad_AlreadyExists");
+    REQUIRE(passwords.set("configured", *crypto::hash_password(good_password, random)));
+    CHECK(status_of(add("configured")) == "Bad_AlreadyExists");
+    CHECK(status_of(add("")) == "Bad_InvalidArgument");
+    CHECK(status_of(add("new", {}, 16)) == "Bad_NotSupported");
+    CHECK(status_of(add("new", {}, user_bit::no_change_by_user | user_bit::must_change_password)) ==
+          "Bad_ConfigurationError");
+    User user;
+    user.name = "new";
+    CHECK(status_of(list.add(user, "short", random)) == "Bad_OutOfRange");
+    user.description = std::string(300, 'x');
+    CHECK(status_of(list.add(user, good_password, random)) == "Bad_InvalidArgument");
+    CHECK(list.users().size() == 1);
+}
+
+TEST_CASE("users: the list has a limit, and names and passwords rules")
+{
+    storage::MemoryStorage storage;
+    crypto::SystemRandom random;
+    server::PasswordUsers passwords;
+    server::PasswordRules rules = server::nj501_password_rules();
+    rules.max_users = 1;
+    UserList list{storage, "users.json", rules, passwords};
+    User user;
+    user.name = "abc"; // 4 to 32
+    CHECK(status_of(list.add(user, "abcd1234", random)) == "Bad_InvalidArgument");
+    user.name = "abcd";
+    CHECK(status_of(list.add(user, "abcd123", random)) == "Bad_OutOfRange");
+    CHECK(status_of(list.add(user, "abcde1234", random)) == "Good");
+    user.name = "abcde";
+    CHECK(status_of(list.add(user, "abcde1234", random)) == "Bad_ResourceUnavailable");
+}
+
+TEST_CASE_METHOD(Fixture, "users: are modified, disabled and enabled (Part 18, 5.2.6)")
+{
+    REQUIRE(add("pat", {"Operator"}));
+    UserChange change;
+    change.configuration = user_bit::disabled;
+    change.description = "on leave";
+    REQUIRE(list.modify("pat", change, random));
+    CHECK_FALSE(log_in("pat"));
+    CHECK(stored()[0].configuration == user_bit::disabled);
+    CHECK(stored()[0].description == "on leave");
+    change = {};
+    change.configuration = user_bit::must_change_password;
+    change.password = "another horse 2";
+    REQUIRE(list.modify("pat", change, random));
+    CHECK_FALSE(log_in("pat"));
+    CHECK(log_in("pat", "another horse 2")->must_change_password);
+    CHECK(list.find("pat")->description == "on leave");
+    CHECK(status_of(list.modify("sam", {}, random)) == "Bad_NotFound");
+    change.password = "x";
+    CHECK(status_of(list.modify("pat", change, random)) == "Bad_OutOfRange");
+}
+
+TEST_CASE_METHOD(Fixture, "users: are removed, but for those who must not be (Part 18, 5.2.7)")
+{
+    REQUIRE(add("pat"));
+    REQUIRE(add("kept", {}, user_bit::no_delete));
+    CHECK(status_of(list.remove("sam")) == "Bad_NotFound");
+    CHECK(status_of(list.remove("kept")) == "Bad_NotSupported");
+    REQUIRE(list.remove("pat"));
+    CHECK_FALSE(log_in("pat"));
+    CHECK(stored().size() == 1);
+}
+
+TEST_CASE_METHOD(Fixture, "users: the last administrator stays")
+{
+    CHECK_FALSE(list.has_administrator());
+    REQUIRE(add("root", {"SecurityAdmin"}));
+    REQUIRE(add("pat"));
+    CHECK(list.has_administrator());
+    CHECK(status_of(list.remove("root")) == "Bad_RequestNotAllowed");
+    UserChange change;
+    change.configuration = user_bit::disabled;
+    CHECK(status_of(list.modify("root", change, random)) == "Bad_RequestNotAllowed");
+    change = {};
+    change.roles = std::vector<std::string>{"Operator"};
+    CHECK(status_of(list.modify("root", change, random)) == "Bad_RequestNotAllowed");
+    REQUIRE(add("second", {"SecurityAdmin"}));
+    REQUIRE(list.remove("root"));
+    CHECK(status_of(list.remove("second")) == "Bad_RequestNotAllowed");
+}
+
+TEST_CASE_METHOD(Fixture, "users: change their passwords (Part 18, 5.2.8)")
+{
+    REQUIRE(add("pat", {}, user_bit::must_change_password));
+    REQUIRE(add("fixed", {}, user_bit::no_change_by_user));
+    const std::string next = "another horse 2";
+    CHECK(status_of(list.change_password("pat", "wrong", next, random)) ==
+          "Bad_IdentityTokenInvalid");
+    CHECK(status_of(list.change_password("sam", good_password, next, random)) ==
+          "Bad_IdentityTokenInvalid");
+    CHECK(status_of(list.change_password("fixed", good_password, next, random)) ==
+          "Bad_NotSupported");
+    CHECK(status_of(list.change_password("pat", good_password, "x", random)) == "Bad_OutOfRange");
+    CHECK(status_of(list.change_password("pat", good_password, good_password, random)) ==
+          "Bad_AlreadyExists");
+    REQUIRE(list.change_password("pat", good_password, next, random));
+    CHECK_FALSE(log_in("pat"));
+    CHECK_FALSE(log_in("pat", next)->must_change_password);
+    CHECK(stored()[1].configuration == 0);
+}
+
+TEST_CASE_METHOD(Fixture,
+                 "users: a file that is wrong is refused with its place, and nothing changes")
+{
+    REQUIRE(add("pat"));
+    const std::string hash = stored()[0].password_hash;
+    const std::string user = R"("configuration":0,"description":"","roles":[]})";
+    const std::string begin = R"({"version":1,"users":[)";
+    const std::string good = R"({"name":"a","password_hash":")" + hash + "\"," + user;
+    const auto problem = [&](const std::string& text) {
+        REQUIRE(storage.replace("users.json", std::as_bytes(std::span{text}), FileAccess::Owner));
+        const auto loaded = list.load();
+        CHECK(list.users().size() == 1);
+        return loaded ? "Good" : busbar::text(loaded.error());
+    };
+    const std::string place = "memory:users.json";
+    CHECK(problem("{").find(place) == 0);
+    CHECK(problem("[]") == place + ": the file: found a list, expected an object");
+    CHECK(problem("{}") == place + ": version: found nothing, expected 1");
+    CHECK(problem(R"({"version":2})") == place + ": version: found 2, expected 1");
+    CHECK(problem(R"({"version":1})") == place + ": users: found nothing, expected a list");
+    CHECK(problem(begin + R"({"name":7,)" + user + "]}") ==
+          place + ": users[0].name: found 7, expected a name");
+    CHECK(problem(begin + R"({"name":"a","password_hash":"secret",)" + user + "]}") ==
+          place + ": users[0].password_hash: found nothing, expected the hash of a password");
+    CHECK(problem(begin + good + "," + good + "]}") ==
+          place + ": users[1].name: found \"a\", expected each name once");
+    for (std::size_t size = 0; size < good.size() + begin.size(); ++size) {
+        CHECK(problem((begin + good).substr(0, size)) != "Good");
+    }
+    CHECK(log_in("pat"));
+}
