@@ -1,0 +1,191 @@
+#include <busbar/administration/audit_log.hpp>
+
+#include <array>
+#include <utility>
+
+#include <busbar/core/status_codes.hpp>
+#include <busbar/crypto/certificate.hpp>
+
+namespace busbar::administration {
+
+namespace {
+
+using server::Event;
+
+constexpr std::uint16_t severity_of_success = 100;
+constexpr std::uint16_t severity_of_failure = 600;
+
+/// What becomes of a kind; in the order of RecordKind. No event type: no event.
+struct Row {
+    std::uint32_t event_type;
+    std::string_view source_name;
+};
+
+constexpr std::array rows{
+    Row{id::AuditOpenSecureChannelEventType, "SecureChannel/OpenSecureChannel"}, // ChannelOpened
+    Row{id::AuditOpenSecureChannelEventType, "SecureChannel/OpenSecureChannel"}, // ChannelRenewed
+    Row{id::AuditOpenSecureChannelEventType, "SecureChannel/OpenSecureChannel"}, // ChannelRefused
+    Row{id::AuditCreateSessionEventType, "Session/CreateSession"},               // SessionCreated
+    Row{id::AuditCreateSessionEventType, "Session/CreateSession"},               // SessionRefused
+    Row{id::AuditUrlMismatchEventType, "Session/CreateSession"},                 // UrlMismatch
+    Row{id::AuditActivateSessionEventType, "Session/ActivateSession"},           // SessionActivated
+    Row{id::AuditActivateSessionEventType, "Session/ActivateSession"},           // LoginRefused
+    Row{id::AuditSessionEventType, "Session/CloseSession"},                      // SessionClosed
+    Row{id::AuditCancelEventType, "Session/Cancel"},                             // RequestCancelled
+    Row{id::AuditCertificateEventType, "Security/Certificate"},        // CertificateRefused
+    Row{id::AuditCertificateEventType, "Security/Certificate"},        // CertificateSuppressed
+    Row{0, {}},                                                        // CertificateSaved
+    Row{0, {}},                                                        // CertificateDiscarded
+    Row{id::TrustListUpdatedAuditEventType, "Security/TrustList"},     // CertificateAdded
+    Row{id::TrustListUpdatedAuditEventType, "Security/TrustList"},     // CertificateMoved
+    Row{id::TrustListUpdatedAuditEventType, "Security/TrustList"},     // CertificateRemoved
+    Row{id::CertificateUpdatedAuditEventType, "Security/Certificate"}, // CertificateUpdated
+    Row{0, {}},                                                        // CertificateExpiring
+    Row{0, {}},                                                        // CertificateExpired
+    Row{0, {}},                                                        // CertificateHostNotNamed
+    Row{id::TrustListUpdatedAuditEventType, "Security/TrustList"},     // RevocationListAdded
+    Row{id::TrustListUpdatedAuditEventType, "Security/TrustList"},     // RevocationListRemoved
+    Row{id::AuditSecurityEventType, "Server/Configuration"},           // SettingsChanged
+    Row{id::AuditSecurityEventType, "Server/Users"},                   // UsersChanged
+    Row{id::RoleMappingRuleChangedAuditEventType, "Server/RoleSet"},   // RolesChanged
+    Row{id::AuditWriteUpdateEventType, "Attribute/Write"},             // AttributeWritten
+    Row{id::AuditUpdateMethodEventType, "Attribute/Call"},             // MethodCalled
+    Row{id::AuditAddNodesEventType, "NodeManagement/AddNodes"},        // NodesAdded
+    Row{id::AuditDeleteNodesEventType, "NodeManagement/DeleteNodes"},  // NodesDeleted
+    Row{id::AuditAddReferencesEventType, "NodeManagement/AddReferences"},
+    Row{id::AuditDeleteReferencesEventType, "NodeManagement/DeleteReferences"},
+};
+static_assert(rows.size() == static_cast<std::size_t>(RecordKind::ReferencesDeleted) + 1);
+
+const Row& row_of(RecordKind kind)
+{
+    return rows[static_cast<std::size_t>(kind)];
+}
+
+/// The subtype that says what was wrong (Part 5, 6.4.13 to 6.4.18).
+std::uint32_t certificate_type(StatusCode status)
+{
+    struct Reason {
+        StatusCode status;
+        std::uint32_t event_type;
+    };
+    static constexpr std::array reasons{
+        Reason{status::Bad_CertificateTimeInvalid, id::AuditCertificateExpiredEventType},
+        Reason{status::Bad_CertificateIssuerTimeInvalid, id::AuditCertificateExpiredEventType},
+        Reason{status::Bad_CertificateUntrusted, id::AuditCertificateUntrustedEventType},
+        Reason{status::Bad_CertificateChainIncomplete, id::AuditCertificateUntrustedEventType},
+        Reason{status::Bad_CertificateRevoked, id::AuditCertificateRevokedEventType},
+        Reason{status::Bad_CertificateIssuerRevoked, id::AuditCertificateRevokedEventType},
+        Reason{status::Bad_CertificateUseNotAllowed, id::AuditCertificateMismatchEventType},
+        Reason{status::Bad_CertificateIssuerUseNotAllowed, id::AuditCertificateMismatchEventType},
+        Reason{status::Bad_CertificateHostNameInvalid, id::AuditCertificateDataMismatchEventType},
+        Reason{status::Bad_CertificateUriInvalid, id::AuditCertificateDataMismatchEventType},
+    };
+    for (const Reason& reason : reasons) {
+        if (reason.status == status) {
+            return reason.event_type;
+        }
+    }
+    return id::AuditCertificateInvalidEventType;
+}
+
+bool is_of_certificate(RecordKind kind)
+{
+    return kind == RecordKind::CertificateRefused || kind == RecordKind::CertificateSuppressed;
+}
+
+/// Fields that have other names, or go elsewhere, in events.
+bool is_renamed(std::string_view name)
+{
+    return name == "NodeId" || name == "ObjectId" || name == "ListName" || name == "FromListName" ||
+           name == "UserTokenType";
+}
+
+void set_text(Event& event, const char* name, std::string_view text)
+{
+    event.set({0, name}, Variant{String{std::string{text}}});
+}
+
+void set_actor(Event& event, const Record& record)
+{
+    const RecordActor& actor = record.actor;
+    set_text(event, "ClientAuditEntryId", actor.audit_entry_id);
+    set_text(event, "ClientUserId", actor.user);
+    if (!actor.application_uri.empty()) {
+        set_text(event, "ClientApplicationUri", actor.application_uri);
+    }
+    if (actor.session_id != nullptr) {
+        event.set({0, "SessionId"}, Variant{*actor.session_id});
+    }
+    if (actor.secure_channel_id != 0) {
+        set_text(event, "SecureChannelId", std::to_string(actor.secure_channel_id));
+    }
+}
+
+void set_certificate(Event& event, const Record& record)
+{
+    if (record.certificate.empty()) {
+        return;
+    }
+    const Variant der{ByteString{record.certificate}};
+    event.set({0, is_of_certificate(record.kind) ? "Certificate" : "ClientCertificate"}, der);
+    if (const auto certificate = crypto::Certificate::parse(record.certificate)) {
+        set_text(event, "ClientCertificateThumbprint", certificate->thumbprint_text());
+    }
+}
+
+} // namespace
+
+Event audit_event(const Record& record, std::string_view server_id)
+{
+    const Row& row = row_of(record.kind);
+    const bool is_done = !record.status.is_bad() || record.kind == RecordKind::SessionClosed;
+    Event event;
+    event.event_type = NodeId{0, is_of_certificate(record.kind) ? certificate_type(record.status)
+                                                                : row.event_type};
+    event.source_name = String{std::string{row.source_name}};
+    event.message = LocalizedText{
+        "en", String{record.text.empty() ? std::string{name(record.kind)} : record.text}};
+    event.severity = is_done ? severity_of_success : severity_of_failure;
+    event.set({0, "ActionTimeStamp"}, Variant{DateTime{}});
+    event.set({0, "Status"}, Variant{is_done});
+    event.set({0, "StatusCodeId"}, Variant{record.status});
+    set_text(event, "ServerId", server_id);
+    set_actor(event, record);
+    set_certificate(event, record);
+    for (const RecordField& field : record.fields) {
+        if (!is_renamed(field.name)) {
+            event.set({0, String{std::string{field.name}}}, field.value);
+        }
+    }
+    const Variant* const node =
+        field(record, record.kind == RecordKind::AttributeWritten ? "NodeId" : "ObjectId");
+    if (const auto* const id = node != nullptr ? node->get_if<NodeId>() : nullptr) {
+        event.source_node = *id;
+    }
+    return event;
+}
+
+void AuditLog::attach(std::shared_ptr<server::EventQueue> queue, std::string server_id)
+{
+    queue_ = std::move(queue);
+    server_id_ = std::move(server_id);
+}
+
+bool AuditLog::wants(RecordKind kind) const
+{
+    return lines_->wants(kind) || (queue_ != nullptr && row_of(kind).event_type != 0);
+}
+
+void AuditLog::record(const Record& record)
+{
+    if (lines_->wants(record.kind)) {
+        lines_->record(record);
+    }
+    if (queue_ != nullptr && row_of(record.kind).event_type != 0) {
+        // Counted there if there is no room.
+        static_cast<void>(queue_->raise(audit_event(record, server_id_)));
+    }
+}
+
+} // namespace busbar::administration
