@@ -59,7 +59,7 @@ bool is_locale(const std::string& text)
 void read_server(const TomlTable& table, ControllerConfig& config)
 {
     table.allow({"name", "application_uri", "address", "port", "host_names",
-                 "min_channel_lifetime_ms", "key_log", "nodesets", "locales"});
+                 "min_channel_lifetime_ms", "key_log", "nodesets", "locales", "auditing"});
     config.server.application_name = table.text("name", config.server.application_name);
     config.server.application_uri = table.text("application_uri", "");
     config.address = table.text("address", config.address);
@@ -80,6 +80,7 @@ void read_server(const TomlTable& table, ControllerConfig& config)
         }
         config.server.locale_ids = locales;
     }
+    config.server.is_auditing = table.flag("auditing", config.server.is_auditing);
     auto& limits = config.server.limits;
     limits.min_token_lifetime = std::chrono::milliseconds{table.integer(
         "min_channel_lifetime_ms", limits.min_token_lifetime.count(), 100, 3'600'000)};

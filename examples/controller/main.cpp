@@ -29,6 +29,7 @@
 #include <busbar/server/process_image.hpp>
 
 #include "addresses.hpp"
+#include "administered.hpp"
 #include "admission.hpp"
 #include "config.hpp"
 #include "default_config.hpp"
@@ -239,16 +240,18 @@ int serve(ControllerConfig config, const std::string& file)
     expect(loop.connect_to_clients(reverse), "connecting to clients");
     set_names(config);
     set_endpoint(config, port, wall_clock.now());
-    example::Admission admission{config, log};
+    example::Administered administered{config, wall_clock, log};
+    example::Admission admission{config, administered.log()};
     const auto plc = example::expect(controller::Plc::create(config.plc, config.image));
     server::ImageSource source{plc->image()};
     server::MethodTable methods;
 
     server::ServerEnvironment environment{.random = &random,
                                           .wall_clock = &wall_clock,
-                                          .log = &log,
+                                          .log = &administered.log(),
                                           .validator = &admission.clients(),
                                           .users = &admission.users(),
+                                          .roles = &administered.roles(),
                                           .waker = &loop.waker()};
 #ifdef BUSBAR_KEY_LOG
     std::unique_ptr<net::KeyLogFile> key_log;
@@ -265,6 +268,7 @@ int serve(ControllerConfig config, const std::string& file)
          .validator = environment.validator,
          .identity = config.server.identity ? &*config.server.identity : nullptr});
     auto server = make_server(config.server, environment, file);
+    administered.attach(server);
     controller::PlcNodesOptions nodes;
     nodes.source = server.add_source(source);
     nodes.cycle = config.scan;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include <busbar/administration/administration.hpp>
 #include <busbar/controller/plc.hpp>
 #include <busbar/controller/plc_nodes.hpp>
 #include <busbar/crypto/random.hpp>
@@ -10,6 +11,7 @@
 #include <busbar/server/process_image.hpp>
 #include <busbar/server/server.hpp>
 #include <busbar/server/user_directory.hpp>
+#include <busbar/storage/memory_storage.hpp>
 
 #include "core/json_writer.hpp"
 #include "models.hpp"
@@ -139,11 +141,17 @@ server::Conformance conformance_of(ControllerConfig config, DateTime now, bool h
     config.server.program = program_of(config, has_time_sync);
     const auto plc = expect(controller::Plc::create(config.plc, config.image));
     server::ImageSource source{plc->image()};
+    storage::MemoryStorage files;
+    administration::RoleList roles{files, "roles.json"};
+    administration::Administration administration{
+        {.wall_clock = &clock, .log = &log, .roles = &roles}};
     auto server = expect(server::Server::create(config.server, {.random = &random,
                                                                 .wall_clock = &clock,
                                                                 .log = &log,
                                                                 .validator = &validator,
-                                                                .users = &users}));
+                                                                .users = &users,
+                                                                .roles = &roles}));
+    expect(administration.attach(server));
     add_nodes(server, config, *plc, source, log);
     server.start(TimePoint{});
     return server.conformance();

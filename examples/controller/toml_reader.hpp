@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -39,7 +40,9 @@ T expect(Configured<T> made)
     if (!made) {
         throw ConfigError{std::move(made).error()};
     }
-    return *std::move(made);
+    if constexpr (!std::is_void_v<T>) {
+        return *std::move(made);
+    }
 }
 
 /// One table of a configuration file. Every function throws a ConfigError with the place if what is

@@ -141,6 +141,12 @@ url = "opc.tcp://oven:4840"
         std::string::npos);
 }
 
+TEST_CASE("audit events are raised where the file says so")
+{
+    CHECK_FALSE(parse("").server.is_auditing);
+    CHECK(parse("[server]\nauditing = true").server.is_auditing);
+}
+
 TEST_CASE("B9: locales are languages with or without a country", "[B9]")
 {
     CHECK(parse("").server.locale_ids == std::vector<std::string>{"en"});

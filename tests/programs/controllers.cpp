@@ -6,6 +6,7 @@
 #include <busbar/crypto/password_hash.hpp>
 #include <busbar/crypto/random.hpp>
 #include <busbar/net/system.hpp>
+#include <busbar/storage/folder_storage.hpp>
 
 namespace busbar::test {
 
@@ -107,7 +108,8 @@ std::string install_certificate(const ScratchFolder& scratch, const std::string&
     subject.valid_from = certificate.valid_from;
     subject.valid_days = certificate.valid_days;
     const auto made = crypto::create_self_signed(server_key(), subject);
-    const crypto::OwnCertificateStore store{scratch.path() + "/" + name + "/busbar-certificates"};
+    storage::FolderStorage files{scratch.path() + "/" + name + "/busbar-certificates"};
+    const crypto::OwnCertificateStore store{files};
     if (!made || !store.install({{*made}, server_key()}, subject.application_uri)) {
         throw std::runtime_error{name + " gets no certificate"};
     }
