@@ -7,7 +7,7 @@ import { anonymous, modes, named, withSession } from "./client.mjs";
 import { openHouse, startController, user } from "./controller.mjs";
 import { crawl } from "./crawl.mjs";
 
-const { AttributeIds, DataType, NodeClass, StatusCodes, TimestampsToReturn } = opcua;
+const { AttributeIds, BrowseDirection, DataType, NodeClass, StatusCodes, TimestampsToReturn } = opcua;
 
 const admin = { userName: "admin", password: "another pass phrase", roles: ["ConfigureAdmin", "SecurityAdmin"] };
 const enabledFlag = "i=2294";
@@ -30,6 +30,11 @@ const valueOf = (nodeId) => ({ nodeId, attributeId: AttributeIds.Value });
 const writeFlag = (session, flag) =>
   session.write({ ...valueOf(enabledFlag), value: { value: { dataType: DataType.Boolean, value: flag } } });
 
+// The Object that has the Method.
+const ownerOf = async (session, methodId) =>
+  (await session.browse({ nodeId: methodId, browseDirection: BrowseDirection.Inverse, referenceTypeId: "HasComponent" }))
+    .references[0].nodeId;
+
 test("below Objects no value is null and no Method is dead", { timeout: 60_000 }, () =>
   as(named(admin), "SignAndEncrypt", async (session) => {
     const nodes = [...(await crawl(session, "i=85"))].filter(([nodeId]) => nodeId.startsWith("ns=0") || /^i=/.test(nodeId));
@@ -41,7 +46,7 @@ test("below Objects no value is null and no Method is dead", { timeout: 60_000 }
       assert.ok(!isNull, `${variables[i]} is Good with null`);
     });
     for (const methodId of of(NodeClass.Method)) {
-      const result = await session.call({ objectId: "i=2253", methodId, inputArguments: [] });
+      const result = await session.call({ objectId: await ownerOf(session, methodId), methodId, inputArguments: [] });
       assert.equal(result.statusCode, StatusCodes.BadArgumentsMissing, methodId);
     }
   }));
