@@ -6,6 +6,7 @@
 #include <busbar/crypto/random.hpp>
 #include <busbar/crypto/store_validator.hpp>
 #include <busbar/net/server_loop.hpp>
+#include <busbar/storage/folder_storage.hpp>
 
 namespace busbar::net {
 
@@ -27,7 +28,8 @@ crypto::OwnCertificateSettings certificate_of(const ApplicationSettings& setting
 
 struct Application::Impl {
     Impl(ApplicationSettings s, LogSink& log)
-        : settings{std::move(s)}, store{settings.folder, {}, log}, validator{store, log}
+        : settings{std::move(s)}, storage{settings.folder}, store{storage, {}, log}, validator{
+                                                                                         store, log}
     {
         environment.random = &random;
         environment.wall_clock = &wall_clock;
@@ -38,6 +40,7 @@ struct Application::Impl {
     ApplicationSettings settings;
     crypto::SystemRandom random;
     SystemWallClock wall_clock;
+    storage::FolderStorage storage;
     crypto::CertificateStore store;
     crypto::StoreValidator validator;
     std::optional<channel::ApplicationIdentity> identity;
@@ -58,7 +61,7 @@ Configured<std::unique_ptr<Application>> Application::open(ApplicationSettings s
                              "name another",
                              made.error());
     }
-    const crypto::OwnCertificateStore own{wanted.folder};
+    const crypto::OwnCertificateStore own{impl->storage};
     auto certificate = own.load_or_create(certificate_of(wanted), impl->wall_clock.now());
     if (!certificate) {
         return tl::unexpected{problem_of(certificate.error())};
