@@ -145,12 +145,22 @@ OwnCertificateStore::create_signing_request(const OwnCertificateSettings& settin
 Checked<OwnCertificate> OwnCertificateStore::take_in(std::span<const std::byte> certificates,
                                                      std::string_view application_uri) const
 {
+    auto own = match(certificates, application_uri);
+    if (!own) {
+        return own;
+    }
+    const Files files{*storage_};
+    return detail::put_in_force(files, detail::read_state(files), *std::move(own));
+}
+
+Checked<OwnCertificate> OwnCertificateStore::match(std::span<const std::byte> certificates,
+                                                   std::string_view application_uri) const
+{
     const auto parsed = read_certificates(certificates);
     if (!parsed) {
         return refuse(parsed.error());
     }
-    const Files files{*storage_};
-    const auto state = detail::prepare(files);
+    const auto state = detail::prepare(Files{*storage_});
     if (!state) {
         return refuse(state.error());
     }
@@ -162,12 +172,33 @@ Checked<OwnCertificate> OwnCertificateStore::take_in(std::span<const std::byte> 
         if (auto refused = detail::check_certificates(chain, application_uri)) {
             return refuse(*std::move(refused));
         }
-        return detail::put_in_force(files, *state, {std::move(chain), *key});
+        return OwnCertificate{std::move(chain), *key};
     }
     return refuse(
         own_certificate_refusal(parsed->front(), status::Bad_CertificateInvalid,
                                 "it belongs neither to the pending key nor to the present one",
                                 "Have it issued for the last request, or install it with its key"));
+}
+
+Checked<void> OwnCertificateStore::stage(const OwnCertificate& own,
+                                         std::string_view application_uri,
+                                         FileTransaction& change) const
+{
+    const CertificateChain chain = detail::chain_of(own.key, own.certificates);
+    if (chain.empty()) {
+        return refuse(own_certificate_refusal(status::Bad_CertificateInvalid,
+                                              "no certificate belongs to the private key",
+                                              "Export the key together with its certificate"));
+    }
+    if (auto refused = detail::check_certificates(chain, application_uri)) {
+        return refuse(*std::move(refused));
+    }
+    const Files files{*storage_};
+    const auto state = detail::prepare(files);
+    if (!state) {
+        return refuse(state.error());
+    }
+    return detail::stage(files, *state, {chain, own.key}, change);
 }
 
 Checked<OwnCertificate> OwnCertificateStore::install(const OwnCertificate& own,

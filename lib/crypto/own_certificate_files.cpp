@@ -191,6 +191,19 @@ Stored<void> OwnCertificateFiles::save_certificate(std::span<const std::byte> de
     return storage_->replace(certificate_name, der, FileAccess::Everyone);
 }
 
+Stored<void> OwnCertificateFiles::stage_pending_key(const PrivateKey& key, FileTransaction& change)
+{
+    const auto pem = key.to_pem();
+    return pem ? change.replace(pending_name, pem->span(), FileAccess::Owner)
+               : not_stored(StorageError::Failed);
+}
+
+Stored<void> OwnCertificateFiles::stage_certificate(std::span<const std::byte> der,
+                                                    FileTransaction& change)
+{
+    return change.replace(certificate_name, der, FileAccess::Everyone);
+}
+
 Stored<void> OwnCertificateFiles::promote_pending_key(const PrivateKey& key) const
 {
     if (auto saved = key.save(*storage_, key_name); !saved) {

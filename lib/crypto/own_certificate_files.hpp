@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include <busbar/core/file_transaction.hpp>
 #include <busbar/core/storage.hpp>
 #include <busbar/crypto/private_key.hpp>
 #include <busbar/crypto/secret.hpp>
@@ -46,6 +47,12 @@ public:
     [[nodiscard]] Stored<void> keep_key_aside() const;
     [[nodiscard]] Stored<void> save_pending_key(const PrivateKey& key) const;
     [[nodiscard]] Stored<void> save_certificate(std::span<const std::byte> der) const;
+    // The same in a transaction.
+
+    [[nodiscard]] static Stored<void> stage_pending_key(const PrivateKey& key,
+                                                        FileTransaction& change);
+    [[nodiscard]] static Stored<void> stage_certificate(std::span<const std::byte> der,
+                                                        FileTransaction& change);
     /// The pending key is the key from now on.
     [[nodiscard]] Stored<void> promote_pending_key(const PrivateKey& key) const;
 

@@ -23,12 +23,17 @@ bool is_same_key(const PrivateKey& a, const PrivateKey& b)
     return EVP_PKEY_eq(a.native(), b.native()) == 1;
 }
 
-Stored<void> replace(const OwnCertificateFiles& files, const OwnCertificate& own, bool has_its_key)
+std::vector<std::byte> der_of(const CertificateChain& certificates)
 {
     std::vector<std::byte> der;
-    for (const Certificate& certificate : own.certificates) {
+    for (const Certificate& certificate : certificates) {
         der.insert(der.end(), certificate.der().begin(), certificate.der().end());
     }
+    return der;
+}
+
+Stored<void> replace(const OwnCertificateFiles& files, const OwnCertificate& own, bool has_its_key)
+{
     if (auto kept = files.keep_aside(); !kept) {
         return kept;
     }
@@ -37,7 +42,7 @@ Stored<void> replace(const OwnCertificateFiles& files, const OwnCertificate& own
             return saved;
         }
     }
-    return files.save_certificate(der);
+    return files.save_certificate(der_of(own.certificates));
 }
 
 } // namespace
@@ -91,6 +96,20 @@ Checked<OwnCertificate> put_in_force(const OwnCertificateFiles& files,
         static_cast<void>(files.promote_pending_key(own.key));
     }
     return own;
+}
+
+Checked<void> stage(const OwnCertificateFiles& files, const OwnCertificateState& state,
+                    const OwnCertificate& own, FileTransaction& change)
+{
+    const bool has_its_key = state.key && is_same_key(*state.key, own.key);
+    Stored<void> done = files.keep_aside();
+    if (done && !has_its_key) {
+        done = files.stage_pending_key(own.key, change);
+    }
+    if (done) {
+        done = files.stage_certificate(der_of(own.certificates), change);
+    }
+    return done ? Checked<void>{} : Checked<void>{refuse(unwritable(files.certificate()))};
 }
 
 } // namespace busbar::crypto::detail

@@ -44,4 +44,9 @@ struct OwnCertificateState {
                                                    const OwnCertificateState& state,
                                                    OwnCertificate own);
 
+/// Lays the same down in `change`. What is in force is kept aside at once.
+[[nodiscard]] Checked<void> stage(const OwnCertificateFiles& files,
+                                  const OwnCertificateState& state, const OwnCertificate& own,
+                                  FileTransaction& change);
+
 } // namespace busbar::crypto::detail

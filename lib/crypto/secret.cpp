@@ -32,4 +32,11 @@ Result<void> SystemRandom::fill(std::span<std::byte> bytes)
     return {};
 }
 
+void add_entropy(std::span<const std::byte> bytes)
+{
+    constexpr double estimate = 0.0;
+    RAND_add(bytes.data(), static_cast<int>(std::min(bytes.size(), std::size_t{INT_MAX})),
+             estimate);
+}
+
 } // namespace busbar::crypto

@@ -76,7 +76,41 @@ bool fill(X509* certificate, const PrivateKey& key, const CertificateSubject& su
            X509_sign(certificate, key.native(), EVP_sha256()) > 0;
 }
 
+std::string field_of(const X509* certificate, int id)
+{
+    const X509_NAME* const name = X509_get_subject_name(certificate);
+    const int place = X509_NAME_get_index_by_NID(name, id, -1);
+    if (place < 0) {
+        return {};
+    }
+    unsigned char* text = nullptr;
+    const int size =
+        ASN1_STRING_to_UTF8(&text, X509_NAME_ENTRY_get_data(X509_NAME_get_entry(name, place)));
+    std::string result{reinterpret_cast<const char*>(text),
+                       size > 0 ? static_cast<std::size_t>(size) : 0};
+    OPENSSL_free(text);
+    return result;
+}
+
 } // namespace
+
+CertificateSubject subject_of(const Certificate& certificate)
+{
+    const X509* const x509 = certificate.native();
+    CertificateSubject subject;
+    subject.common_name = field_of(x509, NID_commonName);
+    subject.organization = field_of(x509, NID_organizationName);
+    subject.organizational_unit = field_of(x509, NID_organizationalUnitName);
+    subject.locality = field_of(x509, NID_localityName);
+    subject.state = field_of(x509, NID_stateOrProvinceName);
+    subject.country = field_of(x509, NID_countryName);
+    subject.domain_component = field_of(x509, NID_domainComponent);
+    subject.application_uri = certificate.application_uri();
+    for (const std::string& host : certificate.host_names()) {
+        add_host(subject, host);
+    }
+    return subject;
+}
 
 void add_host(CertificateSubject& subject, const std::string& host)
 {

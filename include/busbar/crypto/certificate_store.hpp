@@ -10,6 +10,7 @@
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/date_time.hpp>
+#include <busbar/core/file_transaction.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/refusal.hpp>
 #include <busbar/core/result.hpp>
@@ -43,6 +44,14 @@ struct StoreEntry {
     std::string thumbprint; // SHA-1 in upper-case hexadecimal; of a revocation list too
     DateTime valid_from;    // of a revocation list thisUpdate
     DateTime valid_to;      // and nextUpdate, null if it has none
+};
+
+/// The lists of a TrustList that an operation is about (Part 12, 7.8.2.9, TrustListMasks).
+struct TrustListParts {
+    bool trusted{false};
+    bool trusted_crls{false};
+    bool issuers{false};
+    bool issuer_crls{false};
 };
 
 /// Certificates and revocation lists in a Storage, in the folders that OPC UA tools know (Part 12,
@@ -104,6 +113,14 @@ public:
     /// At no moment is it in neither list. If it was in `to` already, it just leaves `from`. Errors
     /// as for add and remove.
     [[nodiscard]] Checked<void> move(std::string_view thumbprint, StoreList from, StoreList to);
+
+    /// Lays down in `change`, of a storage that has this store in the folder `folder`, what makes
+    /// these lists hold what `wanted` has and nothing else; certificates that are there already
+    /// keep their files, and files that cannot be used are left alone. Bad_ResourceUnavailable if
+    /// the storage fails or a list would have more than its limit, Bad_EntryExists if the name that
+    /// a file would get is taken by another certificate.
+    [[nodiscard]] Checked<void> stage(const TrustList& wanted, const TrustListParts& parts,
+                                      FileTransaction& change, std::string_view folder = {});
 
     [[nodiscard]] Storage& storage() const { return *storage_; }
 

@@ -70,6 +70,15 @@ inline constexpr std::size_t max_signature_checks = 32;
 check_chain(const CertificateChain& chain, const TrustList& list, const ValidationContext& context,
             const ValidationSettings& settings = {}, std::vector<Refusal>* suppressed = nullptr);
 
+/// Whether a trust list makes sense as it is (Part 12, 7.8.2.5): every trusted certificate but
+/// those of CAs passes check_chain with this list, whatever an administrator may suppress. The
+/// refusal is that of the first one that does not.
+[[nodiscard]] BUSBAR_API std::optional<Refusal>
+check_trust_list(const TrustList& list, DateTime now, CertificatePurpose purpose);
+
+/// True for a certificate that may sign others: basicConstraints say so (RFC 5280, 4.2.1.9).
+[[nodiscard]] BUSBAR_API bool is_authority(const Certificate& certificate);
+
 /// Decides whether a peer's certificate is accepted (Part 4, 6.1.3).
 class BUSBAR_API CertificateValidator {
 public:

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <busbar/core/api.hpp>
+#include <busbar/core/file_transaction.hpp>
 #include <busbar/core/refusal.hpp>
 #include <busbar/core/storage.hpp>
 #include <busbar/crypto/certificate.hpp>
@@ -83,6 +84,17 @@ public:
     /// PrivateKey::parse. Refused under the same conditions. A pending key is discarded.
     [[nodiscard]] Checked<OwnCertificate> install(const OwnCertificate& own,
                                                   std::string_view application_uri) const;
+
+    // The same in two steps, as a part of a transaction on the same storage.
+
+    /// What take_in would put in force. Changes nothing but what prepare() of the other members
+    /// does.
+    [[nodiscard]] Checked<OwnCertificate> match(std::span<const std::byte> certificates,
+                                                std::string_view application_uri) const;
+    /// Lays down in `change` what puts `own`, with its leaf in front, in force: then it is what
+    /// load() gives. Refused as install() does.
+    [[nodiscard]] Checked<void> stage(const OwnCertificate& own, std::string_view application_uri,
+                                      FileTransaction& change) const;
 
 private:
     Storage* storage_;

@@ -26,4 +26,7 @@ public:
     [[nodiscard]] Result<void> fill(std::span<std::byte> bytes) override;
 };
 
+/// Stirs bytes into OpenSSL's generator, whatever they are; it is never less random for that.
+BUSBAR_API void add_entropy(std::span<const std::byte> bytes);
+
 } // namespace busbar::crypto

@@ -37,6 +37,9 @@ struct CertificateSubject {
 /// Adds `host` to the DNS names or to the addresses, whichever it is.
 BUSBAR_API void add_host(CertificateSubject& subject, const std::string& host);
 
+/// What a certificate says of its owner, without times.
+[[nodiscard]] BUSBAR_API CertificateSubject subject_of(const Certificate& certificate);
+
 /// A certificate that is its own issuer, signed with SHA-256, for a server and a client; no CA.
 /// Bad_InvalidArgument if a name, address or time cannot stand in a certificate.
 [[nodiscard]] BUSBAR_API Result<Certificate> create_self_signed(const PrivateKey& key,
