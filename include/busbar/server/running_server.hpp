@@ -30,6 +30,9 @@ public:
     std::size_t end_sessions(FunctionRef<bool(const UserIdentity&)> whose) const;
     /// The RoleMapper decides otherwise than before: sessions get their roles anew.
     void roles_changed() const;
+    /// Other certificates are trusted than before. A second later, so that answers under way
+    /// arrive, channels of clients whose certificate is refused now are closed (Part 12, 7.8.2.5).
+    void trust_changed() const;
     /// False once it is over.
     [[nodiscard]] bool has_session(const NodeId& session_id) const;
 

@@ -114,6 +114,8 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     /// this one.
     TimePoint old_channels_deadline{no_deadline};
     std::uint64_t first_new_link_id{0};
+    /// When it is looked which clients are still trusted.
+    TimePoint trust_check_deadline{no_deadline};
 
     [[nodiscard]] const ServerLimits& limits() const { return config.limits; }
     [[nodiscard]] bool is_shutting_down() const { return life.is_shutting_down(); }

@@ -76,6 +76,37 @@ void Server::Impl::close_old_channels()
     sweep();
 }
 
+void Server::Impl::close_untrusted_channels()
+{
+    trust_check_deadline = no_deadline;
+    for (detail::PeerLink* link : links) {
+        const auto* policy = link->channel().security().policy;
+        const crypto::CertificateChain& chain = link->channel().peer_certificates();
+        if (link->is_closed() || policy == nullptr || policy->is_none() || chain.empty()) {
+            continue;
+        }
+        crypto::ValidationContext context;
+        context.policy = policy;
+        context.now = environment.wall_clock->now();
+        context.purpose = crypto::CertificatePurpose::ClientApplication;
+        if (const auto valid = environment.validator->validate(chain, context); !valid) {
+            Record record{RecordKind::CertificateRefused, LogLevel::Warning, "server"};
+            record.text = "closes a channel: " + text(valid.error());
+            record.status = valid.error().status;
+            record.refusal = &valid.error();
+            record.certificate = chain.front().der();
+            tell(link->log(), record);
+            link->close(status::Bad_SecurityChecksFailed, "the client is not trusted any more");
+        }
+    }
+    sweep();
+}
+
+void RunningServer::trust_changed() const
+{
+    impl_->trust_check_deadline = impl_->latest + old_channel_time;
+}
+
 void Server::Impl::end_homeless_sessions()
 {
     static_cast<void>(end_sessions(

@@ -229,7 +229,8 @@ TimePoint Server::next_deadline() const
     const detail::Session* first = impl_->sessions.next_due();
     return std::min({first != nullptr ? first->next_deadline() : no_deadline,
                      impl_->shutdown_deadline, impl_->certificate_check,
-                     impl_->old_channels_deadline, impl_->subscriptions.next_deadline()});
+                     impl_->old_channels_deadline, impl_->trust_check_deadline,
+                     impl_->subscriptions.next_deadline()});
 }
 
 void Server::start(TimePoint now)
@@ -250,6 +251,9 @@ void Server::handle_deadline(TimePoint now)
     impl_->subscriptions.handle_deadline(now);
     if (impl_->old_channels_deadline <= now) {
         impl_->close_old_channels();
+    }
+    if (impl_->trust_check_deadline <= now) {
+        impl_->close_untrusted_channels();
     }
     if (impl_->shutdown_deadline <= now) {
         impl_->finish_shutdown();

@@ -23,6 +23,7 @@ struct Server::Impl : detail::Core {
     void finish_shutdown();
     [[nodiscard]] Configured<void> check_change(const ServerConfig& wanted) const;
     void close_old_channels();
+    void close_untrusted_channels();
     /// Sessions over endpoints that there are no more.
     void end_homeless_sessions();
     /// Ends sessions one by one, since each may take others along.
