@@ -110,7 +110,7 @@ endfunction()
 function(busbar_generate_nodes name sources_variable)
   cmake_parse_arguments(ARG "ADDITION"
     "NAMESPACE_URI;CPP_NAMESPACE;INCLUDE_PATH;ROOT;NODE_LIST;FEATURE_LIST"
-    "NODESETS;DEPENDENCIES;FEATURES" ${ARGN})
+    "NODESETS;DEPENDENCIES;FEATURES;GIVEN" ${ARGN})
   busbar_find_generator(command generator)
   set(folder ${ARG_ROOT}/${ARG_INCLUDE_PATH})
   set(arguments --nodes --output ${folder} --cpp-namespace ${ARG_CPP_NAMESPACE}
@@ -126,6 +126,9 @@ function(busbar_generate_nodes name sources_variable)
   endif()
   foreach(feature IN LISTS ARG_FEATURES)
     list(APPEND arguments --feature ${feature})
+  endforeach()
+  foreach(feature IN LISTS ARG_GIVEN)
+    list(APPEND arguments --given ${feature})
   endforeach()
   if(ARG_ADDITION)
     list(APPEND arguments --addition)

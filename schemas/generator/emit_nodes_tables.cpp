@@ -139,7 +139,7 @@ tl::expected<void, Failure> NodeTableBuilder::select()
 tl::expected<void, Failure> NodeTableBuilder::select_addition(std::set<NodeId> others)
 {
     Options without = options_;
-    without.features.clear();
+    without.features = options_.given;
     const auto all = nodes_of_other_features(document_, without);
     if (!all) {
         return tl::make_unexpected(all.error());

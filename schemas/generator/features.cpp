@@ -56,6 +56,11 @@ tl::expected<NodeId, Failure> parse_row(const std::string& place, const std::str
     return *std::move(id);
 }
 
+bool has(const std::vector<std::string>& names, const std::string& name)
+{
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
 } // namespace
 
 tl::expected<std::set<NodeId>, Failure> nodes_of_other_features(const nodeset::Document& document,
@@ -79,14 +84,15 @@ tl::expected<std::set<NodeId>, Failure> nodes_of_other_features(const nodeset::D
             return tl::make_unexpected(id.error());
         }
         const std::string& feature = *known.insert(row.substr(0, row.find(','))).first;
-        if (std::find(options.features.begin(), options.features.end(), feature) ==
-            options.features.end()) {
+        if (!has(options.features, feature) && !has(options.given, feature)) {
             open.push_back(*std::move(id));
         }
     }
-    for (const std::string& feature : options.features) {
-        if (known.count(feature) == 0) {
-            return tl::make_unexpected(options.features_file + ": found no feature " + feature);
+    for (const auto* names : {&options.features, &options.given}) {
+        for (const std::string& feature : *names) {
+            if (known.count(feature) == 0) {
+                return tl::make_unexpected(options.features_file + ": found no feature " + feature);
+            }
         }
     }
     const Children children = children_of_instances(document);

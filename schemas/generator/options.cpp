@@ -30,7 +30,9 @@ constexpr const char* usage =
     "they\n"
     "                           consist of are left out\n"
     "  --feature NAME           but not those of this one; may be repeated\n"
-    "  --addition               with --feature: emit its nodes alone, to be added to the others\n";
+    "  --addition               with --feature: emit its nodes alone, to be added to the others\n"
+    "  --given NAME             with --addition: a feature that is among the others; may be "
+    "repeated\n";
 
 tl::unexpected<Failure> wrong(const std::string& what)
 {
@@ -83,6 +85,9 @@ std::string* text_option(Options& options, std::string_view name)
     }
     if (name == "--feature") {
         return &options.features.emplace_back();
+    }
+    if (name == "--given") {
+        return &options.given.emplace_back();
     }
     return name == "--node-list" ? &options.node_list : nullptr;
 }

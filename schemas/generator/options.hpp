@@ -42,6 +42,8 @@ struct Options {
     std::vector<std::string> features;
     /// The nodes of `features` alone; all others are external.
     bool is_addition{false};
+    /// Features that are there before an addition, in which its nodes lie.
+    std::vector<std::string> given;
 };
 
 /// A message for a person: what failed, with the path.
