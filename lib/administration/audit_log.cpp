@@ -45,6 +45,7 @@ constexpr std::array rows{
     Row{0, {}},                                                        // CertificateHostNotNamed
     Row{id::TrustListUpdatedAuditEventType, "Security/TrustList"},     // RevocationListAdded
     Row{id::TrustListUpdatedAuditEventType, "Security/TrustList"},     // RevocationListRemoved
+    Row{id::TrustListUpdatedAuditEventType, "Security/TrustList"},     // TrustListUpdated
     Row{id::AuditSecurityEventType, "Server/Configuration"},           // SettingsChanged
     Row{id::AuditSecurityEventType, "Server/Users"},                   // UsersChanged
     Row{id::RoleMappingRuleChangedAuditEventType, "Server/RoleSet"},   // RolesChanged

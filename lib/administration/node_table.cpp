@@ -55,7 +55,7 @@ void NodeTable::read(server::ReadBatch batch)
             batch.results()[i] = DataValue{status::Bad_NotReadable};
             continue;
         }
-        DataValue value{entry->value()};
+        DataValue value = entry->value();
         value.source_timestamp = now;
         batch.results()[i] = std::move(value);
     }

@@ -18,7 +18,7 @@ namespace busbar::administration::detail {
 /// On the server's thread, but for post(). Functions that throw end what they were called for.
 class NodeTable final : public server::DataSource {
 public:
-    using Value = std::function<Variant()>;
+    using Value = std::function<DataValue()>;
     /// Good, or why not.
     using Setter = std::function<StatusCode(const DataValue& value)>;
     using Method = server::MethodTable::Function;

@@ -5,12 +5,12 @@
 #include <utility>
 
 #include <busbar/administration/role_set_nodes/nodes.hpp>
-#include <busbar/binary/dynamic_value.hpp>
 #include <busbar/core/text.hpp>
 #include <busbar/model/instance.hpp>
 #include <busbar/server/running_server.hpp>
 #include <busbar/types/ids.hpp>
 
+#include "method_arguments.hpp"
 #include "method_record.hpp"
 
 namespace busbar::administration::detail {
@@ -44,53 +44,6 @@ NodeIndex well_known_node(const model::AddressSpace& space, std::string_view nam
         }
     }
     return model::no_node;
-}
-
-/// The structure of an argument; empty if it is another one, which the Method's InputArguments do
-/// not let through.
-template <typename T>
-T structure_input(const MethodCall& call)
-{
-    const auto* const object = call.inputs()[0].get_if<ExtensionObject>();
-    T result;
-    if (object == nullptr) {
-        return result;
-    }
-    if (const T* const decoded = object->get_if<T>()) {
-        result = *decoded;
-    } else if (auto found = binary::structure_of<T>(*object)) {
-        result = *std::move(found);
-    }
-    // The analyzer cannot follow a count of references.
-    return result; // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks)
-}
-
-/// The text of an argument; empty if it is null.
-std::string text_input(const MethodCall& call, std::size_t index)
-{
-    const auto* const text = call.inputs()[index].get_if<String>();
-    return text != nullptr ? text->str() : std::string{};
-}
-
-template <typename T, typename From>
-Variant structures(const std::vector<From>& list)
-{
-    Array<ExtensionObject> objects;
-    objects.clear(); // not null
-    for (const From& each : list) {
-        objects.push_back(ExtensionObject::from(T{each}));
-    }
-    return Variant{std::move(objects)};
-}
-
-Variant texts(const std::vector<std::string>& list)
-{
-    Array<String> result;
-    result.clear(); // not null
-    for (const std::string& each : list) {
-        result.push_back(String{each});
-    }
-    return Variant{std::move(result)};
 }
 
 } // namespace
@@ -276,9 +229,7 @@ void RoleSet::add_role(MethodCall call)
         return call.fail(node.error());
     }
     changed(call);
-    Array<Variant> outputs;
-    outputs.push_back(Variant{node_id(role)});
-    call.succeed(std::move(outputs));
+    call.succeed(one_output(Variant{node_id(role)}));
 }
 
 /// Part 18, 4.2.3.

@@ -43,6 +43,7 @@ enum class RecordKind : std::uint8_t {
     CertificateHostNotNamed,
     RevocationListAdded, // [ListName]
     RevocationListRemoved,
+    TrustListUpdated, // [TrustListId], as a whole
 
     SettingsChanged,
     UsersChanged,
