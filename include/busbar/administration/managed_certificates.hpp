@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include <busbar/core/named_fields.hpp>
+#include <busbar/core/storage.hpp>
+#include <busbar/crypto/certificate_store.hpp>
+#include <busbar/crypto/own_certificate.hpp>
+
+namespace busbar::administration {
+
+/// What ServerConfiguration manages (Part 12, 7.10): the server's own certificate, the trust list
+/// of applications and that of users. All must outlive the Administration.
+struct ManagedCertificates {
+    [[no_unique_address]] NamedFields named_fields{};
+
+    /// Required: where all of it lies. The own certificate is that of an OwnCertificateStore at its
+    /// root; a transaction keeps what is to come in its folder "transaction".
+    Storage* files{nullptr};
+    /// Required: DefaultApplicationGroup; its root is that of `files`.
+    crypto::CertificateStore* applications{nullptr};
+    /// DefaultUserTokenGroup; null: there is none.
+    crypto::CertificateStore* users{nullptr};
+    /// The folder of `files` that is the root of `users`: "users".
+    std::string users_folder{};
+    /// Told on the server's thread when the server has another certificate: whoever uses the old
+    /// one by other ways than the server's, such as a registration with a discovery server. May be
+    /// empty.
+    std::function<void(const crypto::OwnCertificate&)> renewed{};
+    /// Bits of keys that are made: 2048 to 4096.
+    std::uint32_t key_bits{2048};
+    /// Bytes of a trust list as it is sent and written, all its lists together (MaxTrustListSize).
+    std::size_t max_trust_list_size{4U << 20U};
+};
+
+} // namespace busbar::administration

@@ -1,0 +1,174 @@
+#include "transaction.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <busbar/core/status_codes.hpp>
+
+namespace busbar::administration::detail {
+
+namespace {
+
+void add_once(std::vector<NodeId>& ids, const NodeId& id)
+{
+    if (std::find(ids.begin(), ids.end(), id) == ids.end()) {
+        ids.push_back(id);
+    }
+}
+
+crypto::TrustListParts both(const crypto::TrustListParts& a, const crypto::TrustListParts& b)
+{
+    return {a.trusted || b.trusted, a.trusted_crls || b.trusted_crls, a.issuers || b.issuers,
+            a.issuer_crls || b.issuer_crls};
+}
+
+} // namespace
+
+StatusCode Transaction::enter(const NodeId& session)
+{
+    if (owner_) {
+        return *owner_ == session ? status::Good : status::Bad_TransactionPending;
+    }
+    owner_ = session;
+    has_begun_ = true;
+    start_time_ = clock_.now();
+    end_time_ = {};
+    result_ = status::Good;
+    trust_lists_.clear();
+    affected_groups_.clear();
+    errors_.clear();
+    return status::Good;
+}
+
+StatusCode Transaction::check_end(const NodeId& session) const
+{
+    if (!owner_) {
+        return status::Bad_NothingToDo;
+    }
+    return *owner_ == session ? status::Good : status::Bad_SessionIdInvalid;
+}
+
+void Transaction::set_trust_list(std::size_t group, crypto::TrustList list,
+                                 crypto::TrustListParts parts)
+{
+    add_once(trust_lists_, groups_[group].trust_list_id);
+    add_once(affected_groups_, groups_[group].id);
+    const auto before = std::find_if(lists_.begin(), lists_.end(),
+                                     [&](const NewList& each) { return each.group == group; });
+    if (before != lists_.end()) {
+        parts = both(parts, before->parts);
+        lists_.erase(before);
+    }
+    lists_.push_back({group, std::move(list), parts});
+}
+
+void Transaction::set_own_certificate(crypto::OwnCertificate own)
+{
+    add_once(affected_groups_, groups_.front().id);
+    own_ = std::move(own);
+    is_own_deleted_ = false;
+}
+
+void Transaction::delete_own_certificate()
+{
+    add_once(affected_groups_, groups_.front().id);
+    own_.reset();
+    is_own_deleted_ = true;
+}
+
+crypto::TrustList Transaction::trust_list(std::size_t group) const
+{
+    for (const NewList& each : lists_) {
+        if (each.group == group) {
+            return each.list;
+        }
+    }
+    return groups_[group].store->trust_list(clock_.now());
+}
+
+Checked<void> Transaction::write(FileTransaction& change, std::string_view application_uri)
+{
+    if (const auto ready = change.recover(); !ready) {
+        return refuse(
+            {status::Bad_ResourceUnavailable, "transaction",
+             std::string{"the files cannot be written: "} + std::string{text(ready.error())}, "",
+             ""});
+    }
+    if (is_own_deleted_) {
+        Refusal refusal{status::Bad_InvalidState, "transaction",
+                        "the server's certificate would be deleted and there is no other one",
+                        "Part 12, 7.10.9", "Call CreateSelfSignedCertificate or UpdateCertificate"};
+        errors_.push_back(
+            {groups_.front().id, refusal.status, LocalizedText{"en", String{text(refusal)}}});
+        return refuse(std::move(refusal));
+    }
+    for (const NewList& each : lists_) {
+        const CertificateGroup& group = groups_[each.group];
+        if (auto staged = group.store->stage(each.list, each.parts, change, group.folder);
+            !staged) {
+            errors_.push_back({group.trust_list_id, staged.error().status,
+                               LocalizedText{"en", String{text(staged.error())}}});
+            return staged;
+        }
+    }
+    if (own_) {
+        const crypto::OwnCertificateStore store{*files_.files};
+        if (auto staged = store.stage(*own_, application_uri, change); !staged) {
+            errors_.push_back({groups_.front().id, staged.error().status,
+                               LocalizedText{"en", String{text(staged.error())}}});
+            return staged;
+        }
+    }
+    if (const auto done = change.commit(); !done) {
+        // What is decided is finished as soon as the files can be written again.
+        if (change.is_decided() && change.recover()) {
+            return {};
+        }
+        return refuse(
+            {status::Bad_ResourceUnavailable, "transaction",
+             std::string{"the files cannot be written: "} + std::string{text(done.error())}, "",
+             ""});
+    }
+    return {};
+}
+
+Checked<Transaction::Changed> Transaction::apply(std::string_view application_uri)
+{
+    FileTransaction change{*files_.files, transaction_folder};
+    if (auto written = write(change, application_uri); !written) {
+        end(written.error().status);
+        return refuse(std::move(written).error());
+    }
+    Changed changed;
+    for (const NewList& each : lists_) {
+        ++groups_[each.group].version;
+        changed.groups.push_back(each.group);
+    }
+    if (own_) {
+        // Gives the new key its name.
+        const crypto::OwnCertificateStore store{*files_.files};
+        static_cast<void>(store.load(application_uri));
+        changed.own = std::move(own_);
+    }
+    end(status::Good);
+    return changed;
+}
+
+void Transaction::cancel(StatusCode why)
+{
+    if (owner_) {
+        end(why);
+    }
+}
+
+void Transaction::end(StatusCode result)
+{
+    owner_.reset();
+    lists_.clear();
+    own_.reset();
+    is_own_deleted_ = false;
+    end_time_ = clock_.now();
+    result_ = result;
+}
+
+} // namespace busbar::administration::detail

@@ -1,0 +1,363 @@
+#include "trust_list_file.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <busbar/core/text.hpp>
+#include <busbar/server/running_server.hpp>
+
+#include "method_arguments.hpp"
+#include "method_record.hpp"
+#include "trust_list_data.hpp"
+
+namespace busbar::administration::detail {
+
+namespace {
+
+using server::MethodCall;
+
+/// Of one list, by all sessions together.
+constexpr std::size_t max_open = 16;
+/// Bytes of one answer; the client asks again for the rest (Part 20, 4.2.4).
+constexpr std::size_t max_read = 65'536;
+
+// Modes of Open (Part 20, 4.2.2).
+constexpr std::uint8_t mode_read = 1;
+constexpr std::uint8_t mode_write_and_erase = 6;
+
+tl::unexpected<Refusal> refuse_removal(StatusCode status, std::string found, std::string remedy)
+{
+    return refuse({status, "trust list", std::move(found), "Part 12, 7.8.2.7", std::move(remedy)});
+}
+
+} // namespace
+
+TrustListFile::TrustListFile(TrustListNeeds needs, std::size_t group)
+    : needs_{std::move(needs)}, group_{group}
+{
+}
+
+void TrustListFile::bind(model::NodeIndex node, std::string_view name,
+                         void (TrustListFile::*function)(MethodCall))
+{
+    model::AddressSpace& space = needs_.server.address_space();
+    needs_.table.bind_method(space, child_of(space, node, name), [this, function](MethodCall call) {
+        expire();
+        (this->*function)(std::move(call));
+    });
+}
+
+void TrustListFile::attach(model::NodeIndex node)
+{
+    bind_values(node);
+    bind(node, "Open", &TrustListFile::open);
+    bind(node, "OpenWithMasks", &TrustListFile::open_with_masks);
+    bind(node, "Close", &TrustListFile::close);
+    bind(node, "Read", &TrustListFile::read);
+    bind(node, "Write", &TrustListFile::write);
+    bind(node, "GetPosition", &TrustListFile::get_position);
+    bind(node, "SetPosition", &TrustListFile::set_position);
+    bind(node, "CloseAndUpdate", &TrustListFile::close_and_update);
+    bind(node, "AddCertificate", &TrustListFile::add_certificate);
+    bind(node, "RemoveCertificate", &TrustListFile::remove_certificate);
+}
+
+void TrustListFile::bind_values(model::NodeIndex node)
+{
+    model::AddressSpace& space = needs_.server.address_space();
+    const auto bind_one = [&](std::string_view name, NodeTable::Value value) {
+        needs_.table.bind_value(space, child_of(space, node, name), std::move(value));
+    };
+    // It has no meaning here (Part 12, 7.8.2.1).
+    bind_one("Size", [] { return DataValue{status::Bad_NotSupported}; });
+    bind_one("Writable", [] { return DataValue{Variant{true}}; });
+    bind_one("UserWritable", [] { return DataValue{Variant{true}}; });
+    bind_one("OpenCount", [this] {
+        expire();
+        return DataValue{Variant{static_cast<std::uint16_t>(open_.size())}};
+    });
+    bind_one("LastUpdateTime", [this] {
+        DateTime last{};
+        for (const char* folder :
+             {"trusted/certs", "trusted/crl", "issuers/certs", "issuers/crl"}) {
+            const auto entry = group().store->storage().entry(folder);
+            last = entry ? std::max(last, entry->modified) : last;
+        }
+        return DataValue{Variant{last}};
+    });
+}
+
+void TrustListFile::expire()
+{
+    const server::RunningServer running{needs_.server};
+    std::erase_if(open_, [&](const Open& open) { return !running.has_session(open.session); });
+    const NodeId* const owner = needs_.transaction.owner();
+    if (owner != nullptr && !running.has_session(*owner)) {
+        needs_.transaction.cancel(status::Bad_SessionClosed);
+    }
+}
+
+bool TrustListFile::is_open_for_writing() const
+{
+    return std::any_of(open_.begin(), open_.end(),
+                       [](const Open& open) { return open.is_writing; });
+}
+
+TrustListFile::Open* TrustListFile::find(const MethodCall& call)
+{
+    const auto handle = call.input<std::uint32_t>(0);
+    const auto found = std::find_if(open_.begin(), open_.end(), [&](const Open& open) {
+        return open.handle == handle && open.session == call.session_id();
+    });
+    return found == open_.end() ? nullptr : &*found;
+}
+
+void TrustListFile::forget(const Open& open)
+{
+    std::erase_if(open_,
+                  [handle = open.handle](const Open& each) { return each.handle == handle; });
+}
+
+void TrustListFile::keep(MethodCall call, Open open)
+{
+    if (open_.size() >= max_open) {
+        return call.fail(status::Bad_TooManyOperations);
+    }
+    open.handle = ++last_handle_;
+    open.session = call.session_id();
+    open.version = group().version;
+    open_.push_back(std::move(open));
+    call.succeed(one_output(Variant{last_handle_}));
+}
+
+/// Part 12, 7.8.2.2.
+void TrustListFile::open(MethodCall call)
+{
+    const auto mode = call.input<std::uint8_t>(0);
+    if (mode == mode_read) {
+        return open_reading(std::move(call), all_lists);
+    }
+    if (mode != mode_write_and_erase) {
+        return call.fail(status::Bad_NotSupported);
+    }
+    if (is_open_for_writing()) {
+        return call.fail(status::Bad_NotWritable);
+    }
+    if (const StatusCode entered = needs_.transaction.enter(call.session_id()); entered.is_bad()) {
+        return call.fail(entered);
+    }
+    keep(std::move(call), {0, {}, true, {}, 0, 0});
+}
+
+/// Part 12, 7.8.2.3.
+void TrustListFile::open_with_masks(MethodCall call)
+{
+    const auto masks = call.input<std::uint32_t>(0);
+    open_reading(std::move(call), masks);
+}
+
+void TrustListFile::open_reading(MethodCall call, std::uint32_t masks)
+{
+    auto bytes = bytes_of(group().store->trust_list(needs_.clock.now()), masks);
+    keep(std::move(call), {0, {}, false, std::move(bytes), 0, 0});
+}
+
+void TrustListFile::close(MethodCall call)
+{
+    const Open* const open = find(call);
+    if (open == nullptr) {
+        return call.fail(status::Bad_InvalidArgument);
+    }
+    forget(*open);
+    call.succeed();
+}
+
+/// Part 12, 7.8.2.4; Part 20, 4.2.4.
+void TrustListFile::read(MethodCall call)
+{
+    Open* const open = find(call);
+    const auto length = call.input<std::int32_t>(1);
+    if (open == nullptr || length < 0) {
+        return call.fail(status::Bad_InvalidArgument);
+    }
+    if (open->is_writing || open->version != group().version) {
+        return call.fail(status::Bad_InvalidState);
+    }
+    const std::size_t count =
+        std::min({open->bytes.size() - open->position, static_cast<std::size_t>(length), max_read});
+    const std::span<const std::byte> piece = std::span{open->bytes}.subspan(open->position, count);
+    open->position += count;
+    call.succeed(one_output(Variant{ByteString{piece}}));
+}
+
+void TrustListFile::write(MethodCall call)
+{
+    Open* const open = find(call);
+    if (open == nullptr) {
+        return call.fail(status::Bad_InvalidArgument);
+    }
+    if (!open->is_writing) {
+        return call.fail(status::Bad_InvalidState);
+    }
+    const std::span<const std::byte> bytes = bytes_input(call, 1);
+    if (bytes.size() > needs_.files.max_trust_list_size - open->position) {
+        return call.fail(status::Bad_RequestTooLarge);
+    }
+    open->bytes.resize(std::max(open->bytes.size(), open->position + bytes.size()));
+    std::copy(bytes.begin(), bytes.end(),
+              open->bytes.begin() + static_cast<std::ptrdiff_t>(open->position));
+    open->position += bytes.size();
+    call.succeed();
+}
+
+void TrustListFile::get_position(MethodCall call)
+{
+    const Open* const open = find(call);
+    if (open == nullptr) {
+        return call.fail(status::Bad_InvalidArgument);
+    }
+    call.succeed(one_output(Variant{static_cast<std::uint64_t>(open->position)}));
+}
+
+void TrustListFile::set_position(MethodCall call)
+{
+    Open* const open = find(call);
+    if (open == nullptr) {
+        return call.fail(status::Bad_InvalidArgument);
+    }
+    const auto position = call.input<std::uint64_t>(1);
+    open->position = static_cast<std::size_t>(
+        std::min(position, static_cast<std::uint64_t>(open->bytes.size())));
+    call.succeed();
+}
+
+/// Part 12, 7.8.2.5.
+void TrustListFile::close_and_update(MethodCall call)
+{
+    const Open* const open = find(call);
+    if (open == nullptr) {
+        return call.fail(status::Bad_InvalidArgument);
+    }
+    if (!open->is_writing) {
+        return call.fail(status::Bad_InvalidState);
+    }
+    const std::vector<std::byte> bytes = open->bytes;
+    forget(*open);
+    crypto::TrustListParts parts;
+    auto list = merge(bytes, needs_.transaction.trust_list(group_), parts);
+    if (!list) {
+        return refuse_call(call, list.error());
+    }
+    if (const auto refused = crypto::check_trust_list(*list, needs_.clock.now(), group().purpose)) {
+        return refuse_call(call, *refused);
+    }
+    needs_.transaction.set_trust_list(group_, *std::move(list), parts);
+    call.succeed(one_output(Variant{true}));
+}
+
+StatusCode TrustListFile::check_single_change() const
+{
+    if (is_open_for_writing()) {
+        return status::Bad_InvalidState;
+    }
+    return needs_.transaction.is_active() ? status::Bad_TransactionPending : status::Good;
+}
+
+void TrustListFile::refuse_call(MethodCall& call, const Refusal& refusal)
+{
+    tell_method(needs_.log, RecordKind::TrustListUpdated, call, refusal.status, &refusal);
+    call.fail(refusal.status);
+}
+
+/// Part 12, 7.8.2.6. In force at once; it leaves the rejected list.
+void TrustListFile::add_certificate(MethodCall call)
+{
+    if (const StatusCode state = check_single_change(); state.is_bad()) {
+        return call.fail(state);
+    }
+    const std::span<const std::byte> der = bytes_input(call, 0);
+    auto certificate = crypto::Certificate::parse(der);
+    // CA certificates come with their revocation lists, which this Method has no place for.
+    if (!certificate || !call.input<bool>(1)) {
+        return call.fail(status::Bad_CertificateInvalid);
+    }
+    crypto::CertificateStore& store = *group().store;
+    crypto::TrustList list = store.trust_list(needs_.clock.now());
+    list.trusted.insert(list.trusted.begin(), *certificate);
+    if (bytes_of(list, all_lists).size() > needs_.files.max_trust_list_size) {
+        return call.fail(status::Bad_RequestTooLarge);
+    }
+    crypto::TrustList alone = list;
+    alone.trusted = {*certificate};
+    if (const auto refused = crypto::check_trust_list(alone, needs_.clock.now(), group().purpose)) {
+        return refuse_call(call, *refused);
+    }
+    if (const auto added = store.add(crypto::StoreList::Trusted, der); !added) {
+        return refuse_call(call, added.error());
+    }
+    static_cast<void>(store.remove(crypto::StoreList::Rejected, certificate->thumbprint_text()));
+    ++group().version;
+    tell_method(needs_.log, RecordKind::TrustListUpdated, call, status::Good, nullptr);
+    needs_.changed(group_);
+    call.succeed();
+}
+
+Checked<void> TrustListFile::take_out(const crypto::Certificate& certificate, bool is_trusted)
+{
+    crypto::TrustList list = group().store->trust_list(needs_.clock.now());
+    const bool was_sound =
+        !crypto::check_trust_list(list, needs_.clock.now(), group().purpose).has_value();
+    std::erase(is_trusted ? list.trusted : list.issuers, certificate);
+    const auto is_of_it = [&](const crypto::RevocationList& crl) {
+        return crl.names_issuer(certificate);
+    };
+    std::erase_if(is_trusted ? list.trusted_crls : list.issuer_crls, is_of_it);
+    if (was_sound && crypto::check_trust_list(list, needs_.clock.now(), group().purpose)) {
+        return refuse_removal(status::Bad_CertificateChainIncomplete,
+                              "another certificate of the list was issued by " +
+                                  printable(certificate.subject()),
+                              "Remove that one first");
+    }
+    FileTransaction change{*needs_.files.files, transaction_folder};
+    const crypto::TrustListParts parts{is_trusted, is_trusted, !is_trusted, !is_trusted};
+    auto staged = group().store->stage(list, parts, change, group().folder);
+    if (!staged) {
+        return staged;
+    }
+    if (const auto done = change.commit(); !done) {
+        return refuse_removal(status::Bad_ResourceUnavailable, std::string{text(done.error())}, {});
+    }
+    return {};
+}
+
+/// Part 12, 7.8.2.7. In force at once.
+void TrustListFile::remove_certificate(MethodCall call)
+{
+    if (const StatusCode state = check_single_change(); state.is_bad()) {
+        return call.fail(state);
+    }
+    std::string thumbprint = text_input(call, 0);
+    std::transform(thumbprint.begin(), thumbprint.end(), thumbprint.begin(), [](char c) {
+        return c >= 'a' && c <= 'f' ? static_cast<char>(c - 'a' + 'A') : c;
+    });
+    const bool is_trusted = call.input<bool>(1);
+    const crypto::TrustList& list = group().store->trust_list(needs_.clock.now());
+    const auto& certificates = is_trusted ? list.trusted : list.issuers;
+    const auto found =
+        std::find_if(certificates.begin(), certificates.end(), [&](const crypto::Certificate& c) {
+            return c.thumbprint_text() == thumbprint;
+        });
+    if (found == certificates.end()) {
+        return call.fail(status::Bad_InvalidArgument);
+    }
+    const crypto::Certificate certificate = *found;
+    if (const auto done = take_out(certificate, is_trusted); !done) {
+        return refuse_call(call, done.error());
+    }
+    ++group().version;
+    tell_method(needs_.log, RecordKind::TrustListUpdated, call, status::Good, nullptr);
+    needs_.changed(group_);
+    call.succeed();
+}
+
+} // namespace busbar::administration::detail

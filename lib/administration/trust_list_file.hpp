@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include <busbar/server/server.hpp>
+
+#include "node_table.hpp"
+#include "transaction.hpp"
+
+namespace busbar::administration::detail {
+
+/// What the TrustList objects need of ServerConfiguration.
+struct TrustListNeeds {
+    server::Server& server;
+    NodeTable& table;
+    Transaction& transaction;
+    const ManagedCertificates& files;
+    const WallClock& clock;
+    LogSink& log;
+    /// The group's list is another one now.
+    std::function<void(std::size_t group)> changed;
+};
+
+/// A TrustList object (Part 12, 7.8.2): the list of a CertificateGroup as a file, which is read as
+/// it is and written into the transaction.
+class TrustListFile {
+public:
+    TrustListFile(TrustListNeeds needs, std::size_t group);
+
+    void attach(model::NodeIndex node);
+    /// Somebody writes it.
+    [[nodiscard]] bool is_open_for_writing() const;
+    /// Closes what sessions that are gone have open.
+    void expire();
+
+private:
+    struct Open {
+        std::uint32_t handle;
+        NodeId session;
+        bool is_writing;
+        std::vector<std::byte> bytes;
+        std::size_t position;
+        std::uint32_t version;
+    };
+
+    void bind(model::NodeIndex node, std::string_view name,
+              void (TrustListFile::*function)(server::MethodCall));
+    void bind_values(model::NodeIndex node);
+    void open(server::MethodCall call);
+    void open_with_masks(server::MethodCall call);
+    void open_reading(server::MethodCall call, std::uint32_t masks);
+    void close(server::MethodCall call);
+    void read(server::MethodCall call);
+    void write(server::MethodCall call);
+    void get_position(server::MethodCall call);
+    void set_position(server::MethodCall call);
+    void close_and_update(server::MethodCall call);
+    void add_certificate(server::MethodCall call);
+    void remove_certificate(server::MethodCall call);
+
+    [[nodiscard]] CertificateGroup& group() { return needs_.transaction.groups()[group_]; }
+    /// The session's open file that the call's first input names; null if there is none.
+    [[nodiscard]] Open* find(const server::MethodCall& call);
+    void forget(const Open& open);
+    void keep(server::MethodCall call, Open open);
+    /// Good if the list may be changed at once, without a transaction.
+    [[nodiscard]] StatusCode check_single_change() const;
+    /// Removes it from the list, with the revocation lists of a CA.
+    [[nodiscard]] Checked<void> take_out(const crypto::Certificate& certificate, bool is_trusted);
+    void refuse_call(server::MethodCall& call, const Refusal& refusal);
+
+    TrustListNeeds needs_;
+    std::size_t group_;
+    std::vector<Open> open_;
+    std::uint32_t last_handle_{0};
+};
+
+} // namespace busbar::administration::detail

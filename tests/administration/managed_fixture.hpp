@@ -1,0 +1,175 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include <busbar/administration/administration.hpp>
+#include <busbar/core/storage_folder.hpp>
+#include <busbar/crypto/store_validator.hpp>
+#include <busbar/server/waker.hpp>
+#include <busbar/storage/memory_storage.hpp>
+#include <busbar/types/attribute.hpp>
+#include <busbar/types/ids.hpp>
+#include <busbar/types/method.hpp>
+
+#include "crypto/issuing.hpp"
+#include "support/server_fixture.hpp"
+
+namespace busbar::test {
+
+/// Does its jobs when it is told to.
+class ManualWorker final : public server::Worker {
+public:
+    [[nodiscard]] bool run(std::function<void()> job) override
+    {
+        jobs.push_back(std::move(job));
+        return has_room;
+    }
+    void work()
+    {
+        for (auto& job : std::exchange(jobs, {})) {
+            job();
+        }
+    }
+
+    std::vector<std::function<void()>> jobs;
+    bool has_room{true};
+};
+
+struct NoteWaker final : server::Waker {
+    void wake() override { is_awake = true; }
+
+    bool is_awake{false};
+};
+
+/// A server whose certificates and users are managed, in memory and in virtual time. Trusts the
+/// client of the tests; "admin" is SecurityAdmin.
+struct ManagedFixture {
+    explicit ManagedFixture(server::Worker* w = nullptr) : worker{w}
+    {
+        REQUIRE(applications.create());
+        REQUIRE(user_certificates.create());
+        REQUIRE(applications.add(crypto::StoreList::Trusted,
+                                 client_identity().certificates.front().der()));
+        const crypto::OwnCertificateStore own{storage};
+        REQUIRE(own.install({server_identity().certificates, server_identity().key},
+                            "urn:busbar:test:server"));
+        REQUIRE(roles.load());
+        REQUIRE(user_list.load());
+        REQUIRE(user_list.add({"admin", {}, 0, {}, {"SecurityAdmin"}}, "admin-secret!", random));
+        attach();
+    }
+
+    void attach()
+    {
+        administration = std::make_unique<administration::Administration>(
+            administration::AdministrationParts{.wall_clock = &wall_clock,
+                                                .log = &log,
+                                                .roles = &roles,
+                                                .users = &user_list,
+                                                .certificates = &certificates,
+                                                .random = &random,
+                                                .worker = worker});
+        REQUIRE(administration->attach(server));
+    }
+
+    [[nodiscard]] TestClient
+    connect(MessageSecurityMode mode = MessageSecurityMode::SignAndEncrypt,
+            const channel::ApplicationIdentity& identity = client_identity())
+    {
+        return {server.connect("192.0.2.1", now).value(), setting("Basic256Sha256", mode),
+                channel::ChannelEnvironment{.random = &random,
+                                            .wall_clock = &wall_clock,
+                                            .log = &log,
+                                            .validator = &any,
+                                            .identity = &identity},
+                now};
+    }
+    [[nodiscard]] TestClient log_in(const char* name = "admin",
+                                    const char* password = "admin-secret!",
+                                    MessageSecurityMode mode = MessageSecurityMode::SignAndEncrypt)
+    {
+        TestClient client = connect(mode);
+        REQUIRE(client.create_session());
+        const StatusCode activated = client.activate(client.user(name, password));
+        REQUIRE_FALSE(activated.is_bad());
+        return client;
+    }
+    CallMethodResult call(TestClient& client, const NodeId& object, const NodeId& method,
+                          std::vector<Variant> inputs)
+    {
+        CallRequest request;
+        request.methods_to_call.resize(1);
+        request.methods_to_call[0].object_id = object;
+        request.methods_to_call[0].method_id = method;
+        request.methods_to_call[0].input_arguments = Array<Variant>{inputs};
+        const auto sent = client.send(request);
+        complete();
+        const auto response = client.take<CallResponse>(sent);
+        REQUIRE(response);
+        return response->results[0];
+    }
+    /// What Methods left for the server's thread.
+    void complete()
+    {
+        while (std::exchange(waker.is_awake, false)) {
+            server.handle_completions(now);
+        }
+    }
+    static DataValue read(TestClient& client, std::uint32_t node)
+    {
+        ReadRequest request;
+        request.nodes_to_read.resize(1);
+        request.nodes_to_read[0].node_id = NodeId{0, node};
+        request.nodes_to_read[0].attribute_id = 13;
+        const auto response = client.call<ReadResponse>(request);
+        REQUIRE(response);
+        return response->results[0];
+    }
+    void advance(Duration time)
+    {
+        now += time;
+        wall_clock.time.ticks += time.count() / 100;
+        server.handle_deadline(now);
+    }
+    [[nodiscard]] std::size_t count(crypto::CertificateStore& store, crypto::StoreList list) const
+    {
+        return store.list(list).size();
+    }
+
+    SeededRandom random;
+    FixedWallClock wall_clock;
+    LogBook log;
+    crypto::InsecureAcceptAnyCertificate any;
+    storage::MemoryStorage storage;
+    StorageFolder user_files{storage, "users"};
+    crypto::CertificateStore applications{storage, {}, log};
+    crypto::CertificateStore user_certificates{user_files, {}, log};
+    crypto::StoreValidator validator{applications, log};
+    server::PasswordUsers passwords;
+    administration::RoleList roles{storage, "roles.json"};
+    administration::UserList user_list{storage, "users.json", {}, passwords};
+    administration::ManagedCertificates certificates{.files = &storage,
+                                                     .applications = &applications,
+                                                     .users = &user_certificates,
+                                                     .users_folder = "users"};
+    server::Worker* worker;
+    NoteWaker waker;
+    TimePoint now{};
+    server::Server server{
+        server::Server::create(ServerFixture::secure_config(), {.random = &random,
+                                                                .wall_clock = &wall_clock,
+                                                                .log = &log,
+                                                                .validator = &validator,
+                                                                .users = &passwords,
+                                                                .roles = &roles,
+                                                                .waker = &waker})
+            .value()};
+    std::unique_ptr<administration::Administration> administration;
+};
+
+} // namespace busbar::test
