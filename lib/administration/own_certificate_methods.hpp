@@ -1,0 +1,56 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include <busbar/server/server.hpp>
+#include <busbar/server/worker.hpp>
+
+#include "node_table.hpp"
+#include "transaction.hpp"
+
+namespace busbar::administration::detail {
+
+/// What the Methods for the own certificate need of ServerConfiguration.
+struct OwnCertificateNeeds {
+    server::Server& server;
+    const ManagedCertificates& files;
+    NodeTable& table;
+    const WallClock& clock;
+    LogSink& log;
+    /// Where keys are made; null: on the server's thread.
+    server::Worker* worker;
+    Transaction& transaction;
+};
+
+/// The Methods of ServerConfiguration that are about the server's own certificate (Part 12, 7.10.5
+/// to 7.10.8 and 7.10.10). One slot: an RSA certificate of DefaultApplicationGroup.
+class OwnCertificateMethods {
+public:
+    explicit OwnCertificateMethods(const OwnCertificateNeeds& needs) : needs_{needs} {}
+
+    /// Nothing else may use the own certificate's files meanwhile.
+    [[nodiscard]] bool is_making_key() const { return is_making_key_; }
+
+    void update(server::MethodCall call);
+    void create_signing_request(server::MethodCall call);
+    void create_self_signed(server::MethodCall call);
+    void remove(server::MethodCall call);
+    void get(server::MethodCall call);
+
+private:
+    /// Good if the inputs name the slot.
+    [[nodiscard]] StatusCode check_slot(const server::MethodCall& call) const;
+    /// What the inputs make: the certificate with those above it and its key.
+    [[nodiscard]] Checked<crypto::OwnCertificate> own_of(const server::MethodCall& call) const;
+    [[nodiscard]] Checked<void> check_own(const crypto::OwnCertificate& own) const;
+    /// Runs `work` where keys are made, then `finish` on the server's thread.
+    void run_slowly(const std::shared_ptr<server::MethodCall>& call, std::function<void()> work,
+                    std::function<void()> finish);
+    void refuse_call(server::MethodCall& call, const Refusal& refusal);
+
+    OwnCertificateNeeds needs_;
+    bool is_making_key_{false};
+};
+
+} // namespace busbar::administration::detail

@@ -1,0 +1,333 @@
+#include "server_configuration.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <busbar/administration/server_configuration_nodes/nodes.hpp>
+#include <busbar/core/text.hpp>
+#include <busbar/server/running_server.hpp>
+#include <busbar/types/common.hpp>
+#include <busbar/types/enumerations.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "method_arguments.hpp"
+#include "method_record.hpp"
+
+namespace busbar::administration::detail {
+
+namespace {
+
+using server::MethodCall;
+
+/// Of certificates that GetRejectedList answers (Part 12, 7.10.12 lets a server leave older ones
+/// out).
+constexpr std::size_t max_rejected_bytes = 1U << 20U;
+
+} // namespace
+
+ServerConfiguration::ServerConfiguration(server::Server& server, const ManagedCertificates& files,
+                                         NodeTable& table, const WallClock& clock, LogSink& log,
+                                         server::Worker* worker)
+    : server_{server}, space_{server.address_space()}, files_{files}, table_{table}, clock_{clock},
+      log_{log}, transaction_{files, clock}, own_{{server, files, table, clock, log, worker,
+                                                   transaction_}}
+{
+}
+
+Configured<void> ServerConfiguration::attach()
+{
+    FileTransaction interrupted{*files_.files, transaction_folder};
+    if (const auto recovered = interrupted.recover(); !recovered) {
+        return misconfigured(files_.files->place(transaction_folder),
+                             "what was begun there cannot be finished: " +
+                                 std::string{text(recovered.error())},
+                             status_of(recovered.error()));
+    }
+    if (auto added = add_nodes(); !added) {
+        return added;
+    }
+    bind_values();
+    bind_diagnostics();
+    bind_own(space_.find(id::ServerConfiguration_UpdateCertificate),
+             &OwnCertificateMethods::update);
+    bind_own(space_.find(id::ServerConfiguration_CreateSigningRequest),
+             &OwnCertificateMethods::create_signing_request);
+    bind(id::ServerConfiguration_GetRejectedList, &ServerConfiguration::get_rejected_list);
+    bind(id::ServerConfiguration_ApplyChanges, &ServerConfiguration::apply_changes);
+    bind(id::ServerConfiguration_CancelChanges, &ServerConfiguration::cancel_changes);
+    add_group(id::ServerConfiguration_CertificateGroups_DefaultApplicationGroup,
+              *files_.applications, "", crypto::CertificatePurpose::Application);
+    const auto users = space_.find(id::ServerConfiguration_CertificateGroups_DefaultUserTokenGroup);
+    if (files_.users != nullptr) {
+        add_group(id::ServerConfiguration_CertificateGroups_DefaultUserTokenGroup, *files_.users,
+                  files_.users_folder, crypto::CertificatePurpose::User);
+    } else if (users != model::no_node) {
+        static_cast<void>(space_.remove(users));
+    }
+    return {};
+}
+
+Configured<void> ServerConfiguration::add_nodes()
+{
+    if (const auto added = space_.add(server_configuration_nodes::nodes()); !added) {
+        return misconfigured("certificates", "the nodes of ServerConfiguration cannot be added",
+                             added.error());
+    }
+    auto done = add_method("GetCertificates", id::ServerConfigurationType_GetCertificates,
+                           &OwnCertificateMethods::get);
+    done = done ? add_method("CreateSelfSignedCertificate",
+                             id::ServerConfigurationType_CreateSelfSignedCertificate,
+                             &OwnCertificateMethods::create_self_signed)
+                : done;
+    return done ? add_method("DeleteCertificate", id::ServerConfigurationType_DeleteCertificate,
+                             &OwnCertificateMethods::remove)
+                : done;
+}
+
+Configured<void> ServerConfiguration::add_method(std::string_view name, std::uint32_t declaration,
+                                                 OwnMethod method)
+{
+    const auto own = space_.namespace_index(server_.config().application_uri);
+    const model::NodeIndex type = space_.find(declaration);
+    const model::NodeIndex parent = space_.find(id::ServerConfiguration);
+    const model::NodeIndex like = space_.find(id::ServerConfiguration_UpdateCertificate);
+    const auto arguments = [&](std::string_view property) {
+        Array<Argument> result;
+        const model::NodeIndex node = child_of(space_, type, property);
+        const Variant value = node != model::no_node ? space_.value(node) : Variant{};
+        if (const auto* const list = value.array_if<ExtensionObject>()) {
+            for (const ExtensionObject& each : *list) {
+                if (auto argument = binary::structure_of<Argument>(each)) {
+                    result.push_back(*std::move(argument));
+                }
+            }
+        }
+        return result;
+    };
+    model::NewNode node;
+    node.id = NodeId{own.value_or(1), "ServerConfiguration/" + std::string{name}};
+    node.browse_name = QualifiedName{0, String{std::string{name}}};
+    node.parent = parent;
+    node.reference_type = NodeId{0, id::HasComponent};
+    model::NewMethod facts;
+    facts.input_arguments = arguments("InputArguments");
+    facts.output_arguments = arguments("OutputArguments");
+    const auto made = space_.add_method(node, facts);
+    if (!made) {
+        return misconfigured("certificates", "the Method " + std::string{name} + " cannot be added",
+                             made.error());
+    }
+    const auto copy_access = [&](model::NodeIndex from, model::NodeIndex to) {
+        const model::NodeAccess* const access =
+            from != model::no_node ? space_.node_access(from) : nullptr;
+        if (access != nullptr && to != model::no_node) {
+            space_.set_node_access(to, model::NodeAccess{*access});
+        }
+    };
+    copy_access(like, *made);
+    for (const char* property : {"InputArguments", "OutputArguments"}) {
+        copy_access(child_of(space_, like, property), child_of(space_, *made, property));
+    }
+    bind_own(*made, method);
+    return {};
+}
+
+void ServerConfiguration::bind_own(model::NodeIndex node, OwnMethod method)
+{
+    table_.bind_method(space_, node, [this, method](MethodCall call) {
+        expire();
+        (own_.*method)(std::move(call));
+    });
+}
+
+void ServerConfiguration::bind(std::uint32_t node, Method method)
+{
+    table_.bind_method(space_, space_.find(node), [this, method](MethodCall call) {
+        expire();
+        (this->*method)(std::move(call));
+    });
+}
+
+void ServerConfiguration::bind_values()
+{
+    const auto bind_one = [&](std::uint32_t node, NodeTable::Value value) {
+        table_.bind_value(space_, space_.find(node), std::move(value));
+    };
+    bind_one(id::ServerConfiguration_ApplicationUri,
+             [this] { return Variant{String{server_.config().application_uri}}; });
+    bind_one(id::ServerConfiguration_ProductUri,
+             [this] { return Variant{String{server_.config().product_uri}}; });
+    bind_one(id::ServerConfiguration_ApplicationType,
+             [] { return Variant{static_cast<std::int32_t>(ApplicationType::Server)}; });
+    // Part 12, Annex D: it does not say.
+    bind_one(id::ServerConfiguration_ServerCapabilities, [] { return texts({"NA"}); });
+    bind_one(id::ServerConfiguration_SupportedPrivateKeyFormats,
+             [] { return texts({std::string{private_key_format}}); });
+    bind_one(id::ServerConfiguration_MaxTrustListSize,
+             [this] { return Variant{static_cast<std::uint32_t>(files_.max_trust_list_size)}; });
+    bind_one(id::ServerConfiguration_MulticastDnsEnabled, [] { return Variant{false}; });
+    bind_one(id::ServerConfiguration_HasSecureElement, [] { return Variant{false}; });
+}
+
+/// Part 12, 7.10.17: Bad_OutOfService before the first transaction.
+void ServerConfiguration::bind_diagnostics()
+{
+    const auto bind_one = [&](std::uint32_t node, std::function<Variant()> value) {
+        table_.bind_value(space_, space_.find(node), [this, value = std::move(value)] {
+            expire();
+            return transaction_.has_begun() ? DataValue{value()}
+                                            : DataValue{status::Bad_OutOfService};
+        });
+    };
+    bind_one(id::ServerConfiguration_TransactionDiagnostics_StartTime,
+             [this] { return Variant{transaction_.start_time()}; });
+    bind_one(id::ServerConfiguration_TransactionDiagnostics_EndTime,
+             [this] { return Variant{transaction_.end_time()}; });
+    bind_one(id::ServerConfiguration_TransactionDiagnostics_Result,
+             [this] { return Variant{transaction_.result()}; });
+    bind_one(id::ServerConfiguration_TransactionDiagnostics_AffectedTrustLists,
+             [this] { return node_ids(transaction_.affected_trust_lists()); });
+    bind_one(id::ServerConfiguration_TransactionDiagnostics_AffectedCertificateGroups,
+             [this] { return node_ids(transaction_.affected_groups()); });
+    bind_one(id::ServerConfiguration_TransactionDiagnostics_Errors,
+             [this] { return structures<TransactionErrorType>(transaction_.errors()); });
+}
+
+void ServerConfiguration::add_group(std::uint32_t group, crypto::CertificateStore& store,
+                                    std::string folder, crypto::CertificatePurpose purpose)
+{
+    const model::NodeIndex node = space_.find(group);
+    const model::NodeIndex list = child_of(space_, node, "TrustList");
+    const std::size_t index = transaction_.groups().size();
+    transaction_.groups().push_back(
+        {space_.node_id(node), space_.node_id(list), &store, std::move(folder), purpose, 0});
+    const bool has_own = purpose == crypto::CertificatePurpose::Application;
+    table_.bind_value(space_, child_of(space_, node, "CertificateTypes"), [has_own] {
+        return has_own ? node_ids({NodeId{0, certificate_type}}) : node_ids({});
+    });
+    trust_lists_.emplace_back(
+        TrustListNeeds{
+            server_, table_, transaction_, files_, clock_, log_,
+            [this](std::size_t which) { table_.post([this, which] { trust_changed(which); }); }},
+        index);
+    trust_lists_.back().attach(list);
+}
+
+void ServerConfiguration::expire()
+{
+    for (TrustListFile& list : trust_lists_) {
+        list.expire();
+    }
+}
+
+/// Part 12, 7.10.12.
+void ServerConfiguration::get_rejected_list(MethodCall call)
+{
+    Array<ByteString> ders;
+    ders.clear();
+    std::size_t size = 0;
+    for (const CertificateGroup& group : transaction_.groups()) {
+        for (const crypto::StoreEntry& entry : group.store->list(crypto::StoreList::Rejected)) {
+            const auto bytes = read_file(group.store->storage(), entry.file, max_rejected_bytes);
+            const auto certificate =
+                bytes ? crypto::Certificate::parse_file(*bytes)
+                      : Result<crypto::Certificate>{tl::unexpected{status_of(bytes.error())}};
+            if (!certificate || size + certificate->der().size() > max_rejected_bytes) {
+                continue;
+            }
+            size += certificate->der().size();
+            ders.push_back(ByteString{certificate->der()});
+        }
+    }
+    call.succeed(one_output(Variant{std::move(ders)}));
+}
+
+/// Part 12, 7.10.9.
+void ServerConfiguration::apply_changes(MethodCall call)
+{
+    if (const StatusCode state = transaction_.check_end(call.session_id()); state.is_bad()) {
+        return call.fail(state);
+    }
+    const bool is_open =
+        std::any_of(trust_lists_.begin(), trust_lists_.end(),
+                    [](const TrustListFile& list) { return list.is_open_for_writing(); });
+    if (is_open || own_.is_making_key()) {
+        return call.fail(status::Bad_InvalidState);
+    }
+    auto changed = transaction_.apply(server_.config().application_uri);
+    if (!changed) {
+        return refuse_call(call, RecordKind::SettingsChanged, changed.error());
+    }
+    tell_applied(call, *changed);
+    call.succeed();
+    table_.post([this, changed = *std::move(changed)] {
+        for (const std::size_t group : changed.groups) {
+            trust_changed(group);
+        }
+        if (changed.own) {
+            renew(*changed.own);
+        }
+    });
+}
+
+/// Part 12, 7.10.11.
+void ServerConfiguration::cancel_changes(MethodCall call)
+{
+    if (const StatusCode state = transaction_.check_end(call.session_id()); state.is_bad()) {
+        return call.fail(state);
+    }
+    transaction_.cancel(status::Bad_RequestCancelledByClient);
+    call.succeed();
+}
+
+void ServerConfiguration::tell_applied(const MethodCall& call, const Transaction::Changed& changed)
+{
+    for (std::size_t i = 0; i < changed.groups.size(); ++i) {
+        tell_method(log_, RecordKind::TrustListUpdated, call, status::Good, nullptr);
+    }
+    if (changed.own) {
+        tell_method(log_, RecordKind::CertificateUpdated, call, status::Good, nullptr);
+    }
+}
+
+void ServerConfiguration::refuse_call(MethodCall& call, RecordKind kind, const Refusal& refusal)
+{
+    tell_method(log_, kind, call, refusal.status, &refusal);
+    call.fail(refusal.status);
+}
+
+void ServerConfiguration::trust_changed(std::size_t group)
+{
+    const server::RunningServer running{server_};
+    if (transaction_.groups()[group].purpose == crypto::CertificatePurpose::Application) {
+        running.trust_changed();
+        return;
+    }
+    // Whose certificate is not in the list itself logs in again and is checked anew.
+    const crypto::TrustList list = transaction_.groups()[group].store->trust_list(clock_.now());
+    static_cast<void>(running.end_sessions([&](const server::UserIdentity& user) {
+        return user.token_type == UserTokenType::Certificate &&
+               std::none_of(list.trusted.begin(), list.trusted.end(),
+                            [&](const crypto::Certificate& certificate) {
+                                return certificate.thumbprint_text() == user.thumbprint;
+                            });
+    }));
+}
+
+void ServerConfiguration::renew(const crypto::OwnCertificate& own)
+{
+    server::ServerConfig config = server_.config();
+    config.identity = channel::ApplicationIdentity{own.certificates, own.key};
+    const auto done = server::RunningServer{server_}.reconfigure(std::move(config));
+    if (!done) {
+        log_.write(LogLevel::Error, "administration",
+                   "the new certificate is in force after a restart only: " + text(done.error()));
+        return;
+    }
+    if (files_.renewed) {
+        files_.renewed(own);
+    }
+}
+
+} // namespace busbar::administration::detail

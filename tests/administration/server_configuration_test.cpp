@@ -1,0 +1,242 @@
+#include <busbar/administration/server_configuration_nodes/nodes.hpp>
+#include <busbar/administration/user_management_nodes/nodes.hpp>
+#include <busbar/crypto/signing_request.hpp>
+#include <busbar/types/configuration.hpp>
+
+#include "managed_fixture.hpp"
+
+using namespace busbar;
+using namespace busbar::test;
+using namespace std::chrono_literals;
+
+namespace {
+
+const NodeId rsa{0, id::RsaSha256ApplicationCertificateType};
+
+struct Configuration : ManagedFixture {
+    using ManagedFixture::ManagedFixture;
+
+    CallMethodResult on_server(TestClient& client, const NodeId& method,
+                               std::vector<Variant> inputs)
+    {
+        return call(client, NodeId{0, id::ServerConfiguration}, method, std::move(inputs));
+    }
+    CallMethodResult on_server(TestClient& client, std::uint32_t method,
+                               std::vector<Variant> inputs)
+    {
+        return on_server(client, NodeId{0, method}, std::move(inputs));
+    }
+    std::string_view update(TestClient& client, const crypto::Certificate& certificate,
+                            const char* format = "", std::span<const std::byte> key = {})
+    {
+        return name(on_server(client, id::ServerConfiguration_UpdateCertificate,
+                              {Variant{NodeId{}}, Variant{rsa},
+                               Variant{ByteString{certificate.der()}}, Variant{Array<ByteString>{}},
+                               Variant{String{format}}, Variant{ByteString{key}}})
+                        .status_code);
+    }
+    std::string_view apply(TestClient& client)
+    {
+        return name(on_server(client, id::ServerConfiguration_ApplyChanges, {}).status_code);
+    }
+    CallMethodResult request(TestClient& client, bool needs_key, const char* subject = "",
+                             std::size_t nonce = 32)
+    {
+        return on_server(client, id::ServerConfiguration_CreateSigningRequest,
+                         {Variant{NodeId{}}, Variant{rsa}, Variant{String{subject}},
+                          Variant{needs_key},
+                          Variant{ByteString{std::vector<std::byte>(nonce, std::byte{7})}}});
+    }
+    Result<crypto::PrivateKey> storage_key(const char* name)
+    {
+        const auto bytes = read_file(storage, name, 10'000);
+        REQUIRE(bytes);
+        return crypto::PrivateKey::parse(*bytes);
+    }
+    /// What the server's clients see.
+    [[nodiscard]] std::string certificate() const
+    {
+        return server.config().identity->certificates.front().thumbprint_text();
+    }
+    [[nodiscard]] std::string stored() const
+    {
+        const crypto::OwnCertificateStore own{const_cast<storage::MemoryStorage&>(storage)};
+        const auto loaded = own.load();
+        REQUIRE(loaded);
+        REQUIRE(*loaded);
+        return (*loaded)->certificates.front().thumbprint_text();
+    }
+};
+
+/// A certificate for the server, with a key of its own.
+channel::ApplicationIdentity successor()
+{
+    auto key = key_number(5);
+    crypto::CertificateSubject subject;
+    subject.common_name = "server";
+    subject.application_uri = "urn:busbar:test:server";
+    subject.dns_names = {"localhost"};
+    subject.valid_from = DateTime{today.ticks - 86'400 * DateTime::ticks_per_second};
+    return {{crypto::create_self_signed(key, subject).value()}, key};
+}
+
+} // namespace
+
+TEST_CASE_METHOD(Configuration, "server configuration: another certificate with its key",
+                 "[unit:Push Model for Global Certificate and TrustList Management]")
+{
+    auto admin = log_in();
+    const auto next = successor();
+    const auto pem = next.key.to_pem();
+    REQUIRE(pem);
+    CHECK(update(admin, next.certificates.front()) == "Bad_SecurityChecksFailed");
+    CHECK(update(admin, next.certificates.front(), "PFX", pem->span()) == "Bad_NotSupported");
+    CHECK(update(admin, client_identity().certificates.front(), "PEM", pem->span()) ==
+          "Bad_SecurityChecksFailed");
+    CHECK(update(admin, next.certificates.front(), "PEM", pem->span()) == "Good");
+    const std::string before = certificate();
+    CHECK(stored() == before);
+    CHECK(apply(admin) == "Good");
+    CHECK(stored() == next.certificates.front().thumbprint_text());
+    CHECK(certificate() == stored());
+    CHECK_FALSE(admin.is_closed());
+    advance(1s);
+    CHECK(admin.is_closed()); // the session stays
+    CHECK(server.address_space().find(NodeId{0, id::ServerConfiguration}) != model::no_node);
+    CHECK(storage.entry("own/replaced/" + before + ".pem"));
+}
+
+TEST_CASE_METHOD(Configuration, "server configuration: a request is signed by a CA")
+{
+    auto admin = log_in();
+    CHECK(request(admin, true, "", 31).status_code == status::Bad_InvalidArgument);
+    CHECK(request(admin, true, "Line 3").status_code == status::Bad_InvalidArgument);
+    const auto made = request(admin, true, "CN=Press 4/O=Works");
+    REQUIRE(made.status_code == status::Good);
+    const auto* const der = made.output_arguments[0].get_if<ByteString>();
+    REQUIRE((der != nullptr && der->size() > 500));
+
+    const Issued ca = issue(authority("Works CA"), key_number(2));
+    CertificateOptions options;
+    options.names = "URI:urn:busbar:test:server,DNS:plc.example";
+    const auto pending = storage_key("own/private/pending.pem");
+    REQUIRE(pending);
+    const Issued leaf = issue(options, *pending, &ca);
+    // Its issuer has to be known.
+    CHECK(update(admin, leaf.certificate) == "Bad_CertificateChainIncomplete");
+    REQUIRE(applications.add(crypto::StoreList::Issuers, ca.certificate.der()));
+    CHECK(update(admin, leaf.certificate) == "Good");
+    CHECK(apply(admin) == "Good");
+    CHECK(certificate() == leaf.certificate.thumbprint_text());
+    CHECK_FALSE(storage.entry("own/private/pending.pem"));
+}
+
+TEST_CASE_METHOD(Configuration, "server configuration: a new certificate of its own")
+{
+    const NodeId create{1, "ServerConfiguration/CreateSelfSignedCertificate"};
+    const NodeId remove{1, "ServerConfiguration/DeleteCertificate"};
+    auto admin = log_in();
+    const std::string before = certificate();
+    const auto make = [&] {
+        return on_server(admin, create,
+                         {Variant{NodeId{}}, Variant{rsa}, Variant{String{"CN=Press 4"}},
+                          Variant{Array<String>{"plc.example"}}, Variant{Array<String>{}},
+                          Variant{std::uint16_t{365}}, Variant{std::uint16_t{2048}}});
+    };
+    CHECK(make().status_code == status::Bad_InvalidState); // there is one
+    CHECK(on_server(admin, remove, {Variant{NodeId{}}, Variant{rsa}}).status_code == status::Good);
+    CHECK(apply(admin) == "Bad_InvalidState"); // and there has to be one
+    CHECK(certificate() == before);
+    CHECK(read(admin, id::ServerConfiguration_TransactionDiagnostics_Errors).value.array_size() ==
+          1);
+    CHECK(on_server(admin, remove, {Variant{NodeId{}}, Variant{rsa}}).status_code == status::Good);
+    const auto made = make();
+    REQUIRE(made.status_code == status::Good);
+    CHECK(apply(admin) == "Good");
+    CHECK(certificate() != before);
+    CHECK(stored() == certificate());
+    CHECK(server.config().identity->certificates.front().subject() == "CN=Press 4");
+}
+
+TEST_CASE_METHOD(Configuration, "server configuration: lists what it has and what it rejected")
+{
+    auto admin = log_in();
+    const auto own =
+        on_server(admin, NodeId{1, "ServerConfiguration/GetCertificates"}, {Variant{NodeId{}}});
+    REQUIRE(own.status_code == status::Good);
+    CHECK(own.output_arguments[0].array_size() == 1);
+    const auto* const ders = own.output_arguments[1].array_if<ByteString>();
+    REQUIRE(ders != nullptr);
+    CHECK((*ders)[0] == ByteString{server_identity().certificates.front().der()});
+    CHECK(on_server(admin, NodeId{1, "ServerConfiguration/GetCertificates"}, {Variant{rsa}})
+              .status_code == status::Bad_InvalidArgument);
+
+    applications.reject(issue({}, key_number(1)).certificate, today);
+    const auto rejected = on_server(admin, id::ServerConfiguration_GetRejectedList, {});
+    REQUIRE(rejected.status_code == status::Good);
+    CHECK(rejected.output_arguments[0].array_size() == 1);
+}
+
+TEST_CASE_METHOD(Configuration, "server configuration: a trust list and a certificate, or neither")
+{
+    auto admin = log_in();
+    const auto next = successor();
+    const auto pem = next.key.to_pem();
+    REQUIRE(pem);
+    CHECK(update(admin, next.certificates.front(), "PEM", pem->span()) == "Good");
+    storage.set_protected(true);
+    CHECK(apply(admin) == "Bad_ResourceUnavailable");
+    storage.set_protected(false);
+    CHECK(certificate() == server_identity().certificates.front().thumbprint_text());
+    CHECK(stored() == certificate());
+    CHECK(apply(admin) == "Bad_NothingToDo");
+    CHECK(read(admin, id::ServerConfiguration_TransactionDiagnostics_Result).value ==
+          Variant{StatusCode{status::Bad_ResourceUnavailable}});
+}
+
+TEST_CASE("server configuration: keys are made by the worker, one at a time")
+{
+    ManualWorker worker;
+    Configuration fixture{&worker};
+    auto admin = fixture.log_in();
+    CallRequest request;
+    request.methods_to_call.resize(1);
+    request.methods_to_call[0].object_id = NodeId{0, id::ServerConfiguration};
+    request.methods_to_call[0].method_id = NodeId{0, id::ServerConfiguration_CreateSigningRequest};
+    request.methods_to_call[0].input_arguments = {Variant{NodeId{}}, Variant{rsa},
+                                                  Variant{String{}}, Variant{true},
+                                                  Variant{ByteString{std::vector<std::byte>(32)}}};
+    const auto first = admin.send(request);
+    CHECK(fixture.request(admin, true).status_code == status::Bad_InvalidState);
+    CHECK(fixture.update(admin, server_identity().certificates.front()) == "Bad_InvalidState");
+    worker.work();
+    fixture.complete();
+    const auto response = admin.take<CallResponse>(first);
+    REQUIRE(response);
+    CHECK(response->results[0].status_code == status::Good);
+}
+
+TEST_CASE_METHOD(Configuration, "server configuration: whatever is added has something behind it")
+{
+    const auto& space = server.address_space();
+    std::size_t count = 0;
+    for (const auto& nodes : {administration::server_configuration_nodes::nodes().nodes,
+                              administration::user_management_nodes::nodes().nodes}) {
+        for (const model::StaticNode& each : nodes) {
+            const model::NodeIndex node = space.find(NodeId{0, each.id.value});
+            REQUIRE(node != model::no_node);
+            const std::string browse_name = space.browse_name(node).name.str();
+            INFO(browse_name << " i=" << each.id.value);
+            if (browse_name == "InputArguments" || browse_name == "OutputArguments") {
+                CHECK_FALSE(space.value(node).is_null());
+            } else if (space.node_class(node) == NodeClass::Method) {
+                CHECK(space.method(node).source != model::no_source);
+                ++count;
+            } else if (space.node_class(node) == NodeClass::Variable) {
+                CHECK(space.variable(node).source != model::no_source);
+                ++count;
+            }
+        }
+    }
+    CHECK(count > 50);
+}
