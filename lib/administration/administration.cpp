@@ -2,8 +2,12 @@
 
 #include <optional>
 
+#include <busbar/types/ids.hpp>
+
 #include "node_table.hpp"
 #include "role_set.hpp"
+#include "server_configuration.hpp"
+#include "user_management.hpp"
 
 namespace busbar::administration {
 
@@ -13,6 +17,11 @@ struct Administration::Impl {
     AdministrationParts parts;
     detail::NodeTable table;
     std::optional<detail::RoleSet> role_set;
+    std::optional<detail::ServerConfiguration> server_configuration;
+    std::optional<detail::UserManagement> user_management;
+
+    [[nodiscard]] Configured<void> check() const;
+    [[nodiscard]] Configured<void> attach(server::Server& server);
 };
 
 Administration::Administration(const AdministrationParts& parts)
@@ -22,16 +31,57 @@ Administration::Administration(const AdministrationParts& parts)
 
 Administration::~Administration() = default;
 
-Configured<void> Administration::attach(server::Server& server)
+Configured<void> Administration::Impl::check() const
 {
-    server.add_source(impl_->table);
-    if (impl_->parts.roles != nullptr) {
-        impl_->role_set.emplace(server, *impl_->parts.roles, impl_->table, *impl_->parts.log);
-        if (auto attached = impl_->role_set->attach(); !attached) {
+    if (parts.users != nullptr && parts.certificates == nullptr) {
+        return misconfigured("users", "are managed by ServerConfiguration, which is not there");
+    }
+    if (parts.certificates != nullptr &&
+        (parts.certificates->files == nullptr || parts.certificates->applications == nullptr)) {
+        return misconfigured("certificates", "have no files or no store of applications");
+    }
+    if (parts.certificates != nullptr && parts.random == nullptr) {
+        return misconfigured("random", "is missing");
+    }
+    return {};
+}
+
+Configured<void> Administration::Impl::attach(server::Server& server)
+{
+    if (parts.roles != nullptr) {
+        role_set.emplace(server, *parts.roles, table, *parts.log);
+        if (auto attached = role_set->attach(); !attached) {
             return attached;
         }
     }
-    return {};
+    if (parts.certificates == nullptr) {
+        return {};
+    }
+    if (server.address_space().find(id::ServerConfigurationType) == model::no_node) {
+        parts.log->write(LogLevel::Info, "administration",
+                         "no ServerConfiguration: namespace 0 of this build is too small for it "
+                         "(BUSBAR_NAMESPACE0)");
+        return {};
+    }
+    server_configuration.emplace(server, *parts.certificates, table, *parts.wall_clock, *parts.log,
+                                 parts.worker);
+    if (auto attached = server_configuration->attach(); !attached) {
+        return attached;
+    }
+    if (parts.users == nullptr) {
+        return {};
+    }
+    user_management.emplace(server, *parts.users, table, *parts.log, *parts.random, parts.worker);
+    return user_management->attach();
+}
+
+Configured<void> Administration::attach(server::Server& server)
+{
+    if (auto checked = impl_->check(); !checked) {
+        return checked;
+    }
+    server.add_source(impl_->table);
+    return impl_->attach(server);
 }
 
 } // namespace busbar::administration

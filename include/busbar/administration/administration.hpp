@@ -2,13 +2,17 @@
 
 #include <memory>
 
+#include <busbar/administration/managed_certificates.hpp>
 #include <busbar/administration/role_list.hpp>
+#include <busbar/administration/user_list.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/named_fields.hpp>
 #include <busbar/core/problem.hpp>
+#include <busbar/crypto/random.hpp>
 #include <busbar/server/server.hpp>
+#include <busbar/server/worker.hpp>
 
 namespace busbar::administration {
 
@@ -22,6 +26,16 @@ struct AdministrationParts {
     /// RoleSet (Part 18, 4): the one that is the server's ServerEnvironment::roles too. Null: the
     /// server has well-known roles and no way to change them.
     RoleList* roles{nullptr};
+    /// UserManagement (Part 18, 5), which is a part of ServerConfiguration: not without
+    /// `certificates`. Null: users are not managed.
+    UserList* users{nullptr};
+    /// ServerConfiguration (Part 12, 7.10). Null: certificates are not managed.
+    const ManagedCertificates* certificates{nullptr};
+    /// For hashes of passwords and for keys; required with `users` or `certificates`.
+    crypto::Random* random{nullptr};
+    /// Where passwords are hashed and keys are made; it is to end before the Administration. Null:
+    /// the server's thread, which everybody waits for then.
+    server::Worker* worker{nullptr};
 };
 
 /// What administrators do while a server runs, by the means of the standard: nodes below the Server

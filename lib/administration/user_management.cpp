@@ -1,0 +1,195 @@
+#include "user_management.hpp"
+
+#include <memory>
+#include <utility>
+
+#include <busbar/administration/user_management_nodes/nodes.hpp>
+#include <busbar/server/running_server.hpp>
+#include <busbar/types/data_types.hpp>
+#include <busbar/types/enumerations.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "method_arguments.hpp"
+#include "method_record.hpp"
+
+namespace busbar::administration::detail {
+
+namespace {
+
+using server::MethodCall;
+
+constexpr std::uint32_t bit(PasswordOptionsMask option)
+{
+    return static_cast<std::uint32_t>(option);
+}
+
+/// Part 18, 5.2.2.
+std::uint32_t options_of(const server::PasswordRules& rules)
+{
+    using Option = PasswordOptionsMask;
+    std::uint32_t bits =
+        bit(Option::SupportInitialPasswordChange) | bit(Option::SupportDisableUser) |
+        bit(Option::SupportDisableDeleteForUser) | bit(Option::SupportNoChangeForUser) |
+        bit(Option::SupportDescriptionForUser);
+    if (rules.needs_letters_and_digit) {
+        bits |= bit(Option::RequiresUpperCaseCharacters) |
+                bit(Option::RequiresLowerCaseCharacters) | bit(Option::RequiresDigitCharacters);
+    }
+    return bits;
+}
+
+/// What the options cannot say.
+LocalizedText restrictions_of(const server::PasswordRules& rules)
+{
+    std::string text = "Not the user's name";
+    if (!rules.password_characters.empty()) {
+        text += "; none but these characters: " + std::string{rules.password_characters};
+    }
+    return LocalizedText{String{"en"}, String{text}};
+}
+
+Variant users_of(const UserList& list)
+{
+    std::vector<UserManagementDataType> all;
+    for (const User& user : list.users()) {
+        all.push_back({String{user.name}, UserConfigurationMask{user.configuration},
+                       String{user.description}});
+    }
+    return structures<UserManagementDataType>(all);
+}
+
+} // namespace
+
+Configured<void> UserManagement::attach()
+{
+    if (const auto added = space_.add(user_management_nodes::nodes()); !added) {
+        return misconfigured("users", "the nodes of UserManagement cannot be added", added.error());
+    }
+    bind_values();
+    const auto bind = [&](std::uint32_t method, void (UserManagement::*function)(MethodCall)) {
+        table_.bind_method(space_, space_.find(method), [this, function](MethodCall call) {
+            (this->*function)(std::move(call));
+        });
+    };
+    bind(id::UserManagement_AddUser, &UserManagement::add);
+    bind(id::UserManagement_ModifyUser, &UserManagement::modify);
+    bind(id::UserManagement_RemoveUser, &UserManagement::remove);
+    bind(id::UserManagement_ChangePassword, &UserManagement::change_password);
+    return {};
+}
+
+void UserManagement::bind_values()
+{
+    table_.bind_value(space_, space_.find(id::UserManagement_Users),
+                      [this] { return users_of(users_); });
+    table_.bind_value(space_, space_.find(id::UserManagement_PasswordLength), [this] {
+        const server::PasswordRules& rules = users_.rules();
+        const Range range{static_cast<double>(rules.min_password_length),
+                          static_cast<double>(rules.max_password_length)};
+        return Variant{ExtensionObject::from(range)};
+    });
+    table_.bind_value(space_, space_.find(id::UserManagement_PasswordOptions),
+                      [this] { return Variant{options_of(users_.rules())}; });
+    table_.bind_value(space_, space_.find(id::UserManagement_PasswordRestrictions),
+                      [this] { return Variant{restrictions_of(users_.rules())}; });
+}
+
+/// Part 18, 5.2.5. Roles are given by the rules of the RoleSet.
+void UserManagement::add(MethodCall call)
+{
+    run(std::move(call), [this](const MethodCall& c) {
+        User user;
+        user.name = text_input(c, 0);
+        user.configuration = c.input<std::uint32_t>(2);
+        user.description = text_input(c, 3);
+        return users_.add(std::move(user), text_view(c, 1), random_);
+    });
+}
+
+/// Part 18, 5.2.6.
+void UserManagement::modify(MethodCall call)
+{
+    std::string name = text_input(call, 0);
+    const bool has_configuration = call.input<bool>(3);
+    const std::uint32_t configuration = call.input<std::uint32_t>(4);
+    const bool is_disabled = has_configuration && (configuration & user_bit::disabled) != 0;
+    if (is_disabled && call.user().token_type == UserTokenType::UserName &&
+        call.user().name == name) {
+        return call.fail(status::Bad_InvalidSelfReference);
+    }
+    run(
+        std::move(call),
+        [this](const MethodCall& c) {
+            UserChange change;
+            if (c.input<bool>(1)) {
+                change.password = text_view(c, 2);
+            }
+            if (c.input<bool>(3)) {
+                change.configuration = c.input<std::uint32_t>(4);
+            }
+            if (c.input<bool>(5)) {
+                change.description = text_view(c, 6);
+            }
+            return users_.modify(text_view(c, 0), change, random_);
+        },
+        is_disabled ? std::move(name) : std::string{});
+}
+
+/// Part 18, 5.2.7.
+void UserManagement::remove(MethodCall call)
+{
+    std::string name = text_input(call, 0);
+    if (call.user().token_type == UserTokenType::UserName && call.user().name == name) {
+        return call.fail(status::Bad_InvalidSelfReference);
+    }
+    run(
+        std::move(call), [this](const MethodCall& c) { return users_.remove(text_view(c, 0)); },
+        std::move(name));
+}
+
+/// Part 18, 5.2.8: whoever has a password may, over an encrypted channel.
+void UserManagement::change_password(MethodCall call)
+{
+    if (call.user().token_type != UserTokenType::UserName) {
+        return call.fail(status::Bad_InvalidState);
+    }
+    run(std::move(call), [this](const MethodCall& c) {
+        return users_.change_password(c.user().name, text_view(c, 0), text_view(c, 1), random_);
+    });
+}
+
+void UserManagement::run(MethodCall call, Change change, std::string sessions_end_of)
+{
+    if (worker_ == nullptr) {
+        finish(call, change(call), sessions_end_of);
+        return;
+    }
+    auto shared = std::make_shared<MethodCall>(std::move(call));
+    const auto job = [this, shared, change = std::move(change),
+                      whose = std::move(sessions_end_of)] {
+        auto done = std::make_shared<Checked<void>>(change(*shared));
+        table_.post([this, shared, done, whose] { finish(*shared, *done, whose); });
+    };
+    if (!worker_->run(job)) {
+        shared->fail(status::Bad_TooManyOperations);
+    }
+}
+
+void UserManagement::finish(MethodCall& call, const Checked<void>& done, const std::string& whose)
+{
+    if (!done) {
+        tell_method(log_, RecordKind::UsersChanged, call, done.error().status, &done.error());
+        return call.fail(done.error().status);
+    }
+    tell_method(log_, RecordKind::UsersChanged, call, status::Good, nullptr);
+    call.succeed();
+    if (!whose.empty()) {
+        table_.post([this, whose] {
+            server::RunningServer{server_}.end_sessions([&](const server::UserIdentity& user) {
+                return user.token_type == UserTokenType::UserName && user.name == whose;
+            });
+        });
+    }
+}
+
+} // namespace busbar::administration::detail

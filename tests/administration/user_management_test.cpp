@@ -1,0 +1,157 @@
+#include <busbar/types/data_types.hpp>
+
+#include "managed_fixture.hpp"
+
+using namespace busbar;
+using namespace busbar::test;
+
+namespace {
+
+struct Users : ManagedFixture {
+    using ManagedFixture::ManagedFixture;
+
+    std::string_view call_user(TestClient& client, std::uint32_t method,
+                               std::vector<Variant> inputs)
+    {
+        return name(
+            call(client, NodeId{0, id::UserManagement}, NodeId{0, method}, std::move(inputs))
+                .status_code);
+    }
+    std::string_view add(TestClient& client, const char* name, const char* password,
+                         std::uint32_t bits = 0)
+    {
+        return call_user(client, id::UserManagement_AddUser,
+                         {Variant{String{name}}, Variant{String{password}}, Variant{bits},
+                          Variant{String{"of the night shift"}}});
+    }
+    std::string_view set_bits(TestClient& client, const char* name, std::uint32_t bits)
+    {
+        return call_user(client, id::UserManagement_ModifyUser,
+                         {Variant{String{name}}, Variant{false}, Variant{String{}}, Variant{true},
+                          Variant{bits}, Variant{false}, Variant{String{}}});
+    }
+    std::string_view change_password(TestClient& client, const char* from, const char* to)
+    {
+        return call_user(client, id::UserManagement_ChangePassword,
+                         {Variant{String{from}}, Variant{String{to}}});
+    }
+    std::string_view remove(TestClient& client, const char* name)
+    {
+        return call_user(client, id::UserManagement_RemoveUser, {Variant{String{name}}});
+    }
+};
+
+constexpr const char* patience = "patience is all";
+
+} // namespace
+
+TEST_CASE_METHOD(Users, "user management: users come, change and go",
+                 "[unit:Security User Management Server]")
+{
+    auto admin = log_in();
+    CHECK(add(admin, "pat", "short") == "Bad_OutOfRange");
+    CHECK(add(admin, "pat", patience) == "Good");
+    CHECK(add(admin, "pat", patience) == "Bad_AlreadyExists");
+    auto pat = log_in("pat", patience);
+
+    const DataValue users = read(admin, id::UserManagement_Users);
+    REQUIRE(users.value.array_size() == 2);
+    const auto second = (*users.value.array_if<ExtensionObject>())[1];
+    const auto* const facts = second.get_if<UserManagementDataType>();
+    CHECK((facts == nullptr || facts->user_name.view() == "pat"));
+    CHECK(read(pat, id::UserManagement_Users).status.is_bad());
+    CHECK(read(admin, id::UserManagement_PasswordOptions).value.value_or<std::uint32_t>(0) == 31);
+    CHECK(read(admin, id::UserManagement_PasswordLength).status.is_good());
+    CHECK(read(admin, id::UserManagement_PasswordRestrictions).status.is_good());
+
+    CHECK(set_bits(admin, "pat", administration::user_bit::no_delete) == "Good");
+    CHECK(remove(admin, "pat") == "Bad_NotSupported");
+    CHECK(set_bits(admin, "pat", 0) == "Good");
+    CHECK(set_bits(admin, "nobody", 0) == "Bad_NotFound");
+    CHECK(remove(admin, "pat") == "Good");
+    CHECK(user_list.users().size() == 1);
+    // The session is over, and there is no such user any more.
+    CHECK(pat.status_of<ReadResponse>(ReadRequest{}).is_bad());
+    auto again = connect();
+    REQUIRE(again.create_session());
+    CHECK(again.activate(again.user("pat", patience)).is_bad());
+}
+
+TEST_CASE_METHOD(Users, "user management: a disabled user's sessions end")
+{
+    auto admin = log_in();
+    REQUIRE(add(admin, "pat", patience) == "Good");
+    auto pat = log_in("pat", patience);
+    CHECK(set_bits(admin, "pat", administration::user_bit::disabled) == "Good");
+    CHECK(pat.status_of<ReadResponse>(ReadRequest{}).is_bad());
+    CHECK(log.text.find("patience") == std::string::npos);
+}
+
+TEST_CASE_METHOD(Users, "user management: nobody shuts himself out")
+{
+    auto admin = log_in();
+    CHECK(set_bits(admin, "admin", administration::user_bit::disabled) ==
+          "Bad_InvalidSelfReference");
+    CHECK(remove(admin, "admin") == "Bad_InvalidSelfReference");
+    REQUIRE(add(admin, "pat", patience) == "Good");
+    REQUIRE(roles.add_identity("SecurityAdmin", {IdentityCriteriaType::UserName, "pat"}));
+    auto pat = log_in("pat", patience);
+    // The list alone says who is an administrator here.
+    CHECK(remove(pat, "admin") == "Bad_RequestNotAllowed");
+}
+
+TEST_CASE_METHOD(Users, "user management: who must change the password can do that alone")
+{
+    auto admin = log_in();
+    REQUIRE(add(admin, "pat", patience, administration::user_bit::must_change_password) == "Good");
+    auto pat = connect();
+    REQUIRE(pat.create_session());
+    CHECK(pat.activate(pat.user("pat", patience)) == status::Good_PasswordChangeRequired);
+    CHECK(add(pat, "sam", patience).starts_with("Bad_"));
+    CHECK(change_password(pat, "not the one", "something else") == "Bad_IdentityTokenInvalid");
+    CHECK(change_password(pat, patience, patience) == "Bad_AlreadyExists");
+    CHECK(change_password(pat, patience, "something else") == "Good");
+    CHECK(pat.activate(pat.user("pat", "something else")) == status::Good);
+}
+
+TEST_CASE_METHOD(Users, "user management: over encrypted channels and for SecurityAdmin only")
+{
+    auto admin = log_in();
+    REQUIRE(add(admin, "pat", patience) == "Good");
+    auto pat = log_in("pat", patience);
+    CHECK(add(pat, "sam", patience) == "Bad_NodeIdUnknown"); // may not see it
+    auto signing = log_in("admin", "admin-secret!", MessageSecurityMode::Sign);
+    CHECK(add(signing, "sam", patience) == "Bad_SecurityModeInsufficient");
+    CHECK(change_password(signing, "admin-secret!", patience) == "Bad_SecurityModeInsufficient");
+}
+
+TEST_CASE("user management: hashes are made by the worker")
+{
+    ManualWorker worker;
+    Users users{&worker};
+    auto admin = users.log_in();
+    CallRequest request;
+    request.methods_to_call.resize(1);
+    request.methods_to_call[0].object_id = NodeId{0, id::UserManagement};
+    request.methods_to_call[0].method_id = NodeId{0, id::UserManagement_AddUser};
+    request.methods_to_call[0].input_arguments = {Variant{String{"pat"}}, Variant{String{patience}},
+                                                  Variant{std::uint32_t{0}}, Variant{String{}}};
+    const auto sent = admin.send(request);
+    CHECK(users.user_list.users().size() == 1);
+    worker.work();
+    users.complete();
+    const auto response = admin.take<CallResponse>(sent);
+    REQUIRE(response);
+    CHECK(response->results[0].status_code == status::Good);
+    CHECK(users.user_list.users().size() == 2);
+    worker.has_room = false;
+    CHECK(users.add(admin, "sam", patience) == "Bad_TooManyOperations");
+}
+
+TEST_CASE_METHOD(Users, "user management: a medium that fails changes nothing")
+{
+    auto admin = log_in();
+    storage.set_protected(true);
+    CHECK(add(admin, "pat", patience) == "Bad_ResourceUnavailable");
+    CHECK(user_list.users().size() == 1);
+}
