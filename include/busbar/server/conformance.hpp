@@ -30,6 +30,10 @@ struct ConformanceFacts {
     bool audit{false};
     /// RoleSet with Methods.
     bool roles{false};
+    /// ServerConfiguration with Methods.
+    bool push{false};
+    /// UserManagement with Methods.
+    bool user_management{false};
 
     // What it is reached by, and what the program around it does.
 

@@ -47,8 +47,13 @@ void add_modules(ConformanceFacts& facts, const Core& core)
     facts.node_management = core.node_management != nullptr && core.config.has_node_management;
     facts.diagnostics = core.server_object.has_others();
     facts.audit = facts.events && core.config.is_auditing;
-    const auto add_role = core.address_space.find(id::Server_ServerCapabilities_RoleSet_AddRole);
-    facts.roles = add_role != model::no_node && is_executable(core.address_space, add_role);
+    const auto has_method = [&](std::uint32_t id) {
+        const model::NodeIndex method = core.address_space.find(id);
+        return method != model::no_node && is_executable(core.address_space, method);
+    };
+    facts.roles = has_method(id::Server_ServerCapabilities_RoleSet_AddRole);
+    facts.push = has_method(id::ServerConfiguration_ApplyChanges);
+    facts.user_management = has_method(id::UserManagement_AddUser);
     facts.triggering = has_service(core, id::SetTriggeringRequest_Encoding_DefaultBinary);
     facts.transfer = has_service(core, id::TransferSubscriptionsRequest_Encoding_DefaultBinary);
 }
