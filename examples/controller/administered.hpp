@@ -1,11 +1,14 @@
 #pragma once
 
+#include <optional>
+
 #include <busbar/administration/administration.hpp>
 #include <busbar/administration/audit_log.hpp>
+#include <busbar/crypto/random.hpp>
 #include <busbar/storage/folder_storage.hpp>
 
+#include "admission.hpp"
 #include "config.hpp"
-#include "toml_reader.hpp"
 
 namespace busbar::example {
 
@@ -13,33 +16,32 @@ namespace busbar::example {
 class Administered {
 public:
     /// Throws a ConfigError if what is kept cannot be read. Both must outlive it.
-    Administered(const ControllerConfig& config, const WallClock& clock, LogSink& lines)
-        : audit_{lines}, files_{config.certificates.folder},
-          is_auditing_{config.server.is_auditing}, administration_{{.wall_clock = &clock,
-                                                                    .log = &audit_,
-                                                                    .roles = &roles_}}
-    {
-        expect(roles_.load());
-    }
+    Administered(const ControllerConfig& config, const WallClock& clock, LogSink& lines);
 
     /// The server's log.
     [[nodiscard]] LogSink& log() { return audit_; }
     [[nodiscard]] const server::RoleMapper& roles() const { return roles_; }
-    /// Once, before clients connect. Throws ConfigError.
-    void attach(server::Server& server)
-    {
-        expect(administration_.attach(server));
-        if (is_auditing_) {
-            audit_.attach(server.event_queue(), server.config().application_uri);
-        }
-    }
+    /// Users who were added while it ran come to those of the file, and `config` offers them. Once,
+    /// before the server is made. Throws ConfigError. `admission` must outlive it.
+    void add_users(Admission& admission, ControllerConfig& config);
+    /// Those users again, after `admission` has read its file again. Throws ConfigError.
+    void read_users();
+    /// Once, before clients connect; `config` is told of another certificate. Throws ConfigError.
+    /// The worker is to end before this; config and admission must outlive it.
+    void attach(server::Server& server, Admission& admission, ControllerConfig& config,
+                server::Worker& worker);
 
 private:
+    [[nodiscard]] bool is_administrator(const administration::User& user) const;
+
+    const WallClock& clock_;
     administration::AuditLog audit_;
     storage::FolderStorage files_;
-    bool is_auditing_;
-    administration::RoleList roles_{files_, "roles.json"};
-    administration::Administration administration_;
+    crypto::SystemRandom random_;
+    administration::RoleList roles_;
+    std::optional<administration::UserList> users_;
+    administration::ManagedCertificates certificates_;
+    std::optional<administration::Administration> administration_;
 };
 
 } // namespace busbar::example

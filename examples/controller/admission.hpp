@@ -16,6 +16,13 @@ public:
 
     [[nodiscard]] crypto::CertificateValidator& clients();
     [[nodiscard]] server::UserStore& users() { return users_; }
+    [[nodiscard]] server::PasswordUsers& passwords() { return users_.passwords(); }
+    [[nodiscard]] crypto::CertificateStore& client_store() { return client_store_; }
+    /// Null if no user has a certificate.
+    [[nodiscard]] crypto::CertificateStore* user_store()
+    {
+        return config_.certified ? &user_store_ : nullptr;
+    }
     /// Lets in whom `users` names from now on, and nobody else. Throws a ConfigError that begins
     /// with `file` if kinds of user came or went: endpoints offer those since the start.
     void replace_users(const UserConfig& users, const std::string& file);

@@ -184,7 +184,7 @@ bool has_terminal()
 /// What fails changes nothing: the reason goes to the log. A signal because the terminal was closed
 /// ends the controller, as it does other programs in a terminal.
 void reload_on_hangup(net::ServerLoop& loop, const std::string& file, example::Admission& admission,
-                      server::Server& server, LogSink& log)
+                      example::Administered& administered, server::Server& server, LogSink& log)
 {
     loop.on_hangup([&, file, had_terminal = has_terminal()] {
         if (had_terminal && !has_terminal()) {
@@ -194,6 +194,7 @@ void reload_on_hangup(net::ServerLoop& loop, const std::string& file, example::A
         try {
             const DateTime now = net::SystemWallClock{}.now();
             log.write(LogLevel::Info, "controller", example::reload(file, admission, now));
+            administered.read_users();
             server.announce_access_change(std::chrono::steady_clock::now());
         } catch (const ConfigError& error) {
             log.write(LogLevel::Error, "controller",
@@ -242,6 +243,7 @@ int serve(ControllerConfig config, const std::string& file)
     set_endpoint(config, port, wall_clock.now());
     example::Administered administered{config, wall_clock, log};
     example::Admission admission{config, administered.log()};
+    administered.add_users(admission, config);
     const auto plc = example::expect(controller::Plc::create(config.plc, config.image));
     server::ImageSource source{plc->image()};
     server::MethodTable methods;
@@ -268,7 +270,8 @@ int serve(ControllerConfig config, const std::string& file)
          .validator = environment.validator,
          .identity = config.server.identity ? &*config.server.identity : nullptr});
     auto server = make_server(config.server, environment, file);
-    administered.attach(server);
+    net::WorkerThread worker{64, &log};
+    administered.attach(server, admission, config, worker);
     controller::PlcNodesOptions nodes;
     nodes.source = server.add_source(source);
     nodes.cycle = config.scan;
@@ -282,13 +285,12 @@ int serve(ControllerConfig config, const std::string& file)
                                        server.add_source(methods)),
            "the methods");
 
-    net::WorkerThread worker{64, &log};
     admission.check_passwords_on(worker);
     controller::PlcTask task{*plc, wall_clock, config.scan, config.realtime_priority};
     task.after_scan([&events](DateTime time) { events.raise(time); }, &log);
     task.start();
     loop.stop_on_signals();
-    reload_on_hangup(loop, file, admission, server, log);
+    reload_on_hangup(loop, file, admission, administered, server, log);
     std::fputs(example::welcome_text(config, plc->variables().size(), wall_clock.now()).c_str(),
                stdout);
     std::fflush(stdout);

@@ -143,8 +143,18 @@ server::Conformance conformance_of(ControllerConfig config, DateTime now, bool h
     server::ImageSource source{plc->image()};
     storage::MemoryStorage files;
     administration::RoleList roles{files, "roles.json"};
+    crypto::CertificateStore store{files, {}, log};
+    administration::UserList online_users{files, "users.json", {}, users.passwords()};
+    const administration::ManagedCertificates certificates{.files = &files, .applications = &store};
+    const bool is_managed =
+        config.server.identity.has_value() && !config.certificates.trusts_all_clients;
     administration::Administration administration{
-        {.wall_clock = &clock, .log = &log, .roles = &roles}};
+        {.wall_clock = &clock,
+         .log = &log,
+         .roles = &roles,
+         .users = is_managed ? &online_users : nullptr,
+         .certificates = is_managed ? &certificates : nullptr,
+         .random = &random}};
     auto server = expect(server::Server::create(config.server, {.random = &random,
                                                                 .wall_clock = &clock,
                                                                 .log = &log,

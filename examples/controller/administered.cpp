@@ -1,0 +1,76 @@
+#include "administered.hpp"
+
+#include <algorithm>
+
+#include "toml_reader.hpp"
+
+namespace busbar::example {
+
+namespace {
+
+/// Certificates are managed where they decide.
+bool manages_certificates(const ControllerConfig& config)
+{
+    return config.server.identity.has_value() && !config.certificates.trusts_all_clients;
+}
+
+} // namespace
+
+Administered::Administered(const ControllerConfig& config, const WallClock& clock, LogSink& lines)
+    : clock_{clock}, audit_{lines}, files_{config.certificates.folder}, roles_{files_, "roles.json"}
+{
+    expect(roles_.load());
+}
+
+bool Administered::is_administrator(const administration::User& user) const
+{
+    const auto has = [](const std::vector<std::string>& roles) {
+        return std::find(roles.begin(), roles.end(), "SecurityAdmin") != roles.end();
+    };
+    const server::UserIdentity identity{UserTokenType::UserName, user.name};
+    return has(user.roles) || has(roles_.roles_of({.user = identity}).roles);
+}
+
+void Administered::add_users(Admission& admission, ControllerConfig& config)
+{
+    users_.emplace(files_, "users.json", server::PasswordRules{}, admission.passwords(),
+                   [this](const administration::User& user) { return is_administrator(user); });
+    expect(users_->load());
+    if (!users_->users().empty()) {
+        for (server::EndpointConfig& endpoint : config.server.endpoints) {
+            endpoint.allows_user_name = true;
+        }
+    }
+}
+
+void Administered::read_users()
+{
+    expect(users_->load());
+}
+
+void Administered::attach(server::Server& server, Admission& admission, ControllerConfig& config,
+                          server::Worker& worker)
+{
+    administration::AdministrationParts parts{
+        .wall_clock = &clock_, .log = &audit_, .roles = &roles_};
+    if (manages_certificates(config)) {
+        certificates_.files = &files_;
+        certificates_.applications = &admission.client_store();
+        certificates_.users = admission.user_store();
+        certificates_.users_folder = "users";
+        certificates_.key_bits = config.certificates.key_bits;
+        certificates_.renewed = [&config](const crypto::OwnCertificate& own) {
+            config.server.identity = channel::ApplicationIdentity{own.certificates, own.key};
+        };
+        parts.users = &*users_;
+        parts.certificates = &certificates_;
+        parts.random = &random_;
+        parts.worker = &worker;
+    }
+    expect(administration_.emplace(parts).attach(server));
+    if (config.server.is_auditing) {
+        audit_.attach(server.event_queue(), server.config().application_uri);
+    }
+}
+
+} // namespace busbar::example
