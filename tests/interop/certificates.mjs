@@ -1,5 +1,6 @@
 // Certificates and revocation lists for tests, as a certificate authority would issue them.
 import "reflect-metadata";
+import assert from "node:assert/strict";
 import { mkdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import * as x509 from "@peculiar/x509";
@@ -87,4 +88,23 @@ export async function clientOptions(folder, name, made) {
   writeFileSync(certificateFile, made.certificate.toString("pem") + "\n");
   writeFileSync(privateKeyFile, await keyPemOf(made));
   return { certificateFile, privateKeyFile, applicationUri: made.applicationUri };
+}
+
+/** DER of a certificate for a request, with the names that it asks for. */
+export async function signRequest(authority, der) {
+  const request = new x509.Pkcs10CertificateRequest(der);
+  assert.ok(await request.verify());
+  const names = request.getExtension("2.5.29.17");
+  const certificate = await x509.X509CertificateGenerator.create({
+    serialNumber: (++serial).toString(16), ...validity(), signingAlgorithm: algorithm, publicKey: request.publicKey,
+    subject: request.subject, issuer: authority.certificate.subject, signingKey: authority.keys.privateKey,
+    extensions: [
+      new x509.BasicConstraintsExtension(false, undefined, true),
+      ...applicationExtensions("urn:replaced", [], false).slice(0, 2),
+      names,
+      await x509.SubjectKeyIdentifierExtension.create(request.publicKey),
+      await x509.AuthorityKeyIdentifierExtension.create(authority.keys.publicKey),
+    ],
+  });
+  return Buffer.from(certificate.rawData);
 }

@@ -1,7 +1,7 @@
 // A node-opcua client with the settings that all tests share.
 import opcua from "node-opcua";
 
-const { MessageSecurityMode, OPCUAClient, OPCUACertificateManager, SecurityPolicy, UserTokenType } = opcua;
+const { MessageSecurityMode, SecurityPolicy, UserTokenType } = opcua;
 
 export const modes = {
   None: { securityMode: MessageSecurityMode.None, securityPolicy: SecurityPolicy.None },
@@ -12,14 +12,14 @@ export const modes = {
 export const anonymous = { type: UserTokenType.Anonymous };
 export const named = ({ userName, password }) => ({ type: UserTokenType.UserName, userName, password });
 
-/** Client certificates and keys lie in `folder`, made on first use. */
-export async function createClient(folder, options) {
-  const clientCertificateManager = new OPCUACertificateManager({
+/** Client certificates and keys lie in `folder`, made on first use. `library` is node-opcua or another version of it. */
+export async function createClient(folder, options, library = opcua) {
+  const clientCertificateManager = new library.OPCUACertificateManager({
     rootFolder: `${folder}/client-pki`,
     automaticallyAcceptUnknownCertificate: true,
   });
   await clientCertificateManager.initialize();
-  return OPCUAClient.create({
+  return library.OPCUAClient.create({
     applicationName: "Busbar interoperation test",
     clientCertificateManager,
     endpointMustExist: false,
@@ -29,8 +29,9 @@ export async function createClient(folder, options) {
 }
 
 /** Connects, runs `action(session, client)` and closes whatever happens. */
-export async function withSession(controller, options, identity, action, endpointUrl = controller.endpointUrl) {
-  const client = await createClient(controller.folder, options);
+export async function withSession(controller, options, identity, action, endpointUrl = controller.endpointUrl,
+  library = opcua) {
+  const client = await createClient(controller.folder, options, library);
   await client.connect(endpointUrl);
   try {
     const session = await client.createSession(identity);
