@@ -1,6 +1,7 @@
 #include "administered.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "toml_reader.hpp"
 
@@ -49,10 +50,10 @@ void Administered::read_users()
 }
 
 void Administered::attach(server::Server& server, Admission& admission, ControllerConfig& config,
-                          server::Worker& worker)
+                          server::Worker& worker, std::function<void()> stop)
 {
     administration::AdministrationParts parts{
-        .wall_clock = &clock_, .log = &audit_, .roles = &roles_};
+        .wall_clock = &clock_, .log = &audit_, .roles = &roles_, .stop = std::move(stop)};
     if (manages_certificates(config)) {
         certificates_.files = &files_;
         certificates_.applications = &admission.client_store();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include <busbar/administration/administration.hpp>
@@ -28,8 +29,9 @@ public:
     void read_users();
     /// Once, before clients connect; `config` is told of another certificate. Throws ConfigError.
     /// The worker is to end before this; config and admission must outlive it.
+    /// `stop` ends the program.
     void attach(server::Server& server, Admission& admission, ControllerConfig& config,
-                server::Worker& worker);
+                server::Worker& worker, std::function<void()> stop);
 
 private:
     [[nodiscard]] bool is_administrator(const administration::User& user) const;

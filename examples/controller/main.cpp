@@ -271,7 +271,7 @@ int serve(ControllerConfig config, const std::string& file)
          .identity = config.server.identity ? &*config.server.identity : nullptr});
     auto server = make_server(config.server, environment, file);
     net::WorkerThread worker{64, &log};
-    administered.attach(server, admission, config, worker);
+    administered.attach(server, admission, config, worker, [&loop] { loop.stop(); });
     controller::PlcNodesOptions nodes;
     nodes.source = server.add_source(source);
     nodes.cycle = config.scan;

@@ -7,6 +7,7 @@
 #include "node_table.hpp"
 #include "role_set.hpp"
 #include "server_configuration.hpp"
+#include "server_control.hpp"
 #include "user_management.hpp"
 
 namespace busbar::administration {
@@ -19,6 +20,7 @@ struct Administration::Impl {
     std::optional<detail::RoleSet> role_set;
     std::optional<detail::ServerConfiguration> server_configuration;
     std::optional<detail::UserManagement> user_management;
+    std::optional<detail::ServerControl> server_control;
 
     [[nodiscard]] Configured<void> check() const;
     [[nodiscard]] Configured<void> attach(server::Server& server);
@@ -51,6 +53,13 @@ Configured<void> Administration::Impl::attach(server::Server& server)
     if (parts.roles != nullptr) {
         role_set.emplace(server, *parts.roles, table, *parts.log);
         if (auto attached = role_set->attach(); !attached) {
+            return attached;
+        }
+    }
+    if (parts.stop &&
+        server.address_space().find(id::SystemStatusChangeEventType) != model::no_node) {
+        server_control.emplace(server, table, *parts.log, parts.stop);
+        if (auto attached = server_control->attach(); !attached) {
             return attached;
         }
     }

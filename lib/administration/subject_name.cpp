@@ -1,6 +1,8 @@
 #include "subject_name.hpp"
 
+#include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
 #include <utility>
 

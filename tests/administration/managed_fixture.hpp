@@ -73,7 +73,8 @@ struct ManagedFixture {
                                                 .users = &user_list,
                                                 .certificates = &certificates,
                                                 .random = &random,
-                                                .worker = worker});
+                                                .worker = worker,
+                                                .stop = [this] { ++stops; }});
         REQUIRE(administration->attach(server));
     }
 
@@ -158,6 +159,7 @@ struct ManagedFixture {
                                                      .users = &user_certificates,
                                                      .users_folder = "users"};
     server::Worker* worker;
+    int stops{0};
     NoteWaker waker;
     TimePoint now{};
     server::Server server{

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include <busbar/administration/managed_certificates.hpp>
@@ -36,6 +37,9 @@ struct AdministrationParts {
     /// Where passwords are hashed and keys are made; it is to end before the Administration. Null:
     /// the server's thread, which everybody waits for then.
     server::Worker* worker{nullptr};
+    /// RequestServerStateChange (Part 5, 9.4): ends the program that serves, whose server has begun
+    /// its shutdown when this is called, on the server's thread. Empty: clients cannot stop it.
+    std::function<void()> stop{};
 };
 
 /// What administrators do while a server runs, by the means of the standard: nodes below the Server

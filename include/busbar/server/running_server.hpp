@@ -1,6 +1,8 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
+#include <string_view>
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/function_ref.hpp>
@@ -33,6 +35,11 @@ public:
     /// Other certificates are trusted than before. A second later, so that answers under way
     /// arrive, channels of clients whose certificate is refused now are closed (Part 12, 7.8.2.5).
     void trust_changed() const;
+    /// Server::begin_shutdown with what an administrator asked for: connections are closed `delay`
+    /// later, and EstimatedReturnTime says `return_time`, which may be null. False if it has begun
+    /// already.
+    bool begin_shutdown(std::string_view reason, std::chrono::seconds delay,
+                        DateTime return_time) const;
     /// False once it is over.
     [[nodiscard]] bool has_session(const NodeId& session_id) const;
 

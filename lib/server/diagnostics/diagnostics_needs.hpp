@@ -22,6 +22,8 @@ struct ServerLife {
     ServerState state{ServerState::Running};
     std::string shutdown_reason;
     DateTime shutdown_time;
+    /// When it is there again, as whoever stops it says.
+    DateTime return_time;
 
     [[nodiscard]] bool is_shutting_down() const { return state == ServerState::Shutdown; }
 };

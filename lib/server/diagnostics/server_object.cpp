@@ -187,10 +187,10 @@ constexpr std::array status_values{
     LiveValue{
         id::Server_LocalTime,
         [](const DiagnosticsNeeds& c) -> Variant { return ExtensionObject::from(local_time(c)); }},
-    // Nobody knows when a server that stops is started again.
+    // Null unless whoever stops it knows when it is started again.
     LiveValue{id::Server_EstimatedReturnTime,
               [](const DiagnosticsNeeds& c) -> Variant {
-                  return c.life.is_shutting_down() ? DateTime{} : c.life.start_time;
+                  return c.life.is_shutting_down() ? c.life.return_time : c.life.start_time;
               }},
     LiveValue{id::Server_Auditing,
               [](const DiagnosticsNeeds& needs) -> Variant { return needs.config.is_auditing; }},

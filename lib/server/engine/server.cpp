@@ -301,24 +301,29 @@ std::optional<std::uint64_t> Server::next_changed()
 
 void Server::begin_shutdown(TimePoint now, std::string_view reason)
 {
-    if (impl_->is_shutting_down()) {
-        return;
+    if (!impl_->is_shutting_down()) {
+        impl_->begin_shutdown(now, reason, impl_->config.shutdown_delay);
     }
-    const auto delay = impl_->config.shutdown_delay;
-    impl_->log(LogLevel::Info, "server", "shutdown: " + std::string{reason});
-    impl_->life.state = ServerState::Shutdown;
-    impl_->life.shutdown_reason = reason;
-    impl_->life.shutdown_time = {impl_->environment.wall_clock->now().ticks +
-                                 delay.count() * (DateTime::ticks_per_second / 1000)};
-    impl_->shutdown_deadline = now + delay;
-    for (detail::PeerLink* link : impl_->links) {
+}
+
+void Server::Impl::begin_shutdown(TimePoint now, std::string_view reason,
+                                  std::chrono::milliseconds delay)
+{
+    log(LogLevel::Info, "server", "shutdown: " + printable(reason));
+    life.state = ServerState::Shutdown;
+    life.shutdown_reason = reason;
+    life.shutdown_time = {environment.wall_clock->now().ticks +
+                          delay.count() * (DateTime::ticks_per_second / 1000)};
+    shutdown_deadline = now + delay;
+    for (detail::PeerLink* link : links) {
         link->begin_shutdown();
     }
-    if (impl_->address_space.find(id::SystemStatusChangeEventType) != model::no_node) {
-        static_cast<void>(raise_event(detail::state_event(ServerState::Shutdown, reason)));
-        impl_->events->handle_raised();
+    const auto queue = events->queue();
+    if (queue != nullptr && address_space.find(id::SystemStatusChangeEventType) != model::no_node) {
+        static_cast<void>(queue->raise(detail::state_event(ServerState::Shutdown, reason)));
+        events->handle_raised();
     }
-    impl_->sweep();
+    sweep();
 }
 
 void Server::Impl::finish_shutdown()

@@ -20,6 +20,7 @@ struct Server::Impl : detail::Core {
     /// Makes place by closing the oldest connection that has no session (Part 4, 5.6.2.1).
     [[nodiscard]] bool make_place();
     void expire_sessions(TimePoint now);
+    void begin_shutdown(TimePoint now, std::string_view reason, std::chrono::milliseconds delay);
     void finish_shutdown();
     [[nodiscard]] Configured<void> check_change(const ServerConfig& wanted) const;
     void close_old_channels();
