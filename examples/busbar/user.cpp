@@ -32,20 +32,25 @@ private:
     ::termios before_{};
 };
 
+std::string type(Context& context, const std::string& prompt)
+{
+    context.err.write(prompt);
+    std::string text;
+    {
+        const SilentTerminal silent;
+        std::getline(std::cin, text);
+    }
+    context.err.write("\n");
+    return text;
+}
+
 std::string ask_password(Context& context)
 {
     if (::isatty(STDIN_FILENO) != 1 || !context.err.is_terminal()) {
         throw Failure{Exit::Usage, "there is no password for " + context.options.user,
                       "give --password-file FILE or set BUSBAR_PASSWORD"};
     }
-    context.err.write("Password of " + context.options.user + ": ");
-    std::string password;
-    {
-        const SilentTerminal silent;
-        std::getline(std::cin, password);
-    }
-    context.err.write("\n");
-    return password;
+    return type(context, "Password of " + context.options.user + ": ");
 }
 
 std::string read_password(const std::string& path)
@@ -110,6 +115,22 @@ client::UserIdentity user_of(Context& context)
         return client::NamedUser{context.options.user, password_of(context)};
     }
     return client::AnonymousUser{};
+}
+
+crypto::Secret new_password(Context& context, const std::string& user, const std::string& file)
+{
+    if (!file.empty()) {
+        return crypto::Secret{std::string_view{read_password(file)}};
+    }
+    if (::isatty(STDIN_FILENO) != 1 || !context.err.is_terminal()) {
+        throw Failure{Exit::Usage, "there is no new password for " + user,
+                      "give --new-password-file FILE"};
+    }
+    const std::string first = type(context, "New password of " + user + ": ");
+    if (first.empty() || type(context, "Again: ") != first) {
+        throw Failure{Exit::Usage, "the passwords are empty or differ"};
+    }
+    return crypto::Secret{std::string_view{first}};
 }
 
 } // namespace busbar::cli

@@ -15,21 +15,28 @@ bool manages_certificates(const ControllerConfig& config)
     return config.server.identity.has_value() && !config.certificates.trusts_all_clients;
 }
 
+bool administrates(const std::vector<std::string>& roles)
+{
+    return std::find(roles.begin(), roles.end(), "SecurityAdmin") != roles.end();
+}
+
 } // namespace
 
 Administered::Administered(const ControllerConfig& config, const WallClock& clock, LogSink& lines)
-    : clock_{clock}, audit_{lines}, files_{config.certificates.folder}, roles_{files_, "roles.json"}
+    : clock_{clock}, audit_{lines}, files_{config.certificates.folder},
+      has_other_administrator_{
+          std::any_of(config.users.accounts.begin(), config.users.accounts.end(),
+                      [](const Account& account) { return administrates(account.roles); })},
+      roles_{files_, "roles.json"}
 {
     expect(roles_.load());
 }
 
 bool Administered::is_administrator(const administration::User& user) const
 {
-    const auto has = [](const std::vector<std::string>& roles) {
-        return std::find(roles.begin(), roles.end(), "SecurityAdmin") != roles.end();
-    };
     const server::UserIdentity identity{UserTokenType::UserName, user.name};
-    return has(user.roles) || has(roles_.roles_of({.user = identity}).roles);
+    return !has_other_administrator_ &&
+           (administrates(user.roles) || administrates(roles_.roles_of({.user = identity}).roles));
 }
 
 void Administered::add_users(Admission& admission, ControllerConfig& config)

@@ -34,12 +34,14 @@ public:
                 server::Worker& worker, std::function<void()> stop);
 
 private:
+    /// One whom the list must not lose: none, if the file has an administrator.
     [[nodiscard]] bool is_administrator(const administration::User& user) const;
 
     const WallClock& clock_;
     administration::AuditLog audit_;
     storage::FolderStorage files_;
     crypto::SystemRandom random_;
+    bool has_other_administrator_;
     administration::RoleList roles_;
     std::optional<administration::UserList> users_;
     administration::ManagedCertificates certificates_;

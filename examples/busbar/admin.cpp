@@ -1,0 +1,19 @@
+#include "commands.hpp"
+
+#include "admin/commands.hpp"
+
+namespace busbar::cli {
+
+void add_admin(CLI::App& app, Run& run)
+{
+    auto* command = app.add_subcommand("admin", "Administers a server that runs.");
+    command->require_subcommand(1);
+    admin::add_status(*command, run);
+    admin::add_own(*command, run);
+    admin::add_trust(*command, run);
+    admin::add_users(*command, run);
+    admin::add_roles(*command, run);
+    admin::add_shutdown(*command, run);
+}
+
+} // namespace busbar::cli

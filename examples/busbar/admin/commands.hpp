@@ -1,0 +1,71 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "connection.hpp"
+
+/// The subcommands of `busbar admin`, one file for each subject.
+namespace busbar::cli::admin {
+
+/// What they take.
+struct Arguments {
+    /// [URL] and whatever the subcommand names.
+    std::vector<std::string> words;
+    bool is_of_users{false};
+    /// Asks nothing.
+    bool is_sure{false};
+    std::string new_password_file;
+    std::string description;
+    bool must_change{false};
+    std::string subject;
+    std::vector<std::string> hosts;
+    unsigned days{365};
+    unsigned seconds{2};
+    std::string reason;
+};
+
+/// Carries a subcommand out; throws Failure.
+using Action = Exit (*)(Context&, Connection&, const Arguments&);
+
+/// Adds subcommands to the group and has the program run the one that is given.
+class Group {
+public:
+    Group(CLI::App& parent, Run& run, const char* name, const char* text);
+
+    /// `words`: how many it needs besides the URL, and what they are called: "NAME ROLE".
+    CLI::App* add(const char* name, const char* text, std::size_t words, const char* word_names,
+                  Action action);
+    [[nodiscard]] Arguments& arguments() { return *arguments_; }
+
+private:
+    CLI::App* app_;
+    Run* run_;
+    std::shared_ptr<Arguments> arguments_{std::make_shared<Arguments>()};
+};
+
+void add_status(CLI::App& admin, Run& run);
+void add_trust(CLI::App& admin, Run& run);
+void add_users(CLI::App& admin, Run& run);
+void add_roles(CLI::App& admin, Run& run);
+void add_own(CLI::App& admin, Run& run);
+void add_shutdown(CLI::App& admin, Run& run);
+
+/// Throws Failure unless the user says yes, or has said so with --yes.
+void make_sure(Context& context, const Arguments& arguments, const std::string& question);
+/// "done", or {"done": what}.
+Exit report(Context& context, const std::string& what);
+/// A row of common name, organization, domain, thumbprint and end of validity.
+struct CertificateRow {
+    std::string list;
+    crypto::Certificate certificate;
+};
+void print_certificates(Context& context, const std::vector<CertificateRow>& rows);
+/// The one of `rows` whose thumbprint begins like this; throws Failure if that is none or several.
+[[nodiscard]] const CertificateRow& find(const std::vector<CertificateRow>& rows,
+                                         const std::string& thumbprint);
+
+} // namespace busbar::cli::admin

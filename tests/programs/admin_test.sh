@@ -1,0 +1,133 @@
+#!/bin/sh
+# Administers a controller that runs by `busbar admin`, from an account in its file to a stopped
+# server.
+# usage: admin_test.sh CONTROLLER BUSBAR
+set -u
+controller=$1 busbar=$2
+
+work=$(mktemp -d)
+pid=""
+failures=0
+trap 'kill $pid 2>/dev/null; wait; rm -rf "$work"' EXIT
+export XDG_DATA_HOME="$work/data" LC_ALL=C
+unset BUSBAR_URL BUSBAR_PASSWORD
+cd "$work" || exit 1
+
+fail() {
+    failures=$((failures + 1))
+    echo "FAILED: $*"
+    sed 's/^/  /' log out 2> /dev/null
+}
+
+await() {
+    for _ in $(seq 300); do
+        "$@" && return 0
+        sleep 0.1
+    done
+    fail "waited in vain for: $*"
+    return 1
+}
+
+logged() { grep -q -s -e "$1" log; }
+ended() { ! kill -0 "$pid" 2> /dev/null; }
+says() { grep -q -s -e "$1" out || fail "\"$1\" is not in the output of: $last"; }
+
+# run CODE ARGUMENTS...: busbar's exit code, its output in out.
+run() {
+    wanted=$1
+    shift
+    last="busbar $*"
+    timeout 60 "$busbar" "$@" > out 2>&1 < /dev/null
+    code=$?
+    [ $code -eq "$wanted" ] || fail "$last: exit code $code instead of $wanted"
+}
+as_admin() {
+    wanted=$1
+    shift
+    run "$wanted" --user chief --password-file chief --trust "$@"
+}
+
+echo "the chief's pass phrase" > chief
+echo "patience is all" > pat
+hash=$("$controller" --hash-password < chief)
+cat > controller.toml << EOF
+[server]
+port = 0
+[certificates]
+folder = "pki"
+[[endpoint]]
+policy = "Basic256Sha256"
+mode = "SignAndEncrypt"
+[[users.account]]
+name = "chief"
+password = "$hash"
+roles = ["SecurityAdmin", "ConfigureAdmin"]
+EOF
+"$controller" --config controller.toml > log 2>&1 < /dev/null &
+pid=$!
+await logged '^ready' || exit 1
+url=$(sed -n 's/.* variables at \(opc.tcp:[^ ]*\)$/\1/p' log)
+
+# Our certificate is nobody's friend yet.
+run 0 cert create
+as_admin 4 admin status "$url"
+
+mv pki/rejected/certs/* pki/trusted/certs/
+
+as_admin 0 admin status "$url"
+says "Running"
+as_admin 0 admin cert show "$url"
+says "own"
+before=$(sed -n 's/^own .* \([0-9A-F]*\)$/\1/p' out)
+
+# A user, with a role and without.
+as_admin 0 admin user add "$url" pat --new-password-file pat --description "of the night shift"
+as_admin 1 admin user add "$url" pat --new-password-file pat
+says "Bad_AlreadyExists"
+as_admin 0 admin user list "$url"
+says "pat .*of the night shift"
+run 4 --user pat --password-file pat --trust admin user list "$url"
+as_admin 0 admin role grant "$url" pat SecurityAdmin
+as_admin 0 admin role list "$url"
+says "SecurityAdmin .*user pat"
+run 0 --user pat --password-file pat --trust admin user list "$url"
+as_admin 1 admin role revoke "$url" pat SecurityAdmin # it is the last rule of this role
+as_admin 0 admin role grant "$url" chief SecurityAdmin
+as_admin 0 admin role revoke "$url" pat SecurityAdmin
+as_admin 0 admin user disable "$url" pat
+run 4 --user pat --password-file pat --trust read "$url" i=2259
+as_admin 0 admin user enable "$url" pat
+run 0 --user pat --password-file pat --trust read "$url" i=2259
+as_admin 1 admin user remove "$url" pat # nobody says yes
+as_admin 0 admin user remove "$url" pat --yes
+as_admin 0 --json admin user list "$url"
+says '^\[\]$'
+
+# A stranger, who was rejected and is trusted.
+run 0 --pki other cert create
+run 4 --pki other --user chief --password-file chief --trust admin status "$url"
+as_admin 0 --json admin trust list "$url"
+stranger=$(sed 's/.*"list":"rejected"[^}]*"thumbprint":"\([0-9A-F]*\)".*/\1/' out)
+as_admin 0 admin trust move "$url" "$stranger"
+run 0 --pki other --user chief --password-file chief --trust admin status "$url"
+as_admin 0 admin trust export "$url" "$stranger" stranger.der
+as_admin 0 admin trust remove "$url" "$stranger" --yes
+as_admin 1 admin trust remove "$url" "$stranger" --yes
+run 4 --pki other --user chief --password-file chief --trust admin status "$url"
+as_admin 0 admin trust add "$url" stranger.der
+
+# Another certificate, while it runs.
+as_admin 0 admin cert regenerate "$url" --subject "CN=Press 4/O=Works" --days 365 --yes
+sleep 2
+run 4 --user chief --password-file chief admin cert show "$url" # nobody trusts it yet
+as_admin 0 admin cert show "$url"
+says "Press 4"
+grep -q -e "$before" out && fail "the certificate is the old one"
+as_admin 0 admin cert request "$url" request.der
+[ -s request.der ] || fail "there is no request"
+
+as_admin 0 admin shutdown "$url" --seconds 1 --reason "maintenance" --yes
+await ended && wait "$pid" || fail "the controller ends with $?"
+pid=""
+logged "maintenance" || fail "the log does not say why"
+exit $((failures > 0))
