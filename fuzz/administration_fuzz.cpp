@@ -1,0 +1,269 @@
+#include <array>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <busbar/administration/administration.hpp>
+#include <busbar/binary/dynamic_value.hpp>
+#include <busbar/core/storage_folder.hpp>
+#include <busbar/storage/memory_storage.hpp>
+#include <busbar/types/ids.hpp>
+#include <busbar/types/method.hpp>
+
+#include "administration/node_table.hpp"
+#include "fuzz_script.hpp"
+#include "server_session.hpp"
+
+using namespace busbar;
+
+namespace {
+
+/// Everybody may do everything: what is looked for lies behind the rights.
+class Users final : public server::UserStore {
+public:
+    [[nodiscard]] Result<server::UserIdentity> log_in(std::string_view, std::string_view) override
+    {
+        return fail(status::Bad_UserAccessDenied);
+    }
+    [[nodiscard]] server::UserIdentity anonymous() const override
+    {
+        server::UserIdentity user;
+        user.roles = {"SecurityAdmin", "ConfigureAdmin"};
+        return user;
+    }
+};
+
+/// Hashes and keys cost too much here.
+class NoWorker final : public server::Worker {
+public:
+    [[nodiscard]] bool run(std::function<void()>) override { return false; }
+};
+
+struct Backend {
+    Users users;
+    NoWorker worker;
+    NullLog silence;
+    test::FixedWallClock clock;
+    crypto::SystemRandom system_random;
+    storage::MemoryStorage files;
+    StorageFolder user_files{files, "users"};
+    crypto::CertificateStore applications{files, {}, silence};
+    crypto::CertificateStore user_certificates{user_files, {}, silence};
+    server::PasswordUsers passwords;
+    administration::RoleList roles{files, "roles.json"};
+    administration::UserList user_list{files, "users.json", {}, passwords};
+    administration::ManagedCertificates certificates{.files = &files,
+                                                     .applications = &applications,
+                                                     .users = &user_certificates,
+                                                     .users_folder = "users",
+                                                     .max_trust_list_size = 20'000};
+    administration::Administration administration{{.wall_clock = &clock,
+                                                   .log = &silence,
+                                                   .roles = &roles,
+                                                   .users = &user_list,
+                                                   .certificates = &certificates,
+                                                   .random = &system_random,
+                                                   .worker = &worker,
+                                                   .stop = [] {}}};
+};
+
+/// A Method and the Object that has it.
+struct Target {
+    NodeId object;
+    NodeId method;
+    std::vector<Argument> inputs;
+};
+
+struct Fixture : Backend, fuzz::ServerSession {
+    Fixture() : fuzz::ServerSession{&users}
+    {
+        static_cast<void>(applications.create());
+        static_cast<void>(user_certificates.create());
+        static_cast<void>(roles.load());
+        static_cast<void>(administration.attach(server));
+        auto& space = server.address_space();
+        for (const std::uint32_t object :
+             {id::Server, id::ServerConfiguration, id::UserManagement,
+              id::Server_ServerCapabilities_RoleSet, id::WellKnownRole_Operator,
+              std::uint32_t{12642}, std::uint32_t{14123}}) { // and both trust lists
+            for (const char* method : methods) {
+                add(space.find(object), method);
+            }
+        }
+        log_in();
+    }
+    void add(model::NodeIndex object, const char* name)
+    {
+        auto& space = server.address_space();
+        const model::NodeIndex method = administration::detail::child_of(space, object, name);
+        if (method == model::no_node) {
+            return;
+        }
+        space.set_node_access(object, {});
+        space.set_node_access(method, {});
+        Target target{space.node_id(object), space.node_id(method), {}};
+        const model::NodeIndex property =
+            administration::detail::child_of(space, method, "InputArguments");
+        const Variant value = property != model::no_node ? space.value(property) : Variant{};
+        if (const auto* const list = value.array_if<ExtensionObject>()) {
+            for (const ExtensionObject& each : *list) {
+                if (auto argument = binary::structure_of<Argument>(each)) {
+                    target.inputs.push_back(*std::move(argument));
+                }
+            }
+        }
+        targets.push_back(std::move(target));
+    }
+
+    static constexpr std::array methods{"Open",
+                                        "OpenWithMasks",
+                                        "Close",
+                                        "Read",
+                                        "Write",
+                                        "GetPosition",
+                                        "SetPosition",
+                                        "CloseAndUpdate",
+                                        "AddCertificate",
+                                        "RemoveCertificate",
+                                        "UpdateCertificate",
+                                        "CreateSigningRequest",
+                                        "ApplyChanges",
+                                        "CancelChanges",
+                                        "GetRejectedList",
+                                        "GetCertificates",
+                                        "DeleteCertificate",
+                                        "CreateSelfSignedCertificate",
+                                        "AddUser",
+                                        "ModifyUser",
+                                        "RemoveUser",
+                                        "ChangePassword",
+                                        "AddRole",
+                                        "RemoveRole",
+                                        "AddIdentity",
+                                        "RemoveIdentity",
+                                        "AddApplication",
+                                        "RemoveApplication",
+                                        "AddEndpoint",
+                                        "RemoveEndpoint",
+                                        "RequestServerStateChange"};
+    std::vector<Target> targets;
+};
+
+ByteString bytes_of(fuzz::Script& script)
+{
+    const std::uint8_t choice = script.byte();
+    if (choice < 64) {
+        return ByteString{test::client_identity().certificates.front().der()};
+    }
+    return ByteString{script.bytes(choice)};
+}
+
+String string_of(fuzz::Script& script)
+{
+    static const std::array<std::string, 6> known{
+        "",         "Fitter",
+        "Operator", "CN=Press 4/O=Works",
+        "PEM",      test::client_identity().certificates.front().thumbprint_text()};
+    const std::uint8_t choice = script.byte();
+    if (choice < known.size()) {
+        return String{known[choice]};
+    }
+    const auto bytes = script.bytes(choice % 32U);
+    return String{std::string_view{reinterpret_cast<const char*>(bytes.data()), bytes.size()}};
+}
+
+NodeId node_of(fuzz::Script& script)
+{
+    const std::uint8_t choice = script.byte();
+    static constexpr std::array known{
+        id::RsaSha256ApplicationCertificateType,
+        id::ServerConfiguration_CertificateGroups_DefaultApplicationGroup,
+        id::WellKnownRole_Operator};
+    return choice < known.size() ? NodeId{0, known[choice]} : NodeId{};
+}
+
+/// A value of the argument's type; some are small so that handles and modes are met.
+Variant value_of(const Argument& argument, fuzz::Script& script)
+{
+    const bool is_array = argument.value_rank >= 1;
+    if (argument.data_type.is(id::ByteString)) {
+        return is_array ? Variant{Array<ByteString>{bytes_of(script)}} : Variant{bytes_of(script)};
+    }
+    if (argument.data_type.is(id::String)) {
+        return is_array ? Variant{Array<String>{string_of(script)}} : Variant{string_of(script)};
+    }
+    if (argument.data_type.is(id::NodeId)) {
+        return Variant{node_of(script)};
+    }
+    const std::uint8_t small = script.byte();
+    if (argument.data_type.is(id::Boolean)) {
+        return Variant{small % 2 == 0};
+    }
+    if (argument.data_type.is(id::Byte)) {
+        return Variant{small};
+    }
+    if (argument.data_type.is(id::UInt16)) {
+        return Variant{static_cast<std::uint16_t>(small * 16U)};
+    }
+    if (argument.data_type.is(id::Int32) || argument.data_type.is(id::ServerState)) {
+        return Variant{static_cast<std::int32_t>(small) * 100 - 100};
+    }
+    if (argument.data_type.is(id::UInt64)) {
+        return Variant{std::uint64_t{small} * 50};
+    }
+    if (argument.data_type.is(id::DateTime)) {
+        return Variant{DateTime{}};
+    }
+    if (argument.data_type.is(id::LocalizedText)) {
+        return Variant{LocalizedText{"en", string_of(script)}};
+    }
+    if (argument.data_type.is(id::IdentityMappingRuleType)) {
+        return Variant{ExtensionObject::from(IdentityMappingRuleType{
+            static_cast<IdentityCriteriaType>(small % 10), string_of(script)})};
+    }
+    if (argument.data_type.is(id::EndpointType)) {
+        EndpointType endpoint;
+        endpoint.endpoint_url = string_of(script);
+        return Variant{ExtensionObject::from(std::move(endpoint))};
+    }
+    return Variant{std::uint32_t{small}};
+}
+
+} // namespace
+
+/// The administration's Methods with arguments of their types, in any order, on a medium that may
+/// fail, with time and a second session between them.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+{
+    fuzz::Script script{{data, size}};
+    Fixture fixture;
+    for (int step = 0; step < 40 && !script.is_over() && !fixture.targets.empty(); ++step) {
+        const std::uint8_t choice = script.byte();
+        if (choice == 255) {
+            fixture.files.set_protected(script.byte() % 2 == 0);
+            continue;
+        }
+        if (choice == 254) {
+            fixture.now += std::chrono::seconds{script.byte()};
+            fixture.server.handle_deadline(fixture.now);
+            fixture.connection.handle_deadline(fixture.now);
+            fixture.run();
+            continue;
+        }
+        if (choice == 253) {
+            fixture.log_in();
+            continue;
+        }
+        const Target& target = fixture.targets[choice % fixture.targets.size()];
+        CallRequest request;
+        request.methods_to_call.resize(1);
+        request.methods_to_call[0].object_id = target.object;
+        request.methods_to_call[0].method_id = target.method;
+        for (const Argument& argument : target.inputs) {
+            request.methods_to_call[0].input_arguments.push_back(value_of(argument, script));
+        }
+        fixture.send(std::move(request));
+    }
+    return 0;
+}
