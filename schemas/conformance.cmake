@@ -35,7 +35,7 @@ endfunction()
 # busbar_conformance_word(<word> <place> <result>): the C++ of one word of the column `needs`.
 function(busbar_conformance_word word place result)
   set(flags methods events node_management diagnostics triggering transfer audit roles push
-    user_management discovery reverse_connect tcp client)
+    state_change user_management discovery reverse_connect tcp client)
   set(numbers sessions channels subscriptions items publish queue continuation_points)
   set(users password certificate issued anonymous unencrypted)
   set(policies None Basic256Sha256 Aes128 Aes256)

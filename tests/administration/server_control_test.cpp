@@ -25,7 +25,8 @@ struct Control : ManagedFixture {
 
 } // namespace
 
-TEST_CASE_METHOD(Control, "server control: an administrator stops the server")
+TEST_CASE_METHOD(Control, "server control: an administrator stops the server",
+                 "[unit:Base Info RequestServerStateChange Method]")
 {
     auto admin = log_in();
     CHECK(request(admin, ServerState::Running) == "Good");

@@ -34,6 +34,8 @@ struct ConformanceFacts {
     bool push{false};
     /// UserManagement with Methods.
     bool user_management{false};
+    /// RequestServerStateChange.
+    bool state_change{false};
 
     // What it is reached by, and what the program around it does.
 

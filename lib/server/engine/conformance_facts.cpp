@@ -53,6 +53,7 @@ void add_modules(ConformanceFacts& facts, const Core& core)
     };
     facts.roles = has_method(id::Server_ServerCapabilities_RoleSet_AddRole);
     facts.push = has_method(id::ServerConfiguration_ApplyChanges);
+    facts.state_change = has_method(id::Server_RequestServerStateChange);
     facts.user_management = has_method(id::UserManagement_AddUser);
     facts.triggering = has_service(core, id::SetTriggeringRequest_Encoding_DefaultBinary);
     facts.transfer = has_service(core, id::TransferSubscriptionsRequest_Encoding_DefaultBinary);
