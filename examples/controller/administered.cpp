@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <busbar/server/running_server.hpp>
+
 #include "toml_reader.hpp"
 
 namespace busbar::example {
@@ -44,11 +46,33 @@ void Administered::add_users(Admission& admission, ControllerConfig& config)
     users_.emplace(files_, "users.json", server::PasswordRules{}, admission.passwords(),
                    [this](const administration::User& user) { return is_administrator(user); });
     expect(users_->load());
-    if (!users_->users().empty()) {
+    setup_.emplace(config.certificates.folder, admission.clients(), admission.passwords());
+    if (config.users.has_setup && !users_->has_administrator()) {
+        if (!manages_certificates(config)) {
+            throw ConfigError{"[users]: setup", "found no endpoint with security, or one that "
+                                                "trusts all clients, expected certificates that "
+                                                "decide"};
+        }
+        new_code_ = setup_->begin(random_);
+    }
+    if (!users_->users().empty() || setup_->is_active()) {
         for (server::EndpointConfig& endpoint : config.server.endpoints) {
             endpoint.allows_user_name = true;
         }
     }
+}
+
+void Administered::end_setup(server::Server& server)
+{
+    if (!setup_->is_active() || !users_->has_administrator()) {
+        return;
+    }
+    setup_->end();
+    audit_.write(LogLevel::Info, "controller", "there is an administrator: the setup is over");
+    const server::RunningServer running{server};
+    static_cast<void>(running.end_sessions(
+        [](const server::UserIdentity& user) { return user.name == Setup::user_name; }));
+    running.trust_changed();
 }
 
 void Administered::read_users()
@@ -74,6 +98,8 @@ void Administered::attach(server::Server& server, Admission& admission, Controll
         parts.certificates = &certificates_;
         parts.random = &random_;
         parts.worker = &worker;
+        parts.is_in_setup = [this] { return setup_->is_active(); };
+        parts.changed = [this, &server] { end_setup(server); };
     }
     expect(administration_.emplace(parts).attach(server));
     if (config.server.is_auditing) {

@@ -10,6 +10,7 @@
 
 #include "admission.hpp"
 #include "config.hpp"
+#include "setup.hpp"
 
 namespace busbar::example {
 
@@ -25,6 +26,10 @@ public:
     /// Users who were added while it ran come to those of the file, and `config` offers them. Once,
     /// before the server is made. Throws ConfigError. `admission` must outlive it.
     void add_users(Admission& admission, ControllerConfig& config);
+    /// Who decides about clients, also in a setup.
+    [[nodiscard]] crypto::CertificateValidator& clients() { return *setup_; }
+    /// The one-time code of the setup, if this is the first start of a controller that has one.
+    [[nodiscard]] const std::optional<crypto::Secret>& new_code() const { return new_code_; }
     /// Those users again, after `admission` has read its file again. Throws ConfigError.
     void read_users();
     /// Once, before clients connect; `config` is told of another certificate. Throws ConfigError.
@@ -35,6 +40,7 @@ public:
 
 private:
     /// One whom the list must not lose: none, if the file has an administrator.
+    void end_setup(server::Server& server);
     [[nodiscard]] bool is_administrator(const administration::User& user) const;
 
     const WallClock& clock_;
@@ -42,6 +48,8 @@ private:
     storage::FolderStorage files_;
     crypto::SystemRandom random_;
     bool has_other_administrator_;
+    std::optional<Setup> setup_;
+    std::optional<crypto::Secret> new_code_;
     administration::RoleList roles_;
     std::optional<administration::UserList> users_;
     administration::ManagedCertificates certificates_;

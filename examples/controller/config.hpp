@@ -41,6 +41,8 @@ struct UserConfig {
     std::optional<Access> certified; // with a certificate that lies in users/trusted
     std::vector<Account> accounts;
     std::optional<TokenConfig> tokens;
+    /// Until there is an administrator, lets in who knows the code that the first start prints.
+    bool has_setup{false};
 };
 
 [[nodiscard]] bool has_account(const UserConfig& users, const std::string& name);

@@ -21,7 +21,8 @@ Account account_with(std::string hash)
     return {"operator", std::move(hash), Access::Write, {"Operator"}};
 }
 
-/// As "xxxxx-xxxxx-xxxxx-xxxxx".
+} // namespace
+
 crypto::Secret new_password(crypto::Random& random)
 {
     crypto::Secret numbers{group * groups};
@@ -39,8 +40,6 @@ crypto::Secret new_password(crypto::Random& random)
     }
     return password;
 }
-
-} // namespace
 
 std::optional<FirstAccount> load_first_account(const std::string& folder)
 {

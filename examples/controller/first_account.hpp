@@ -25,4 +25,7 @@ struct FirstAccount {
 /// ConfigError.
 [[nodiscard]] FirstAccount make_first_account(const std::string& folder, crypto::Random& random);
 
+/// 100 random bits as "xxxxx-xxxxx-xxxxx-xxxxx". Throws ConfigError.
+[[nodiscard]] crypto::Secret new_password(crypto::Random& random);
+
 } // namespace busbar::example

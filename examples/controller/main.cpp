@@ -227,6 +227,17 @@ server::Server make_server(const server::ServerConfig& config,
         }));
 }
 
+void welcome(const ControllerConfig& config, const controller::Plc& plc,
+             const example::Administered& administered, DateTime now)
+{
+    if (const auto& code = administered.new_code()) {
+        std::printf("setup: log in as \"setup\" with the code %.*s, which is shown this once\n",
+                    static_cast<int>(code->size()), code->text().data());
+    }
+    std::fputs(example::welcome_text(config, plc.variables().size(), now).c_str(), stdout);
+    std::fflush(stdout);
+}
+
 /// `file` is where `config` is from; empty for the built-in one.
 int serve(ControllerConfig config, const std::string& file)
 {
@@ -251,7 +262,7 @@ int serve(ControllerConfig config, const std::string& file)
     server::ServerEnvironment environment{.random = &random,
                                           .wall_clock = &wall_clock,
                                           .log = &administered.log(),
-                                          .validator = &admission.clients(),
+                                          .validator = &administered.clients(),
                                           .users = &admission.users(),
                                           .roles = &administered.roles(),
                                           .waker = &loop.waker()};
@@ -291,9 +302,7 @@ int serve(ControllerConfig config, const std::string& file)
     task.start();
     loop.stop_on_signals();
     reload_on_hangup(loop, file, admission, administered, server, log);
-    std::fputs(example::welcome_text(config, plc->variables().size(), wall_clock.now()).c_str(),
-               stdout);
-    std::fflush(stdout);
+    welcome(config, *plc, administered, wall_clock.now());
     loop.run(server);
     task.stop();
     print_statistics(task.statistics());
@@ -367,7 +376,7 @@ int run(int argc, char** argv)
     }
     if (file.empty()) {
         add_first_account(config);
-    } else if (example::is_nobody(config.users)) {
+    } else if (example::is_nobody(config.users) && !config.users.has_setup) {
         throw ConfigError{file, "nobody can log in, expected an account, anonymous, "
                                 "certificates or tokens in [users]: see --print-config"};
     }

@@ -205,7 +205,7 @@ void read_certificates(const TomlTable& table, ControllerConfig& config)
 
 void read_users(const TomlTable& table, ControllerConfig& config)
 {
-    table.allow({"anonymous", "account", "certificates", "tokens"});
+    table.allow({"anonymous", "account", "certificates", "tokens", "setup"});
     UserConfig& users = config.users;
     users.anonymous = read_optional_access(table, "anonymous");
     users.certified = read_optional_access(table, "certificates");
@@ -217,9 +217,13 @@ void read_users(const TomlTable& table, ControllerConfig& config)
         }
         users.accounts.push_back(std::move(account));
     }
+    users.has_setup = table.flag("setup", false);
     if (table.has("tokens")) {
         users.tokens = read_tokens(table.table("tokens"));
         config.server.issuer.authority_url = users.tokens->rules.issuer;
+    }
+    if (users.has_setup && !is_nobody(users)) {
+        table.refuse("setup", "found it beside other users, expected one or the other");
     }
 }
 

@@ -13,7 +13,10 @@
 namespace busbar::administration {
 
 struct Administration::Impl {
-    explicit Impl(const AdministrationParts& p) : parts{p}, table{*p.wall_clock} {}
+    explicit Impl(const AdministrationParts& p) : parts{p}, table{*p.wall_clock}
+    {
+        table.after_change(parts.changed);
+    }
 
     AdministrationParts parts;
     detail::NodeTable table;
@@ -73,7 +76,7 @@ Configured<void> Administration::Impl::attach(server::Server& server)
         return {};
     }
     server_configuration.emplace(server, *parts.certificates, table, *parts.wall_clock, *parts.log,
-                                 parts.worker);
+                                 parts.worker, parts.is_in_setup);
     if (auto attached = server_configuration->attach(); !attached) {
         return attached;
     }

@@ -4,6 +4,7 @@
 #include <functional>
 #include <mutex>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <busbar/model/address_space.hpp>
@@ -32,6 +33,14 @@ public:
     bool bind_method(model::AddressSpace& space, model::NodeIndex node, Method method);
     /// Runs the task on the server's thread, soon; at once without a Waker. Any thread.
     void post(std::function<void()> task);
+    /// What is posted when users or roles have changed; may be empty.
+    void after_change(std::function<void()> task) { after_change_ = std::move(task); }
+    void post_change()
+    {
+        if (after_change_) {
+            post(after_change_);
+        }
+    }
 
     void read(server::ReadBatch batch) override;
     void write(server::WriteBatch batch) override;
@@ -53,6 +62,7 @@ private:
     }
 
     const WallClock* clock_;
+    std::function<void()> after_change_;
     /// The handle is the index.
     std::vector<Entry> entries_;
     std::mutex mutex_; // of what follows

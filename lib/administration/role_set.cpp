@@ -164,6 +164,7 @@ void RoleSet::changed(const MethodCall& call)
 {
     tell_method(log_, RecordKind::RolesChanged, call, status::Good, nullptr);
     table_.post([this] { server::RunningServer{server_}.roles_changed(); });
+    table_.post_change();
 }
 
 void RoleSet::tell_refused(const MethodCall& call, const Refusal& refusal)

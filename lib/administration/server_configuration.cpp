@@ -28,10 +28,12 @@ constexpr std::size_t max_rejected_bytes = 1U << 20U;
 
 ServerConfiguration::ServerConfiguration(server::Server& server, const ManagedCertificates& files,
                                          NodeTable& table, const WallClock& clock, LogSink& log,
-                                         server::Worker* worker)
+                                         server::Worker* worker,
+                                         const std::function<bool()>& is_in_setup)
     : server_{server}, space_{server.address_space()}, files_{files}, table_{table}, clock_{clock},
-      log_{log}, transaction_{files, clock}, own_{{server, files, table, clock, log, worker,
-                                                   transaction_}}
+      log_{log}, is_in_setup_{is_in_setup}, transaction_{files, clock}, own_{{server, files, table,
+                                                                              clock, log, worker,
+                                                                              transaction_}}
 {
 }
 
@@ -80,6 +82,7 @@ Configured<void> ServerConfiguration::add_nodes()
                              id::ServerConfigurationType_CreateSelfSignedCertificate,
                              &OwnCertificateMethods::create_self_signed)
                 : done;
+    done = done ? add_setup() : done;
     return done ? add_method("DeleteCertificate", id::ServerConfigurationType_DeleteCertificate,
                              &OwnCertificateMethods::remove)
                 : done;
@@ -130,6 +133,29 @@ Configured<void> ServerConfiguration::add_method(std::string_view name, std::uin
         copy_access(child_of(space_, like, property), child_of(space_, *made, property));
     }
     bind_own(*made, method);
+    return {};
+}
+
+Configured<void> ServerConfiguration::add_setup()
+{
+    if (!is_in_setup_) {
+        return {};
+    }
+    const auto own = space_.namespace_index(server_.config().application_uri);
+    model::NewNode node;
+    node.id = NodeId{own.value_or(1), "ServerConfiguration/InApplicationSetup"};
+    node.browse_name = QualifiedName{0, "InApplicationSetup"};
+    node.parent = space_.find(id::ServerConfiguration);
+    node.reference_type = NodeId{0, id::HasProperty};
+    model::NewVariable facts;
+    facts.type_definition = NodeId{0, id::PropertyType};
+    facts.data_type = NodeId{0, id::Boolean};
+    facts.value = false;
+    const auto made = space_.add_variable(node, facts);
+    if (!made) {
+        return misconfigured("certificates", "InApplicationSetup cannot be added", made.error());
+    }
+    table_.bind_value(space_, *made, [this] { return Variant{is_in_setup_()}; });
     return {};
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <string>
 
 #include <busbar/server/server.hpp>
@@ -18,7 +19,8 @@ class ServerConfiguration {
 public:
     /// `worker`: where keys are made; null: on the server's thread.
     ServerConfiguration(server::Server& server, const ManagedCertificates& files, NodeTable& table,
-                        const WallClock& clock, LogSink& log, server::Worker* worker);
+                        const WallClock& clock, LogSink& log, server::Worker* worker,
+                        const std::function<bool()>& is_in_setup);
 
     /// Finishes a transaction that a power cut interrupted, and adds the nodes. The problem says
     /// what is missing in namespace 0, or that the files cannot be read.
@@ -36,6 +38,8 @@ private:
     void bind_own(model::NodeIndex node, OwnMethod method);
     void bind_values();
     void bind_diagnostics();
+    /// InApplicationSetup, which the type has as an optional one.
+    [[nodiscard]] Configured<void> add_setup();
     void add_group(std::uint32_t group, crypto::CertificateStore& store, std::string folder,
                    crypto::CertificatePurpose purpose);
 
@@ -55,6 +59,7 @@ private:
     NodeTable& table_;
     const WallClock& clock_;
     LogSink& log_;
+    const std::function<bool()>& is_in_setup_;
     Transaction transaction_;
     OwnCertificateMethods own_;
     /// One for each group.

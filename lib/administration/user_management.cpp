@@ -183,6 +183,7 @@ void UserManagement::finish(MethodCall& call, const Checked<void>& done, const s
     }
     tell_method(log_, RecordKind::UsersChanged, call, status::Good, nullptr);
     call.succeed();
+    table_.post_change();
     if (!whose.empty()) {
         table_.post([this, whose] {
             server::RunningServer{server_}.end_sessions([&](const server::UserIdentity& user) {

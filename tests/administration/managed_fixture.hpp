@@ -74,7 +74,9 @@ struct ManagedFixture {
                                                 .certificates = &certificates,
                                                 .random = &random,
                                                 .worker = worker,
-                                                .stop = [this] { ++stops; }});
+                                                .stop = [this] { ++stops; },
+                                                .is_in_setup = [this] { return changes == 0; },
+                                                .changed = [this] { ++changes; }});
         REQUIRE(administration->attach(server));
     }
 
@@ -160,6 +162,8 @@ struct ManagedFixture {
                                                      .users_folder = "users"};
     server::Worker* worker;
     int stops{0};
+    /// Of users and roles.
+    int changes{0};
     NoteWaker waker;
     TimePoint now{};
     server::Server server{

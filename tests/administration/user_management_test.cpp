@@ -77,6 +77,27 @@ TEST_CASE_METHOD(Users, "user management: users come, change and go",
     CHECK(again.activate(again.user("pat", patience)).is_bad());
 }
 
+TEST_CASE_METHOD(Users, "user management: who waits for an administrator is told of changes")
+{
+    const NodeId in_setup{1, "ServerConfiguration/InApplicationSetup"};
+    auto admin = log_in();
+    ReadRequest request;
+    request.nodes_to_read.resize(1);
+    request.nodes_to_read[0].node_id = in_setup;
+    request.nodes_to_read[0].attribute_id = 13;
+    const auto is_in_setup = [&] {
+        const auto response = admin.call<ReadResponse>(request);
+        REQUIRE(response);
+        return response->results[0].value == Variant{true};
+    };
+    CHECK(is_in_setup());
+    CHECK(add(admin, "pat", "short") == "Bad_OutOfRange");
+    CHECK(changes == 0);
+    CHECK(add(admin, "pat", patience) == "Good");
+    CHECK(changes == 1);
+    CHECK_FALSE(is_in_setup());
+}
+
 TEST_CASE_METHOD(Users, "user management: a disabled user's sessions end")
 {
     auto admin = log_in();

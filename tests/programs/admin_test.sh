@@ -130,4 +130,46 @@ as_admin 0 admin shutdown "$url" --seconds 1 --reason "maintenance" --yes
 await ended && wait "$pid" || fail "the controller ends with $?"
 pid=""
 logged "maintenance" || fail "the log does not say why"
+
+# A controller that nobody administers yet: whoever knows the code it prints makes the first
+# administrator, from any client, and then it is over.
+cat > new.toml << EOF
+[server]
+port = 0
+[certificates]
+folder = "new"
+[[endpoint]]
+policy = "Basic256Sha256"
+mode = "SignAndEncrypt"
+[users]
+setup = true
+EOF
+start_new() {
+    rm -f log
+    "$controller" --config new.toml > log 2>&1 < /dev/null &
+    pid=$!
+    await logged '^ready' || exit 1
+    url=$(sed -n 's/.* variables at \(opc.tcp:[^ ]*\)$/\1/p' log)
+}
+start_new
+sed -n 's/.*with the code \([^,]*\),.*/\1/p' log > code
+[ -s code ] || fail "there is no code"
+kill "$pid" && wait "$pid"
+start_new
+logged 'with the code' && fail "the code is shown again"
+grep -q -r -F -e "$(cat code)" new && fail "the code is kept"
+run 4 --user setup --password-file chief --trust admin status "$url"
+run 0 --user setup --password-file code --trust admin status "$url"
+run 0 --user setup --password-file code --trust admin setup "$url" chief --new-password-file chief
+await logged 'the setup is over'
+sleep 2
+run 4 --user setup --password-file code --trust admin status "$url"
+as_admin 0 admin user list "$url"
+says "chief"
+run 4 --pki third --user chief --password-file chief --trust admin status "$url"
+as_admin 0 admin shutdown "$url" --seconds 0 --yes
+await ended && wait "$pid" || fail "the controller ends with $?"
+start_new
+as_admin 0 admin status "$url"
+run 4 --user setup --password-file code --trust admin status "$url"
 exit $((failures > 0))

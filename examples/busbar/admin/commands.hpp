@@ -52,6 +52,7 @@ void add_trust(CLI::App& admin, Run& run);
 void add_users(CLI::App& admin, Run& run);
 void add_roles(CLI::App& admin, Run& run);
 void add_own(CLI::App& admin, Run& run);
+void add_setup(CLI::App& admin, Run& run);
 void add_shutdown(CLI::App& admin, Run& run);
 
 /// Throws Failure unless the user says yes, or has said so with --yes.

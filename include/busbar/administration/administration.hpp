@@ -40,6 +40,10 @@ struct AdministrationParts {
     /// RequestServerStateChange (Part 5, 9.4): ends the program that serves, whose server has begun
     /// its shutdown when this is called, on the server's thread. Empty: clients cannot stop it.
     std::function<void()> stop{};
+    /// InApplicationSetup of ServerConfiguration (Part 12, 7.10.3); empty: it does not say.
+    std::function<bool()> is_in_setup{};
+    /// Called on the server's thread after users or roles have changed. May be empty.
+    std::function<void()> changed{};
 };
 
 /// What administrators do while a server runs, by the means of the standard: nodes below the Server

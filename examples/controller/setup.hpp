@@ -1,0 +1,46 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <busbar/crypto/certificate_validator.hpp>
+#include <busbar/crypto/random.hpp>
+#include <busbar/crypto/secret.hpp>
+#include <busbar/server/password_users.hpp>
+#include <busbar/storage/folder_storage.hpp>
+
+namespace busbar::example {
+
+/// Application setup (Part 12, G.2): a controller without administrator lets in the user "setup"
+/// with a code that it printed once, from any client, to make one.
+///
+/// On the server's thread.
+class Setup final : public crypto::CertificateValidator {
+public:
+    static constexpr const char* user_name = "setup";
+
+    /// Not active. `inner` decides about clients.
+    Setup(std::string folder, crypto::CertificateValidator& inner, server::PasswordUsers& users)
+        : files_{std::move(folder)}, inner_{inner}, users_{users}
+    {
+    }
+
+    /// Lets the user in. The code, if it was made just now: to be shown once, and kept nowhere; its
+    /// hash is in the file setup.code. Throws ConfigError.
+    [[nodiscard]] std::optional<crypto::Secret> begin(crypto::Random& random);
+    [[nodiscard]] bool is_active() const { return is_active_; }
+    /// For good: no such user, no such file, and strangers are strangers again.
+    void end();
+
+    /// A client that is not trusted may connect while the setup lasts; nothing else is let pass.
+    [[nodiscard]] Checked<void> validate(const crypto::CertificateChain& chain,
+                                         const crypto::ValidationContext& context) override;
+
+private:
+    storage::FolderStorage files_;
+    crypto::CertificateValidator& inner_;
+    server::PasswordUsers& users_;
+    bool is_active_{false};
+};
+
+} // namespace busbar::example
