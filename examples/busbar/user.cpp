@@ -56,7 +56,7 @@ std::string ask_password(Context& context)
 std::string read_password(const std::string& path)
 {
     const std::string text = read_file(path);
-    const std::string password = text.substr(0, text.find('\n'));
+    std::string password = text.substr(0, text.find('\n'));
     if (password.empty()) {
         throw Failure{Exit::Usage, path + ": no password in it", "its first line is the password"};
     }

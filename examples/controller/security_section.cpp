@@ -97,7 +97,8 @@ std::vector<std::string> read_roles(const TomlTable& table, Access access)
         if (std::find(roles.begin(), roles.end(), role) == roles.end()) {
             std::string names;
             for (const std::string_view known : roles) {
-                names += (names.empty() ? "" : ", ") + std::string{known};
+                names += names.empty() ? "" : ", ";
+                names += known;
             }
             table.refuse("roles", "found \"" + role + "\", expected some of: " + names);
         }

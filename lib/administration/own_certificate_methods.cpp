@@ -250,9 +250,8 @@ void OwnCertificateMethods::create_self_signed(MethodCall call)
                 *needs_.transaction.owner() != shared->session_id()) { // it is over meanwhile
                 return shared->fail(status::Bad_InvalidState);
             }
-            const ByteString der{(*made)->certificates.front().der()};
-            needs_.transaction.set_own_certificate(**std::move(made));
-            shared->succeed(one_output(Variant{der}));
+            needs_.transaction.set_own_certificate(**made);
+            shared->succeed(one_output(Variant{ByteString{(*made)->certificates.front().der()}}));
         });
 }
 

@@ -38,7 +38,8 @@ void ServerControl::request(MethodCall call)
 {
     const auto state = static_cast<ServerState>(call.input<std::int32_t>(0));
     const auto seconds = call.input<std::uint32_t>(2);
-    const std::string reason = call.input<LocalizedText>(3).text.str();
+    const auto* const text = call.inputs()[3].get_if<LocalizedText>();
+    const std::string reason = text != nullptr ? text->text.str() : std::string{};
     const bool restarts = call.input<bool>(4);
     if (state == ServerState::Running && !restarts) {
         return call.succeed(); // it is

@@ -350,6 +350,8 @@ void TrustListFile::remove_certificate(MethodCall call)
     if (found == certificates.end()) {
         return call.fail(status::Bad_InvalidArgument);
     }
+    // A copy: the store reads its list again on the way.
+    // NOLINTNEXTLINE(performance-unnecessary-copy-initialization)
     const crypto::Certificate certificate = *found;
     if (const auto done = take_out(certificate, is_trusted); !done) {
         return refuse_call(call, done.error());

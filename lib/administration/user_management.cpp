@@ -52,8 +52,10 @@ Variant users_of(const UserList& list)
 {
     std::vector<UserManagementDataType> all;
     for (const User& user : list.users()) {
-        all.push_back({String{user.name}, UserConfigurationMask{user.configuration},
-                       String{user.description}});
+        UserManagementDataType& facts = all.emplace_back();
+        facts.user_name = user.name;
+        facts.user_configuration = UserConfigurationMask{user.configuration};
+        facts.description = user.description;
     }
     return structures<UserManagementDataType>(all);
 }

@@ -140,7 +140,7 @@ Checked<void> CertificateStore::stage(const TrustList& wanted, const TrustListPa
     lists_->refresh(StoreList::Trusted, detail::read_anew);
     lists_->refresh(StoreList::Issuers, detail::read_anew);
     const auto stage_one = [&](bool is_meant, StoreList list, EntryKind kind,
-                               std::vector<WantedFile> files) -> Checked<void> {
+                               const std::vector<WantedFile>& files) -> Checked<void> {
         return is_meant ? StagedList{*lists_, list, kind, change, folder}.stage(
                               files, lists_->limit(list, kind))
                         : Checked<void>{};

@@ -30,7 +30,7 @@ std::vector<ReferenceDescription> children(Connection& connection, const NodeId&
 } // namespace
 
 std::vector<Variant> call(Connection& connection, const NodeId& object, const NodeId& method,
-                          std::vector<Variant> inputs, const std::string& what)
+                          const std::vector<Variant>& inputs, const std::string& what)
 {
     CallMethodRequest request;
     request.object_id = object;

@@ -25,7 +25,7 @@ namespace busbar::cli::admin {
 
 /// The outputs of a Method; throws Failure, which says that `what` failed.
 std::vector<Variant> call(Connection& connection, const NodeId& object, const NodeId& method,
-                          std::vector<Variant> inputs, const std::string& what);
+                          const std::vector<Variant>& inputs, const std::string& what);
 /// The value of a Variable; null if the server refuses it.
 [[nodiscard]] Variant read(Connection& connection, const NodeId& variable);
 /// The child with this name; null if there is none, or if this user may not see it.
