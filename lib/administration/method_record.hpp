@@ -1,19 +1,24 @@
 #pragma once
 
-#include <array>
+#include <span>
+#include <string>
+#include <vector>
 
 #include <busbar/core/record.hpp>
 #include <busbar/server/method_table.hpp>
 
 namespace busbar::administration::detail {
 
-/// Tells what a Method of the administration did, or why not; `refusal` may be null.
+/// Tells what a Method of the administration did, or why not; `refusal` may be null. `more` are the
+/// fields that its event type has.
 inline void tell_method(LogSink& log, RecordKind kind, const server::MethodCall& call,
-                        StatusCode status, const Refusal* refusal)
+                        StatusCode status, const Refusal* refusal,
+                        std::span<const RecordField> more = {})
 {
     const server::MethodCaller& caller = call.caller();
-    const std::array fields{RecordField{"ObjectId", Variant{call.object_id()}},
-                            RecordField{"MethodId", Variant{call.method_id()}}};
+    std::vector<RecordField> fields{more.begin(), more.end()};
+    fields.push_back({"ObjectId", Variant{call.object_id()}});
+    fields.push_back({"MethodId", Variant{call.method_id()}});
     Record record{kind, refusal == nullptr ? LogLevel::Info : LogLevel::Warning, "administration"};
     record.text = std::string{name(kind)} + " by user \"" + printable(caller.user.name) +
                   "\" from " + caller.address +

@@ -309,11 +309,16 @@ void ServerConfiguration::cancel_changes(MethodCall call)
 
 void ServerConfiguration::tell_applied(const MethodCall& call, const Transaction::Changed& changed)
 {
-    for (std::size_t i = 0; i < changed.groups.size(); ++i) {
-        tell_method(log_, RecordKind::TrustListUpdated, call, status::Good, nullptr);
+    for (const std::size_t group : changed.groups) {
+        const std::array fields{
+            RecordField{"TrustListId", Variant{transaction_.groups()[group].trust_list_id}}};
+        tell_method(log_, RecordKind::TrustListUpdated, call, status::Good, nullptr, fields);
     }
     if (changed.own) {
-        tell_method(log_, RecordKind::CertificateUpdated, call, status::Good, nullptr);
+        const std::array fields{
+            RecordField{"CertificateGroup", Variant{transaction_.groups().front().id}},
+            RecordField{"CertificateType", Variant{NodeId{0, certificate_type}}}};
+        tell_method(log_, RecordKind::CertificateUpdated, call, status::Good, nullptr, fields);
     }
 }
 

@@ -1,6 +1,7 @@
 #include "trust_list_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include <busbar/core/text.hpp>
@@ -263,9 +264,16 @@ StatusCode TrustListFile::check_single_change() const
     return needs_.transaction.is_active() ? status::Bad_TransactionPending : status::Good;
 }
 
+void TrustListFile::tell(const MethodCall& call, const Refusal* refusal)
+{
+    const std::array fields{RecordField{"TrustListId", Variant{group().trust_list_id}}};
+    tell_method(needs_.log, RecordKind::TrustListUpdated, call,
+                refusal != nullptr ? refusal->status : StatusCode{status::Good}, refusal, fields);
+}
+
 void TrustListFile::refuse_call(MethodCall& call, const Refusal& refusal)
 {
-    tell_method(needs_.log, RecordKind::TrustListUpdated, call, refusal.status, &refusal);
+    tell(call, &refusal);
     call.fail(refusal.status);
 }
 
@@ -297,7 +305,7 @@ void TrustListFile::add_certificate(MethodCall call)
     }
     static_cast<void>(store.remove(crypto::StoreList::Rejected, certificate->thumbprint_text()));
     ++group().version;
-    tell_method(needs_.log, RecordKind::TrustListUpdated, call, status::Good, nullptr);
+    tell(call, nullptr);
     needs_.changed(group_);
     call.succeed();
 }
@@ -357,7 +365,7 @@ void TrustListFile::remove_certificate(MethodCall call)
         return refuse_call(call, done.error());
     }
     ++group().version;
-    tell_method(needs_.log, RecordKind::TrustListUpdated, call, status::Good, nullptr);
+    tell(call, nullptr);
     needs_.changed(group_);
     call.succeed();
 }

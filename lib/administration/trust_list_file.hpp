@@ -69,6 +69,8 @@ private:
     [[nodiscard]] StatusCode check_single_change() const;
     /// Removes it from the list, with the revocation lists of a CA.
     [[nodiscard]] Checked<void> take_out(const crypto::Certificate& certificate, bool is_trusted);
+    /// Refused unless `refusal` is null.
+    void tell(const server::MethodCall& call, const Refusal* refusal);
     void refuse_call(server::MethodCall& call, const Refusal& refusal);
 
     TrustListNeeds needs_;

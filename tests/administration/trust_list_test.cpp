@@ -232,7 +232,10 @@ TEST_CASE_METHOD(Lists, "trust list: certificates come and go one by one")
     CHECK(status_of(admin, close_method, {Variant{handle}}) == "Good");
     CHECK(status_of(admin, add_certificate, {der, Variant{true}}) == "Bad_TransactionPending");
     CHECK(cancel(admin) == "Good");
+    log.keeps_records = true;
     CHECK(status_of(admin, add_certificate, {der, Variant{true}}) == "Good");
+    CHECK(std::count(log.records.begin(), log.records.end(),
+                     "TrustListUpdated Good /admin 192.0.2.1 TrustListId ObjectId MethodId") == 1);
 }
 
 TEST_CASE_METHOD(Lists, "trust list: an issuer that is needed stays")
