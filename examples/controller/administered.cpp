@@ -43,7 +43,7 @@ bool Administered::is_administrator(const administration::User& user) const
 
 void Administered::add_users(Admission& admission, ControllerConfig& config)
 {
-    users_.emplace(files_, "users.json", server::PasswordRules{}, admission.passwords(),
+    users_.emplace(files_, "users.json", config.users.password_rules, admission.passwords(),
                    [this](const administration::User& user) { return is_administrator(user); });
     expect(users_->load());
     setup_.emplace(config.certificates.folder, admission.clients(), admission.passwords());

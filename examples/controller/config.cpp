@@ -145,6 +145,7 @@ ControllerConfig read_root(const TomlTable& root)
     root.allow({"server", "reverse_connect", "discovery", "certificates", "endpoint", "users",
                 "limits", "plc"});
     ControllerConfig config;
+    read_preset(root.table("limits"), config);
     read_server(root.table("server"), config);
     read_reverse_connect(root.table("reverse_connect"), config);
     read_discovery(root.table("discovery"), config.discovery);

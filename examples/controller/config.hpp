@@ -11,6 +11,7 @@
 #include <busbar/crypto/certificate_validator.hpp>
 #include <busbar/crypto/jwt.hpp>
 #include <busbar/crypto/store_limits.hpp>
+#include <busbar/server/password_rules.hpp>
 #include <busbar/server/process_image.hpp>
 #include <busbar/server/server_config.hpp>
 
@@ -43,6 +44,8 @@ struct UserConfig {
     std::optional<TokenConfig> tokens;
     /// Until there is an administrator, lets in who knows the code that the first start prints.
     bool has_setup{false};
+    /// Of users who are added online.
+    server::PasswordRules password_rules;
 };
 
 [[nodiscard]] bool has_account(const UserConfig& users, const std::string& name);

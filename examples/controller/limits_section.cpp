@@ -5,6 +5,8 @@
 #include <string_view>
 #include <type_traits>
 
+#include "presets.hpp"
+
 namespace busbar::example {
 
 namespace {
@@ -111,9 +113,23 @@ std::string_view key_of(std::string_view limit)
     return found == keys.end() ? std::string_view{} : found->name;
 }
 
+void read_preset(const TomlTable& table, ControllerConfig& config)
+{
+    if (!table.has("preset")) {
+        return;
+    }
+    const auto preset = find_preset(table.text("preset", ""));
+    if (!preset) {
+        table.fail("preset", std::string{preset_names});
+    }
+    config.server.limits = preset->limits;
+    config.certificates.limits = preset->store;
+    config.users.password_rules = preset->passwords;
+}
+
 void read_limits(const TomlTable& table, server::ServerLimits& limits)
 {
-    table.allow({"connections", "connections_per_address", "sessions", "nodes_per_read",
+    table.allow({"preset", "connections", "connections_per_address", "sessions", "nodes_per_read",
                  "nodes_per_write", "nodes_per_browse", "references_per_node", "message_size",
                  "array_length", "string_length", "byte_string_length"});
     read(table, "connections", limits.max_connections, 1, most_connections);

@@ -10,7 +10,9 @@ inline constexpr std::int64_t most_elements = 16'777'216;
 /// The key of [limits] that sets a limit, by the limit's name in server::MemoryRow; empty if none
 /// does.
 [[nodiscard]] std::string_view key_of(std::string_view limit);
-/// [limits]
+/// `preset` of [limits], before all else: limits, those of certificates and rules of passwords.
+void read_preset(const TomlTable& table, ControllerConfig& config);
+/// The rest of [limits].
 void read_limits(const TomlTable& table, server::ServerLimits& limits);
 /// Refuses a variable whose whole value would not go through these limits.
 void check_size(const TomlTable& entry, const controller::PlcVariable& variable,

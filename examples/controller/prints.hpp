@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <busbar/net/system.hpp>
 
+#include "presets.hpp"
 #include "print_capacities.hpp"
 #include "print_conformance.hpp"
 #include "print_limits.hpp"
@@ -27,6 +28,9 @@ struct Prints {
         conformance = add("--print-conformance", conformance_file,
                           "print which profiles of OPC UA are claimed, of a configuration if it is "
                           "given, and what the others lack");
+        app.add_option("--print-preset", preset,
+                       "print the limits of a product as JSON: nj501, nx102 or rd81opc96")
+            ->type_name("NAME");
         app.add_flag("--json", wants_json, "with --print-conformance, as JSON")->needs(conformance);
     }
     /// The program's end; nothing if none of them is wanted. `file` is that of --config.
@@ -43,12 +47,13 @@ struct Prints {
             return print_conformance(of(conformance_file), wants_json, net::SystemWallClock{}.now(),
                                      net::is_clock_synchronized());
         }
-        return std::nullopt;
+        return preset.empty() ? std::nullopt : std::optional{print_preset(preset)};
     }
 
     CLI::Option* limits{nullptr};
     CLI::Option* capacities{nullptr};
     CLI::Option* conformance{nullptr};
+    std::string preset;
     std::string limits_file;
     std::string capacities_file;
     std::string conformance_file;

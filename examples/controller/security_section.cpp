@@ -200,7 +200,9 @@ void read_certificates(const TomlTable& table, ControllerConfig& config)
         static_cast<std::uint32_t>(table.integer("key_bits", certificates.key_bits, 2'048, 4'096));
     certificates.valid_days = static_cast<std::uint32_t>(
         table.integer("valid_days", certificates.valid_days, 1, days_of_a_century));
-    certificates.limits = read_store_limits(table);
+    if (table.has("limits")) {
+        certificates.limits = read_store_limits(table);
+    }
     certificates.validation = read_suppressed(table);
 }
 
