@@ -93,15 +93,16 @@ std::vector<std::string> read_roles(const TomlTable& table, Access access)
         return {access == Access::Write ? "Operator" : "Observer"};
     }
     std::vector<std::string> given = table.texts("roles");
-    for (const std::string& role : given) {
-        if (std::find(roles.begin(), roles.end(), role) == roles.end()) {
-            std::string names;
-            for (const std::string_view known : roles) {
-                names += names.empty() ? "" : ", ";
-                names += known;
-            }
-            table.refuse("roles", "found \"" + role + "\", expected some of: " + names);
+    const auto unknown = std::find_if(given.begin(), given.end(), [](const std::string& role) {
+        return std::find(roles.begin(), roles.end(), role) == roles.end();
+    });
+    if (unknown != given.end()) {
+        std::string names;
+        for (const std::string_view known : roles) {
+            names += names.empty() ? "" : ", ";
+            names += known;
         }
+        table.refuse("roles", "found \"" + *unknown + "\", expected some of: " + names);
     }
     return given;
 }

@@ -17,9 +17,9 @@ const NodeId configuration{0, id::ServerConfiguration};
 const NodeId rsa{0, id::RsaSha256ApplicationCertificateType};
 
 std::vector<Variant> on_server(Connection& connection, std::uint32_t method,
-                               std::vector<Variant> inputs, const std::string& what)
+                               const std::vector<Variant>& inputs, const std::string& what)
 {
-    return call(connection, configuration, standard(method), std::move(inputs), what);
+    return call(connection, configuration, standard(method), inputs, what);
 }
 
 /// The server's certificate, as it is used.

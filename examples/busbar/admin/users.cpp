@@ -75,10 +75,10 @@ Exit list(Context& context, Connection& connection, const Arguments&)
     return Exit::Good;
 }
 
-void on_users(Connection& connection, std::uint32_t method, std::vector<Variant> inputs,
+void on_users(Connection& connection, std::uint32_t method, const std::vector<Variant>& inputs,
               const std::string& what)
 {
-    call(connection, standard(id::UserManagement), standard(method), std::move(inputs), what);
+    call(connection, standard(id::UserManagement), standard(method), inputs, what);
 }
 
 Exit add(Context& context, Connection& connection, const Arguments& arguments)
