@@ -9,44 +9,31 @@
 
 namespace busbar::example {
 
-namespace {
-
-/// Certificates are managed where they decide.
 bool manages_certificates(const ControllerConfig& config)
 {
     return config.server.identity.has_value() && !config.certificates.trusts_all_clients;
 }
 
-bool administrates(const std::vector<std::string>& roles)
-{
-    return std::find(roles.begin(), roles.end(), "SecurityAdmin") != roles.end();
-}
-
-} // namespace
-
 Administered::Administered(const ControllerConfig& config, const WallClock& clock, LogSink& lines)
-    : clock_{clock}, audit_{lines}, files_{config.certificates.folder},
-      has_other_administrator_{
-          std::any_of(config.users.accounts.begin(), config.users.accounts.end(),
-                      [](const Account& account) { return administrates(account.roles); })},
-      roles_{files_, "roles.json"}
+    : clock_{clock}, audit_{lines}, files_{config.certificates.folder}, roles_{files_, "roles.json"}
 {
     expect(roles_.load());
 }
 
 bool Administered::is_administrator(const administration::User& user) const
 {
-    const server::UserIdentity identity{UserTokenType::UserName, user.name};
     return !has_other_administrator_ &&
-           (administrates(user.roles) || administrates(roles_.roles_of({.user = identity}).roles));
+           (is_security_admin(user.roles) || roles_.is_administrator(user.name));
 }
 
 void Administered::add_users(Admission& admission, ControllerConfig& config)
 {
+    admission_ = &admission;
+    has_other_administrator_ = admission.has_administrator();
     users_.emplace(files_, "users.json", config.users.password_rules, admission.passwords(),
                    [this](const administration::User& user) { return is_administrator(user); });
     expect(users_->load());
-    setup_.emplace(config.certificates.folder, admission.clients(), admission.passwords());
+    setup_.emplace(files_, admission.clients(), admission.passwords());
     if (config.users.has_setup && !users_->has_administrator()) {
         if (!manages_certificates(config)) {
             throw ConfigError{"[users]: setup", "found no endpoint with security, or one that "
@@ -77,6 +64,7 @@ void Administered::end_setup(server::Server& server)
 
 void Administered::read_users()
 {
+    has_other_administrator_ = admission_->has_administrator();
     expect(users_->load());
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <optional>
 
@@ -13,6 +14,9 @@
 #include "setup.hpp"
 
 namespace busbar::example {
+
+/// Whether certificates and users are managed online: where certificates decide.
+[[nodiscard]] bool manages_certificates(const ControllerConfig& config);
 
 /// What administrators change while the controller runs, kept in the folder of certificates.
 class Administered {
@@ -39,15 +43,17 @@ public:
                 server::Worker& worker, std::function<void()> stop);
 
 private:
-    /// One whom the list must not lose: none, if the file has an administrator.
     void end_setup(server::Server& server);
+    /// One whom the list must not lose: none, if the file has an administrator. Any thread.
     [[nodiscard]] bool is_administrator(const administration::User& user) const;
 
     const WallClock& clock_;
     administration::AuditLog audit_;
     storage::FolderStorage files_;
     crypto::SystemRandom random_;
-    bool has_other_administrator_;
+    Admission* admission_{nullptr};
+    /// The file has an administrator.
+    std::atomic<bool> has_other_administrator_{false};
     std::optional<Setup> setup_;
     std::optional<crypto::Secret> new_code_;
     administration::RoleList roles_;

@@ -8,6 +8,8 @@
 
 namespace busbar::example {
 
+[[nodiscard]] bool is_security_admin(const std::vector<std::string>& roles);
+
 /// Who is let in: the trust lists of clients and, apart from them, of users; the users themselves.
 class Admission {
 public:
@@ -16,6 +18,8 @@ public:
 
     [[nodiscard]] crypto::CertificateValidator& clients();
     [[nodiscard]] server::UserStore& users() { return users_; }
+    /// An account of the file is SecurityAdmin.
+    [[nodiscard]] bool has_administrator() const;
     [[nodiscard]] server::PasswordUsers& passwords() { return users_.passwords(); }
     [[nodiscard]] crypto::CertificateStore& client_store() { return client_store_; }
     /// Null if no user has a certificate.

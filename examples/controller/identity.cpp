@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 
+#include <busbar/administration/managed_certificates.hpp>
 #include <busbar/crypto/own_certificate.hpp>
 #include <busbar/storage/folder_storage.hpp>
 
@@ -71,6 +72,7 @@ channel::ApplicationIdentity load_identity(const CertificateConfig& config, cons
                                            const std::vector<std::string>& host_names, DateTime now)
 {
     storage::FolderStorage files{config.folder};
+    expect(administration::finish_changes(files));
     const crypto::OwnCertificateStore store{files};
     if (!expect_own(store.load(application_uri))) {
         take_over_first_version(fs::path{config.folder} / "own", store, application_uri);
@@ -85,6 +87,7 @@ crypto::Certificate regenerate_certificate(const CertificateConfig& config, cons
                                            const std::vector<std::string>& host_names, DateTime now)
 {
     storage::FolderStorage files{config.folder};
+    expect(administration::finish_changes(files));
     const crypto::OwnCertificateStore store{files};
     return expect_own(store.regenerate(settings_of(config, name, application_uri, host_names), now))
         .certificates.front();

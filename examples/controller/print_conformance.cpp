@@ -13,6 +13,7 @@
 #include <busbar/server/user_directory.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
+#include "administered.hpp"
 #include "core/json_writer.hpp"
 #include "models.hpp"
 #include "toml_reader.hpp"
@@ -146,15 +147,15 @@ server::Conformance conformance_of(ControllerConfig config, DateTime now, bool h
     crypto::CertificateStore store{files, {}, log};
     administration::UserList online_users{files, "users.json", {}, users.passwords()};
     const administration::ManagedCertificates certificates{.files = &files, .applications = &store};
-    const bool is_managed =
-        config.server.identity.has_value() && !config.certificates.trusts_all_clients;
+    const bool is_managed = manages_certificates(config);
     administration::Administration administration{
         {.wall_clock = &clock,
          .log = &log,
          .roles = &roles,
          .users = is_managed ? &online_users : nullptr,
          .certificates = is_managed ? &certificates : nullptr,
-         .random = &random}};
+         .random = &random,
+         .stop = [] {}}};
     auto server = expect(server::Server::create(config.server, {.random = &random,
                                                                 .wall_clock = &clock,
                                                                 .log = &log,

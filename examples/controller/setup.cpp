@@ -1,5 +1,6 @@
 #include "setup.hpp"
 
+#include <string>
 #include <utility>
 
 #include <busbar/crypto/password_hash.hpp>
@@ -24,6 +25,8 @@ std::optional<crypto::Secret> Setup::begin(crypto::Random& random)
     const auto bytes = read_file(files_, code_file, max_code_file);
     if (bytes) {
         hash.assign(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+    } else if (bytes.error() != StorageError::NotFound && bytes.error() != StorageError::Away) {
+        throw ConfigError{files_.place(code_file), std::string{text(bytes.error())}};
     } else {
         code = new_password(random);
         auto made = crypto::hash_password(code->text(), random);

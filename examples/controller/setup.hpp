@@ -1,18 +1,18 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
+#include <busbar/core/storage.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
 #include <busbar/crypto/random.hpp>
 #include <busbar/crypto/secret.hpp>
 #include <busbar/server/password_users.hpp>
-#include <busbar/storage/folder_storage.hpp>
 
 namespace busbar::example {
 
 /// Application setup (Part 12, G.2): a controller without administrator lets in the user "setup"
-/// with a code that it printed once, from any client, to make one.
+/// with a code that it printed once, to make one. Meanwhile any client may connect, and whom that
+/// user has added may log in from it too.
 ///
 /// On the server's thread.
 class Setup final : public crypto::CertificateValidator {
@@ -20,8 +20,8 @@ public:
     static constexpr const char* user_name = "setup";
 
     /// Not active. `inner` decides about clients.
-    Setup(std::string folder, crypto::CertificateValidator& inner, server::PasswordUsers& users)
-        : files_{std::move(folder)}, inner_{inner}, users_{users}
+    Setup(Storage& files, crypto::CertificateValidator& inner, server::PasswordUsers& users)
+        : files_{files}, inner_{inner}, users_{users}
     {
     }
 
@@ -37,7 +37,7 @@ public:
                                          const crypto::ValidationContext& context) override;
 
 private:
-    storage::FolderStorage files_;
+    Storage& files_;
     crypto::CertificateValidator& inner_;
     server::PasswordUsers& users_;
     bool is_active_{false};

@@ -194,19 +194,12 @@ Result<NodeIndex> RoleSet::add_node(const RoleRules& role)
     }
     // Who may do what with it is as for the others (Part 18, 4.4.1).
     const NodeIndex like = space_.find(id::WellKnownRole_Operator);
-    const auto copy_access = [&](NodeIndex from, NodeIndex to) {
-        const model::NodeAccess* const access =
-            from != model::no_node ? space_.node_access(from) : nullptr;
-        if (access != nullptr && to != model::no_node) {
-            space_.set_node_access(to, model::NodeAccess{*access});
-        }
-    };
-    copy_access(like, *made);
+    copy_access(space_, like, *made);
     for (const char* member :
          {"Identities", "ApplicationsExclude", "Applications", "EndpointsExclude", "Endpoints",
           "CustomConfiguration", "AddIdentity", "RemoveIdentity", "AddApplication",
           "RemoveApplication", "AddEndpoint", "RemoveEndpoint"}) {
-        copy_access(child_of(space_, like, member), child_of(space_, *made, member));
+        copy_access(space_, child_of(space_, like, member), child_of(space_, *made, member));
     }
     bind(role.name, *made);
     return made;

@@ -39,12 +39,8 @@ ServerConfiguration::ServerConfiguration(server::Server& server, const ManagedCe
 
 Configured<void> ServerConfiguration::attach()
 {
-    FileTransaction interrupted{*files_.files, transaction_folder};
-    if (const auto recovered = interrupted.recover(); !recovered) {
-        return misconfigured(files_.files->place(transaction_folder),
-                             "what was begun there cannot be finished: " +
-                                 std::string{text(recovered.error())},
-                             status_of(recovered.error()));
+    if (auto finished = finish_changes(*files_.files); !finished) {
+        return finished;
     }
     if (auto added = add_nodes(); !added) {
         return added;
@@ -121,16 +117,9 @@ Configured<void> ServerConfiguration::add_method(std::string_view name, std::uin
         return misconfigured("certificates", "the Method " + std::string{name} + " cannot be added",
                              made.error());
     }
-    const auto copy_access = [&](model::NodeIndex from, model::NodeIndex to) {
-        const model::NodeAccess* const access =
-            from != model::no_node ? space_.node_access(from) : nullptr;
-        if (access != nullptr && to != model::no_node) {
-            space_.set_node_access(to, model::NodeAccess{*access});
-        }
-    };
-    copy_access(like, *made);
+    copy_access(space_, like, *made);
     for (const char* property : {"InputArguments", "OutputArguments"}) {
-        copy_access(child_of(space_, like, property), child_of(space_, *made, property));
+        copy_access(space_, child_of(space_, like, property), child_of(space_, *made, property));
     }
     bind_own(*made, method);
     return {};
@@ -155,6 +144,7 @@ Configured<void> ServerConfiguration::add_setup()
     if (!made) {
         return misconfigured("certificates", "InApplicationSetup cannot be added", made.error());
     }
+    copy_access(space_, space_.find(id::ServerConfiguration_ApplicationUri), *made);
     table_.bind_value(space_, *made, [this] { return Variant{is_in_setup_()}; });
     return {};
 }

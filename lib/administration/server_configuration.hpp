@@ -22,8 +22,7 @@ public:
                         const WallClock& clock, LogSink& log, server::Worker* worker,
                         const std::function<bool()>& is_in_setup);
 
-    /// Finishes a transaction that a power cut interrupted, and adds the nodes. The problem says
-    /// what is missing in namespace 0, or that the files cannot be read.
+    /// The problem says what is missing in namespace 0, or is that of finish_changes.
     [[nodiscard]] Configured<void> attach();
 
 private:

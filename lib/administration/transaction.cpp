@@ -22,7 +22,30 @@ crypto::TrustListParts both(const crypto::TrustListParts& a, const crypto::Trust
             a.issuer_crls || b.issuer_crls};
 }
 
+tl::unexpected<Refusal> refuse_files(StorageError error)
+{
+    return refuse({status::Bad_ResourceUnavailable, "transaction",
+                   "the files cannot be written: " + std::string{text(error)}, "",
+                   "Look after free space and rights of the folder"});
+}
+
 } // namespace
+
+Checked<void> prepare_files(FileTransaction& change)
+{
+    const auto ready = change.recover();
+    return ready ? Checked<void>{} : Checked<void>{refuse_files(ready.error())};
+}
+
+Checked<void> commit_files(FileTransaction& change)
+{
+    const auto done = change.commit();
+    // What is decided is finished as soon as the files can be written again.
+    if (done || (change.is_decided() && change.recover())) {
+        return {};
+    }
+    return refuse_files(done.error());
+}
 
 StatusCode Transaction::enter(const NodeId& session)
 {
@@ -88,11 +111,8 @@ crypto::TrustList Transaction::trust_list(std::size_t group) const
 
 Checked<void> Transaction::write(FileTransaction& change, std::string_view application_uri)
 {
-    if (const auto ready = change.recover(); !ready) {
-        return refuse(
-            {status::Bad_ResourceUnavailable, "transaction",
-             std::string{"the files cannot be written: "} + std::string{text(ready.error())}, "",
-             ""});
+    if (auto ready = prepare_files(change); !ready) {
+        return ready;
     }
     if (is_own_deleted_) {
         Refusal refusal{status::Bad_InvalidState, "transaction",
@@ -119,17 +139,7 @@ Checked<void> Transaction::write(FileTransaction& change, std::string_view appli
             return staged;
         }
     }
-    if (const auto done = change.commit(); !done) {
-        // What is decided is finished as soon as the files can be written again.
-        if (change.is_decided() && change.recover()) {
-            return {};
-        }
-        return refuse(
-            {status::Bad_ResourceUnavailable, "transaction",
-             std::string{"the files cannot be written: "} + std::string{text(done.error())}, "",
-             ""});
-    }
-    return {};
+    return commit_files(change);
 }
 
 Checked<Transaction::Changed> Transaction::apply(std::string_view application_uri)
@@ -172,3 +182,21 @@ void Transaction::end(StatusCode result)
 }
 
 } // namespace busbar::administration::detail
+
+namespace busbar::administration {
+
+Configured<void> finish_changes(Storage& files)
+{
+    FileTransaction interrupted{files, detail::transaction_folder};
+    const auto finished = interrupted.recover();
+    // On a medium that is not there yet nothing was begun.
+    if (finished || finished.error() == StorageError::Away) {
+        return {};
+    }
+    return misconfigured(files.place(detail::transaction_folder),
+                         "what was begun there cannot be finished: " +
+                             std::string{text(finished.error())},
+                         status_of(finished.error()));
+}
+
+} // namespace busbar::administration

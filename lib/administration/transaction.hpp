@@ -105,6 +105,12 @@ private:
     std::vector<TransactionErrorType> errors_;
 };
 
+/// Finishes what an earlier change of the folder has decided; before anything is staged.
+[[nodiscard]] Checked<void> prepare_files(FileTransaction& change);
+/// Writes all of it. Refused: nothing has changed, unless it was decided and the medium failed on
+/// the way; then the next prepare_files or finish_changes goes on with it.
+[[nodiscard]] Checked<void> commit_files(FileTransaction& change);
+
 /// The CertificateType of the server's own certificate.
 inline constexpr std::uint32_t certificate_type = id::RsaSha256ApplicationCertificateType;
 

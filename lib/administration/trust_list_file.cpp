@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <utility>
 
 #include <busbar/core/text.hpp>
@@ -17,19 +18,16 @@ namespace {
 
 using server::MethodCall;
 
-/// Of one list, by all sessions together.
+// Of one list, by all sessions together: files, and what they hold in largest lists.
+
 constexpr std::size_t max_open = 16;
+constexpr std::size_t max_open_lists = 4;
 /// Bytes of one answer; the client asks again for the rest (Part 20, 4.2.4).
 constexpr std::size_t max_read = 65'536;
 
 // Modes of Open (Part 20, 4.2.2).
 constexpr std::uint8_t mode_read = 1;
 constexpr std::uint8_t mode_write_and_erase = 6;
-
-tl::unexpected<Refusal> refuse_removal(StatusCode status, std::string found, std::string remedy)
-{
-    return refuse({status, "trust list", std::move(found), "Part 12, 7.8.2.7", std::move(remedy)});
-}
 
 } // namespace
 
@@ -121,7 +119,10 @@ void TrustListFile::forget(const Open& open)
 
 void TrustListFile::keep(MethodCall call, Open open)
 {
-    if (open_.size() >= max_open) {
+    const std::size_t held =
+        std::accumulate(open_.begin(), open_.end(), open.bytes.size(),
+                        [](std::size_t sum, const Open& each) { return sum + each.bytes.size(); });
+    if (open_.size() >= max_open || held > max_open_lists * needs_.files.max_trust_list_size) {
         return call.fail(status::Bad_TooManyOperations);
     }
     open.handle = ++last_handle_;
@@ -321,21 +322,16 @@ Checked<void> TrustListFile::take_out(const crypto::Certificate& certificate, bo
     };
     std::erase_if(is_trusted ? list.trusted_crls : list.issuer_crls, is_of_it);
     if (was_sound && crypto::check_trust_list(list, needs_.clock.now(), group().purpose)) {
-        return refuse_removal(status::Bad_CertificateChainIncomplete,
-                              "another certificate of the list was issued by " +
-                                  printable(certificate.subject()),
-                              "Remove that one first");
+        return refuse(
+            {status::Bad_CertificateChainIncomplete, "trust list",
+             "another certificate of the list was issued by " + printable(certificate.subject()),
+             "Part 12, 7.8.2.7", "Remove that one first"});
     }
     FileTransaction change{*needs_.files.files, transaction_folder};
     const crypto::TrustListParts parts{is_trusted, is_trusted, !is_trusted, !is_trusted};
-    auto staged = group().store->stage(list, parts, change, group().folder);
-    if (!staged) {
-        return staged;
-    }
-    if (const auto done = change.commit(); !done) {
-        return refuse_removal(status::Bad_ResourceUnavailable, std::string{text(done.error())}, {});
-    }
-    return {};
+    auto done = prepare_files(change);
+    done = done ? group().store->stage(list, parts, change, group().folder) : done;
+    return done ? commit_files(change) : done;
 }
 
 /// Part 12, 7.8.2.7. In force at once.

@@ -33,8 +33,7 @@ std::string state_of(Storage& storage)
     StorageFolder users_folder{storage, "users"};
     crypto::CertificateStore applications{storage, {}, log};
     crypto::CertificateStore users{users_folder, {}, log};
-    FileTransaction interrupted{storage, administration::detail::transaction_folder};
-    REQUIRE(interrupted.recover());
+    REQUIRE(administration::finish_changes(storage));
     const auto own = crypto::OwnCertificateStore{storage}.load("urn:busbar:test:server");
     REQUIRE(own);
     REQUIRE(*own);

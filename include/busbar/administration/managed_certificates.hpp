@@ -5,7 +5,9 @@
 #include <functional>
 #include <string>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/named_fields.hpp>
+#include <busbar/core/problem.hpp>
 #include <busbar/core/storage.hpp>
 #include <busbar/crypto/certificate_store.hpp>
 #include <busbar/crypto/own_certificate.hpp>
@@ -18,7 +20,7 @@ struct ManagedCertificates {
     [[no_unique_address]] NamedFields named_fields{};
 
     /// Required: where all of it lies. The own certificate is that of an OwnCertificateStore at its
-    /// root; a transaction keeps what is to come in its folder "transaction".
+    /// root; a transaction keeps what is to come in its folder "transaction" (finish_changes).
     Storage* files{nullptr};
     /// Required: DefaultApplicationGroup; its root is that of `files`.
     crypto::CertificateStore* applications{nullptr};
@@ -35,5 +37,10 @@ struct ManagedCertificates {
     /// Bytes of a trust list as it is sent and written, all its lists together (MaxTrustListSize).
     std::size_t max_trust_list_size{4U << 20U};
 };
+
+/// Finishes what ApplyChanges had decided when the power went, and forgets what it had not: to be
+/// called before anything reads the certificates in `files`. The problem says what cannot be
+/// finished; nothing has changed then that a later call does not finish.
+[[nodiscard]] BUSBAR_API Configured<void> finish_changes(Storage& files);
 
 } // namespace busbar::administration
