@@ -8,6 +8,7 @@
 #include <busbar/types/secure_channel.hpp>
 
 #include "channel_input.hpp"
+#include "channel_record.hpp"
 #include "key_log.hpp"
 #include "open_request.hpp"
 #include "refusals.hpp"
@@ -58,7 +59,6 @@ struct ServerChannel::Impl {
     [[nodiscard]] Result<void> issue(const OpenSecureChannelRequest& request,
                                      std::uint32_t request_id);
     void give_up(const Refusal& refusal);
-    void record_issued(const OpenSecureChannelRequest& request, bool is_new) const;
     void fail_with(StatusCode told_status, StatusCode status, std::string_view reason);
     void end(StatusCode status, std::string reason);
 
@@ -177,32 +177,9 @@ Result<void> ServerChannel::Impl::issue(const OpenSecureChannelRequest& request,
     client_nonce = request.client_nonce;
     conversation.offer(*std::move(token));
     const bool is_new = std::exchange(state, State::Open) == State::Opening;
-    record_issued(request, is_new);
+    record_issued(conversation, config.channel_id, request, is_new);
     events.push({is_new ? ChannelEvent::Kind::Opened : ChannelEvent::Kind::Renewed, 0, {}, {}, {}});
     return {};
-}
-
-/// Part 5, 6.4.5 to 6.4.7.
-void ServerChannel::Impl::record_issued(const OpenSecureChannelRequest& request, bool is_new) const
-{
-    LogSink& log = *conversation.environment().log;
-    const RecordKind kind = is_new ? RecordKind::ChannelOpened : RecordKind::ChannelRenewed;
-    if (!log.wants(kind)) {
-        return;
-    }
-    const std::array fields{
-        RecordField{"RequestType", Variant{static_cast<std::int32_t>(request.request_type)}},
-        RecordField{"SecurityPolicyUri", Variant{String{conversation.security.policy->uri}}},
-        RecordField{"SecurityMode", Variant{static_cast<std::int32_t>(conversation.security.mode)}},
-        RecordField{"RequestedLifetime", Variant{static_cast<double>(request.requested_lifetime)}}};
-    Record record{kind, LogLevel::Debug, "channel"};
-    record.actor.secure_channel_id = config.channel_id;
-    record.actor.audit_entry_id = request.request_header.audit_entry_id.view();
-    if (const auto& peer = conversation.peer_certificates; !peer.empty()) {
-        record.certificate = peer.front().der();
-    }
-    record.fields = fields;
-    log.record(record);
 }
 
 Checked<void> ServerChannel::Impl::handle_message(const Frame& frame)

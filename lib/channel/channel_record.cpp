@@ -1,0 +1,32 @@
+#include "channel_record.hpp"
+
+#include <array>
+
+#include <busbar/core/record.hpp>
+
+namespace busbar::channel::detail {
+
+void record_issued(const Conversation& conversation, std::uint32_t channel_id,
+                   const OpenSecureChannelRequest& request, bool is_new)
+{
+    LogSink& log = *conversation.environment().log;
+    const RecordKind kind = is_new ? RecordKind::ChannelOpened : RecordKind::ChannelRenewed;
+    if (!log.wants(kind)) {
+        return;
+    }
+    const std::array fields{
+        RecordField{"RequestType", Variant{static_cast<std::int32_t>(request.request_type)}},
+        RecordField{"SecurityPolicyUri", Variant{String{conversation.security.policy->uri}}},
+        RecordField{"SecurityMode", Variant{static_cast<std::int32_t>(conversation.security.mode)}},
+        RecordField{"RequestedLifetime", Variant{static_cast<double>(request.requested_lifetime)}}};
+    Record record{kind, LogLevel::Debug, "channel"};
+    record.actor.secure_channel_id = channel_id;
+    record.actor.audit_entry_id = request.request_header.audit_entry_id.view();
+    if (const auto& peer = conversation.peer_certificates; !peer.empty()) {
+        record.certificate = peer.front().der();
+    }
+    record.fields = fields;
+    log.record(record);
+}
+
+} // namespace busbar::channel::detail
