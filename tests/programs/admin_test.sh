@@ -4,43 +4,10 @@
 # usage: admin_test.sh CONTROLLER BUSBAR
 set -u
 controller=$1 busbar=$2
+. "$(dirname "$0")/functions.sh"
 
-work=$(mktemp -d)
-pid=""
-failures=0
-trap 'kill $pid 2>/dev/null; wait; rm -rf "$work"' EXIT
-export XDG_DATA_HOME="$work/data" LC_ALL=C
-unset BUSBAR_URL BUSBAR_PASSWORD
-cd "$work" || exit 1
-
-fail() {
-    failures=$((failures + 1))
-    echo "FAILED: $*"
-    sed 's/^/  /' log out 2> /dev/null
-}
-
-await() {
-    for _ in $(seq 300); do
-        "$@" && return 0
-        sleep 0.1
-    done
-    fail "waited in vain for: $*"
-    return 1
-}
-
-logged() { grep -q -s -e "$1" log; }
-ended() { ! kill -0 "$pid" 2> /dev/null; }
 says() { grep -q -s -e "$1" out || fail "\"$1\" is not in the output of: $last"; }
 
-# run CODE ARGUMENTS...: busbar's exit code, its output in out.
-run() {
-    wanted=$1
-    shift
-    last="busbar $*"
-    timeout 60 "$busbar" "$@" > out 2>&1 < /dev/null
-    code=$?
-    [ $code -eq "$wanted" ] || fail "$last: exit code $code instead of $wanted"
-}
 as_admin() {
     wanted=$1
     shift
@@ -63,10 +30,7 @@ name = "chief"
 password = "$hash"
 roles = ["SecurityAdmin", "ConfigureAdmin"]
 EOF
-"$controller" --config controller.toml > log 2>&1 < /dev/null &
-pid=$!
-await logged '^ready' || exit 1
-url=$(sed -n 's/.* variables at \(opc.tcp:[^ ]*\)$/\1/p' log)
+serve --config controller.toml
 
 # Our certificate is nobody's friend yet.
 run 0 cert create
@@ -117,7 +81,8 @@ run 4 --pki other --user chief --password-file chief --trust admin status "$url"
 as_admin 0 admin trust add "$url" stranger.der
 
 # Another certificate, while it runs.
-as_admin 0 admin cert regenerate "$url" --subject "CN=Press 4/O=Works" --days 365 --yes
+as_admin 0 admin cert regenerate "$url" --subject "CN=Press 4/O=Works" --days 365 \
+    --host press-4.example --yes
 sleep 2
 run 4 --user chief --password-file chief admin cert show "$url" # nobody trusts it yet
 as_admin 0 admin cert show "$url"
@@ -144,18 +109,11 @@ mode = "SignAndEncrypt"
 [users]
 setup = true
 EOF
-start_new() {
-    rm -f log
-    "$controller" --config new.toml > log 2>&1 < /dev/null &
-    pid=$!
-    await logged '^ready' || exit 1
-    url=$(sed -n 's/.* variables at \(opc.tcp:[^ ]*\)$/\1/p' log)
-}
-start_new
+serve --config new.toml
 sed -n 's/.*with the code \([^,]*\),.*/\1/p' log > code
 [ -s code ] || fail "there is no code"
 kill "$pid" && wait "$pid"
-start_new
+serve --config new.toml
 logged 'with the code' && fail "the code is shown again"
 grep -q -r -F -e "$(cat code)" new && fail "the code is kept"
 run 4 --user setup --password-file chief --trust admin status "$url"
@@ -169,7 +127,7 @@ says "chief"
 run 4 --pki third --user chief --password-file chief --trust admin status "$url"
 as_admin 0 admin shutdown "$url" --seconds 0 --yes
 await ended && wait "$pid" || fail "the controller ends with $?"
-start_new
+serve --config new.toml
 as_admin 0 admin status "$url"
 run 4 --user setup --password-file code --trust admin status "$url"
 exit $((failures > 0))
