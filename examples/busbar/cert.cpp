@@ -40,22 +40,14 @@ struct Found {
     StoreEntry entry;
 };
 
-std::string upper(std::string text)
-{
-    for (char& character : text) {
-        character = character >= 'a' && character <= 'z' ? static_cast<char>(character - 'a' + 'A')
-                                                         : character;
-    }
-    return text;
-}
-
 /// What the thumbprint, or its first digits if they are enough, names.
 Found find(Pki& pki, const std::string& thumbprint)
 {
+    const std::string wanted = crypto::spelled_thumbprint(thumbprint);
     std::optional<Found> found;
     for (const StoreList list : lists) {
         for (StoreEntry& entry : pki.store().list(list)) {
-            if (thumbprint.size() < 4 || !entry.thumbprint.starts_with(upper(thumbprint))) {
+            if (wanted.size() < min_thumbprint_digits || !entry.thumbprint.starts_with(wanted)) {
                 continue;
             }
             if (found && found->entry.thumbprint != entry.thumbprint) {

@@ -13,6 +13,9 @@
 
 namespace busbar::cli {
 
+/// Digits that name a certificate by its thumbprint, if no other begins like this.
+inline constexpr std::size_t min_thumbprint_digits = 4;
+
 /// The folder of certificates: ours, those of servers that we trust, those that we do not.
 class Pki {
 public:

@@ -340,10 +340,7 @@ void TrustListFile::remove_certificate(MethodCall call)
     if (const StatusCode state = check_single_change(); state.is_bad()) {
         return call.fail(state);
     }
-    std::string thumbprint = text_input(call, 0);
-    std::transform(thumbprint.begin(), thumbprint.end(), thumbprint.begin(), [](char c) {
-        return c >= 'a' && c <= 'f' ? static_cast<char>(c - 'a' + 'A') : c;
-    });
+    const std::string thumbprint = crypto::spelled_thumbprint(text_view(call, 0));
     const bool is_trusted = call.input<bool>(1);
     const crypto::TrustList& list = group().store->trust_list(needs_.clock.now());
     const auto& certificates = is_trusted ? list.trusted : list.issuers;

@@ -140,6 +140,15 @@ std::string Certificate::thumbprint_text() const
     return detail::hexadecimal(thumbprint());
 }
 
+std::string spelled_thumbprint(std::string_view text)
+{
+    std::string spelled{text};
+    for (char& c : spelled) {
+        c = c >= 'a' && c <= 'f' ? static_cast<char>(c - 'a' + 'A') : c;
+    }
+    return spelled;
+}
+
 std::string Certificate::subject() const
 {
     return detail::text_of(X509_get_subject_name(x509_.get()));

@@ -114,14 +114,11 @@ void print_certificates(Context& context, const std::vector<CertificateRow>& row
 
 const CertificateRow& find(const std::vector<CertificateRow>& rows, const std::string& thumbprint)
 {
-    std::string wanted = thumbprint;
-    for (char& c : wanted) {
-        c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
-    }
-    constexpr std::size_t least = 4;
+    const std::string wanted = crypto::spelled_thumbprint(thumbprint);
     const CertificateRow* found = nullptr;
     for (const CertificateRow& row : rows) {
-        if (wanted.size() < least || !row.certificate.thumbprint_text().starts_with(wanted)) {
+        if (wanted.size() < min_thumbprint_digits ||
+            !row.certificate.thumbprint_text().starts_with(wanted)) {
             continue;
         }
         if (found != nullptr && !(found->certificate == row.certificate)) {

@@ -68,4 +68,7 @@ inline constexpr std::size_t max_chain_size = 65'536; // bytes of DER
 /// is among them, or if they are more than max_chain_length or larger than max_chain_size.
 [[nodiscard]] BUSBAR_API Result<CertificateChain> parse_chain(std::span<const std::byte> der);
 
+/// A thumbprint, or the beginning of one, as people write it, spelled as thumbprint_text() does.
+[[nodiscard]] BUSBAR_API std::string spelled_thumbprint(std::string_view text);
+
 } // namespace busbar::crypto
