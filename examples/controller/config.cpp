@@ -151,7 +151,7 @@ ControllerConfig read_root(const TomlTable& root)
     read_discovery(root.table("discovery"), config.discovery);
     config.server.network_servers = read_network_servers(root.table("discovery"));
     read_certificates(root.table("certificates"), config);
-    read_limits(root.table("limits"), config.server.limits);
+    read_limits(root, config);
     read_users(root.table("users"), config);
     read_endpoints(root, config);
     read_plc(root.table("plc"), config);

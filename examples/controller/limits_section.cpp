@@ -4,61 +4,146 @@
 #include <array>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
+#include "limit_keys.hpp"
 #include "presets.hpp"
 
 namespace busbar::example {
 
 namespace {
 
-constexpr std::int64_t most_connections = 100'000;
-constexpr std::int64_t most_references = 10'000'000;
-constexpr std::int64_t most_bytes = 67'108'864;
-constexpr std::int64_t least_message = 8'192; // Part 6, 7.1.2.3: the least buffer
-constexpr std::int64_t least_elements = 2;
 constexpr std::uint32_t bytes_of_a_chunk = 32'768;
 /// What a response has besides the value.
 constexpr std::uint64_t headers = 1'024;
 
-/// A key of [limits] and the limit that it sets.
-struct Key {
-    std::string_view name;
-    std::string_view limit;
-};
-constexpr std::array keys{
-    Key{"connections", "max_connections"},
-    Key{"connections_per_address", "max_connections_per_address"},
-    Key{"sessions", "max_sessions"},
-    Key{"nodes_per_read", "operations.max_nodes_per_read"},
-    Key{"nodes_per_write", "operations.max_nodes_per_write"},
-    Key{"nodes_per_browse", "operations.max_nodes_per_browse"},
-    Key{"references_per_node", "max_references_per_node"},
-    Key{"message_size", "transport.max_message_size"},
-    Key{"array_length", "decode.max_array_length"},
-    Key{"string_length", "decode.max_string_length"},
-    Key{"byte_string_length", "decode.max_byte_string_length"},
-};
+constexpr std::string_view operations = "operations.";
+constexpr std::array<std::string_view, 5> limit_tables{
+    "limits", "limits.events", "limits.subscriptions", "limits.certificates", "users.passwords"};
+constexpr std::int64_t longest_interval = 86'400'000;
+constexpr double most_overload = 1'000;
 
-template <typename T>
-void read(const TomlTable& table, std::string_view key, T& limit, std::int64_t least,
-          std::int64_t most)
+/// The table "limits.subscriptions" of the root.
+TomlTable table_of(const TomlTable& root, std::string_view path)
 {
-    limit = static_cast<T>(table.integer(key, static_cast<std::int64_t>(limit), least, most));
+    const std::size_t point = path.find('.');
+    const TomlTable table = root.table(path.substr(0, point));
+    return point == std::string_view::npos ? table : table_of(table, path.substr(point + 1));
+}
+
+/// Keys of [limits] and the tables below it that are no LimitKey.
+std::vector<std::string_view> other_keys(std::string_view table)
+{
+    if (table == "limits") {
+        return {"preset", "events", "subscriptions", "certificates"};
+    }
+    if (table == "limits.subscriptions") {
+        return {"samples_each_scan", "sampling_intervals_ms", "overload_percent"};
+    }
+    if (table == "limits.certificates") {
+        return {"when_rejected_is_full"};
+    }
+    if (table == "users.passwords") {
+        return {"needs_letters_and_digit", "name_characters", "password_characters",
+                "reserved_names"};
+    }
+    return {};
+}
+
+void allow_keys(const TomlTable& table, std::string_view path)
+{
+    std::vector<std::string_view> allowed = other_keys(path);
+    for (const LimitKey& key : limit_keys()) {
+        if (key.table == path) {
+            allowed.push_back(key.name);
+        }
+    }
+    table.allow(allowed);
+}
+
+void read_key(const TomlTable& table, const LimitKey& key, ControllerConfig& config)
+{
+    if (table.has(key.name)) {
+        key.set(config, table.integer(key.name, 0, key.least, key.most));
+    }
 }
 
 /// The operations of a request are an array, too, and one too many must not be too long for one.
-void read_operations(const TomlTable& table, std::string_view key, std::uint32_t& limit,
-                     std::uint32_t array_length)
+void check_operations(const TomlTable& table, const LimitKey& key, ControllerConfig& config)
 {
-    if (!table.has(key)) {
-        limit = std::min(limit, array_length - 1);
+    const std::int64_t most = std::int64_t{config.server.limits.decode.max_array_length} - 1;
+    if (!table.has(key.name)) {
+        key.set(config, std::min(key.get(config), most));
+    } else if (key.get(config) > most) {
+        table.refuse(key.name, "found " + std::to_string(key.get(config)) + ", expected at most " +
+                                   std::to_string(most) +
+                                   ", one below the array_length: raise that one too");
+    }
+}
+
+/// What holds messages must have room for some of them, unless the configuration says how much.
+void make_room(const TomlTable& table, server::ServerLimits& limits)
+{
+    const std::uint32_t message = limits.transport.max_message_size;
+    const auto raise = [&](std::string_view key, auto& limit, std::size_t least) {
+        using Limit = std::remove_reference_t<decltype(limit)>;
+        if (!table.has(key)) {
+            limit = std::max(limit, static_cast<Limit>(least));
+        }
+    };
+    raise("chunk_count", limits.transport.max_chunk_count, message / bytes_of_a_chunk);
+    raise("assembly", limits.max_assembly, std::size_t{4} * message);
+    raise("send_queue", limits.max_send_queue, std::size_t{2} * message);
+    raise("session_memory", limits.max_session_memory, std::size_t{4} * message);
+}
+
+void read_sampling(const TomlTable& table, server::SamplingPolicy& sampling)
+{
+    sampling.samples_each_scan = table.flag("samples_each_scan", sampling.samples_each_scan);
+    if (table.has("sampling_intervals_ms")) {
+        sampling.intervals.clear();
+        for (const std::int64_t interval :
+             table.integers("sampling_intervals_ms", 1, longest_interval)) {
+            sampling.intervals.emplace_back(interval);
+        }
+        if (!std::is_sorted(sampling.intervals.begin(), sampling.intervals.end())) {
+            table.fail("sampling_intervals_ms", "numbers in ascending order");
+        }
+    }
+    if (table.has("overload_percent")) {
+        const double percent = table.number("overload_percent", 0);
+        if (!(percent >= 0 && percent <= most_overload)) {
+            table.fail("overload_percent", "a number from 0 (never) to 1000");
+        }
+        sampling.overload_percent = percent > 0 ? std::optional{percent} : std::nullopt;
+    }
+}
+
+void read_when_full(const TomlTable& table, crypto::StoreLimits& limits)
+{
+    if (!table.has("when_rejected_is_full")) {
         return;
     }
-    read(table, key, limit, 1, most_elements);
-    if (limit >= array_length) {
-        table.refuse(key, "found " + std::to_string(limit) + ", expected at most " +
-                              std::to_string(array_length - 1) +
-                              ", one below the array_length: raise that one too");
+    const std::string text = table.text("when_rejected_is_full");
+    if (text != "oldest out" && text != "discard") {
+        table.fail("when_rejected_is_full", "\"oldest out\" or \"discard\"");
+    }
+    limits.when_rejected_is_full =
+        text == "discard" ? crypto::RejectedFull::Discard : crypto::RejectedFull::OldestOut;
+}
+
+void read_password_rules(const TomlTable& table, server::PasswordRules& rules)
+{
+    rules.needs_letters_and_digit =
+        table.flag("needs_letters_and_digit", rules.needs_letters_and_digit);
+    rules.name_characters = table.text("name_characters", rules.name_characters);
+    rules.password_characters = table.text("password_characters", rules.password_characters);
+    if (table.has("reserved_names")) {
+        rules.reserved_names = table.texts("reserved_names");
+    }
+    if (rules.min_name_length > rules.max_name_length ||
+        rules.min_password_length > rules.max_password_length) {
+        table.fail("min_password_length", "minimum lengths that are not above the maximum ones");
     }
 }
 
@@ -106,11 +191,18 @@ void check_text(const TomlTable& entry, const controller::PlcVariable& variable,
 
 } // namespace
 
-std::string_view key_of(std::string_view limit)
+std::string key_of(std::string_view limit)
 {
-    const auto* const found =
-        std::find_if(keys.begin(), keys.end(), [&](const Key& key) { return key.limit == limit; });
-    return found == keys.end() ? std::string_view{} : found->name;
+    constexpr std::string_view root = "limits";
+    for (const LimitKey& key : limit_keys()) {
+        if (key.limit == limit && key.table == root) {
+            return std::string{key.name};
+        }
+        if (key.limit == limit) {
+            return std::string{key.table.substr(root.size() + 1)} + "." + std::string{key.name};
+        }
+    }
+    return {};
 }
 
 void read_preset(const TomlTable& table, ControllerConfig& config)
@@ -127,37 +219,27 @@ void read_preset(const TomlTable& table, ControllerConfig& config)
     config.users.password_rules = preset->passwords;
 }
 
-void read_limits(const TomlTable& table, server::ServerLimits& limits)
+void read_limits(const TomlTable& root, ControllerConfig& config)
 {
-    table.allow({"preset", "connections", "connections_per_address", "sessions", "nodes_per_read",
-                 "nodes_per_write", "nodes_per_browse", "references_per_node", "message_size",
-                 "array_length", "string_length", "byte_string_length"});
-    read(table, "connections", limits.max_connections, 1, most_connections);
-    read(table, "connections_per_address", limits.max_connections_per_address, 1, most_connections);
-    read(table, "sessions", limits.max_sessions, 1, most_connections);
-    read(table, "references_per_node", limits.max_references_per_node, 1, most_references);
-    read(table, "array_length", limits.decode.max_array_length, least_elements, most_elements);
-    read(table, "string_length", limits.decode.max_string_length, 256, most_bytes);
-    read(table, "byte_string_length", limits.decode.max_byte_string_length, 256, most_bytes);
-    const std::uint32_t array_length = limits.decode.max_array_length;
-    server::OperationLimits& operations = limits.operations;
-    read_operations(table, "nodes_per_read", operations.max_nodes_per_read, array_length);
-    read_operations(table, "nodes_per_write", operations.max_nodes_per_write, array_length);
-    read_operations(table, "nodes_per_browse", operations.max_nodes_per_browse, array_length);
-    for (std::uint32_t* without_key :
-         {&operations.max_nodes_per_register_nodes,
-          &operations.max_nodes_per_translate_browse_paths, &operations.max_nodes_per_method_call,
-          &operations.max_nodes_per_node_management, &operations.max_monitored_items_per_call}) {
-        *without_key = std::min(*without_key, array_length - 1);
+    for (const std::string_view path : limit_tables) {
+        const TomlTable table = table_of(root, path);
+        allow_keys(table, path);
+        for (const LimitKey& key : limit_keys()) {
+            if (key.table == path) {
+                read_key(table, key, config);
+            }
+        }
     }
-    std::uint32_t& message = limits.transport.max_message_size;
-    read(table, "message_size", message, least_message, most_bytes);
-    // What holds messages must have room for some of them.
-    limits.transport.max_chunk_count =
-        std::max(limits.transport.max_chunk_count, message / bytes_of_a_chunk);
-    limits.max_assembly = std::max(limits.max_assembly, std::size_t{4} * message);
-    limits.max_send_queue = std::max(limits.max_send_queue, std::size_t{2} * message);
-    limits.max_session_memory = std::max(limits.max_session_memory, std::size_t{4} * message);
+    const TomlTable limits = root.table("limits");
+    for (const LimitKey& key : limit_keys()) {
+        if (key.limit.starts_with(operations)) {
+            check_operations(limits, key, config);
+        }
+    }
+    make_room(limits, config.server.limits);
+    read_sampling(limits.table("subscriptions"), config.server.limits.subscriptions.sampling);
+    read_when_full(limits.table("certificates"), config.certificates.limits);
+    read_password_rules(root.table("users").table("passwords"), config.users.password_rules);
 }
 
 void check_size(const TomlTable& entry, const controller::PlcVariable& variable,

@@ -82,7 +82,7 @@ std::string describe_capacities(const ControllerConfig& config)
 {
     std::string text = "| at most | | key in `[limits]` |\n|---|---|---|\n";
     for (const Capacity& capacity : capacities_of(config)) {
-        const std::string key{key_of(capacity.limit)};
+        const std::string key = key_of(capacity.limit);
         text += "| " + capacity.what + " | " + capacity.value + " | " +
                 (key.empty() ? "" : "`" + key + "` ") + "|\n";
     }

@@ -57,7 +57,7 @@ std::vector<Line> lines_of(const server::WorstCaseMemory& all)
         const std::string memory = row.count != 0 ? size_text(row.bytes()) : std::string{};
         lines.push_back({is_same ? std::string{} : std::string{row.limit},
                          is_same ? std::string{} : value_text(row),
-                         is_same ? std::string{} : std::string{key_of(row.limit)}, memory,
+                         is_same ? std::string{} : key_of(row.limit), memory,
                          std::string{row.held}});
     }
     lines.push_back({"in all, at worst", "", "", size_text(all.total()), ""});

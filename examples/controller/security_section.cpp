@@ -209,7 +209,7 @@ void read_certificates(const TomlTable& table, ControllerConfig& config)
 
 void read_users(const TomlTable& table, ControllerConfig& config)
 {
-    table.allow({"anonymous", "account", "certificates", "tokens", "setup"});
+    table.allow({"anonymous", "account", "certificates", "tokens", "setup", "passwords"});
     UserConfig& users = config.users;
     users.anonymous = read_optional_access(table, "anonymous");
     users.certified = read_optional_access(table, "certificates");

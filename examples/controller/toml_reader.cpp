@@ -44,7 +44,7 @@ void TomlTable::refuse(std::string_view key, const std::string& text) const
     throw ConfigError{place(node == nullptr ? *table_ : *node) + ": " + std::string{key}, text};
 }
 
-void TomlTable::allow(std::initializer_list<std::string_view> keys) const
+void TomlTable::allow(std::span<const std::string_view> keys) const
 {
     for (const auto& [key, node] : *table_) {
         if (std::find(keys.begin(), keys.end(), key.str()) == keys.end()) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -54,7 +55,11 @@ public:
     }
 
     /// Any key but these is a mistake.
-    void allow(std::initializer_list<std::string_view> keys) const;
+    void allow(std::initializer_list<std::string_view> keys) const
+    {
+        allow(std::span{keys.begin(), keys.size()});
+    }
+    void allow(std::span<const std::string_view> keys) const;
 
     [[nodiscard]] bool has(std::string_view key) const { return table_->contains(key); }
     [[nodiscard]] std::string text(std::string_view key, std::string otherwise) const;

@@ -43,7 +43,7 @@ LocalizedText restrictions_of(const server::PasswordRules& rules)
 {
     std::string text = "Not the user's name";
     if (!rules.password_characters.empty()) {
-        text += "; none but these characters: " + std::string{rules.password_characters};
+        text += "; none but these characters: " + rules.password_characters;
     }
     return LocalizedText{String{"en"}, String{text}};
 }

@@ -8,6 +8,7 @@
 
 #include <busbar/server/worst_case_memory.hpp>
 
+#include "limit_keys.hpp"
 #include "limits_section.hpp"
 #include "print_capacities.hpp"
 #include "print_limits.hpp"
@@ -74,28 +75,79 @@ TEST_CASE("a limit of the file is printed with its key")
     CHECK(words_of(text, "max_sessions")[1] == "7");
     CHECK(words_of(text, "max_sessions")[2] == "sessions");
     CHECK(words_of(text, "max_session_memory")[2] == "B");
-    CHECK(words_of(text, "max_session_memory")[3] == "448.0"); // 7 times 64 MiB
-    CHECK(words_of(text, "max_session_memory")[4] == "MiB");
+    CHECK(words_of(text, "max_session_memory")[3] == "session_memory");
+    CHECK(words_of(text, "max_session_memory")[4] == "448.0"); // 7 times 64 MiB
+    CHECK(words_of(text, "max_session_memory")[5] == "MiB");
     CHECK(words_of(text, "send_timeout") ==
-          std::vector<std::string>{"send_timeout", "30000", "ms"});
+          std::vector<std::string>{"send_timeout", "30000", "ms", "send_timeout_ms"});
 }
 
-TEST_CASE("each key of [limits] is one that the file may have")
+TEST_CASE("each limit that clients are held to has a key")
 {
-    std::size_t count = 0;
     for (const server::MemoryRow& row : server::worst_case_memory({}).rows) {
-        const std::string key{example::key_of(row.limit)};
-        if (!key.empty()) {
-            ++count;
-            // The value that is in force is one that may be set.
-            const std::string text = "[limits]\n" + key + " = " + std::to_string(row.value) + "\n";
-            INFO(text);
-            CHECK(words_of(describe_limits(parse(text)), std::string{row.limit})[1] ==
-                  std::to_string(row.value));
+        if (row.limit.find("::") != std::string_view::npos) {
+            continue; // a cost that comes with something else, and no limit
         }
+        const std::string key = example::key_of(row.limit);
+        // The value that is in force is one that may be set.
+        const std::string text = "[limits]\n" + key + " = " + std::to_string(row.value) + "\n";
+        INFO(row.limit << ": " << text);
+        REQUIRE_FALSE(key.empty());
+        CHECK(words_of(describe_limits(parse(text)), std::string{row.limit})[1] ==
+              std::to_string(row.value));
     }
-    CHECK(count == 12); // max_message_size has two rows
-    CHECK(example::key_of("max_send_queue").empty());
+    CHECK(example::key_of("max_nothing").empty());
+}
+
+TEST_CASE("each key of the limits sets what it says, within its range")
+{
+    const auto with = [](const example::LimitKey& key, std::int64_t value) {
+        return "[" + std::string{key.table} + "]\n" + std::string{key.name} + " = " +
+               std::to_string(value) + "\n";
+    };
+    const example::ControllerConfig otherwise = parse("");
+    for (const example::LimitKey& key : example::limit_keys()) {
+        const std::int64_t value = key.get(otherwise);
+        INFO(key.table << "." << key.name << ": " << value);
+        CHECK(value >= key.least);
+        CHECK(value <= key.most);
+        CHECK(key.get(parse(with(key, value))) == value);
+        const std::int64_t another = value > key.least ? value - 1 : value + 1;
+        example::ControllerConfig changed = otherwise;
+        key.set(changed, another);
+        CHECK(key.get(changed) == another);
+        CHECK_THROWS_WITH(parse(with(key, key.most + 1)),
+                          Catch::Contains("plant.toml:2: " + std::string{key.name} + ": found "));
+        CHECK_THROWS_WITH(parse(with(key, key.least - 1)), Catch::Contains("expected a number"));
+    }
+}
+
+TEST_CASE("limits that are no numbers")
+{
+    const example::ControllerConfig config =
+        parse("[limits.subscriptions]\nsamples_each_scan = false\n"
+              "sampling_intervals_ms = [100, 250]\noverload_percent = 5\n"
+              "[limits.certificates]\nwhen_rejected_is_full = \"discard\"\n"
+              "[users.passwords]\nneeds_letters_and_digit = true\nname_characters = \"abc\"\n"
+              "password_characters = \"abcABC123\"\nreserved_names = [\"root\"]\n");
+    const server::SamplingPolicy& sampling = config.server.limits.subscriptions.sampling;
+    CHECK_FALSE(sampling.samples_each_scan);
+    CHECK(sampling.intervals ==
+          std::vector{std::chrono::milliseconds{100}, std::chrono::milliseconds{250}});
+    CHECK(sampling.overload_percent == 5);
+    CHECK(config.certificates.limits.when_rejected_is_full == crypto::RejectedFull::Discard);
+    const server::PasswordRules& rules = config.users.password_rules;
+    CHECK(server::check_user_name(rules, "cab"));
+    CHECK_FALSE(server::check_user_name(rules, "cad"));
+    CHECK_FALSE(server::check_password(rules, "cab", "abcabcabcabc"));
+    CHECK(server::check_password(rules, "cab", "abcABC123123"));
+    CHECK_THROWS_WITH(parse("[limits.subscriptions]\nsampling_intervals_ms = [2, 1]"),
+                      Catch::Contains("ascending order"));
+    CHECK_THROWS_WITH(parse("[limits.certificates]\nwhen_rejected_is_full = \"panic\""),
+                      Catch::Contains("\"oldest out\" or \"discard\""));
+    CHECK_THROWS_WITH(parse("[users.passwords]\nmin_password_length = 64\n"
+                            "max_password_length = 63"),
+                      Catch::Contains("not above the maximum"));
 }
 
 TEST_CASE("passwords cost memory only where there are some")

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -28,12 +29,12 @@ struct PasswordRules {
     std::size_t min_password_length{12};
     std::size_t max_password_length{64};
     /// The only characters that are allowed; empty: all but control characters.
-    std::string_view name_characters{};
-    std::string_view password_characters{};
+    std::string name_characters{};
+    std::string password_characters{};
     /// A password needs an upper-case letter, a lower-case letter and a digit.
     bool needs_letters_and_digit{false};
     /// Names that nobody can have, in any case.
-    std::vector<std::string_view> reserved_names{};
+    std::vector<std::string> reserved_names{};
     std::size_t max_users{1'000};
 };
 
