@@ -80,9 +80,11 @@ as_admin 1 admin trust remove "$url" "$stranger" --yes
 run 4 --pki other --user chief --password-file chief --trust admin status "$url"
 as_admin 0 admin trust add "$url" stranger.der
 
-# Another certificate, while it runs.
+# Another certificate, while it runs. It names what we connect to, or we would refuse it.
+host=${url#opc.tcp://}
+host=${host%:*}
 as_admin 0 admin cert regenerate "$url" --subject "CN=Press 4/O=Works" --days 365 \
-    --host press-4.example --yes
+    --host "$host" --host press-4.example --yes
 sleep 2
 run 4 --user chief --password-file chief admin cert show "$url" # nobody trusts it yet
 as_admin 0 admin cert show "$url"

@@ -158,7 +158,8 @@ void add_own(CLI::App& admin, Run& run)
         command->add_option("--subject", arguments.subject,
                             "CN=Name/O=Organization; as it is by default");
     }
-    made->add_option("--host", arguments.hosts, "names and addresses; as they are by default");
+    made->add_option("--host", arguments.hosts,
+                     "all names and addresses that clients connect to; as they are by default");
     made->add_option("--days", arguments.days, "how long it is valid")
         ->check(CLI::Range(1U, max_days))
         ->capture_default_str();
