@@ -51,12 +51,37 @@ std::uint16_t SpaceReader::access_restrictions(NodeIndex node) const
     if (own != nullptr && own->restrictions) {
         return *own->restrictions;
     }
+    return tables_->namespace_restrictions.empty()
+               ? std::uint16_t{0}
+               : namespace_restrictions(tables_->id_of(node).namespace_index());
+}
+
+std::uint16_t SpaceReader::namespace_restrictions(std::uint16_t namespace_index) const
+{
     const auto& by_namespace = tables_->namespace_restrictions;
-    if (by_namespace.empty()) {
-        return 0;
+    return namespace_index < by_namespace.size() ? by_namespace[namespace_index] : std::uint16_t{0};
+}
+
+const Array<RolePermissionType>* SpaceReader::role_permissions(NodeIndex node) const
+{
+    const NodeAccess* const own = node_access(node);
+    if (own != nullptr && !own->role_permissions.is_null()) {
+        return &own->role_permissions;
     }
-    const std::uint16_t index = node_id(node).namespace_index();
-    return index < by_namespace.size() ? by_namespace[index] : std::uint16_t{0};
+    const auto& by_namespace = tables_->namespace_permissions;
+    if (by_namespace.empty()) {
+        return nullptr;
+    }
+    const std::uint16_t index = tables_->id_of(node).namespace_index();
+    return index < by_namespace.size() && !by_namespace[index].is_null() ? &by_namespace[index]
+                                                                         : nullptr;
+}
+
+Array<RolePermissionType> SpaceReader::namespace_permissions(std::uint16_t namespace_index) const
+{
+    const auto& by_namespace = tables_->namespace_permissions;
+    return namespace_index < by_namespace.size() ? by_namespace[namespace_index]
+                                                 : Array<RolePermissionType>{};
 }
 
 void AddressSpace::set_node_access(NodeIndex node, NodeAccess access)
@@ -69,16 +94,27 @@ void AddressSpace::set_node_access(NodeIndex node, NodeAccess access)
     tables_->watches.tell(node, NodeAspect::Binding);
 }
 
-void AddressSpace::set_namespace_restrictions(std::uint16_t namespace_index,
-                                              std::uint16_t restrictions)
+void AddressSpace::set_namespace_restrictions(std::uint16_t index, std::uint16_t restrictions)
 {
     auto& by_namespace = tables_->namespace_restrictions;
-    if (by_namespace.size() <= namespace_index) {
-        by_namespace.resize(namespace_index + std::size_t{1});
+    if (by_namespace.size() <= index) {
+        by_namespace.resize(index + std::size_t{1});
     }
-    by_namespace[namespace_index] = restrictions;
+    by_namespace[index] = restrictions;
     tables_->watches.tell_bindings(
-        [&](NodeIndex node) { return tables_->id_of(node).namespace_index() == namespace_index; });
+        [&](NodeIndex node) { return tables_->id_of(node).namespace_index() == index; });
+}
+
+void AddressSpace::set_namespace_permissions(std::uint16_t index,
+                                             Array<RolePermissionType> permissions)
+{
+    auto& by_namespace = tables_->namespace_permissions;
+    if (by_namespace.size() <= index) {
+        by_namespace.resize(index + std::size_t{1});
+    }
+    by_namespace[index] = std::move(permissions);
+    tables_->watches.tell_bindings(
+        [&](NodeIndex node) { return tables_->id_of(node).namespace_index() == index; });
 }
 
 Result<Variant> SpaceReader::access_attribute(NodeIndex node, AttributeId id) const

@@ -60,6 +60,7 @@ struct Tables {
     Translations translations;
     /// By namespace; may be shorter.
     std::vector<std::uint16_t> namespace_restrictions;
+    std::vector<Array<RolePermissionType>> namespace_permissions;
     Journal journal;
     WatchTable watches;
     /// See SpaceJournal.

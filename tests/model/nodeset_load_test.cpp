@@ -238,6 +238,27 @@ TEST_CASE_METHOD(NodeSetFixture, "B9: texts of a file in further locales", "[B9]
     CHECK(NodeSetFixture{}.error_of(texts(many)).find("more than 100") != std::string::npos);
 }
 
+TEST_CASE_METHOD(NodeSetFixture, "RolePermissions of a model are for nodes without their own")
+{
+    load({NodeSetSource{
+        "t.xml",
+        model_text("urn:t", "",
+                   "<RolePermissions><RolePermission Permissions=\"3\">i=15680</RolePermission>"
+                   "</RolePermissions>",
+                   variable_text("s=A", "", "") +
+                       variable_text("s=B", "HasNoPermissions=\"true\"", ""))}});
+    const Array<RolePermissionType> operators{
+        {NodeId{0, id::WellKnownRole_Operator}, PermissionType{3}}};
+    REQUIRE(space.role_permissions(find("s=A")) != nullptr);
+    CHECK(*space.role_permissions(find("s=A")) == operators);
+    CHECK(space.attribute(find("s=A"), AttributeId::RolePermissions).error() ==
+          status::Bad_AttributeIdInvalid);
+    REQUIRE(space.role_permissions(find("s=B")) != nullptr);
+    CHECK(space.role_permissions(find("s=B"))->empty());
+    CHECK(space.role_permissions(space.find(id::ObjectsFolder)) == nullptr);
+    CHECK(space.namespace_permissions(1) == operators);
+}
+
 TEST_CASE_METHOD(NodeSetFixture, "Restrictions of a model are for nodes without their own")
 {
     const auto file = [](const std::string& restrictions) {

@@ -219,6 +219,12 @@ TEST_CASE_METHOD(ChangeFixture, "Each namespace is described below Server.Namesp
     metadata.static_node_id_types = {IdType::Numeric};
     metadata.static_numeric_ranges = {"1:99"};
     REQUIRE(server.describe_namespace(index, metadata));
+    CHECK(property("urn:late", "DefaultAccessRestrictions").is_null()); // there is none
+    metadata.default_access_restrictions = std::uint16_t{1};
+    metadata.default_role_permissions.emplace().clear();
+    REQUIRE(server.describe_namespace(index, metadata));
+    CHECK(property("urn:late", "DefaultAccessRestrictions") == Variant{std::uint16_t{1}});
+    CHECK(property("urn:late", "DefaultRolePermissions") == Variant{Array<ExtensionObject>(0)});
     CHECK(property("urn:late", "NamespaceVersion") == Variant{"1.2"});
     CHECK(property("urn:late", "NamespacePublicationDate") == Variant{DateTime{123}});
     CHECK(property("urn:late", "IsNamespaceSubset") == Variant{true});

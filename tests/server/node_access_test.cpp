@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include <busbar/server/method_table.hpp>
+#include <busbar/server/namespace_metadata.hpp>
 #include <busbar/types/data_types.hpp>
 #include <busbar/types/method.hpp>
 #include <busbar/types/monitored_item.hpp>
@@ -326,6 +327,42 @@ TEST_CASE_METHOD(AccessFixture, "RolePermissions are read by whom they let, one'
         REQUIRE(all.array_if<ExtensionObject>() != nullptr);
         CHECK(all.array_if<ExtensionObject>()->size() == 2);
     }
+}
+
+TEST_CASE_METHOD(AccessFixture, "A namespace has RolePermissions for nodes without their own")
+{
+    users.everybody.roles = {"Operator"};
+    TestClient operator_client = log_in();
+    server::NamespaceMetadata metadata;
+    metadata.default_role_permissions.emplace().clear(); // deny by default
+    REQUIRE(server.describe_namespace(1, metadata));
+    CHECK(read(operator_client, "Value").status == status::Bad_NodeIdUnknown);
+    CHECK(call(operator_client) == status::Bad_NodeIdUnknown);
+    CHECK(browse(operator_client, "Area").status_code == status::Bad_NodeIdUnknown);
+    // A node's own win, whatever its namespace says.
+    permit(value, {role(id::WellKnownRole_Anonymous, may_browse | may_read)});
+    CHECK(read(open, "Value").status == status::Good);
+    CHECK(call(open) == status::Bad_NodeIdUnknown);
+
+    metadata.default_role_permissions->push_back(
+        role(id::WellKnownRole_Operator, may_browse | may_call));
+    REQUIRE(server.describe_namespace(1, metadata));
+    CHECK(call(operator_client) == status::Good);
+    CHECK(read(operator_client, "Area", AttributeId::RolePermissions).status ==
+          status::Bad_AttributeIdInvalid); // it has none of its own
+    CHECK(call(open) == status::Bad_NodeIdUnknown);
+    metadata.default_access_restrictions = signing;
+    REQUIRE(server.describe_namespace(1, metadata));
+    CHECK(read(open, "Value").status == weak);
+    CHECK(call(operator_client) == weak);
+
+    // Null is as at first.
+    space().set_node_access(value, {});
+    space().set_namespace_permissions(1, {});
+    space().set_namespace_restrictions(1, 0);
+    CHECK(read(open, "Value").status == status::Good);
+    CHECK(browse(open, "Area").references.size() == 2);
+    CHECK(server.describe_namespace(99, metadata).error() == status::Bad_NotFound);
 }
 
 TEST_CASE_METHOD(AccessFixture, "What AccessLevelEx and WriteMask say",

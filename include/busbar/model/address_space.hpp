@@ -30,7 +30,6 @@ public:
     AddressSpace& operator=(AddressSpace&&) noexcept;
     ~AddressSpace();
 
-    /// What has changed, and who is told of it.
     [[nodiscard]] SpaceJournal journal() const { return SpaceJournal{*this}; }
 
     // Changing. Errors are those of AddNodes and AddReferences (Part 4, 5.8.2 and 5.8.3):
@@ -94,8 +93,9 @@ public:
     void set_access_level(NodeIndex node, Access access_level,
                           Access user_access_level = Access::All);
     void set_node_access(NodeIndex node, NodeAccess access);
-    /// The AccessRestrictions of the nodes of a namespace that have none of their own; 0 at first.
-    void set_namespace_restrictions(std::uint16_t namespace_index, std::uint16_t restrictions);
+    /// For nodes without their own (Part 5, 6.3.13); 0 and null are none, empty denies everything.
+    void set_namespace_restrictions(std::uint16_t index, std::uint16_t restrictions);
+    void set_namespace_permissions(std::uint16_t index, Array<RolePermissionType> permissions);
     void set_executable(NodeIndex node, bool executable);
     void set_display_name(NodeIndex node, LocalizedText text);
     void set_description(NodeIndex node, LocalizedText text);

@@ -65,7 +65,8 @@ struct NodeAccess {
     std::uint32_t more_access_levels{0};
     /// Bits of AccessRestrictionType. Nothing: those of the node's namespace count.
     std::optional<std::uint16_t> restrictions{};
-    /// Null if the node has none of its own; empty if nobody may do anything.
+    /// Null if the node has none of its own, and those of its namespace count; empty if nobody may
+    /// do anything.
     Array<RolePermissionType> role_permissions{};
 
     friend bool operator==(const NodeAccess&, const NodeAccess&) = default;

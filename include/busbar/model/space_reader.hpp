@@ -97,6 +97,13 @@ public:
     /// The AccessRestrictions that count for the node: its own or those of its namespace (Part 3,
     /// 5.2.11). The server enforces them.
     [[nodiscard]] std::uint16_t access_restrictions(NodeIndex node) const;
+    /// The RolePermissions that count for the node: its own or those of its namespace (Part 3,
+    /// 5.2.9); null if there are none. Valid until they are changed. The server enforces them.
+    [[nodiscard]] const Array<RolePermissionType>* role_permissions(NodeIndex node) const;
+    /// What set_namespace_permissions and set_namespace_restrictions gave a namespace.
+    [[nodiscard]] Array<RolePermissionType>
+    namespace_permissions(std::uint16_t namespace_index) const;
+    [[nodiscard]] std::uint16_t namespace_restrictions(std::uint16_t namespace_index) const;
     /// The NodeId of a Variable's DataType even if that node is left out of a small namespace 0.
     [[nodiscard]] NodeId data_type_id(NodeIndex node) const;
     /// Any attribute but Value and UserRolePermissions, whoever asks. Bad_AttributeIdInvalid if the

@@ -148,9 +148,9 @@ public:
 ///
 /// What a node itself says is enforced as well: its AccessRestrictions against the channel
 /// (Bad_SecurityModeInsufficient; those of its namespace where it has none), and its
-/// RolePermissions against the user's roles. These are Anonymous, after a login AuthenticatedUser,
-/// and UserIdentity::roles by the names of the well-known roles or of the roles' nodes.
-/// DefaultRolePermissions of namespaces are ignored.
+/// RolePermissions, or those of its namespace where it has none, against the user's roles. These
+/// are Anonymous, after a login AuthenticatedUser, and UserIdentity::roles by the names of the
+/// well-known roles or of the roles' nodes.
 class BUSBAR_API AccessControl {
 public:
     AccessControl() = default;

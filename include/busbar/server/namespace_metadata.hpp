@@ -1,12 +1,16 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include <busbar/core/api.hpp>
+#include <busbar/core/array.hpp>
 #include <busbar/core/date_time.hpp>
 #include <busbar/core/node_id.hpp>
+#include <busbar/types/data_types.hpp>
 
 namespace busbar::model {
 struct NodeSetModel;
@@ -28,6 +32,10 @@ struct NamespaceMetadata {
     std::vector<std::string> static_numeric_ranges;
     /// and those with identifiers that match this pattern of the operator Like (Part 4, 7.7.3).
     std::string static_string_pattern;
+    /// Set: AddressSpace::set_namespace_permissions and set_namespace_restrictions with them; else
+    /// those stay as they are.
+    std::optional<Array<RolePermissionType>> default_role_permissions{};
+    std::optional<std::uint16_t> default_access_restrictions{};
 };
 
 class Server;

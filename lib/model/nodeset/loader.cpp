@@ -176,6 +176,20 @@ void Loader::fill_variable(const Node& node, NodeRecord& record)
     }
 }
 
+namespace {
+
+Array<RolePermissionType> permissions_of(const std::vector<model::NodeSetPermission>& from)
+{
+    Array<RolePermissionType> permissions;
+    permissions.clear(); // not null
+    for (const model::NodeSetPermission& each : from) {
+        permissions.push_back({each.role, PermissionType{each.permissions}});
+    }
+    return permissions;
+}
+
+} // namespace
+
 void Loader::set_access(const Node& node, NodeIndex index)
 {
     model::NodeAccess access;
@@ -185,10 +199,7 @@ void Loader::set_access(const Node& node, NodeIndex index)
         access.more_access_levels = node.access_level & ~std::uint32_t{UINT8_MAX};
     }
     if (node.role_permissions) {
-        access.role_permissions.clear(); // not null
-        for (const model::NodeSetPermission& each : *node.role_permissions) {
-            access.role_permissions.push_back({each.role, PermissionType{each.permissions}});
-        }
+        access.role_permissions = permissions_of(*node.role_permissions);
     }
     if (!(access == model::NodeAccess{})) {
         graft_.set_access(index, std::move(access));
@@ -218,8 +229,14 @@ void Loader::set_restrictions()
 {
     for (const Model& model : document_.models()) {
         const auto index = space_.namespace_index(model.uri);
-        if (index && *index != 0 && model.access_restrictions) {
+        if (!index || *index == 0) {
+            continue;
+        }
+        if (model.access_restrictions) {
             space_.set_namespace_restrictions(*index, *model.access_restrictions);
+        }
+        if (!model.role_permissions.empty()) {
+            space_.set_namespace_permissions(*index, permissions_of(model.role_permissions));
         }
     }
 }

@@ -103,12 +103,22 @@ binary::TypeRegistry& Server::types()
 
 Result<void> Server::describe_namespace(std::uint16_t index, const NamespaceMetadata& metadata)
 {
-    const auto object =
-        detail::find_or_add_namespace(impl_->address_space, impl_->own_namespace, index);
+    model::AddressSpace& space = impl_->address_space;
+    if (index >= space.namespace_count()) {
+        return fail(status::Bad_NotFound);
+    }
+    if (metadata.default_role_permissions) {
+        space.set_namespace_permissions(index, *metadata.default_role_permissions);
+    }
+    if (metadata.default_access_restrictions) {
+        space.set_namespace_restrictions(index, *metadata.default_access_restrictions);
+    }
+    const auto object = detail::find_or_add_namespace(space, impl_->own_namespace, index);
     if (!object) {
         return fail(object.error());
     }
-    detail::set_metadata(impl_->address_space, *object, metadata);
+    detail::set_metadata(space, *object, metadata);
+    detail::show_defaults(space, *object, index);
     return {};
 }
 
@@ -126,6 +136,7 @@ void describe_models(Server& server, std::span<const model::NodeSetModel> models
             metadata.publication_date =
                 parse_date_time(model.publication_date).value_or(DateTime{});
             detail::set_version(space, *object, metadata);
+            detail::show_defaults(space, *object, *index);
         }
     }
 }

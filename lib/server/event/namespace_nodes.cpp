@@ -155,4 +155,67 @@ void set_version(model::AddressSpace& space, NodeIndex object, const NamespaceMe
     set_properties(space, object, std::span{properties}.first(version_and_date), metadata);
 }
 
+namespace {
+
+/// The property's node, added if it is not there yet.
+NodeIndex find_or_add_property(model::AddressSpace& space, NodeIndex object,
+                               const Property& property)
+{
+    NodeIndex found = model::no_node;
+    const auto find = [&] {
+        space.for_each_child(object, space.find(id::HasProperty), true,
+                             QualifiedName{0, property.name}, [&](NodeIndex child) {
+                                 found = child;
+                                 return false;
+                             });
+    };
+    find();
+    if (found == model::no_node && !add_property(space, object, property, {}).is_bad()) {
+        find();
+    }
+    return found;
+}
+
+void show_permissions(model::AddressSpace& space, NodeIndex object,
+                      const Array<RolePermissionType>& permissions)
+{
+    constexpr Property property{"DefaultRolePermissions", id::RolePermissionType, 1, nullptr};
+    const NodeIndex node = find_or_add_property(space, object, property);
+    if (node == model::no_node) {
+        return;
+    }
+    constexpr auto browse_and_read =
+        PermissionType{static_cast<std::uint32_t>(PermissionType::Browse) |
+                       static_cast<std::uint32_t>(PermissionType::Read)};
+    model::NodeAccess access;
+    for (const std::uint32_t role :
+         {id::WellKnownRole_ConfigureAdmin, id::WellKnownRole_SecurityAdmin}) {
+        access.role_permissions.push_back({NodeId{0, role}, browse_and_read});
+    }
+    space.set_node_access(node, std::move(access));
+    Array<ExtensionObject> shown;
+    shown.clear(); // not null
+    for (const RolePermissionType& each : permissions) {
+        shown.push_back(ExtensionObject::from(each));
+    }
+    static_cast<void>(space.set_value(node, Variant{std::move(shown)}));
+}
+
+} // namespace
+
+void show_defaults(model::AddressSpace& space, NodeIndex object, std::uint16_t index)
+{
+    if (const auto permissions = space.namespace_permissions(index); !permissions.is_null()) {
+        show_permissions(space, object, permissions);
+    }
+    if (const std::uint16_t restrictions = space.namespace_restrictions(index); restrictions != 0) {
+        constexpr Property property{"DefaultAccessRestrictions", id::AccessRestrictionType, -1,
+                                    nullptr};
+        const NodeIndex node = find_or_add_property(space, object, property);
+        if (node != model::no_node) {
+            static_cast<void>(space.set_value(node, Variant{restrictions}));
+        }
+    }
+}
+
 } // namespace busbar::server::detail

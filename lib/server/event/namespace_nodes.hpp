@@ -17,5 +17,9 @@ void set_metadata(model::AddressSpace& space, model::NodeIndex object,
 /// Of it version and publication date alone.
 void set_version(model::AddressSpace& space, model::NodeIndex object,
                  const NamespaceMetadata& metadata);
+/// Has the object say the DefaultRolePermissions and DefaultAccessRestrictions that the namespace
+/// has; neither is there before it has some. The permissions are for administrators, as the
+/// attribute RolePermissions is.
+void show_defaults(model::AddressSpace& space, model::NodeIndex object, std::uint16_t index);
 
 } // namespace busbar::server::detail

@@ -19,8 +19,8 @@ inline constexpr std::uint32_t all_permissions = UINT32_MAX;
 [[nodiscard]] Array<RolePermissionType>
 user_role_permissions(const model::AddressSpace& space, const UserIdentity& user,
                       const Array<RolePermissionType>& permissions);
-/// What the user may do at the node, of all his roles together; everything where the node has no
-/// RolePermissions.
+/// What the user may do at the node, of all his roles together; everything where neither the node
+/// nor its namespace has RolePermissions.
 [[nodiscard]] std::uint32_t user_permissions(const model::AddressSpace& space,
                                              const UserIdentity& user, model::NodeIndex node);
 

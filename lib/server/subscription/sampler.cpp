@@ -174,11 +174,11 @@ void Sampler::remove(SamplingGroup& group)
 void Sampler::watch_roles(model::NodeIndex node)
 {
     const model::AddressSpace& space = needs_.space;
-    const model::NodeAccess* const access = space.node_access(node);
-    if (access == nullptr) {
+    const Array<RolePermissionType>* const permissions = space.role_permissions(node);
+    if (permissions == nullptr) {
         return;
     }
-    for (const RolePermissionType& permission : access->role_permissions) {
+    for (const RolePermissionType& permission : *permissions) {
         const model::NodeIndex role = space.find(permission.role_id);
         if (role != model::no_node && roles_.find(role) == roles_.end()) {
             space.journal().watch(role, model::NodeAspect::Existence,
