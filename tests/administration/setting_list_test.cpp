@@ -1,0 +1,233 @@
+#include <busbar/administration/setting_list.hpp>
+
+#include <cmath>
+#include <limits>
+
+#include <catch2/catch.hpp>
+
+#include <busbar/core/status_codes.hpp>
+#include <busbar/storage/memory_storage.hpp>
+
+using namespace busbar;
+using administration::Setting;
+using administration::SettingChange;
+using administration::SettingList;
+using administration::SettingValues;
+
+namespace {
+
+/// Has no more than ten sessions for each of its hosts.
+struct Owner final : administration::SettingOwner {
+    [[nodiscard]] Variant value(const Setting& setting) const override
+    {
+        const auto found = applied.find(setting.name);
+        return found == applied.end() ? setting.otherwise : found->second;
+    }
+    [[nodiscard]] bool waits_for_restart(const Setting&) const override { return false; }
+    [[nodiscard]] Configured<void> check(const SettingValues& changes) override
+    {
+        ++checks;
+        const auto found = changes.find("limits.sessions");
+        if (found != changes.end() && found->second == Variant{std::int64_t{13}}) {
+            return misconfigured("limits.sessions", "found 13, expected luck");
+        }
+        return {};
+    }
+    void apply(const SettingValues& changes) override { applied = changes; }
+
+    SettingValues applied;
+    int checks{0};
+};
+
+std::vector<Setting> settings()
+{
+    return {
+        {.name = "limits.sessions",
+         .otherwise = Variant{std::int64_t{100}},
+         .range = Range{1, 1'000}},
+        {.name = "server.name", .otherwise = Variant{"Press 4"}},
+        {.name = "server.host_names", .otherwise = Variant{Array<String>{"press-4"}}},
+        {.name = "limits.intervals_ms",
+         .otherwise = Variant{Array<std::int64_t>{100}},
+         .range = Range{1, 500},
+         .unit = "ms"},
+        {.name = "limits.overload", .otherwise = Variant{5.0}, .range = Range{0, 100}, .unit = "%"},
+        {.name = "server.auditing", .otherwise = Variant{false}}};
+}
+
+struct SettingFixture {
+    SettingFixture() { REQUIRE(list.load()); }
+
+    std::string change(std::string name, Variant value)
+    {
+        const SettingChange set[] = {{std::move(name), std::move(value)}};
+        return change(set);
+    }
+    std::string change(std::span<const SettingChange> set)
+    {
+        const auto changed = list.change(set, owner);
+        return changed ? "Good" : text(changed.error());
+    }
+    /// What a program finds that starts anew.
+    [[nodiscard]] SettingValues stored()
+    {
+        SettingList again{storage, "settings.json", settings()};
+        REQUIRE(again.load());
+        return again.changes();
+    }
+    void write(const std::string& document)
+    {
+        REQUIRE(storage.replace("settings.json", std::as_bytes(std::span{document}),
+                                FileAccess::Owner));
+    }
+
+    storage::MemoryStorage storage;
+    Owner owner;
+    SettingList list{storage, "settings.json", settings()};
+};
+
+} // namespace
+
+TEST_CASE_METHOD(SettingFixture, "settings: a set is kept, whole, and in force")
+{
+    const SettingChange set[] = {
+        {"limits.sessions", Variant{std::int64_t{7}}},
+        {"limits.overload", Variant{2.5}},
+        {"limits.intervals_ms", Variant{Array<std::int64_t>{1, 500}}},
+        {"server.auditing", Variant{true}},
+        {"server.name", Variant{"Pr\xC3\xA4gung \"4\""}},
+        {"server.host_names", Variant{Array<String>{"a", "b"}}},
+    };
+    CHECK(change(set) == "Good");
+    CHECK(owner.checks == 1);
+    CHECK(owner.applied.size() == 6);
+    CHECK(stored() == owner.applied);
+    CHECK(stored() == list.changes());
+    CHECK(owner.value(*list.find("server.name")) == Variant{"Pr\xC3\xA4gung \"4\""});
+    // Null takes a change back, and the last of two of one name wins.
+    const SettingChange back[] = {{"server.auditing", Variant{}},
+                                  {"limits.sessions", Variant{std::int64_t{8}}},
+                                  {"limits.sessions", Variant{std::int64_t{9}}}};
+    CHECK(change(back) == "Good");
+    CHECK(owner.value(*list.find("server.auditing")) == Variant{false});
+    CHECK(owner.value(*list.find("limits.sessions")) == Variant{std::int64_t{9}});
+    CHECK(stored() == owner.applied);
+    REQUIRE(list.forget());
+    CHECK(list.changes().empty());
+    CHECK(stored().empty());
+    REQUIRE(list.forget());
+}
+
+TEST_CASE_METHOD(SettingFixture, "settings: what is wrong is refused with the reason")
+{
+    CHECK(change("limits.sessions", Variant{std::int64_t{7}}) == "Good");
+    const auto kept = stored();
+    struct Case {
+        const char* name;
+        Variant value;
+        const char* reason;
+    };
+    const Case cases[] = {
+        {"limits.sessions", Variant{std::int64_t{0}},
+         "limits.sessions: found 0, expected 1 to 1000"},
+        {"limits.sessions", Variant{std::int64_t{1'001}}, "found 1001, expected 1 to 1000"},
+        {"limits.sessions", Variant{std::int32_t{5}}, "expected a whole number"},
+        {"limits.sessions", Variant{std::int64_t{13}}, "expected luck"},
+        {"limits.sessions", Variant{Array<std::int64_t>{5}}, "found [5], expected a whole number"},
+        {"limits.intervals_ms", Variant{Array<std::int64_t>{5, 501}}, "expected 1 to 500 ms"},
+        {"limits.intervals_ms", Variant{std::int64_t{5}}, "expected a list of whole numbers"},
+        {"limits.overload", Variant{100.5}, "expected 0 to 100 %"},
+        {"limits.overload", Variant{std::nan("")}, "expected a number"},
+        {"limits.overload", Variant{std::numeric_limits<double>::infinity()}, "expected a number"},
+        {"server.auditing", Variant{"true"}, "found \"true\", expected true or false"},
+        {"server.name", Variant{String{std::string(65'537, 'x')}}, "65536 bytes"},
+        {"server.host_names", Variant{Array<String>(1'001)}, "1000 elements"},
+        {"server.nam", Variant{"x"}, "server.nam: there is no such setting"},
+    };
+    for (const Case& each : cases) {
+        const std::string reason = change(each.name, each.value);
+        INFO(reason);
+        CHECK(reason.find(each.reason) != std::string::npos);
+    }
+    // One that is wrong takes the others with it.
+    const SettingChange set[] = {{"server.name", Variant{"Press 5"}},
+                                 {"limits.sessions", Variant{std::int64_t{0}}}};
+    CHECK(change(set).find("limits.sessions") == 0);
+    CHECK(stored() == kept);
+    CHECK(owner.applied == kept);
+    CHECK(list.changes() == kept);
+}
+
+TEST_CASE_METHOD(SettingFixture, "settings: a disk that is full leaves all as it was")
+{
+    CHECK(change("limits.sessions", Variant{std::int64_t{7}}) == "Good");
+    const auto kept = owner.applied;
+    const auto refused = [&] {
+        return change("limits.sessions", Variant{std::int64_t{8}})
+                   .find("Bad_ResourceUnavailable") != std::string::npos;
+    };
+    storage.set_capacity(0);
+    CHECK(refused());
+    storage.set_capacity(1'000'000);
+    storage.set_protected(true);
+    CHECK(refused());
+    storage.set_protected(false);
+    storage.set_away(true);
+    CHECK(refused());
+    storage.set_away(false);
+    CHECK(owner.applied == kept);
+    CHECK(stored() == kept);
+}
+
+TEST_CASE("settings: a power cut at any step leaves the old set or the new one")
+{
+    const SettingChange old_set[] = {{"server.name", Variant{"old"}},
+                                     {"server.auditing", Variant{true}}};
+    const SettingChange new_set[] = {{"server.name", Variant{"new"}},
+                                     {"server.auditing", Variant{}}};
+    std::size_t was_kept = 0;
+    std::size_t was_lost = 0;
+    for (std::size_t steps = 0; was_kept < 3; ++steps) {
+        SettingFixture fixture;
+        REQUIRE(fixture.change(old_set) == "Good");
+        const SettingValues before = fixture.stored();
+        fixture.storage.cut_power_after(steps);
+        const bool was_acknowledged = fixture.change(new_set) == "Good";
+        fixture.storage.restore_power();
+        const SettingValues after = fixture.stored();
+        INFO(steps);
+        CHECK((was_acknowledged ? after != before : true));
+        CHECK((after == before || after == SettingValues{{"server.name", Variant{"new"}}}));
+        ++(after == before ? was_lost : was_kept);
+        REQUIRE(steps < 1'000);
+    }
+    CHECK(was_lost > 20);
+}
+
+TEST_CASE_METHOD(SettingFixture, "settings: a file with a mistake is named and not used")
+{
+    struct Case {
+        const char* document;
+        const char* reason;
+    };
+    const Case cases[] = {
+        {"{\"version\":1}", "settings: found nothing, expected an object"},
+        {"{\"version\":1,\"settings\":{\"limits.sessions\":\"7\"}}",
+         "settings.limits.sessions: found \"7\", expected a whole number"},
+        {"{\"version\":1,\"settings\":{\"limits.sessions\":7.5}}", "expected a whole number"},
+        {"{\"version\":1,\"settings\":{\"limits.sessions\":0}}", "expected 1 to 1000"},
+        {"{\"version\":1,\"settings\":{\"server.host_names\":[\"a\",1]}}", "a list of texts"},
+        {"{\"version\":1,\"settings\":{\"limits.none\":0}}", "expected the name of a setting"},
+        {"{\"version\":2,\"settings\":{}}", "version: found 2, expected 1"},
+    };
+    for (const Case& each : cases) {
+        write(each.document);
+        const auto loaded = list.load();
+        INFO(each.document);
+        REQUIRE_FALSE(loaded);
+        INFO(text(loaded.error()));
+        CHECK(text(loaded.error()).find("settings.json") != std::string::npos);
+        CHECK(text(loaded.error()).find(each.reason) != std::string::npos);
+        CHECK(list.changes().empty());
+    }
+}
