@@ -8,6 +8,7 @@
 #include "role_set.hpp"
 #include "server_configuration.hpp"
 #include "server_control.hpp"
+#include "setting_nodes.hpp"
 #include "user_management.hpp"
 
 namespace busbar::administration {
@@ -24,9 +25,11 @@ struct Administration::Impl {
     std::optional<detail::ServerConfiguration> server_configuration;
     std::optional<detail::UserManagement> user_management;
     std::optional<detail::ServerControl> server_control;
+    std::optional<detail::SettingNodes> setting_nodes;
 
     [[nodiscard]] Configured<void> check() const;
     [[nodiscard]] Configured<void> attach(server::Server& server);
+    [[nodiscard]] Configured<void> attach_certificates(server::Server& server);
 };
 
 Administration::Administration(const AdministrationParts& parts)
@@ -44,6 +47,9 @@ Configured<void> Administration::Impl::check() const
     if (parts.certificates != nullptr &&
         (parts.certificates->files == nullptr || parts.certificates->applications == nullptr)) {
         return misconfigured("certificates", "have no files or no store of applications");
+    }
+    if ((parts.settings != nullptr) != (parts.setting_owner != nullptr)) {
+        return misconfigured("settings", "are there without their owner, or it without them");
     }
     if (parts.certificates != nullptr && parts.random == nullptr) {
         return misconfigured("random", "is missing");
@@ -66,9 +72,18 @@ Configured<void> Administration::Impl::attach(server::Server& server)
             return attached;
         }
     }
-    if (parts.certificates == nullptr) {
-        return {};
+    if (parts.settings != nullptr) {
+        setting_nodes.emplace(detail::SettingNodes::Needs{
+            server, *parts.settings, *parts.setting_owner, table, *parts.log, *parts.wall_clock});
+        if (auto attached = setting_nodes->add_nodes(); !attached) {
+            return attached;
+        }
     }
+    return parts.certificates != nullptr ? attach_certificates(server) : Configured<void>{};
+}
+
+Configured<void> Administration::Impl::attach_certificates(server::Server& server)
+{
     if (server.address_space().find(id::ServerConfigurationType) == model::no_node) {
         parts.log->write(LogLevel::Info, "administration",
                          "no ServerConfiguration: namespace 0 of this build is too small for it "

@@ -46,6 +46,29 @@ struct NoteWaker final : server::Waker {
     bool is_awake{false};
 };
 
+/// Keeps to what it is told, and has no more than ten sessions.
+struct PlainOwner final : administration::SettingOwner {
+    [[nodiscard]] Variant value(const administration::Setting& setting) const override
+    {
+        const auto found = applied.find(setting.name);
+        return found == applied.end() ? setting.otherwise : found->second;
+    }
+    [[nodiscard]] bool waits_for_restart(const administration::Setting& setting) const override
+    {
+        return setting.name == "server.port" && applied.contains(setting.name);
+    }
+    [[nodiscard]] Configured<void> check(const administration::SettingValues& changes) override
+    {
+        const auto found = changes.find("limits.sessions");
+        return found != changes.end() && found->second == Variant{std::int64_t{13}}
+                   ? misconfigured("limits.sessions", "found 13, expected luck")
+                   : Configured<void>{};
+    }
+    void apply(const administration::SettingValues& changes) override { applied = changes; }
+
+    administration::SettingValues applied;
+};
+
 /// A server whose certificates and users are managed, in memory and in virtual time. Trusts the
 /// client of the tests; "admin" is SecurityAdmin.
 struct ManagedFixture {
@@ -76,6 +99,8 @@ struct ManagedFixture {
                                                 .worker = worker,
                                                 .stop = [this] { ++stops; },
                                                 .is_in_setup = [this] { return changes == 0; },
+                                                .settings = &settings,
+                                                .setting_owner = &owner,
                                                 .changed = [this] { ++changes; }});
         REQUIRE(administration->attach(server));
     }
@@ -160,6 +185,17 @@ struct ManagedFixture {
                                                      .applications = &applications,
                                                      .users = &user_certificates,
                                                      .users_folder = "users"};
+    administration::SettingList settings{
+        storage,
+        "settings.json",
+        {{.name = "limits.sessions",
+          .description = "How many there may be.",
+          .otherwise = Variant{std::int64_t{100}},
+          .range = Range{1, 1'000}},
+         {.name = "limits.login_lock_ms", .otherwise = Variant{std::int64_t{300}}, .unit = "ms"},
+         {.name = "server.port", .otherwise = Variant{std::int64_t{4'840}}},
+         {.name = "server.host_names", .otherwise = Variant{Array<String>{"press-4"}}}}};
+    PlainOwner owner;
     server::Worker* worker;
     int stops{0};
     /// Of users and roles.

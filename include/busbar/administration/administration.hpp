@@ -5,6 +5,7 @@
 
 #include <busbar/administration/managed_certificates.hpp>
 #include <busbar/administration/role_list.hpp>
+#include <busbar/administration/setting_list.hpp>
 #include <busbar/administration/user_list.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
@@ -42,6 +43,10 @@ struct AdministrationParts {
     std::function<void()> stop{};
     /// InApplicationSetup of ServerConfiguration (Part 12, 7.10.3); empty: it does not say.
     std::function<bool()> is_in_setup{};
+    /// Settings as Variables below the Object "Settings". Null: there are none; else with the
+    /// owner, whose functions are called on the server's thread where it may change the server.
+    SettingList* settings{nullptr};
+    SettingOwner* setting_owner{nullptr};
     /// Called on the server's thread after users or roles have changed. May be empty.
     std::function<void()> changed{};
 };

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include <busbar/administration/setting_list.hpp>
+#include <busbar/core/log.hpp>
+#include <busbar/server/server.hpp>
+
+#include "node_table.hpp"
+
+namespace busbar::administration::detail {
+
+/// The settings as Variables of the server's own namespace, below an Object "Settings" of the
+/// Objects folder, in folders after the parts of their names; with default, range, unit, whether
+/// they were changed online and whether they wait for a restart as properties. The values of one
+/// Write are a set, as are those of one call of the Method Set.
+///
+/// Over encrypted channels; changed by ConfigureAdmin and SecurityAdmin, read by Operator, Engineer
+/// and Supervisor too.
+class SettingNodes final : public server::DataSource {
+public:
+    struct Needs {
+        server::Server& server;
+        SettingList& list;
+        SettingOwner& owner;
+        /// For the Method, and the way back to the server's thread.
+        NodeTable& table;
+        LogSink& log;
+        const WallClock& clock;
+    };
+
+    explicit SettingNodes(const Needs& needs) : needs_{needs} {}
+
+    /// The problem is one of nodes that are there already.
+    [[nodiscard]] Configured<void> add_nodes();
+
+    void read(server::ReadBatch batch) override;
+    void write(server::WriteBatch batch) override;
+
+private:
+    /// What the handle of a node says besides the setting's index.
+    struct Aspect {
+        static constexpr std::uint64_t value = 0;
+        static constexpr std::uint64_t waits = 1;
+        static constexpr std::uint64_t changed = 2;
+        static constexpr std::uint64_t count = 3;
+    };
+
+    [[nodiscard]] Result<model::NodeIndex> add_folder(model::NodeIndex parent,
+                                                      std::string_view path);
+    [[nodiscard]] Result<void> add_setting(std::size_t index);
+    [[nodiscard]] Result<void> add_properties(model::NodeIndex node, std::size_t index);
+    [[nodiscard]] Result<void> add_method();
+    [[nodiscard]] Variant value_of(std::uint64_t handle) const;
+    void write_set(server::WriteBatch& batch);
+    void set(server::MethodCall& call);
+
+    Needs needs_;
+    model::NodeIndex root_{model::no_node};
+    std::uint16_t namespace_{0};
+};
+
+} // namespace busbar::administration::detail
