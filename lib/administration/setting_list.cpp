@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include <busbar/core/status_codes.hpp>
@@ -28,6 +29,10 @@ tl::unexpected<Problem> wrong_value(const Setting& setting, const Variant& value
 
 std::string text_of(double number)
 {
+    constexpr double exact = 9'007'199'254'740'992; // whole numbers up to it are written as such
+    if (number == std::floor(number) && std::abs(number) <= exact) {
+        return std::to_string(static_cast<std::int64_t>(number));
+    }
     detail::JsonWriter json;
     detail::write_value(json, Variant{number});
     return json.take();

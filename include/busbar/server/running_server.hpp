@@ -27,6 +27,8 @@ public:
     /// answers under way arrive; clients activate their sessions over new ones (Part 12, 7.10.9).
     /// Limits of channels and sessions hold for new ones.
     [[nodiscard]] Configured<void> reconfigure(ServerConfig config) const;
+    /// Whether reconfigure() would take it.
+    [[nodiscard]] Configured<void> check(const ServerConfig& config) const;
     /// Ends the sessions of these users with their Subscriptions (Part 18, 5.2.6 and 5.2.7); how
     /// many there were.
     std::size_t end_sessions(FunctionRef<bool(const UserIdentity&)> whose) const;

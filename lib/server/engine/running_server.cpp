@@ -39,6 +39,11 @@ Configured<void> Server::Impl::check_change(const ServerConfig& wanted) const
     return check_modules(wanted);
 }
 
+Configured<void> RunningServer::check(const ServerConfig& config) const
+{
+    return impl_->check_change(config);
+}
+
 Configured<void> RunningServer::reconfigure(ServerConfig config) const
 {
     if (auto checked = impl_->check_change(config); !checked) {
