@@ -12,6 +12,7 @@
 #include <busbar/channel/endpoint_url.hpp>
 
 #include "default_config.hpp"
+#include "endpoint_section.hpp"
 #include "limits_section.hpp"
 #include "plc_section.hpp"
 #include "security_section.hpp"
@@ -142,8 +143,8 @@ std::vector<server::NetworkServer> read_network_servers(const TomlTable& table)
 
 ControllerConfig read_root(const TomlTable& root)
 {
-    root.allow({"server", "reverse_connect", "discovery", "certificates", "endpoint", "users",
-                "limits", "plc"});
+    root.allow({"server", "reverse_connect", "discovery", "certificates", "endpoint", "security",
+                "users", "limits", "plc"});
     ControllerConfig config;
     read_preset(root.table("limits"), config);
     read_server(root.table("server"), config);
@@ -171,19 +172,31 @@ bool is_nobody(const UserConfig& users)
     return !users.anonymous && !users.certified && users.accounts.empty() && !users.tokens;
 }
 
-ControllerConfig parse_config(std::string_view text, const std::string& file)
+toml::table parse_table(std::string_view text, const std::string& file)
 {
     try {
-        const toml::table table = toml::parse(text, file);
-        return read_root(TomlTable{table, file});
+        return toml::parse(text, file);
     } catch (const toml::parse_error& error) {
         throw ConfigError{file + ":" + std::to_string(error.source().begin.line),
                           std::string{error.description()}};
     }
 }
 
-ControllerConfig read_config(const std::string& path)
+ControllerConfig config_of(const toml::table& table, const std::string& file)
 {
+    return read_root(TomlTable{table, file});
+}
+
+ControllerConfig parse_config(std::string_view text, const std::string& file)
+{
+    return config_of(parse_table(text, file), file);
+}
+
+std::string read_config_text(const std::string& path)
+{
+    if (path.empty()) {
+        return default_config;
+    }
     if (std::error_code ignored; std::filesystem::is_directory(path, ignored)) {
         throw ConfigError{path, "found a directory, expected a file; --print-config prints one"};
     }
@@ -200,7 +213,12 @@ ControllerConfig read_config(const std::string& path)
         throw ConfigError{path, "found more than " + std::to_string(max_config_size) +
                                     " bytes, expected a configuration; --print-config prints one"};
     }
-    return parse_config(text, path);
+    return text;
+}
+
+ControllerConfig read_config(const std::string& path)
+{
+    return parse_config(read_config_text(path), path);
 }
 
 ControllerConfig read_config_or_default(const std::string& path)

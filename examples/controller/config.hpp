@@ -101,7 +101,14 @@ struct ControllerConfig {
 /// Has endpoints offer the kinds of user that there are.
 void offer_users(ControllerConfig& config);
 
-/// Reads a configuration; `file` is its name in messages. Throws ConfigError.
+// Reading a configuration. All throw ConfigError.
+
+/// What a file has in it; the built-in one if `path` is empty.
+[[nodiscard]] std::string read_config_text(const std::string& path);
+/// `file` is its name in messages.
+[[nodiscard]] toml::table parse_table(std::string_view text, const std::string& file);
+/// What has no line was not read from the file, but changed online.
+[[nodiscard]] ControllerConfig config_of(const toml::table& table, const std::string& file);
 [[nodiscard]] ControllerConfig parse_config(std::string_view text, const std::string& file);
 [[nodiscard]] ControllerConfig read_config(const std::string& path);
 /// The built-in one if `path` is empty.

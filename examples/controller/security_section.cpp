@@ -165,30 +165,6 @@ TokenConfig read_tokens(const TomlTable& table)
     return tokens;
 }
 
-channel::SecuritySetting read_setting(const TomlTable& table)
-{
-    const auto* policy = crypto::find_policy_by_name(table.text("policy"));
-    if (policy == nullptr) {
-        std::string names;
-        for (const crypto::SecurityPolicy& known : crypto::security_policies()) {
-            names += (names.empty() ? "" : ", ") + std::string{known.name};
-        }
-        table.fail("policy", "one of: " + names);
-    }
-    const std::string mode = table.text("mode", policy->is_none() ? "None" : "SignAndEncrypt");
-    if (policy->is_none()) {
-        if (mode != "None") {
-            table.fail("mode", "None, the only mode of policy None");
-        }
-        return {policy, MessageSecurityMode::None};
-    }
-    if (mode != "Sign" && mode != "SignAndEncrypt") {
-        table.fail("mode", "Sign or SignAndEncrypt");
-    }
-    return {policy,
-            mode == "Sign" ? MessageSecurityMode::Sign : MessageSecurityMode::SignAndEncrypt};
-}
-
 } // namespace
 
 void read_certificates(const TomlTable& table, ControllerConfig& config)
@@ -228,29 +204,6 @@ void read_users(const TomlTable& table, ControllerConfig& config)
     }
     if (users.has_setup && !is_nobody(users)) {
         table.refuse("setup", "found it beside other users, expected one or the other");
-    }
-}
-
-void read_endpoints(const TomlTable& root, ControllerConfig& config)
-{
-    const auto tables = root.tables("endpoint");
-    if (!tables.empty()) {
-        config.server.endpoints.clear();
-    }
-    for (const TomlTable& table : tables) {
-        table.allow({"policy", "mode"});
-        config.server.endpoints.emplace_back().security = read_setting(table);
-    }
-    offer_users(config);
-}
-
-void offer_users(ControllerConfig& config)
-{
-    for (server::EndpointConfig& endpoint : config.server.endpoints) {
-        endpoint.allows_anonymous = config.users.anonymous.has_value();
-        endpoint.allows_user_name = !config.users.accounts.empty();
-        endpoint.allows_certificate = config.users.certified.has_value();
-        endpoint.allows_issued = config.users.tokens.has_value();
     }
 }
 
