@@ -42,10 +42,16 @@ void Administered::add_users(Admission& admission, ControllerConfig& config)
         }
         new_code_ = setup_->begin(random_);
     }
-    if (!users_->users().empty() || setup_->is_active()) {
-        for (server::EndpointConfig& endpoint : config.server.endpoints) {
-            endpoint.allows_user_name = true;
-        }
+    offer_passwords(config.server.endpoints);
+}
+
+void Administered::offer_passwords(std::vector<server::EndpointConfig>& endpoints) const
+{
+    if (users_->users().empty() && !setup_->is_active()) {
+        return;
+    }
+    for (server::EndpointConfig& endpoint : endpoints) {
+        endpoint.allows_user_name = true;
     }
 }
 
@@ -68,30 +74,34 @@ void Administered::read_users()
     expect(users_->load());
 }
 
-void Administered::attach(server::Server& server, Admission& admission, ControllerConfig& config,
-                          server::Worker& worker, std::function<void()> stop)
+void Administered::attach(const ToAdminister& what)
 {
     administration::AdministrationParts parts{
-        .wall_clock = &clock_, .log = &audit_, .roles = &roles_, .stop = std::move(stop)};
-    if (manages_certificates(config)) {
+        .wall_clock = &clock_, .log = &audit_, .roles = &roles_, .stop = what.stop};
+    parts.settings = &what.settings.list();
+    parts.setting_owner = &what.settings;
+    if (manages_certificates(what.config)) {
         certificates_.files = &files_;
-        certificates_.applications = &admission.client_store();
-        certificates_.users = admission.user_store();
+        certificates_.applications = &what.admission.client_store();
+        certificates_.users = what.admission.user_store();
         certificates_.users_folder = "users";
-        certificates_.key_bits = config.certificates.key_bits;
-        certificates_.renewed = [&config](const crypto::OwnCertificate& own) {
+        certificates_.key_bits = what.config.certificates.key_bits;
+        certificates_.renewed = [&config = what.config](const crypto::OwnCertificate& own) {
             config.server.identity = channel::ApplicationIdentity{own.certificates, own.key};
         };
         parts.users = &*users_;
         parts.certificates = &certificates_;
         parts.random = &random_;
-        parts.worker = &worker;
+        parts.worker = &what.worker;
         parts.is_in_setup = [this] { return setup_->is_active(); };
-        parts.changed = [this, &server] { end_setup(server); };
+        parts.changed = [this, &server = what.server, offer_changed = what.offer_changed] {
+            end_setup(server);
+            offer_changed();
+        };
     }
-    expect(administration_.emplace(parts).attach(server));
-    if (config.server.is_auditing) {
-        audit_.attach(server.event_queue(), server.config().application_uri);
+    expect(administration_.emplace(parts).attach(what.server));
+    if (what.config.server.is_auditing) {
+        audit_.attach(what.server.event_queue(), what.server.config().application_uri);
     }
 }
 

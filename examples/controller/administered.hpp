@@ -3,6 +3,7 @@
 #include <atomic>
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include <busbar/administration/administration.hpp>
 #include <busbar/administration/audit_log.hpp>
@@ -11,12 +12,27 @@
 
 #include "admission.hpp"
 #include "config.hpp"
+#include "settings.hpp"
 #include "setup.hpp"
 
 namespace busbar::example {
 
 /// Whether certificates and users are managed online: where certificates decide.
 [[nodiscard]] bool manages_certificates(const ControllerConfig& config);
+
+/// What an Administered works on; all must outlive it, but the worker, which is to end before.
+struct ToAdminister {
+    server::Server& server;
+    Admission& admission;
+    /// Is told of another certificate.
+    ControllerConfig& config;
+    Settings& settings;
+    server::Worker& worker;
+    /// Ends the program.
+    std::function<void()> stop;
+    /// Called on the server's thread when other kinds of user may log in than before.
+    std::function<void()> offer_changed;
+};
 
 /// What administrators change while the controller runs, kept in the folder of certificates.
 class Administered {
@@ -30,17 +46,16 @@ public:
     /// Users who were added while it ran come to those of the file, and `config` offers them. Once,
     /// before the server is made. Throws ConfigError. `admission` must outlive it.
     void add_users(Admission& admission, ControllerConfig& config);
+    /// Has endpoints offer passwords if a user of the list, or of the setup, has one.
+    void offer_passwords(std::vector<server::EndpointConfig>& endpoints) const;
     /// Who decides about clients, also in a setup.
     [[nodiscard]] crypto::CertificateValidator& clients() { return *setup_; }
     /// The one-time code of the setup, if this is the first start of a controller that has one.
     [[nodiscard]] const std::optional<crypto::Secret>& new_code() const { return new_code_; }
     /// Those users again, after `admission` has read its file again. Throws ConfigError.
     void read_users();
-    /// Once, before clients connect; `config` is told of another certificate. Throws ConfigError.
-    /// The worker is to end before this; config and admission must outlive it.
-    /// `stop` ends the program.
-    void attach(server::Server& server, Admission& admission, ControllerConfig& config,
-                server::Worker& worker, std::function<void()> stop);
+    /// Once, before clients connect. Throws ConfigError.
+    void attach(const ToAdminister& what);
 
 private:
     void end_setup(server::Server& server);

@@ -107,7 +107,7 @@ void Admission::add_users()
     }
 }
 
-void Admission::replace_users(const UserConfig& users, const std::string& file)
+void Admission::check_users(const UserConfig& users, const std::string& file) const
 {
     if (const std::string kind = changed_kind(config_, users); !kind.empty()) {
         throw ConfigError{file + ": [users]",
@@ -115,6 +115,10 @@ void Admission::replace_users(const UserConfig& users, const std::string& file)
                               " came or went, expected the kinds of user that there are since the "
                               "start: restart the controller"};
     }
+}
+
+void Admission::replace_users(const UserConfig& users)
+{
     for (const Account& account : config_.accounts) {
         if (!has_account(users, account.name)) {
             users_.passwords().remove(account.name);

@@ -27,9 +27,11 @@ public:
     {
         return config_.certified ? &user_store_ : nullptr;
     }
-    /// Lets in whom `users` names from now on, and nobody else. Throws a ConfigError that begins
-    /// with `file` if kinds of user came or went: endpoints offer those since the start.
-    void replace_users(const UserConfig& users, const std::string& file);
+    /// Throws a ConfigError that begins with `file` if kinds of user came or went: endpoints offer
+    /// those since the start.
+    void check_users(const UserConfig& users, const std::string& file) const;
+    /// Lets in whom `users` names from now on, and nobody else; after check_users().
+    void replace_users(const UserConfig& users);
     /// Reads the trust lists again, which happens anyway when files change; how many there are.
     [[nodiscard]] std::string read_certificates(DateTime now);
     /// Where passwords are checked from now on; it is to end before this and the server.

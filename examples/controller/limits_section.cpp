@@ -207,10 +207,11 @@ std::string key_of(std::string_view limit)
 
 void read_preset(const TomlTable& table, ControllerConfig& config)
 {
-    if (!table.has("preset")) {
+    const std::string name = table.text("preset", "");
+    if (name.empty()) {
         return;
     }
-    const auto preset = find_preset(table.text("preset", ""));
+    const auto preset = find_preset(name);
     if (!preset) {
         table.fail("preset", std::string{preset_names});
     }

@@ -10,13 +10,11 @@
 #include <malloc.h>
 #include <unistd.h>
 
-#include <busbar/channel/endpoint_url.hpp>
 #include <busbar/controller/plc.hpp>
 #include <busbar/controller/plc_events.hpp>
 #include <busbar/controller/plc_methods.hpp>
 #include <busbar/controller/plc_nodes.hpp>
 #include <busbar/controller/plc_task.hpp>
-#include <busbar/core/text_forms.hpp>
 #include <busbar/crypto/password_hash.hpp>
 #include <busbar/net/server_loop.hpp>
 #include <busbar/net/system.hpp>
@@ -28,16 +26,17 @@
 #include <busbar/server/password_users.hpp>
 #include <busbar/server/process_image.hpp>
 
-#include "addresses.hpp"
 #include "administered.hpp"
 #include "admission.hpp"
 #include "config.hpp"
 #include "default_config.hpp"
-#include "first_account.hpp"
 #include "identity.hpp"
+#include "live_config.hpp"
 #include "models.hpp"
 #include "prints.hpp"
 #include "reload.hpp"
+#include "settings.hpp"
+#include "startup.hpp"
 #include "welcome.hpp"
 
 using namespace busbar;
@@ -78,74 +77,9 @@ T expect(Result<T> result, const std::string& what)
     }
 }
 
-bool needs_certificate(const ControllerConfig& config)
-{
-    if (!config.discovery.url.empty() && !config.discovery.allows_none) {
-        return true;
-    }
-    for (const server::EndpointConfig& endpoint : config.server.endpoints) {
-        if (!endpoint.security.policy->is_none() || endpoint.allows_user_name ||
-            endpoint.allows_certificate || endpoint.allows_issued) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/// Names that a file need not give.
-void set_names(ControllerConfig& config)
-{
-    const std::string machine = example::machine_name();
-    server::ServerConfig& server = config.server;
-    if (server.application_uri.empty()) {
-        server.application_uri = "urn:" + machine + ":busbar:controller";
-    }
-    server.build = {"Busbar", BUSBAR_VERSION, BUSBAR_VERSION,
-                    parse_date_time(BUSBAR_BUILD_DATE "T00:00:00Z").value_or(DateTime{})};
-    server.program = example::program_of(config, net::is_clock_synchronized());
-    server.host_names = example::known_hosts(config, machine, example::interface_addresses());
-}
-
-/// Certificate and URL of a controller that listens on `port`.
-void set_endpoint(ControllerConfig& config, std::uint16_t port, DateTime now)
-{
-    server::ServerConfig& server = config.server;
-    channel::EndpointUrl url;
-    url.host = example::default_host(config, example::machine_name());
-    url.port = port;
-    server.endpoint_url = url.text();
-    if (needs_certificate(config)) {
-        server.identity = example::load_identity(config.certificates, server.application_name,
-                                                 server.application_uri, server.host_names, now);
-    }
-}
-
-/// Without a file there is no account, and a password that everybody knows is none: the controller
-/// makes one of its own, for whoever has the terminal that it is first started from.
-void add_first_account(ControllerConfig& config)
-{
-    const std::string& folder = config.certificates.folder;
-    auto first = example::load_first_account(folder);
-    if (!first && ::isatty(STDOUT_FILENO) == 0) {
-        throw ConfigError{
-            folder, "nobody can log in yet, expected a first start on a terminal, which shows "
-                    "a password once, or an account in a file: see --print-config"};
-    }
-    if (!first) {
-        crypto::SystemRandom random;
-        first = example::make_first_account(folder, random);
-        std::printf("user \"%s\", password \"%.*s\": shown this once; %s/operator.password has its "
-                    "hash\n",
-                    first->account.name.c_str(), static_cast<int>(first->password->size()),
-                    first->password->text().data(), folder.c_str());
-    }
-    config.users.accounts.push_back(first->account);
-    example::offer_users(config);
-}
-
 int regenerate_certificate(ControllerConfig config)
 {
-    set_names(config);
+    example::set_names(config);
     const server::ServerConfig& server = config.server;
     const auto made = example::regenerate_certificate(config.certificates, server.application_name,
                                                       server.application_uri, server.host_names,
@@ -183,19 +117,21 @@ bool has_terminal()
 
 /// What fails changes nothing: the reason goes to the log. A signal because the terminal was closed
 /// ends the controller, as it does other programs in a terminal.
-void reload_on_hangup(net::ServerLoop& loop, const std::string& file, example::Admission& admission,
-                      example::Administered& administered, server::Server& server, LogSink& log)
+void reload_on_hangup(net::ServerLoop& loop, const std::string& file,
+                      const example::ToAdminister& what, example::Administered& administered,
+                      LogSink& log)
 {
-    loop.on_hangup([&, file, had_terminal = has_terminal()] {
+    loop.on_hangup([&, what, file, had_terminal = has_terminal()] {
         if (had_terminal && !has_terminal()) {
             loop.stop();
             return;
         }
         try {
             const DateTime now = net::SystemWallClock{}.now();
-            log.write(LogLevel::Info, "controller", example::reload(file, admission, now));
+            log.write(LogLevel::Info, "controller",
+                      example::reload(file, what.settings, what.admission, now));
             administered.read_users();
-            server.announce_access_change(std::chrono::steady_clock::now());
+            what.server.announce_access_change(std::chrono::steady_clock::now());
         } catch (const ConfigError& error) {
             log.write(LogLevel::Error, "controller",
                       std::string{error.what()} + "; nothing was changed");
@@ -239,7 +175,7 @@ void welcome(const ControllerConfig& config, const controller::Plc& plc,
 }
 
 /// `file` is where `config` is from; empty for the built-in one.
-int serve(ControllerConfig config, const std::string& file)
+int serve(ControllerConfig config, example::Settings& settings, const std::string& file)
 {
     net::StderrLog log{LogLevel::Debug};
     net::SystemWallClock wall_clock;
@@ -250,8 +186,8 @@ int serve(ControllerConfig config, const std::string& file)
     net::ReverseConnectConfig reverse;
     reverse.client_urls = config.reverse_urls;
     expect(loop.connect_to_clients(reverse), "connecting to clients");
-    set_names(config);
-    set_endpoint(config, port, wall_clock.now());
+    example::set_names(config);
+    example::set_endpoint(config, port, wall_clock.now());
     example::Administered administered{config, wall_clock, log};
     example::Admission admission{config, administered.log()};
     administered.add_users(admission, config);
@@ -282,7 +218,17 @@ int serve(ControllerConfig config, const std::string& file)
          .identity = config.server.identity ? &*config.server.identity : nullptr});
     auto server = make_server(config.server, environment, file);
     net::WorkerThread worker{64, &log};
-    administered.attach(server, admission, config, worker, [&loop] { loop.stop(); });
+    const example::LiveConfig live{server, administered, config, administered.log()};
+    const example::ToAdminister what{.server = server,
+                                     .admission = admission,
+                                     .config = config,
+                                     .settings = settings,
+                                     .worker = worker,
+                                     .stop = [&loop] { loop.stop(); },
+                                     .offer_changed = [&] { live.apply(settings.config()); }};
+    administered.attach(what);
+    settings.run({.check = [&](const ControllerConfig& next) { return live.check(next); },
+                  .apply = [&](const ControllerConfig& next) { live.apply(next); }});
     controller::PlcNodesOptions nodes;
     nodes.source = server.add_source(source);
     nodes.cycle = config.scan;
@@ -301,7 +247,7 @@ int serve(ControllerConfig config, const std::string& file)
     task.after_scan([&events](DateTime time) { events.raise(time); }, &log);
     task.start();
     loop.stop_on_signals();
-    reload_on_hangup(loop, file, admission, administered, server, log);
+    reload_on_hangup(loop, file, what, administered, log);
     welcome(config, *plc, administered, wall_clock.now());
     loop.run(server);
     task.stop();
@@ -338,9 +284,11 @@ int run(int argc, char** argv)
     bool wants_hash = false;
     bool wants_config = false;
     bool wants_certificate = false;
+    bool forgets_changes = false;
     example::Prints prints;
-    CLI::App app{"An OPC UA server in front of a simulated PLC. SIGHUP has it read users and trust "
-                 "lists again."};
+    CLI::App app{
+        "An OPC UA server in front of a simulated PLC. SIGHUP has it read users, trust lists, "
+        "endpoints and limits again."};
     app.add_option("--config", file, "configuration; the built-in one by default");
     app.add_option("--port", port, "instead of the configuration's; 0 is any that is free");
     app.add_flag("--print-config", wants_config, "print the built-in configuration, commented");
@@ -348,6 +296,8 @@ int run(int argc, char** argv)
                  "read a password from standard input, print what a configuration may store");
     app.add_flag("--regenerate-certificate", wants_certificate,
                  "make a new certificate and key with the names of the configuration, and end");
+    app.add_flag("--forget-changes", forgets_changes,
+                 "drop what administrators changed of the settings online, and end");
     prints.add_to(app);
     try {
         app.parse(argc, argv);
@@ -369,18 +319,23 @@ int run(int argc, char** argv)
     ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
     // Who reads the log may go; the machine goes on.
     std::signal(SIGPIPE, SIG_IGN);
-    ControllerConfig config = example::read_config_or_default(file);
+    if (forgets_changes) {
+        example::forget_changes(file);
+        return 0;
+    }
+    example::Settings settings{file};
+    ControllerConfig config = settings.config();
     config.port = port.value_or(config.port);
     if (wants_certificate) {
         return regenerate_certificate(std::move(config));
     }
     if (file.empty()) {
-        add_first_account(config);
+        example::add_first_account(config);
     } else if (example::is_nobody(config.users) && !config.users.has_setup) {
         throw ConfigError{file, "nobody can log in, expected an account, anonymous, "
                                 "certificates or tokens in [users]: see --print-config"};
     }
-    return serve(std::move(config), file);
+    return serve(std::move(config), settings, file);
 }
 
 } // namespace

@@ -3,13 +3,14 @@
 #include <string>
 
 #include "admission.hpp"
-#include "config.hpp"
+#include "settings.hpp"
 
 namespace busbar::example {
 
-/// Reads the users of the configuration file `path` and the trust lists again, for a controller
-/// that runs with `admission`. What was read, as a line for the log. Throws ConfigError; then
-/// everything is as it was.
-[[nodiscard]] std::string reload(const std::string& path, Admission& admission, DateTime now);
+/// Reads again what may change while the controller runs: the users and the settings in the file at
+/// `path`, which is empty for the built-in one, and the trust lists. What it found, for the log; a
+/// ConfigError changes nothing.
+[[nodiscard]] std::string reload(const std::string& path, Settings& settings, Admission& admission,
+                                 DateTime now);
 
 } // namespace busbar::example

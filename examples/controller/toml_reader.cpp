@@ -24,7 +24,8 @@ std::string shown(const toml::node& node)
 
 std::string TomlTable::place(const toml::node& node) const
 {
-    return file_ + ":" + std::to_string(node.source().begin.line);
+    const auto line = node.source().begin.line;
+    return line == 0 ? std::string{"changed online"} : file_ + ":" + std::to_string(line);
 }
 
 void TomlTable::fail(std::string_view key, const std::string& expected) const

@@ -55,13 +55,15 @@ struct Plant {
     Plant()
     {
         write(file, "[users]\nanonymous = \"read\"\n" + account("anna", "first password"));
-        ControllerConfig config = read_config(file);
+        settings = std::make_unique<Settings>(file);
+        ControllerConfig config = settings->config();
         config.certificates.folder = folder.path.string() + "/pki";
         admission = std::make_unique<Admission>(config, log);
     }
     std::string reload()
     {
-        return example::reload(file, *admission, DateTime::from_unix_seconds(1'750'000'000));
+        return example::reload(file, *settings, *admission,
+                               DateTime::from_unix_seconds(1'750'000'000));
     }
     bool lets_in(const std::string& name, const std::string& password)
     {
@@ -71,6 +73,7 @@ struct Plant {
     test::TemporaryFolder folder;
     std::string file{folder.path.string() + "/plant.toml"};
     NullLog log;
+    std::unique_ptr<Settings> settings;
     std::unique_ptr<Admission> admission;
 };
 

@@ -1,0 +1,127 @@
+#include "settings.hpp"
+
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "limit_keys.hpp"
+#include "setting_keys.hpp"
+#include "setting_overlay.hpp"
+
+namespace busbar::example {
+
+namespace {
+
+using administration::Setting;
+using administration::SettingValues;
+
+constexpr const char* settings_file = "settings.json";
+
+std::string name_of_file(const std::string& path)
+{
+    return path.empty() ? "built-in" : path;
+}
+
+/// Limits that no key sets are those of the preset.
+Variant value_of(const toml::table& table, const ControllerConfig& config, const Setting& setting)
+{
+    for (const LimitKey& key : limit_keys()) {
+        if (setting.name == setting_name(key)) {
+            return Variant{key.get(config)};
+        }
+    }
+    if (setting.name == "endpoint") {
+        return endpoint_value(config.server);
+    }
+    Variant value = value_in(table, setting);
+    return value.is_null() ? setting.otherwise : value;
+}
+
+} // namespace
+
+Settings::Settings(const std::string& path) : Settings{path, read_config_text(path)} {}
+
+Settings::Settings(const std::string& path, std::string text)
+    : path_{path}, name_{name_of_file(path)}, text_{std::move(text)},
+      folder_{parse_config(text_, name_).certificates.folder}, list_{folder_, settings_file,
+                                                                     controller_settings(
+                                                                         parse_table(text_, name_))}
+{
+    expect(list_.load());
+    try {
+        take(version(text_, list_.changes()));
+    } catch (const ConfigError& error) {
+        throw ConfigError{error.what(), "with what was changed online, which --forget-changes "
+                                        "drops"};
+    }
+    started_ = values_;
+}
+
+Settings::Version Settings::version(const std::string& text, const SettingValues& changes) const
+{
+    toml::table table = parse_table(text, name_);
+    overlay(table, changes);
+    Version version{config_of(table, name_), {}};
+    for (const Setting& setting : list_.settings()) {
+        version.values.emplace(setting.name, value_of(table, version.config, setting));
+    }
+    return version;
+}
+
+void Settings::take(Version version)
+{
+    config_ = std::move(version.config);
+    values_ = std::move(version.values);
+    if (running_.apply) {
+        running_.apply(config_);
+    }
+}
+
+void Settings::read_again(FunctionRef<void(const ControllerConfig&)> check)
+{
+    std::string text = read_config_text(path_);
+    Version all = version(text, list_.changes());
+    check(all.config);
+    if (running_.check) {
+        expect(running_.check(all.config));
+    }
+    text_ = std::move(text);
+    take(std::move(all));
+}
+
+Variant Settings::value(const Setting& setting) const
+{
+    return values_.at(setting.name);
+}
+
+bool Settings::waits_for_restart(const Setting& setting) const
+{
+    return !is_live(setting.name) && !(values_.at(setting.name) == started_.at(setting.name));
+}
+
+Configured<void> Settings::check(const SettingValues& changes)
+{
+    try {
+        const Version all = version(text_, changes);
+        return running_.check ? running_.check(all.config) : Configured<void>{};
+    } catch (const ConfigError& error) {
+        return tl::unexpected{error.problem()};
+    }
+}
+
+void Settings::apply(const SettingValues& changes)
+{
+    take(version(text_, changes));
+}
+
+void forget_changes(const std::string& path)
+{
+    const std::string place = read_config_or_default(path).certificates.folder;
+    if (std::error_code ignored; !std::filesystem::exists(place, ignored)) {
+        return;
+    }
+    storage::FolderStorage folder{place};
+    expect(administration::SettingList{folder, settings_file, {}}.forget());
+}
+
+} // namespace busbar::example

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+
+#include <busbar/core/date_time.hpp>
+
+#include "config.hpp"
+
+namespace busbar::example {
+
+// What a configuration needs before it can be served. All throw ConfigError.
+
+/// Names that a file need not give.
+void set_names(ControllerConfig& config);
+/// Certificate and URL of a controller that listens on `port`.
+void set_endpoint(ControllerConfig& config, std::uint16_t port, DateTime now);
+/// Without a file there is no account, and a password that everybody knows is none: the controller
+/// makes one of its own, for whoever has the terminal that it is first started from.
+void add_first_account(ControllerConfig& config);
+
+} // namespace busbar::example
