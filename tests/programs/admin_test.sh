@@ -67,6 +67,20 @@ as_admin 0 admin user remove "$url" pat --yes
 as_admin 0 --json admin user list "$url"
 says '^\[\]$'
 
+# Settings, in force at once or after a restart; the file stays as the user wrote it.
+cp controller.toml before.toml
+as_admin 0 admin setting set "$url" limits.sessions 20 plc.scan_ms 50 server.name "Press 4"
+says "wait for a restart: plc.scan_ms"
+as_admin 0 admin setting list "$url" --changed
+says "limits.sessions *20 .*changed"
+as_admin 1 admin setting set "$url" limits.sessions 21 plc.scan_ms 0
+as_admin 0 --json admin setting list "$url" limits.sessions plc.scan_ms
+says '"name":"limits.sessions","value":"20","default":"100","low":1,"high":100000'
+says '"name":"plc.scan_ms","value":"50","default":"20".*"isChanged":true,"waitsForRestart":true'
+run 4 --user pat --password-file pat --trust admin setting list "$url"
+as_admin 0 admin setting reset "$url" plc.scan_ms
+cmp -s before.toml controller.toml || fail "the user's file was written"
+
 # A stranger, who was rejected and is trusted.
 run 0 --pki other cert create
 run 4 --pki other --user chief --password-file chief --trust admin status "$url"
@@ -97,6 +111,18 @@ as_admin 0 admin shutdown "$url" --seconds 1 --reason "maintenance" --yes
 await ended && wait "$pid" || fail "the controller ends with $?"
 pid=""
 logged "maintenance" || fail "the log does not say why"
+
+# What was changed outlives it, until somebody forgets it.
+serve --config controller.toml
+as_admin 0 admin setting list "$url" --changed
+says "Press 4"
+kill "$pid" && wait "$pid"
+"$controller" --config controller.toml --forget-changes || fail "nothing is forgotten"
+serve --config controller.toml
+as_admin 0 admin setting list "$url" --changed
+says "No settings were changed"
+kill "$pid" && wait "$pid"
+pid=""
 
 # A controller that nobody administers yet: whoever knows the code it prints makes the first
 # administrator, from any client, and then it is over.

@@ -24,6 +24,17 @@ Group::Group(CLI::App& parent, Run& run, const char* name, const char* text)
 CLI::App* Group::add(const char* name, const char* text, std::size_t words, const char* word_names,
                      Action action)
 {
+    return add(name, text, word_names, words, action);
+}
+
+CLI::App* Group::add_any(const char* name, const char* text, const char* word_names, Action action)
+{
+    return add(name, text, word_names, std::nullopt, action);
+}
+
+CLI::App* Group::add(const char* name, const char* text, const char* word_names,
+                     std::optional<std::size_t> words, Action action)
+{
     auto* command = app_->add_subcommand(name, text);
     command->fallthrough();
     command->add_option(word_names, arguments_->words,
@@ -31,11 +42,11 @@ CLI::App* Group::add(const char* name, const char* text, std::size_t words, cons
     command->callback([run = run_, arguments = arguments_, words, action,
                        names = std::string{word_names}] {
         *run = [arguments, words, action, names](Context& context) {
-            take_url(arguments->words, context.options, words);
-            if (arguments->words.size() != words) {
+            take_url(arguments->words, context.options, words.value_or(0));
+            if (words && arguments->words.size() != *words) {
                 throw Failure{Exit::Usage,
                               std::to_string(arguments->words.size()) + " arguments instead of " +
-                                  std::to_string(words),
+                                  std::to_string(*words),
                               "expected " + (words == 0 ? std::string{"none but a URL"} : names)};
             }
             Connection connection{context};

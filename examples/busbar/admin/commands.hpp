@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct Arguments {
     std::string new_password_file;
     std::string description;
     bool must_change{false};
+    bool only_changed{false};
     std::string subject;
     std::vector<std::string> hosts;
     unsigned days{365};
@@ -39,9 +41,14 @@ public:
     /// `words`: how many it needs besides the URL, and what they are called: "NAME ROLE".
     CLI::App* add(const char* name, const char* text, std::size_t words, const char* word_names,
                   Action action);
+    /// The same for one that takes any number of words and sees for itself whether they are enough.
+    CLI::App* add_any(const char* name, const char* text, const char* word_names, Action action);
     [[nodiscard]] Arguments& arguments() { return *arguments_; }
 
 private:
+    CLI::App* add(const char* name, const char* text, const char* word_names,
+                  std::optional<std::size_t> words, Action action);
+
     CLI::App* app_;
     Run* run_;
     std::shared_ptr<Arguments> arguments_{std::make_shared<Arguments>()};
@@ -52,6 +59,7 @@ void add_trust(CLI::App& admin, Run& run);
 void add_users(CLI::App& admin, Run& run);
 void add_roles(CLI::App& admin, Run& run);
 void add_own(CLI::App& admin, Run& run);
+void add_settings(CLI::App& admin, Run& run);
 void add_setup(CLI::App& admin, Run& run);
 void add_shutdown(CLI::App& admin, Run& run);
 
