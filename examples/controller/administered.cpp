@@ -78,6 +78,7 @@ void Administered::attach(const ToAdminister& what)
 {
     administration::AdministrationParts parts{
         .wall_clock = &clock_, .log = &audit_, .roles = &roles_, .stop = what.stop};
+    parts.authorities = what.config.users.authorities;
     parts.settings = &what.settings.list();
     parts.setting_owner = &what.settings;
     if (manages_certificates(what.config)) {

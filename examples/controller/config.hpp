@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <busbar/administration/authorities.hpp>
 #include <busbar/controller/plc_config.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
 #include <busbar/crypto/jwt.hpp>
@@ -44,6 +45,8 @@ struct UserConfig {
     std::optional<TokenConfig> tokens;
     /// Until there is an administrator, lets in who knows the code that the first start prints.
     bool has_setup{false};
+    /// Who may look at what administrators change.
+    administration::Authorities authorities{administration::Authorities::Standard};
     /// Of users who are added online.
     server::PasswordRules password_rules;
 };

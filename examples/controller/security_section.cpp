@@ -185,7 +185,8 @@ void read_certificates(const TomlTable& table, ControllerConfig& config)
 
 void read_users(const TomlTable& table, ControllerConfig& config)
 {
-    table.allow({"anonymous", "account", "certificates", "tokens", "setup", "passwords"});
+    table.allow(
+        {"anonymous", "account", "certificates", "tokens", "setup", "authorities", "passwords"});
     UserConfig& users = config.users;
     users.anonymous = read_optional_access(table, "anonymous");
     users.certified = read_optional_access(table, "certificates");
@@ -198,6 +199,12 @@ void read_users(const TomlTable& table, ControllerConfig& config)
         users.accounts.push_back(std::move(account));
     }
     users.has_setup = table.flag("setup", false);
+    if (const auto authorities =
+            administration::find_authorities(table.text("authorities", "standard"))) {
+        users.authorities = *authorities;
+    } else {
+        table.fail("authorities", "\"standard\" or \"five levels\"");
+    }
     if (table.has("tokens")) {
         users.tokens = read_tokens(table.table("tokens"));
         config.server.issuer.authority_url = users.tokens->rules.issuer;

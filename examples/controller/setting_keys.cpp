@@ -72,6 +72,7 @@ std::vector<Setting> security_settings()
         {.name = "certificates.suppress", .otherwise = texts({})},
         {.name = "endpoint", .otherwise = endpoint_value({})},
         {.name = "users.anonymous", .otherwise = Variant{"no"}},
+        {.name = "users.authorities", .otherwise = Variant{"standard"}},
         {.name = "users.certificates", .otherwise = Variant{"no"}},
         {.name = "users.passwords.needs_letters_and_digit", .otherwise = Variant{false}},
         {.name = "users.passwords.name_characters", .otherwise = Variant{""}},

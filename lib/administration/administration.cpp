@@ -4,6 +4,7 @@
 
 #include <busbar/types/ids.hpp>
 
+#include "authority_nodes.hpp"
 #include "node_table.hpp"
 #include "role_set.hpp"
 #include "server_configuration.hpp"
@@ -108,7 +109,11 @@ Configured<void> Administration::attach(server::Server& server)
         return checked;
     }
     server.add_source(impl_->table);
-    return impl_->attach(server);
+    auto attached = impl_->attach(server);
+    if (attached && impl_->parts.authorities == Authorities::FiveLevels) {
+        detail::give_authorities(server.address_space());
+    }
+    return attached;
 }
 
 } // namespace busbar::administration

@@ -13,6 +13,7 @@
 
 #include "method_arguments.hpp"
 #include "method_record.hpp"
+#include "own_certificate_nodes.hpp"
 
 namespace busbar::administration::detail {
 
@@ -79,6 +80,7 @@ Configured<void> ServerConfiguration::add_nodes()
                              &OwnCertificateMethods::create_self_signed)
                 : done;
     done = done ? add_setup() : done;
+    done = done ? add_own_certificate(server_, table_) : done;
     return done ? add_method("DeleteCertificate", id::ServerConfigurationType_DeleteCertificate,
                              &OwnCertificateMethods::remove)
                 : done;

@@ -11,6 +11,7 @@
 
 #include "method_arguments.hpp"
 #include "method_record.hpp"
+#include "permissions.hpp"
 
 namespace busbar::administration::detail {
 
@@ -20,25 +21,17 @@ using server::MethodCall;
 
 constexpr std::string_view root_name = "Settings";
 
-constexpr std::uint32_t operator|(PermissionType a, PermissionType b)
-{
-    return static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b);
-}
-
 model::NodeAccess access_of_settings()
 {
-    constexpr auto reader = PermissionType{PermissionType::Browse | PermissionType::Read};
-    constexpr auto administrator = PermissionType{(PermissionType::Browse | PermissionType::Read) |
-                                                  (PermissionType::Write | PermissionType::Call)};
     model::NodeAccess access;
     access.restrictions = static_cast<std::uint16_t>(AccessRestrictionType::EncryptionRequired);
     for (const std::uint32_t role :
          {id::WellKnownRole_Operator, id::WellKnownRole_Engineer, id::WellKnownRole_Supervisor}) {
-        access.role_permissions.push_back({NodeId{0, role}, reader});
+        access.role_permissions.push_back({NodeId{0, role}, may_see});
     }
     for (const std::uint32_t role :
          {id::WellKnownRole_ConfigureAdmin, id::WellKnownRole_SecurityAdmin}) {
-        access.role_permissions.push_back({NodeId{0, role}, administrator});
+        access.role_permissions.push_back({NodeId{0, role}, together(may_see, may_act)});
     }
     return access;
 }

@@ -10,6 +10,7 @@
 
 #include "method_arguments.hpp"
 #include "method_record.hpp"
+#include "permissions.hpp"
 #include "trust_list_data.hpp"
 
 namespace busbar::administration::detail {
@@ -48,6 +49,7 @@ void TrustListFile::bind(model::NodeIndex node, std::string_view name,
 
 void TrustListFile::attach(model::NodeIndex node)
 {
+    close_and_update_ = child_of(needs_.server.address_space(), node, "CloseAndUpdate");
     bind_values(node);
     bind(node, "Open", &TrustListFile::open);
     bind(node, "OpenWithMasks", &TrustListFile::open_with_masks);
@@ -96,6 +98,19 @@ void TrustListFile::expire()
     }
 }
 
+bool TrustListFile::may_write(const server::UserIdentity& user) const
+{
+    const model::AddressSpace& space = needs_.server.address_space();
+    const auto* const given = space.role_permissions(close_and_update_);
+    return given == nullptr ||
+           std::any_of(given->begin(), given->end(), [&](const RolePermissionType& each) {
+               const model::NodeIndex role = space.find(each.role_id);
+               return has(each.permissions, PermissionType::Call) && role != model::no_node &&
+                      std::find(user.roles.begin(), user.roles.end(),
+                                space.browse_name(role).name.view()) != user.roles.end();
+           });
+}
+
 bool TrustListFile::is_open_for_writing() const
 {
     return std::any_of(open_.begin(), open_.end(),
@@ -141,6 +156,9 @@ void TrustListFile::open(MethodCall call)
     }
     if (mode != mode_write_and_erase) {
         return call.fail(status::Bad_NotSupported);
+    }
+    if (!may_write(call.user())) {
+        return call.fail(status::Bad_UserAccessDenied);
     }
     if (is_open_for_writing()) {
         return call.fail(status::Bad_NotWritable);

@@ -72,7 +72,9 @@ struct PlainOwner final : administration::SettingOwner {
 /// A server whose certificates and users are managed, in memory and in virtual time. Trusts the
 /// client of the tests; "admin" is SecurityAdmin.
 struct ManagedFixture {
-    explicit ManagedFixture(server::Worker* w = nullptr) : worker{w}
+    explicit ManagedFixture(server::Worker* w = nullptr,
+                            administration::Authorities of = administration::Authorities::Standard)
+        : worker{w}, authorities{of}
     {
         REQUIRE(applications.create());
         REQUIRE(user_certificates.create());
@@ -101,6 +103,7 @@ struct ManagedFixture {
                                                 .is_in_setup = [this] { return changes == 0; },
                                                 .settings = &settings,
                                                 .setting_owner = &owner,
+                                                .authorities = authorities,
                                                 .changed = [this] { ++changes; }});
         REQUIRE(administration->attach(server));
     }
@@ -197,6 +200,7 @@ struct ManagedFixture {
          {.name = "server.host_names", .otherwise = Variant{Array<String>{"press-4"}}}}};
     PlainOwner owner;
     server::Worker* worker;
+    administration::Authorities authorities;
     int stops{0};
     /// Of users and roles.
     int changes{0};

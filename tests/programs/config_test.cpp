@@ -200,6 +200,7 @@ TEST_CASE("what is wrong is told with its place, and what was expected")
         {"[[endpoint]]\npolicy = \"Basic128\"",
          "plant.toml:2: policy: found 'Basic128', expected one of: None"},
         {"[[endpoint]]\npolicy = \"None\"\nmode = \"Sign\"", "expected None, the only mode"},
+        {"[users]\nauthorities = \"six\"", "authorities: found 'six', expected \"standard\" or"},
         {"[users]\nanonymous = \"all\"", "expected \"no\", \"read\" or \"write\""},
         {"[[users.account]]\nname = \"a\"\npassword = \"plain\"",
          "plant.toml:3: password: found no hash, expected the output of --hash-password"},

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 
+#include <busbar/administration/authorities.hpp>
 #include <busbar/administration/managed_certificates.hpp>
 #include <busbar/administration/role_list.hpp>
 #include <busbar/administration/setting_list.hpp>
@@ -47,6 +48,7 @@ struct AdministrationParts {
     /// owner, whose functions are called on the server's thread where it may change the server.
     SettingList* settings{nullptr};
     SettingOwner* setting_owner{nullptr};
+    Authorities authorities{Authorities::Standard};
     /// Called on the server's thread after users or roles have changed. May be empty.
     std::function<void()> changed{};
 };

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <busbar/core/problem.hpp>
+#include <busbar/server/server.hpp>
+
+#include "node_table.hpp"
+
+namespace busbar::administration::detail {
+
+/// What the server's own certificate says, as the Object "OwnCertificate" below
+/// ServerConfiguration, in the server's namespace: seed 000, 3-2-5 lists these. With the access of
+/// ServerConfiguration's Properties.
+[[nodiscard]] Configured<void> add_own_certificate(server::Server& server, NodeTable& table);
+
+} // namespace busbar::administration::detail
