@@ -174,6 +174,27 @@ void welcome(const ControllerConfig& config, const controller::Plc& plc,
     std::fflush(stdout);
 }
 
+/// The PLC's variables, events and Methods, and information models beside them; the events are
+/// raised by what is returned.
+controller::PlcEvents publish(server::Server& server, controller::Plc& plc,
+                              const ControllerConfig& config, server::ImageSource& source,
+                              server::MethodTable& methods, LogSink& log)
+{
+    controller::PlcNodesOptions nodes;
+    nodes.source = server.add_source(source);
+    nodes.cycle = config.scan;
+    const auto folder =
+        expect(controller::publish_variables(server.address_space(), plc, nodes), "the variables");
+    example::load_models(server, config.nodesets, log);
+    auto events = expect(
+        controller::PlcEvents::create(server.address_space(), folder, plc, server.event_queue()),
+        "the events");
+    expect(controller::publish_methods(server.address_space(), folder, plc, methods,
+                                       server.add_source(methods)),
+           "the methods");
+    return events;
+}
+
 /// `file` is where `config` is from; empty for the built-in one.
 int serve(ControllerConfig config, example::Settings& settings, const std::string& file)
 {
@@ -229,18 +250,7 @@ int serve(ControllerConfig config, example::Settings& settings, const std::strin
     administered.attach(what);
     settings.run({.check = [&](const ControllerConfig& next) { return live.check(next); },
                   .apply = [&](const ControllerConfig& next) { live.apply(next); }});
-    controller::PlcNodesOptions nodes;
-    nodes.source = server.add_source(source);
-    nodes.cycle = config.scan;
-    const auto folder =
-        expect(controller::publish_variables(server.address_space(), *plc, nodes), "the variables");
-    example::load_models(server, config.nodesets, log);
-    const auto events = expect(
-        controller::PlcEvents::create(server.address_space(), folder, *plc, server.event_queue()),
-        "the events");
-    expect(controller::publish_methods(server.address_space(), folder, *plc, methods,
-                                       server.add_source(methods)),
-           "the methods");
+    const auto events = publish(server, *plc, config, source, methods, log);
 
     admission.check_passwords_on(worker);
     controller::PlcTask task{*plc, wall_clock, config.scan, config.realtime_priority};

@@ -56,7 +56,7 @@ public:
     /// come and go by a GeneralModelChangeEvent where these have a Property NodeVersion (Part 3,
     /// 9.32.2), which the server counts up; until that is done next_deadline() is in the past.
     [[nodiscard]] model::AddressSpace& address_space();
-    /// Sets what Server.Namespaces says of a namespace, which it lists without this, too. Bad_NotFound
+    /// Sets what Server.Namespaces says of a namespace, which it lists without this. Bad_NotFound
     /// for an unknown index; Bad_NotSupported if namespace 0 cannot show it: rights count even so.
     Result<void> describe_namespace(std::uint16_t index, const NamespaceMetadata& metadata);
     /// Types that values may have beyond those of namespace 0; fill it before clients connect.
