@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <busbar/core/named_fields.hpp>
+#include <busbar/core/node_id.hpp>
+#include <busbar/core/storage.hpp>
+
+namespace busbar::administration {
+
+/// What clients may hold and make, of one FileSystem by all sessions together.
+struct FileLimits {
+    /// Bytes of one file that is written; it is in memory until it is closed.
+    std::size_t max_file_size{16U << 20U};
+    /// Bytes of all files that are being written.
+    std::size_t max_written{32U << 20U};
+    std::size_t max_open{32};
+    std::size_t max_open_of_session{8};
+    /// Files and folders; what there is beyond them is not shown.
+    std::size_t max_entries{1'000};
+    std::size_t max_depth{8};
+};
+
+/// A folder of a Storage that clients see as FileDirectoryType, and its files as FileType (Part 20,
+/// 4.2 and 4.3), below the Object FileSystem, or Objects where there is none.
+///
+/// A file that is written is replaced when it is closed, as a whole: a client that vanishes, a
+/// power cut and a full medium leave the old one. Nothing outside of the folder can be named, links
+/// in it are not shown, nor are names that begin with a point.
+struct FileSystem {
+    [[no_unique_address]] NamedFields named_fields{};
+
+    /// BrowseName of the root, and a part of all NodeIds: "Files/recipes/press/4.csv".
+    std::string name;
+    /// Whose root it is; see StorageFolder. Must outlive the Administration.
+    Storage* storage{nullptr};
+    FileLimits limits{};
+    /// Roles that see and read files, over encrypted channels.
+    std::vector<NodeId> readers{};
+    /// Those that make, write, move and delete them, and read, too.
+    std::vector<NodeId> writers{};
+};
+
+} // namespace busbar::administration

@@ -1,0 +1,230 @@
+#include "open_files.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include <busbar/core/status_codes.hpp>
+
+namespace busbar::administration::detail {
+
+namespace {
+
+bool is_mode(std::uint8_t mode)
+{
+    constexpr std::uint8_t known = open_read | open_write | open_erase | open_append;
+    const bool writes = (mode & open_write) != 0;
+    return (mode & ~known) == 0 && (writes || (mode & open_read) != 0) &&
+           (writes || (mode & open_erase) == 0);
+}
+
+} // namespace
+
+OpenFiles::Open* OpenFiles::find(const Key& key)
+{
+    const auto found = std::find_if(open_.begin(), open_.end(), [&](const Open& open) {
+        return open.handle == key.handle && open.path == key.path && open.session == key.session;
+    });
+    return found == open_.end() ? nullptr : &*found;
+}
+
+std::size_t OpenFiles::written() const
+{
+    return std::accumulate(
+        open_.begin(), open_.end(), std::size_t{0},
+        [](std::size_t sum, const Open& open) { return sum + open.bytes.size(); });
+}
+
+StatusCode OpenFiles::check_room(std::string_view path, std::uint8_t mode,
+                                 const NodeId& session) const
+{
+    const auto of_session = std::count_if(
+        open_.begin(), open_.end(), [&](const Open& open) { return open.session == session; });
+    if (open_.size() >= limits_.max_open ||
+        static_cast<std::size_t>(of_session) >= limits_.max_open_of_session) {
+        return status::Bad_TooManyOperations;
+    }
+    for (const Open& open : open_) {
+        if (open.path != path) {
+            continue;
+        }
+        if ((mode & open_write) != 0) {
+            return status::Bad_NotWritable;
+        }
+        if (open.is_written) {
+            return status::Bad_NotReadable;
+        }
+    }
+    return status::Good;
+}
+
+/// What the file has, for one that is written.
+StatusCode OpenFiles::load(Open& open) const
+{
+    if (open.size > limits_.max_file_size) {
+        return status::Bad_EncodingLimitsExceeded;
+    }
+    if (written() + open.size > limits_.max_written) {
+        return status::Bad_OutOfMemory;
+    }
+    open.bytes.resize(static_cast<std::size_t>(open.size));
+    const auto count = storage_.read(open.path, 0, open.bytes);
+    if (!count) {
+        return status_of(count.error());
+    }
+    return *count == open.bytes.size() && is_same(open) ? StatusCode{status::Good}
+                                                        : StatusCode{status::Bad_InvalidState};
+}
+
+bool OpenFiles::is_same(const Open& open) const
+{
+    const auto entry = storage_.entry(open.path);
+    return entry && entry->kind == StorageEntry::Kind::File && entry->version == open.version;
+}
+
+Result<std::uint32_t> OpenFiles::open(std::string_view path, std::uint8_t mode,
+                                      const NodeId& session)
+{
+    if (!is_mode(mode)) {
+        return fail(status::Bad_InvalidArgument);
+    }
+    if (const StatusCode room = check_room(path, mode, session); room.is_bad()) {
+        return fail(room);
+    }
+    const auto entry = storage_.entry(path);
+    if (!entry || entry->kind != StorageEntry::Kind::File) {
+        return fail(entry ? StatusCode{status::Bad_NotFound} : status_of(entry.error()));
+    }
+    Open open{last_handle_ + 1,
+              std::string{path},
+              session,
+              (mode & open_read) != 0,
+              (mode & open_write) != 0,
+              (mode & open_erase) != 0,
+              entry->version,
+              entry->size,
+              0,
+              {}};
+    if (open.is_changed) {
+        open.size = 0;
+    } else if (open.is_written) {
+        if (const StatusCode loaded = load(open); loaded.is_bad()) {
+            return fail(loaded);
+        }
+    }
+    open.position = (mode & open_append) != 0 ? open.size : 0;
+    open_.push_back(std::move(open));
+    return ++last_handle_;
+}
+
+StatusCode OpenFiles::close(const Key& key)
+{
+    Open* const open = find(key);
+    if (open == nullptr) {
+        return status::Bad_InvalidArgument;
+    }
+    StatusCode result{status::Good};
+    if (open->is_changed) {
+        if (is_same(*open)) {
+            const auto kept = storage_.replace(open->path, open->bytes, FileAccess::Owner);
+            if (!kept) {
+                return status_of(kept.error());
+            }
+        } else {
+            result = status::Bad_InvalidState;
+        }
+    }
+    std::erase_if(open_, [&](const Open& each) { return &each == open; });
+    return result;
+}
+
+Result<std::vector<std::byte>> OpenFiles::read(const Key& key, std::int32_t length)
+{
+    Open* const open = find(key);
+    if (open == nullptr || length < 0) {
+        return fail(status::Bad_InvalidArgument);
+    }
+    if (!open->is_read) {
+        return fail(status::Bad_InvalidState);
+    }
+    std::vector<std::byte> bytes(static_cast<std::size_t>(
+        std::min({open->size - open->position, std::uint64_t{max_read_size},
+                  static_cast<std::uint64_t>(length)})));
+    if (open->is_written) {
+        std::copy_n(open->bytes.begin() + static_cast<std::ptrdiff_t>(open->position), bytes.size(),
+                    bytes.begin());
+    } else if (!bytes.empty()) {
+        const auto count = storage_.read(open->path, open->position, bytes);
+        if (!count) {
+            return fail(status_of(count.error()));
+        }
+        if (*count != bytes.size() || !is_same(*open)) {
+            return fail(status::Bad_InvalidState);
+        }
+    }
+    open->position += bytes.size();
+    return bytes;
+}
+
+StatusCode OpenFiles::write(const Key& key, std::span<const std::byte> bytes)
+{
+    Open* const open = find(key);
+    if (open == nullptr) {
+        return status::Bad_InvalidArgument;
+    }
+    if (!open->is_written) {
+        return status::Bad_InvalidState;
+    }
+    const std::uint64_t end = std::max(open->size, open->position + bytes.size());
+    if (end > limits_.max_file_size) {
+        return status::Bad_EncodingLimitsExceeded;
+    }
+    if (written() + (end - open->size) > limits_.max_written) {
+        return status::Bad_OutOfMemory;
+    }
+    open->bytes.resize(static_cast<std::size_t>(end));
+    std::copy(bytes.begin(), bytes.end(),
+              open->bytes.begin() + static_cast<std::ptrdiff_t>(open->position));
+    open->size = end;
+    open->position += bytes.size();
+    open->is_changed = open->is_changed || !bytes.empty();
+    return status::Good;
+}
+
+Result<std::uint64_t> OpenFiles::position(const Key& key)
+{
+    const Open* const open = find(key);
+    return open != nullptr ? Result<std::uint64_t>{open->position}
+                           : fail(status::Bad_InvalidArgument);
+}
+
+StatusCode OpenFiles::set_position(const Key& key, std::uint64_t position)
+{
+    Open* const open = find(key);
+    if (open == nullptr) {
+        return status::Bad_InvalidArgument;
+    }
+    open->position = std::min(position, open->size);
+    return status::Good;
+}
+
+std::size_t OpenFiles::count(std::string_view path) const
+{
+    return static_cast<std::size_t>(std::count_if(
+        open_.begin(), open_.end(), [&](const Open& open) { return open.path == path; }));
+}
+
+bool OpenFiles::is_in_use(std::string_view path) const
+{
+    return std::any_of(open_.begin(), open_.end(), [&](const Open& open) {
+        return open.path == path || (open.path.size() > path.size() &&
+                                     open.path.starts_with(path) && open.path[path.size()] == '/');
+    });
+}
+
+void OpenFiles::expire(FunctionRef<bool(const NodeId&)> has_session)
+{
+    std::erase_if(open_, [&](const Open& open) { return !has_session(open.session); });
+}
+
+} // namespace busbar::administration::detail

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/administration/file_system.hpp>
+#include <busbar/core/function_ref.hpp>
+#include <busbar/core/result.hpp>
+
+namespace busbar::administration::detail {
+
+// Bits of the mode of Open (Part 20, 4.2.2).
+inline constexpr std::uint8_t open_read = 1;
+inline constexpr std::uint8_t open_write = 2;
+inline constexpr std::uint8_t open_erase = 4;
+inline constexpr std::uint8_t open_append = 8;
+
+/// Bytes of one Read; the client asks again for the rest (Part 20, 4.2.4).
+inline constexpr std::size_t max_read_size = 65'536;
+
+/// Files of one Storage that sessions have open. What is written replaces the file when it is
+/// closed.
+class OpenFiles {
+public:
+    /// Which one a client means: its handle holds for the file and the session that opened it.
+    struct Key {
+        std::string_view path;
+        std::uint32_t handle;
+        const NodeId& session;
+    };
+
+    OpenFiles(Storage& storage, const FileLimits& limits) : storage_{storage}, limits_{limits} {}
+
+    /// The handle. Bad_InvalidArgument for a mode that is none, Bad_NotWritable and Bad_NotReadable
+    /// where others have it open, Bad_NotFound, Bad_TooManyOperations, Bad_OutOfMemory where too
+    /// much is written already, Bad_EncodingLimitsExceeded for a file too large to be written, or
+    /// what the Storage's error is.
+    [[nodiscard]] Result<std::uint32_t> open(std::string_view path, std::uint8_t mode,
+                                             const NodeId& session);
+    /// Keeps what was written. Bad_InvalidState if somebody else changed the file meanwhile; what
+    /// the Storage's error is leaves it open, so that it can be tried again.
+    [[nodiscard]] StatusCode close(const Key& key);
+    /// At most `length` bytes, none at the end. Bad_InvalidState if it is not open for reading, or
+    /// if somebody changed the file meanwhile.
+    [[nodiscard]] Result<std::vector<std::byte>> read(const Key& key, std::int32_t length);
+    [[nodiscard]] StatusCode write(const Key& key, std::span<const std::byte> bytes);
+    [[nodiscard]] Result<std::uint64_t> position(const Key& key);
+    /// At most the end of the file (Part 20, 4.2.7).
+    [[nodiscard]] StatusCode set_position(const Key& key, std::uint64_t position);
+
+    /// How often the file is open.
+    [[nodiscard]] std::size_t count(std::string_view path) const;
+    /// Whether the file, or one in the folder, is open.
+    [[nodiscard]] bool is_in_use(std::string_view path) const;
+    /// Forgets what sessions that are gone had open, and wrote.
+    void expire(FunctionRef<bool(const NodeId&)> has_session);
+
+private:
+    struct Open {
+        std::uint32_t handle;
+        std::string path;
+        NodeId session;
+        bool is_read;
+        bool is_written;
+        bool is_changed;
+        StorageEntry::Version version;
+        std::uint64_t size;
+        std::uint64_t position;
+        /// Of a file that is written.
+        std::vector<std::byte> bytes;
+    };
+
+    [[nodiscard]] Open* find(const Key& key);
+    [[nodiscard]] StatusCode check_room(std::string_view path, std::uint8_t mode,
+                                        const NodeId& session) const;
+    [[nodiscard]] StatusCode load(Open& open) const;
+    [[nodiscard]] std::size_t written() const;
+    /// The file is the one that was opened.
+    [[nodiscard]] bool is_same(const Open& open) const;
+
+    Storage& storage_;
+    FileLimits limits_;
+    std::vector<Open> open_;
+    std::uint32_t last_handle_{0};
+};
+
+} // namespace busbar::administration::detail
