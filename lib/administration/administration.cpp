@@ -1,10 +1,12 @@
 #include <busbar/administration/administration.hpp>
 
+#include <deque>
 #include <optional>
 
 #include <busbar/types/ids.hpp>
 
 #include "authority_nodes.hpp"
+#include "file_nodes.hpp"
 #include "node_table.hpp"
 #include "role_set.hpp"
 #include "server_configuration.hpp"
@@ -27,6 +29,7 @@ struct Administration::Impl {
     std::optional<detail::UserManagement> user_management;
     std::optional<detail::ServerControl> server_control;
     std::optional<detail::SettingNodes> setting_nodes;
+    std::deque<detail::FileNodes> file_nodes;
 
     [[nodiscard]] Configured<void> check() const;
     [[nodiscard]] Configured<void> attach(server::Server& server);
@@ -51,6 +54,12 @@ Configured<void> Administration::Impl::check() const
     }
     if ((parts.settings != nullptr) != (parts.setting_owner != nullptr)) {
         return misconfigured("settings", "are there without their owner, or it without them");
+    }
+    for (const FileSystem& files : parts.file_systems) {
+        if (files.storage == nullptr || !detail::is_file_name(files.name)) {
+            return misconfigured("files \"" + files.name + "\"",
+                                 "have no storage, or a name that is no part of a path");
+        }
     }
     if (parts.certificates != nullptr && parts.random == nullptr) {
         return misconfigured("random", "is missing");
@@ -77,6 +86,12 @@ Configured<void> Administration::Impl::attach(server::Server& server)
         setting_nodes.emplace(detail::SettingNodes::Needs{
             server, *parts.settings, *parts.setting_owner, table, *parts.log, *parts.wall_clock});
         if (auto attached = setting_nodes->add_nodes(); !attached) {
+            return attached;
+        }
+    }
+    for (const FileSystem& files : parts.file_systems) {
+        if (auto attached = file_nodes.emplace_back(server, files, *parts.wall_clock).add_nodes();
+            !attached) {
             return attached;
         }
     }

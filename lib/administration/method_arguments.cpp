@@ -1,5 +1,7 @@
 #include "method_arguments.hpp"
 
+#include "node_table.hpp"
+
 #include <busbar/core/array.hpp>
 #include <busbar/core/string.hpp>
 
@@ -35,6 +37,22 @@ Variant node_ids(const std::vector<NodeId>& ids)
         result.push_back(each);
     }
     return Variant{std::move(result)};
+}
+
+Array<Argument> declared_arguments(const model::AddressSpace& space, model::NodeIndex method,
+                                   std::string_view property)
+{
+    Array<Argument> result;
+    const model::NodeIndex node = child_of(space, method, property);
+    const Variant value = node != model::no_node ? space.value(node) : Variant{};
+    if (const auto* const list = value.array_if<ExtensionObject>()) {
+        for (const ExtensionObject& each : *list) {
+            if (auto argument = binary::structure_of<Argument>(each)) {
+                result.push_back(*std::move(argument));
+            }
+        }
+    }
+    return result;
 }
 
 } // namespace busbar::administration::detail

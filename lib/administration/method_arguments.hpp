@@ -10,7 +10,9 @@
 #include <busbar/binary/dynamic_value.hpp>
 #include <busbar/core/extension_object.hpp>
 #include <busbar/core/variant.hpp>
+#include <busbar/model/address_space.hpp>
 #include <busbar/server/method_table.hpp>
+#include <busbar/types/data_types.hpp>
 
 /// What Methods of the administration get and give.
 namespace busbar::administration::detail {
@@ -62,6 +64,11 @@ template <typename T, typename From>
 
 /// The same of NodeIds.
 [[nodiscard]] Variant node_ids(const std::vector<NodeId>& ids);
+
+/// What the Property InputArguments or OutputArguments of a Method in namespace 0 says.
+[[nodiscard]] Array<Argument> declared_arguments(const model::AddressSpace& space,
+                                                 model::NodeIndex method,
+                                                 std::string_view property);
 
 /// The outputs of a Method that has one.
 [[nodiscard]] inline Array<Variant> one_output(Variant value)

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include <busbar/model/address_space.hpp>
+#include <busbar/server/access_control.hpp>
 #include <busbar/types/data_types.hpp>
 
 namespace busbar::administration::detail {
@@ -19,5 +21,9 @@ namespace busbar::administration::detail {
 
 inline constexpr PermissionType may_see = together(PermissionType::Browse, PermissionType::Read);
 inline constexpr PermissionType may_act = together(PermissionType::Write, PermissionType::Call);
+
+/// Whether one of the user's roles may call the Method, where namespace 0 has all roles.
+[[nodiscard]] bool may_call(const model::AddressSpace& space, model::NodeIndex method,
+                            const server::UserIdentity& user);
 
 } // namespace busbar::administration::detail

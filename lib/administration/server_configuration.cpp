@@ -93,27 +93,14 @@ Configured<void> ServerConfiguration::add_method(std::string_view name, std::uin
     const model::NodeIndex type = space_.find(declaration);
     const model::NodeIndex parent = space_.find(id::ServerConfiguration);
     const model::NodeIndex like = space_.find(id::ServerConfiguration_UpdateCertificate);
-    const auto arguments = [&](std::string_view property) {
-        Array<Argument> result;
-        const model::NodeIndex node = child_of(space_, type, property);
-        const Variant value = node != model::no_node ? space_.value(node) : Variant{};
-        if (const auto* const list = value.array_if<ExtensionObject>()) {
-            for (const ExtensionObject& each : *list) {
-                if (auto argument = binary::structure_of<Argument>(each)) {
-                    result.push_back(*std::move(argument));
-                }
-            }
-        }
-        return result;
-    };
     model::NewNode node;
     node.id = NodeId{own.value_or(1), "ServerConfiguration/" + std::string{name}};
     node.browse_name = QualifiedName{0, String{std::string{name}}};
     node.parent = parent;
     node.reference_type = NodeId{0, id::HasComponent};
     model::NewMethod facts;
-    facts.input_arguments = arguments("InputArguments");
-    facts.output_arguments = arguments("OutputArguments");
+    facts.input_arguments = declared_arguments(space_, type, "InputArguments");
+    facts.output_arguments = declared_arguments(space_, type, "OutputArguments");
     const auto made = space_.add_method(node, facts);
     if (!made) {
         return misconfigured("certificates", "the Method " + std::string{name} + " cannot be added",

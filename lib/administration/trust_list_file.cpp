@@ -98,19 +98,6 @@ void TrustListFile::expire()
     }
 }
 
-bool TrustListFile::may_write(const server::UserIdentity& user) const
-{
-    const model::AddressSpace& space = needs_.server.address_space();
-    const auto* const given = space.role_permissions(close_and_update_);
-    return given == nullptr ||
-           std::any_of(given->begin(), given->end(), [&](const RolePermissionType& each) {
-               const model::NodeIndex role = space.find(each.role_id);
-               return has(each.permissions, PermissionType::Call) && role != model::no_node &&
-                      std::find(user.roles.begin(), user.roles.end(),
-                                space.browse_name(role).name.view()) != user.roles.end();
-           });
-}
-
 bool TrustListFile::is_open_for_writing() const
 {
     return std::any_of(open_.begin(), open_.end(),
@@ -157,7 +144,8 @@ void TrustListFile::open(MethodCall call)
     if (mode != mode_write_and_erase) {
         return call.fail(status::Bad_NotSupported);
     }
-    if (!may_write(call.user())) {
+    // Those who only look would keep administrators out.
+    if (!may_call(needs_.server.address_space(), close_and_update_, call.user())) {
         return call.fail(status::Bad_UserAccessDenied);
     }
     if (is_open_for_writing()) {

@@ -65,9 +65,6 @@ private:
     [[nodiscard]] Open* find(const server::MethodCall& call);
     void forget(const Open& open);
     void keep(server::MethodCall call, Open open);
-    /// Whoever opens it to write must be allowed to close it so that something changes, or those
-    /// who only look would keep administrators out.
-    [[nodiscard]] bool may_write(const server::UserIdentity& user) const;
     /// Good if the list may be changed at once, without a transaction.
     [[nodiscard]] StatusCode check_single_change() const;
     /// Removes it from the list, with the revocation lists of a CA.

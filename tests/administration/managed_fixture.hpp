@@ -103,6 +103,7 @@ struct ManagedFixture {
                                                 .is_in_setup = [this] { return changes == 0; },
                                                 .settings = &settings,
                                                 .setting_owner = &owner,
+                                                .file_systems = {files},
                                                 .authorities = authorities,
                                                 .changed = [this] { ++changes; }});
         REQUIRE(administration->attach(server));
@@ -199,6 +200,12 @@ struct ManagedFixture {
          {.name = "server.port", .otherwise = Variant{std::int64_t{4'840}}},
          {.name = "server.host_names", .otherwise = Variant{Array<String>{"press-4"}}}}};
     PlainOwner owner;
+    StorageFolder file_storage{storage, "files"};
+    administration::FileSystem files{.name = "recipes",
+                                     .storage = &file_storage,
+                                     .limits = {.max_entries = 12, .max_depth = 3},
+                                     .readers = {NodeId{0, id::WellKnownRole_Operator}},
+                                     .writers = {NodeId{0, id::WellKnownRole_Engineer}}};
     server::Worker* worker;
     administration::Authorities authorities;
     int stops{0};

@@ -2,8 +2,10 @@
 
 #include <functional>
 #include <memory>
+#include <vector>
 
 #include <busbar/administration/authorities.hpp>
+#include <busbar/administration/file_system.hpp>
 #include <busbar/administration/managed_certificates.hpp>
 #include <busbar/administration/role_list.hpp>
 #include <busbar/administration/setting_list.hpp>
@@ -48,6 +50,9 @@ struct AdministrationParts {
     /// owner, whose functions are called on the server's thread where it may change the server.
     SettingList* settings{nullptr};
     SettingOwner* setting_owner{nullptr};
+    /// What clients see as files, each with a name of its own; they are read when this is attached
+    /// and whenever a client makes, moves or removes one.
+    std::vector<FileSystem> file_systems{};
     Authorities authorities{Authorities::Standard};
     /// Called on the server's thread after users or roles have changed. May be empty.
     std::function<void()> changed{};

@@ -1,0 +1,272 @@
+#include <algorithm>
+#include <utility>
+
+#include <busbar/core/status_codes.hpp>
+
+#include "file_nodes.hpp"
+#include "method_arguments.hpp"
+#include "permissions.hpp"
+
+// What the Methods of files and directories do (Part 20, 4.2 and 4.3).
+
+namespace busbar::administration::detail {
+
+namespace {
+
+using server::MethodCall;
+
+/// Either the outputs or why not.
+void answer(MethodCall& call, StatusCode status)
+{
+    if (status.is_bad()) {
+        call.fail(status);
+    } else {
+        call.succeed();
+    }
+}
+
+std::string_view name_in(std::string_view path)
+{
+    return path.substr(path.rfind('/') + 1);
+}
+
+} // namespace
+
+void FileNodes::open(MethodCall& call, const std::string& path)
+{
+    const auto mode = call.input<std::uint8_t>(0);
+    // Who only reads would keep writers out, and hold what is never written.
+    if ((mode & open_write) != 0 && !may_call(space_, writing_, call.user())) {
+        return call.fail(status::Bad_UserAccessDenied);
+    }
+    const auto handle = open_.open(path, mode, call.session_id());
+    if (!handle) {
+        return call.fail(handle.error());
+    }
+    call.succeed(one_output(Variant{*handle}));
+}
+
+void FileNodes::close(MethodCall& call, const std::string& path)
+{
+    answer(call, open_.close({path, call.input<std::uint32_t>(0), call.session_id()}));
+}
+
+void FileNodes::read_file(MethodCall& call, const std::string& path)
+{
+    const auto bytes = open_.read({path, call.input<std::uint32_t>(0), call.session_id()},
+                                  call.input<std::int32_t>(1));
+    if (!bytes) {
+        return call.fail(bytes.error());
+    }
+    call.succeed(one_output(Variant{ByteString{*bytes}}));
+}
+
+void FileNodes::write_file(MethodCall& call, const std::string& path)
+{
+    answer(call, open_.write({path, call.input<std::uint32_t>(0), call.session_id()},
+                             bytes_input(call, 1)));
+}
+
+void FileNodes::get_position(MethodCall& call, const std::string& path)
+{
+    const auto position = open_.position({path, call.input<std::uint32_t>(0), call.session_id()});
+    if (!position) {
+        return call.fail(position.error());
+    }
+    call.succeed(one_output(Variant{*position}));
+}
+
+void FileNodes::set_position(MethodCall& call, const std::string& path)
+{
+    answer(call, open_.set_position({path, call.input<std::uint32_t>(0), call.session_id()},
+                                    call.input<std::uint64_t>(1)));
+}
+
+Result<std::string> FileNodes::new_path(const std::string& folder, std::string_view name)
+{
+    const std::string path = (folder.empty() ? "" : folder + "/") + std::string{name};
+    if (!is_file_name(name) || !is_storage_name(path)) {
+        return fail(status::Bad_BrowseNameInvalid);
+    }
+    const auto depth = static_cast<std::size_t>(std::count(path.begin(), path.end(), '/')) + 1;
+    if (depth > files_.limits.max_depth || entries_.size() > files_.limits.max_entries) {
+        return fail(status::Bad_ResourceUnavailable);
+    }
+    const auto there = files_.storage->entry(path);
+    if (there) {
+        return fail(status::Bad_BrowseNameDuplicated);
+    }
+    return there.error() == StorageError::NotFound ? Result<std::string>{path}
+                                                   : fail(status_of(there.error()));
+}
+
+void FileNodes::create_directory(MethodCall& call, const std::string& path)
+{
+    const auto made = new_path(path, text_view(call, 0));
+    if (!made) {
+        return call.fail(made.error());
+    }
+    const auto stored = files_.storage->make_folder(*made, FileAccess::Owner);
+    refresh();
+    if (!stored) {
+        return call.fail(status_of(stored.error()));
+    }
+    call.succeed(one_output(Variant{node_id(*made)}));
+}
+
+void FileNodes::create_file(MethodCall& call, const std::string& path)
+{
+    const auto made = new_path(path, text_view(call, 0));
+    if (!made) {
+        return call.fail(made.error());
+    }
+    const auto stored = files_.storage->replace(*made, {}, FileAccess::Owner);
+    refresh();
+    if (!stored) {
+        return call.fail(status_of(stored.error()));
+    }
+    std::uint32_t handle = 0;
+    if (call.input<bool>(1)) {
+        const auto opened = open_.open(*made, open_read | open_write, call.session_id());
+        if (!opened) {
+            // As if it had not been asked for.
+            static_cast<void>(files_.storage->remove(*made));
+            refresh();
+            return call.fail(opened.error());
+        }
+        handle = *opened;
+    }
+    Array<Variant> outputs;
+    outputs.push_back(Variant{node_id(*made)});
+    outputs.push_back(Variant{handle});
+    call.succeed(std::move(outputs));
+}
+
+StatusCode FileNodes::remove_all(const std::string& path, StorageEntry::Kind kind)
+{
+    if (kind == StorageEntry::Kind::Folder) {
+        const auto listing = files_.storage->list(path, files_.limits.max_entries);
+        if (!listing) {
+            return status_of(listing.error());
+        }
+        for (const StorageEntry& each : listing->entries) {
+            if (const StatusCode removed = remove_all(path + "/" + each.name, each.kind);
+                removed.is_bad()) {
+                return removed;
+            }
+        }
+    }
+    const auto removed = files_.storage->remove(path);
+    return removed ? StatusCode{status::Good} : status_of(removed.error());
+}
+
+const std::string* FileNodes::child_path(const MethodCall& call, const std::string& folder) const
+{
+    const auto* const node = call.inputs()[0].get_if<NodeId>();
+    const std::string* const path = node != nullptr ? path_of(*node) : nullptr;
+    return path != nullptr && !path->empty() && folder_of(*path) == folder ? path : nullptr;
+}
+
+void FileNodes::delete_entry(MethodCall& call, const std::string& path)
+{
+    const std::string* const child = child_path(call, path);
+    if (child == nullptr) {
+        return call.fail(status::Bad_NotFound);
+    }
+    if (open_.is_in_use(*child)) {
+        return call.fail(status::Bad_InvalidState);
+    }
+    const StatusCode removed = remove_all(std::string{*child}, entries_.find(*child)->second.kind);
+    refresh();
+    answer(call, removed);
+}
+
+StatusCode FileNodes::copy_file(const std::string& from, const std::string& to)
+{
+    const auto bytes = busbar::read_file(*files_.storage, from, files_.limits.max_file_size);
+    if (!bytes) {
+        return bytes.error() == StorageError::TooLarge
+                   ? StatusCode{status::Bad_EncodingLimitsExceeded}
+                   : status_of(bytes.error());
+    }
+    const auto kept = files_.storage->replace(to, *bytes, FileAccess::Owner);
+    return kept ? StatusCode{status::Good} : status_of(kept.error());
+}
+
+/// Of a folder one by one: what fails leaves each file in one of both places, or in both.
+StatusCode FileNodes::transfer(const std::string& from, const std::string& to,
+                               StorageEntry::Kind kind, bool copies)
+{
+    if (kind != StorageEntry::Kind::Folder) {
+        if (copies) {
+            return copy_file(from, to);
+        }
+        const auto moved = files_.storage->move(from, to, WhenThere::Refuse);
+        return moved ? StatusCode{status::Good} : status_of(moved.error());
+    }
+    if (const auto made = files_.storage->make_folder(to, FileAccess::Owner); !made) {
+        return status_of(made.error());
+    }
+    const auto listing = files_.storage->list(from, files_.limits.max_entries);
+    if (!listing) {
+        return status_of(listing.error());
+    }
+    for (const StorageEntry& each : listing->entries) {
+        if (each.kind == StorageEntry::Kind::Other) {
+            return status::Bad_NotSupported;
+        }
+        const StatusCode done =
+            transfer(from + "/" + each.name, to + "/" + each.name, each.kind, copies);
+        if (done.is_bad()) {
+            return done;
+        }
+    }
+    if (copies) {
+        return status::Good;
+    }
+    const auto removed = files_.storage->remove(from);
+    return removed ? StatusCode{status::Good} : status_of(removed.error());
+}
+
+std::size_t FileNodes::entries_below(const std::string& path) const
+{
+    return static_cast<std::size_t>(
+        std::count_if(entries_.begin(), entries_.end(), [&](const auto& each) {
+            return each.first == path || each.first.starts_with(path + "/");
+        }));
+}
+
+void FileNodes::move_or_copy(MethodCall& call, const std::string& path)
+{
+    const std::string* const child = child_path(call, path);
+    const auto* const target_id = call.inputs()[1].get_if<NodeId>();
+    const std::string* const target = target_id != nullptr ? path_of(*target_id) : nullptr;
+    if (child == nullptr || target == nullptr ||
+        entries_.find(*target)->second.kind != StorageEntry::Kind::Folder) {
+        return call.fail(status::Bad_NotFound);
+    }
+    const std::string from = *child;
+    const bool copies = call.input<bool>(2);
+    const std::string_view name = text_view(call, 3);
+    const auto to = new_path(*target, name.empty() ? name_in(from) : name);
+    if (!to) {
+        return call.fail(to.error());
+    }
+    if (open_.is_in_use(from)) {
+        return call.fail(status::Bad_InvalidState);
+    }
+    if (to->starts_with(from + "/")) {
+        return call.fail(status::Bad_InvalidArgument); // into itself
+    }
+    if (copies && entries_.size() + entries_below(from) > files_.limits.max_entries + 1) {
+        return call.fail(status::Bad_ResourceUnavailable);
+    }
+    const StatusCode done = transfer(from, *to, entries_.find(from)->second.kind, copies);
+    refresh();
+    if (done.is_bad()) {
+        return call.fail(done);
+    }
+    call.succeed(one_output(Variant{node_id(*to)}));
+}
+
+} // namespace busbar::administration::detail

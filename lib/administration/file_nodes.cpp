@@ -1,0 +1,409 @@
+#include "file_nodes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <busbar/server/running_server.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "method_arguments.hpp"
+#include "node_table.hpp"
+#include "permissions.hpp"
+
+namespace busbar::administration::detail {
+
+namespace {
+
+using server::MethodCall;
+
+/// The roots of all FileSystems have it.
+constexpr std::string_view files_prefix = "Files/";
+
+/// Of Objects, and of Methods: those that change something are for writers alone.
+model::NodeAccess access_of_files(const FileSystem& files, PermissionType permissions, bool changes)
+{
+    model::NodeAccess access;
+    access.restrictions = static_cast<std::uint16_t>(AccessRestrictionType::EncryptionRequired);
+    access.role_permissions.clear(); // not null: nobody, if there are no roles
+    for (const NodeId& role : files.writers) {
+        access.role_permissions.push_back({role, permissions});
+    }
+    for (const NodeId& role : files.readers) {
+        const bool is_there =
+            std::find(files.writers.begin(), files.writers.end(), role) != files.writers.end();
+        if (!changes && !is_there) {
+            access.role_permissions.push_back({role, permissions});
+        }
+    }
+    return access;
+}
+
+std::string_view last_name(std::string_view path)
+{
+    return path.substr(path.rfind('/') + 1);
+}
+
+} // namespace
+
+bool is_file_name(std::string_view name)
+{
+    return !name.empty() && name.front() != '.' &&
+           std::all_of(name.begin(), name.end(), [](char each) {
+               return static_cast<unsigned char>(each) >= 0x20 && each != '/' && each != '\\';
+           });
+}
+
+std::string_view folder_of(std::string_view path)
+{
+    const std::size_t end = path.rfind('/');
+    return end == std::string_view::npos ? std::string_view{} : path.substr(0, end);
+}
+
+FileNodes::FileNodes(server::Server& server, const FileSystem& files, const WallClock& clock)
+    : server_{server}, space_{server.address_space()}, files_{files}, clock_{clock},
+      open_{*files.storage, files.limits}
+{
+}
+
+NodeId FileNodes::node_id(std::string_view path) const
+{
+    std::string text = std::string{files_prefix} + files_.name;
+    if (!path.empty()) {
+        text += "/" + std::string{path};
+    }
+    return NodeId{namespace_, String{text}};
+}
+
+const std::string* FileNodes::path_of(const NodeId& node) const
+{
+    if (node.namespace_index() != namespace_ || node.id_type() != IdType::String) {
+        return nullptr;
+    }
+    const std::string_view text = node.string().view();
+    const std::string root = std::string{files_prefix} + files_.name;
+    if (!text.starts_with(root)) {
+        return nullptr;
+    }
+    const std::string_view rest = text.substr(root.size());
+    const auto found = entries_.find(rest.empty() ? rest : rest.substr(1));
+    return found != entries_.end() && (rest.empty() || rest.front() == '/') ? &found->first
+                                                                            : nullptr;
+}
+
+Configured<void> FileNodes::add_nodes()
+{
+    server_.add_source(*this);
+    namespace_ = space_.namespace_index(server_.config().application_uri).value_or(1);
+    const model::NodeIndex system = space_.find(id::FileSystem);
+    model::NewNode node;
+    node.id = node_id("");
+    node.browse_name = QualifiedName{namespace_, String{files_.name}};
+    node.parent = system != model::no_node ? system : space_.find(id::ObjectsFolder);
+    node.reference_type = NodeId{0, id::Organizes};
+    model::NewObject object;
+    object.type_definition = NodeId{0, id::FileDirectoryType};
+    const auto root = space_.add_object(node, object);
+    if (!root) {
+        return misconfigured("files " + files_.name, "cannot be added to the address space",
+                             root.error());
+    }
+    space_.set_node_access(*root, access_of_files(files_, may_see, false));
+    entries_.emplace("", Entry{StorageEntry::Kind::Folder, 0});
+    if (auto added = add_type(); !added) {
+        return added;
+    }
+    if (auto added = add_methods(); !added) {
+        return added;
+    }
+    refresh();
+    return {};
+}
+
+Configured<void> FileNodes::add_type()
+{
+    model::NewNode node;
+    node.browse_name = QualifiedName{namespace_, String{files_.name + "FileType"}};
+    node.id = NodeId{namespace_, String{"FileTypes/" + files_.name}};
+    node.parent = space_.find(id::FileType);
+    const auto added = space_.add_object_type(node);
+    if (!added) {
+        return misconfigured("files " + files_.name, "their type cannot be added", added.error());
+    }
+    file_type_ = node.id;
+    return {};
+}
+
+Configured<void> FileNodes::add_methods()
+{
+    struct Declared {
+        std::uint32_t declaration;
+        Method method;
+        bool changes;
+        bool is_of_files;
+    };
+    constexpr std::array all{
+        Declared{id::FileType_Open, &FileNodes::open, false, true},
+        Declared{id::FileType_Close, &FileNodes::close, false, true},
+        Declared{id::FileType_Read, &FileNodes::read_file, false, true},
+        Declared{id::FileType_Write, &FileNodes::write_file, true, true},
+        Declared{id::FileType_GetPosition, &FileNodes::get_position, false, true},
+        Declared{id::FileType_SetPosition, &FileNodes::set_position, false, true},
+        Declared{id::FileDirectoryType_CreateDirectory, &FileNodes::create_directory, true, false},
+        Declared{id::FileDirectoryType_CreateFile, &FileNodes::create_file, true, false},
+        Declared{id::FileDirectoryType_DeleteFileSystemObject, &FileNodes::delete_entry, true,
+                 false},
+        Declared{id::FileDirectoryType_MoveOrCopy, &FileNodes::move_or_copy, true, false},
+    };
+    for (const Declared& each : all) {
+        const auto added = add_method(each.declaration, each.method, each.changes);
+        if (!added) {
+            return misconfigured("files " + files_.name, "their Methods cannot be added",
+                                 added.error());
+        }
+        if (each.declaration == id::FileType_Write) {
+            writing_ = *added;
+        }
+        (each.is_of_files ? file_methods_ : directory_methods_).push_back(*added);
+    }
+    return {};
+}
+
+/// Methods of files belong to a type of their own, those of directories to the root; all other
+/// Objects refer to them.
+Result<model::NodeIndex> FileNodes::add_method(std::uint32_t declaration, Method method,
+                                               bool changes)
+{
+    const model::NodeIndex type = space_.find(declaration);
+    if (type == model::no_node) {
+        return fail(status::Bad_NotSupported);
+    }
+    model::NewNode node;
+    node.browse_name = space_.browse_name(type);
+    node.parent = space_.find(declaration < id::FileDirectoryType ? file_type_ : node_id(""));
+    node.id = NodeId{namespace_, String{space_.node_id(node.parent).string().str() + "//" +
+                                        node.browse_name.name.str()}};
+    model::NewMethod facts;
+    facts.input_arguments = declared_arguments(space_, type, "InputArguments");
+    facts.output_arguments = declared_arguments(space_, type, "OutputArguments");
+    facts.source = index();
+    facts.handle = methods_.size();
+    const auto added = space_.add_method(node, facts);
+    if (!added) {
+        return added;
+    }
+    methods_.push_back(method);
+    space_.set_node_access(
+        *added,
+        access_of_files(files_, together(PermissionType::Browse, PermissionType::Call), changes));
+    for (const char* arguments : {"InputArguments", "OutputArguments"}) {
+        if (const model::NodeIndex property = child_of(space_, *added, arguments);
+            property != model::no_node) {
+            space_.set_node_access(property, access_of_files(files_, may_see, changes));
+        }
+    }
+    return added;
+}
+
+Result<model::NodeIndex> FileNodes::add_directory(const model::NewNode& node)
+{
+    model::NewObject object;
+    object.type_definition = NodeId{0, id::FileDirectoryType};
+    auto added = space_.add_object(node, object);
+    for (const model::NodeIndex method : directory_methods_) {
+        if (added) {
+            static_cast<void>(space_.add_reference(*added, NodeId{0, id::HasComponent}, method));
+        }
+    }
+    return added;
+}
+
+Result<void> FileNodes::add_file(const model::NewNode& node, std::uint32_t number)
+{
+    struct Property {
+        const char* name;
+        std::uint32_t type;
+        Aspect aspect;
+    };
+    constexpr std::array properties{
+        Property{"Size", id::UInt64, Aspect::Size},
+        Property{"Writable", id::Boolean, Aspect::Writable},
+        Property{"UserWritable", id::Boolean, Aspect::UserWritable},
+        Property{"OpenCount", id::UInt16, Aspect::OpenCount},
+        Property{"MaxByteStringLength", id::UInt32, Aspect::MaxByteStringLength},
+        Property{"LastModifiedTime", id::DateTime, Aspect::LastModifiedTime},
+    };
+    model::NewObject object;
+    object.type_definition = file_type_;
+    const auto added = space_.add_object(node, object);
+    if (!added) {
+        return fail(added.error());
+    }
+    space_.set_node_access(*added, access_of_files(files_, may_see, false));
+    for (const Property& each : properties) {
+        model::NewNode property;
+        property.id = NodeId{namespace_, String{node.id.string().str() + "//" + each.name}};
+        property.browse_name = QualifiedName{0, each.name};
+        property.parent = *added;
+        model::NewVariable variable;
+        variable.data_type = NodeId{0, each.type};
+        variable.source = index();
+        variable.handle = number * static_cast<std::uint64_t>(Aspect::Count) +
+                          static_cast<std::uint64_t>(each.aspect);
+        const auto made = space_.add_property(property, std::move(variable));
+        if (!made) {
+            return fail(made.error());
+        }
+        space_.set_node_access(*made, access_of_files(files_, may_see, false));
+    }
+    for (const model::NodeIndex method : file_methods_) {
+        static_cast<void>(space_.add_reference(*added, NodeId{0, id::HasComponent}, method));
+    }
+    return {};
+}
+
+bool FileNodes::add_entry(const std::string& path, Entry& entry)
+{
+    model::NewNode node;
+    node.id = node_id(path);
+    node.browse_name = QualifiedName{namespace_, String{last_name(path)}};
+    node.parent = space_.find(node_id(folder_of(path)));
+    node.reference_type = NodeId{0, id::Organizes};
+    if (entry.kind == StorageEntry::Kind::Folder) {
+        const auto added = add_directory(node);
+        if (added) {
+            space_.set_node_access(*added, access_of_files(files_, may_see, false));
+        }
+        return added.has_value();
+    }
+    if (free_numbers_.empty()) {
+        free_numbers_.push_back(static_cast<std::uint32_t>(paths_.size()));
+        paths_.emplace_back();
+    }
+    entry.number = free_numbers_.back();
+    if (!add_file(node, entry.number)) {
+        static_cast<void>(space_.remove(space_.find(node.id)));
+        return false;
+    }
+    free_numbers_.pop_back();
+    paths_[entry.number] = path;
+    return true;
+}
+
+void FileNodes::remove_entry(const std::string& path)
+{
+    const auto found = entries_.find(path);
+    if (found->second.kind == StorageEntry::Kind::File) {
+        paths_[found->second.number].clear();
+        free_numbers_.push_back(found->second.number);
+    }
+    if (const model::NodeIndex node = space_.find(node_id(path)); node != model::no_node) {
+        static_cast<void>(space_.remove(node));
+    }
+    entries_.erase(found);
+}
+
+void FileNodes::collect(const std::string& folder, std::size_t depth, Entries& found)
+{
+    const auto listing = files_.storage->list(folder, files_.limits.max_entries);
+    if (!listing) {
+        return;
+    }
+    for (const StorageEntry& each : listing->entries) {
+        const std::string path = folder.empty() ? each.name : folder + "/" + each.name;
+        if (each.kind == StorageEntry::Kind::Other || !is_file_name(each.name) ||
+            !is_storage_name(path) || found.size() > files_.limits.max_entries) {
+            continue;
+        }
+        found.emplace(path, Entry{each.kind, 0});
+        if (each.kind == StorageEntry::Kind::Folder && depth < files_.limits.max_depth) {
+            collect(path, depth + 1, found);
+        }
+    }
+}
+
+void FileNodes::refresh()
+{
+    Entries found;
+    found.emplace("", Entry{StorageEntry::Kind::Folder, 0});
+    collect("", 1, found);
+    std::vector<std::string> gone;
+    for (const auto& [path, entry] : entries_) {
+        const auto now = found.find(path);
+        if (now == found.end() || now->second.kind != entry.kind) {
+            gone.push_back(path);
+        }
+    }
+    // What is in a folder before the folder.
+    std::for_each(gone.rbegin(), gone.rend(), [&](const std::string& path) { remove_entry(path); });
+    for (auto& [path, entry] : found) {
+        if (!entries_.contains(path) && entries_.contains(folder_of(path)) &&
+            add_entry(path, entry)) {
+            entries_.emplace(path, entry);
+        }
+    }
+}
+
+DataValue FileNodes::value_of(const std::string& path, Aspect aspect)
+{
+    switch (aspect) {
+    case Aspect::OpenCount:
+        expire();
+        return DataValue{Variant{static_cast<std::uint16_t>(open_.count(path))}};
+    case Aspect::MaxByteStringLength:
+        return DataValue{Variant{static_cast<std::uint32_t>(max_read_size)}};
+    case Aspect::Size:
+    case Aspect::LastModifiedTime: {
+        const auto entry = files_.storage->entry(path);
+        if (!entry) {
+            return DataValue{status_of(entry.error())};
+        }
+        return DataValue{aspect == Aspect::Size ? Variant{entry->size} : Variant{entry->modified}};
+    }
+    default:
+        // Whom a value is for is not known here; Open tells those who may not.
+        return DataValue{Variant{!files_.writers.empty()}};
+    }
+}
+
+void FileNodes::read(server::ReadBatch batch)
+{
+    const DateTime now = clock_.now();
+    constexpr auto count = static_cast<std::uint64_t>(Aspect::Count);
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+        const std::uint64_t handle = batch.items()[i].handle;
+        const auto number = static_cast<std::size_t>(handle / count);
+        DataValue value{status::Bad_NodeIdUnknown};
+        if (number < paths_.size() && !paths_[number].empty()) {
+            value = value_of(paths_[number], static_cast<Aspect>(handle % count));
+            value.source_timestamp = now;
+        }
+        batch.results()[i] = std::move(value);
+    }
+    batch.complete();
+}
+
+void FileNodes::expire()
+{
+    const server::RunningServer running{server_};
+    open_.expire([&](const NodeId& session) { return running.has_session(session); });
+}
+
+void FileNodes::call(server::CallBatch batch)
+{
+    const auto shared = std::make_shared<server::CallBatch>(std::move(batch));
+    expire();
+    for (std::size_t i = 0; i < shared->size(); ++i) {
+        MethodCall call{shared, i};
+        const std::string* const path = path_of(call.object_id());
+        const auto method = static_cast<std::size_t>(shared->items()[i].handle);
+        if (path == nullptr || method >= methods_.size()) {
+            call.fail(status::Bad_MethodInvalid);
+            continue;
+        }
+        const std::string name = *path; // a Method may remove the node
+        (this->*methods_[method])(call, name);
+    }
+}
+
+} // namespace busbar::administration::detail

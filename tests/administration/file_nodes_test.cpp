@@ -1,0 +1,279 @@
+#include <span>
+#include <string>
+#include <string_view>
+
+#include <busbar/types/view.hpp>
+
+#include "managed_fixture.hpp"
+
+// Part 20, 4.2 and 4.3: files and directories as clients see them.
+
+using namespace busbar;
+using namespace busbar::test;
+
+namespace {
+
+constexpr std::uint8_t reading = 1;
+constexpr std::uint8_t writing = 6;
+
+struct FilesFixture : ManagedFixture {
+    FilesFixture()
+    {
+        REQUIRE(user_list.add({"eng", {}, 0, {}, {"Engineer"}}, "patience is all", random));
+        REQUIRE(user_list.add({"op", {}, 0, {}, {"Operator"}}, "patience is all", random));
+        REQUIRE(user_list.add({"looker", {}, 0, {}, {"Observer"}}, "patience is all", random));
+    }
+    TestClient log_in_as(const char* name) { return log_in(name, "patience is all"); }
+    static NodeId node(const std::string& path = "")
+    {
+        return NodeId{1, String{"Files/recipes" + (path.empty() ? path : "/" + path)}};
+    }
+    static NodeId file_method(const char* name)
+    {
+        return NodeId{1, String{std::string{"FileTypes/recipes//"} + name}};
+    }
+    static NodeId folder_method(const char* name)
+    {
+        return NodeId{1, String{std::string{"Files/recipes//"} + name}};
+    }
+    CallMethodResult on(TestClient& client, const std::string& path, const char* method,
+                        std::vector<Variant> inputs)
+    {
+        const std::string_view name = method;
+        const bool is_of_folder =
+            name.starts_with("Create") || name == "Delete" || name == "MoveOrCopy";
+        return call(client, node(path), is_of_folder ? folder_method(method) : file_method(method),
+                    std::move(inputs));
+    }
+    std::string_view why(TestClient& client, const std::string& path, const char* method,
+                         std::vector<Variant> inputs)
+    {
+        return name(on(client, path, method, std::move(inputs)).status_code);
+    }
+    Variant open(TestClient& client, const std::string& path, std::uint8_t mode)
+    {
+        const auto result = on(client, path, "Open", {Variant{mode}});
+        REQUIRE(result.status_code == status::Good);
+        return result.output_arguments[0];
+    }
+    void write(TestClient& client, const std::string& path, std::string_view text)
+    {
+        const Variant handle = open(client, path, writing);
+        CHECK(why(client, path, "Write",
+                  {handle, Variant{ByteString{std::as_bytes(std::span{text})}}}) == "Good");
+        CHECK(why(client, path, "Close", {handle}) == "Good");
+    }
+    std::string text(TestClient& client, const std::string& path)
+    {
+        const Variant handle = open(client, path, reading);
+        const auto result = on(client, path, "Read", {handle, Variant{std::int32_t{1'000}}});
+        REQUIRE(result.status_code == status::Good);
+        CHECK(why(client, path, "Close", {handle}) == "Good");
+        const auto bytes = result.output_arguments[0].get_if<ByteString>()->span();
+        return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    }
+    static DataValue value(TestClient& client, const std::string& path, const char* property)
+    {
+        ReadRequest request;
+        request.nodes_to_read.resize(1);
+        request.nodes_to_read[0].node_id =
+            NodeId{1, String{"Files/recipes/" + path + "//" + property}};
+        request.nodes_to_read[0].attribute_id = 13;
+        const auto response = client.call<ReadResponse>(request);
+        REQUIRE(response);
+        return response->results[0];
+    }
+    /// The BrowseNames of what a folder organizes.
+    static std::vector<std::string> names(TestClient& client, const std::string& path = "")
+    {
+        BrowseRequest request;
+        request.nodes_to_browse.resize(1);
+        request.nodes_to_browse[0].node_id = node(path);
+        request.nodes_to_browse[0].reference_type_id = NodeId{0, id::Organizes};
+        request.nodes_to_browse[0].result_mask = 63;
+        const auto response = client.call<BrowseResponse>(request);
+        REQUIRE(response);
+        std::vector<std::string> result;
+        for (const auto& each : response->results[0].references) {
+            result.push_back(each.browse_name.name.str());
+        }
+        return result;
+    }
+    std::string_view make(TestClient& client, const std::string& folder, const char* name)
+    {
+        return why(client, folder, "CreateFile", {Variant{String{name}}, Variant{false}});
+    }
+    std::string_view make_folder(TestClient& client, const std::string& folder, const char* name)
+    {
+        return why(client, folder, "CreateDirectory", {Variant{String{name}}});
+    }
+    std::string_view move(TestClient& client, const std::string& folder, const std::string& what,
+                          const std::string& target, const char* new_name = "", bool copies = false)
+    {
+        return why(client, folder, "MoveOrCopy",
+                   {Variant{node(what)}, Variant{node(target)}, Variant{copies},
+                    Variant{String{new_name}}});
+    }
+    bool is_stored(const std::string& path) { return file_storage.entry(path).has_value(); }
+};
+
+using Names = std::vector<std::string>;
+
+} // namespace
+
+TEST_CASE_METHOD(FilesFixture, "file nodes: files and folders are made, written and read")
+{
+    REQUIRE(file_storage.make_folder("", FileAccess::Owner));
+    auto client = log_in_as("eng");
+    CHECK(make_folder(client, "", "press") == "Good");
+    const auto made = on(client, "press", "CreateFile", {Variant{String{"4.csv"}}, Variant{true}});
+    REQUIRE(made.status_code == status::Good);
+    CHECK(made.output_arguments[0] == Variant{node("press/4.csv")});
+    CHECK(value(client, "press/4.csv", "OpenCount").value == Variant{std::uint16_t{1}});
+    CHECK(why(client, "press/4.csv", "Close", {made.output_arguments[1]}) == "Good");
+    write(client, "press/4.csv", "speed;7");
+    CHECK(names(client) == Names{"press"});
+    CHECK(names(client, "press") == Names{"4.csv"});
+    CHECK(value(client, "press/4.csv", "Size").value == Variant{std::uint64_t{7}});
+    CHECK(value(client, "press/4.csv", "Writable").value == Variant{true});
+    CHECK(value(client, "press/4.csv", "LastModifiedTime").status == status::Good);
+    auto reader = log_in_as("op");
+    CHECK(text(reader, "press/4.csv") == "speed;7");
+    const Variant handle = open(reader, "press/4.csv", reading);
+    CHECK(why(reader, "press/4.csv", "SetPosition", {handle, Variant{std::uint64_t{3}}}) == "Good");
+    CHECK(on(reader, "press/4.csv", "GetPosition", {handle}).output_arguments[0] ==
+          Variant{std::uint64_t{3}});
+    CHECK(why(client, "press/4.csv", "Open", {Variant{writing}}) == "Bad_NotWritable");
+    CHECK(why(client, "press/4.csv", "Close", {handle}) == "Bad_InvalidArgument"); // another's
+}
+
+TEST_CASE_METHOD(FilesFixture, "file nodes: names that are none, or taken, are refused")
+{
+    REQUIRE(file_storage.make_folder("", FileAccess::Owner));
+    auto client = log_in_as("eng");
+    for (const char* bad : {"", ".", "..", "../x", "a/b", "a\\b", ".hidden", "a\nb", "/etc"}) {
+        INFO(bad);
+        CHECK(make(client, "", bad) == "Bad_BrowseNameInvalid");
+        CHECK(make_folder(client, "", bad) == "Bad_BrowseNameInvalid");
+    }
+    CHECK(make(client, "", std::string(256, 'x').c_str()) == "Bad_BrowseNameInvalid");
+    CHECK(make(client, "", "a") == "Good");
+    CHECK(make(client, "", "a") == "Bad_BrowseNameDuplicated");
+    CHECK(make_folder(client, "", "a") == "Bad_BrowseNameDuplicated");
+    // Somebody else's, that no node was made of yet.
+    REQUIRE(file_storage.replace("b", {}, FileAccess::Owner));
+    CHECK(make(client, "", "b") == "Bad_BrowseNameDuplicated");
+    CHECK(make(client, "a", "c") == "Bad_MethodInvalid"); // no folder
+}
+
+TEST_CASE_METHOD(FilesFixture, "file nodes: are moved, copied and removed")
+{
+    REQUIRE(file_storage.make_folder("", FileAccess::Owner));
+    auto client = log_in_as("eng");
+    CHECK(make_folder(client, "", "from") == "Good");
+    CHECK(make_folder(client, "", "to") == "Good");
+    CHECK(make(client, "from", "a") == "Good");
+    write(client, "from/a", "one");
+    CHECK(move(client, "from", "from/a", "to", "", true) == "Good");
+    CHECK(text(client, "to/a") == "one");
+    CHECK(text(client, "from/a") == "one");
+    CHECK(move(client, "from", "from/a", "to") == "Bad_BrowseNameDuplicated");
+    CHECK(move(client, "from", "from/a", "to", "b") == "Good");
+    CHECK(names(client, "from").empty());
+    CHECK(names(client, "to") == Names{"a", "b"});
+    CHECK(move(client, "from", "to/a", "from") == "Bad_NotFound"); // not in it
+    CHECK(move(client, "", "to", "to") == "Bad_InvalidArgument");  // into itself
+    CHECK(move(client, "", "to", "from", "deep") == "Good");
+    CHECK(text(client, "from/deep/b") == "one");
+    CHECK(move(client, "", "from", "", "second", true) == "Good");
+    CHECK(text(client, "second/deep/b") == "one");
+
+    const auto remove = [&](const std::string& folder, const std::string& what) {
+        return why(client, folder, "Delete", {Variant{node(what)}});
+    };
+    const Variant handle = open(client, "from/deep/a", reading);
+    CHECK(remove("", "from") == "Bad_InvalidState");
+    CHECK(move(client, "", "from", "", "other") == "Bad_InvalidState");
+    CHECK(why(client, "from/deep/a", "Close", {handle}) == "Good");
+    CHECK(remove("", "from/deep") == "Bad_NotFound");
+    CHECK(remove("", "") == "Bad_NotFound");
+    CHECK(remove("", "from") == "Good");
+    CHECK_FALSE(is_stored("from"));
+    CHECK(is_stored("second/deep/b"));
+    CHECK(names(client) == Names{"second"});
+    CHECK(value(client, "from/deep/a", "Size").status == status::Bad_NodeIdUnknown);
+}
+
+TEST_CASE_METHOD(FilesFixture, "file nodes: readers read, writers write, others see nothing")
+{
+    REQUIRE(file_storage.make_folder("", FileAccess::Owner));
+    auto engineer = log_in_as("eng");
+    CHECK(make(engineer, "", "a") == "Good");
+    auto reader = log_in_as("op");
+    CHECK(why(reader, "a", "Open", {Variant{writing}}) == "Bad_UserAccessDenied");
+    CHECK(why(reader, "a", "Open", {Variant{std::uint8_t{3}}}) == "Bad_UserAccessDenied");
+    CHECK(make(reader, "", "b").starts_with("Bad_"));
+    CHECK_FALSE(is_stored("b"));
+    CHECK(why(reader, "", "Delete", {Variant{node("a")}}).starts_with("Bad_"));
+    CHECK(is_stored("a"));
+    auto looker = log_in_as("looker");
+    CHECK(why(looker, "a", "Open", {Variant{reading}}) == "Bad_NodeIdUnknown");
+    CHECK(names(looker).empty());
+    auto signed_only = log_in("eng", "patience is all", MessageSecurityMode::Sign);
+    CHECK(why(signed_only, "a", "Open", {Variant{reading}}) == "Bad_SecurityModeInsufficient");
+}
+
+TEST_CASE_METHOD(FilesFixture, "file nodes: how many there may be is limited")
+{
+    REQUIRE(file_storage.make_folder("", FileAccess::Owner));
+    auto client = log_in_as("eng");
+    CHECK(make_folder(client, "", "1") == "Good");
+    CHECK(make_folder(client, "1", "2") == "Good");
+    CHECK(make_folder(client, "1/2", "3") == "Good");
+    CHECK(make_folder(client, "1/2/3", "4") == "Bad_ResourceUnavailable");
+    for (const char* name : {"a", "b", "c", "d", "e", "f", "g", "h", "i"}) {
+        CHECK(make(client, "", name) == "Good");
+    }
+    CHECK(make(client, "", "j") == "Bad_ResourceUnavailable");
+    CHECK(move(client, "", "1", "", "j", true) == "Bad_ResourceUnavailable");
+    CHECK_FALSE(is_stored("j"));
+    // What others put there beyond it is not shown.
+    REQUIRE(file_storage.replace("1/z", {}, FileAccess::Owner));
+    CHECK(why(client, "", "Delete", {Variant{node("i")}}) == "Good");
+    CHECK(names(client, "1").size() == 2);
+}
+
+TEST_CASE_METHOD(FilesFixture, "file nodes: a session that ends writes nothing")
+{
+    REQUIRE(file_storage.make_folder("", FileAccess::Owner));
+    auto client = log_in_as("eng");
+    CHECK(make(client, "", "a") == "Good");
+    write(client, "a", "first");
+    {
+        auto other = log_in_as("eng");
+        const Variant handle = open(other, "a", writing);
+        CHECK(why(other, "a", "Write",
+                  {handle, Variant{ByteString{std::as_bytes(std::span{"half", 4})}}}) == "Good");
+        CHECK(why(client, "a", "Open", {Variant{reading}}) == "Bad_NotReadable");
+        other.close_session();
+    }
+    CHECK(text(client, "a") == "first");
+}
+
+TEST_CASE_METHOD(FilesFixture, "file nodes: a medium that is away or protected loses nothing")
+{
+    REQUIRE(file_storage.make_folder("", FileAccess::Owner));
+    auto client = log_in_as("eng");
+    CHECK(make(client, "", "a") == "Good");
+    write(client, "a", "first");
+    storage.set_protected(true);
+    CHECK(make(client, "", "b") == "Bad_ResourceUnavailable");
+    CHECK(why(client, "", "Delete", {Variant{node("a")}}) == "Bad_ResourceUnavailable");
+    CHECK(move(client, "", "a", "", "c") == "Bad_ResourceUnavailable");
+    storage.set_protected(false);
+    CHECK(names(client) == Names{"a"});
+    CHECK(text(client, "a") == "first");
+    storage.set_away(true);
+    CHECK(value(client, "a", "Size").status == status::Bad_ResourceUnavailable);
+    CHECK(why(client, "a", "Open", {Variant{reading}}) == "Bad_ResourceUnavailable");
+}
