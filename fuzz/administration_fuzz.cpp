@@ -50,6 +50,17 @@ struct Backend {
     StorageFolder user_files{files, "users"};
     crypto::CertificateStore applications{files, {}, silence};
     crypto::CertificateStore user_certificates{user_files, {}, silence};
+    StorageFolder recipe_files{files, "recipes"};
+    administration::FileSystem recipes{.name = "recipes",
+                                       .storage = &recipe_files,
+                                       .limits = {.max_file_size = 200,
+                                                  .max_written = 300,
+                                                  .max_open = 4,
+                                                  .max_open_of_session = 3,
+                                                  .max_entries = 8,
+                                                  .max_depth = 3},
+                                       .readers = {},
+                                       .writers = {NodeId{0, id::WellKnownRole_SecurityAdmin}}};
     server::PasswordUsers passwords;
     administration::RoleList roles{files, "roles.json"};
     administration::UserList user_list{files, "users.json", {}, passwords};
@@ -65,7 +76,8 @@ struct Backend {
                                                    .certificates = &certificates,
                                                    .random = &system_random,
                                                    .worker = &worker,
-                                                   .stop = [] {}}};
+                                                   .stop = [] {},
+                                                   .file_systems = {recipes}}};
 };
 
 /// A Method and the Object that has it.
@@ -81,6 +93,11 @@ struct Fixture : Backend, fuzz::ServerSession {
         static_cast<void>(applications.create());
         static_cast<void>(user_certificates.create());
         static_cast<void>(roles.load());
+        static_cast<void>(recipe_files.make_folder("d", FileAccess::Owner));
+        for (const char* name : {"a", "d/a"}) {
+            static_cast<void>(recipe_files.replace(name, std::as_bytes(std::span{"0123456789"}),
+                                                   FileAccess::Owner));
+        }
         static_cast<void>(administration.attach(server));
         auto& space = server.address_space();
         for (const std::uint32_t object :
@@ -91,7 +108,27 @@ struct Fixture : Backend, fuzz::ServerSession {
                 add(space.find(object), method);
             }
         }
+        for (const char* path : {"", "/d", "/a", "/d/a", "/x"}) { // the last is made by others
+            add_file_methods(path);
+        }
         log_in();
+    }
+    void add_file_methods(const std::string& path)
+    {
+        auto& space = server.address_space();
+        const NodeId object{1, String{"Files/recipes" + path}};
+        const bool is_folder = path.empty() || path == "/d";
+        const NodeId methods_of{1, String{is_folder ? "Files/recipes" : "FileTypes/recipes"}};
+        const auto first = targets.size();
+        for (const char* method : file_methods) {
+            add(space.find(methods_of), method);
+        }
+        for (auto target = first; target < targets.size(); ++target) {
+            targets[target].object = object;
+        }
+        if (const model::NodeIndex node = space.find(object); node != model::no_node) {
+            space.set_node_access(node, {});
+        }
     }
     void add(model::NodeIndex object, const char* name)
     {
@@ -116,6 +153,9 @@ struct Fixture : Backend, fuzz::ServerSession {
         targets.push_back(std::move(target));
     }
 
+    static constexpr std::array file_methods{
+        "Open",        "Close",           "Read",       "Write",  "GetPosition",
+        "SetPosition", "CreateDirectory", "CreateFile", "Delete", "MoveOrCopy"};
     static constexpr std::array methods{"Open",
                                         "OpenWithMasks",
                                         "Close",
@@ -161,10 +201,16 @@ ByteString bytes_of(fuzz::Script& script)
 
 String string_of(fuzz::Script& script)
 {
-    static const std::array<std::string, 6> known{
-        "",         "Fitter",
-        "Operator", "CN=Press 4/O=Works",
-        "PEM",      test::client_identity().certificates.front().thumbprint_text()};
+    static const std::array<std::string, 9> known{
+        "x",
+        "d",
+        "../a",
+        "",
+        "Fitter",
+        "Operator",
+        "CN=Press 4/O=Works",
+        "PEM",
+        test::client_identity().certificates.front().thumbprint_text()};
     const std::uint8_t choice = script.byte();
     if (choice < known.size()) {
         return String{known[choice]};
@@ -180,7 +226,13 @@ NodeId node_of(fuzz::Script& script)
         id::RsaSha256ApplicationCertificateType,
         id::ServerConfiguration_CertificateGroups_DefaultApplicationGroup,
         id::WellKnownRole_Operator};
-    return choice < known.size() ? NodeId{0, known[choice]} : NodeId{};
+    if (choice < known.size()) {
+        return NodeId{0, known[choice]};
+    }
+    static constexpr std::array paths{"", "/d", "/a", "/d/a", "/x", "/d/d", "/d/x"};
+    return choice % 8 < paths.size()
+               ? NodeId{1, String{std::string{"Files/recipes"} + paths[choice % 8]}}
+               : NodeId{};
 }
 
 /// A value of the argument's type; some are small so that handles and modes are met.
