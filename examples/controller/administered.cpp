@@ -15,7 +15,8 @@ bool manages_certificates(const ControllerConfig& config)
 }
 
 Administered::Administered(const ControllerConfig& config, const WallClock& clock, LogSink& lines)
-    : clock_{clock}, audit_{lines}, files_{config.certificates.folder}, roles_{files_, "roles.json"}
+    : clock_{clock}, audit_{lines}, files_{config.certificates.folder},
+      roles_{files_, "roles.json"}, file_systems_{config.files}
 {
     expect(roles_.load());
 }
@@ -79,6 +80,7 @@ void Administered::attach(const ToAdminister& what)
     administration::AdministrationParts parts{
         .wall_clock = &clock_, .log = &audit_, .roles = &roles_, .stop = what.stop};
     parts.authorities = what.config.users.authorities;
+    parts.file_systems = file_systems_.all();
     parts.settings = &what.settings.list();
     parts.setting_owner = &what.settings;
     if (manages_certificates(what.config)) {

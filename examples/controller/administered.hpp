@@ -12,6 +12,7 @@
 
 #include "admission.hpp"
 #include "config.hpp"
+#include "file_systems.hpp"
 #include "settings.hpp"
 #include "setup.hpp"
 
@@ -74,6 +75,7 @@ private:
     administration::RoleList roles_;
     std::optional<administration::UserList> users_;
     administration::ManagedCertificates certificates_;
+    FileSystems file_systems_;
     std::optional<administration::Administration> administration_;
 };
 

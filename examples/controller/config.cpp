@@ -13,6 +13,7 @@
 
 #include "default_config.hpp"
 #include "endpoint_section.hpp"
+#include "files_section.hpp"
 #include "limits_section.hpp"
 #include "plc_section.hpp"
 #include "security_section.hpp"
@@ -144,7 +145,7 @@ std::vector<server::NetworkServer> read_network_servers(const TomlTable& table)
 ControllerConfig read_root(const TomlTable& root)
 {
     root.allow({"server", "reverse_connect", "discovery", "certificates", "endpoint", "security",
-                "users", "limits", "plc"});
+                "users", "files", "limits", "plc"});
     ControllerConfig config;
     read_preset(root.table("limits"), config);
     read_server(root.table("server"), config);
@@ -152,6 +153,7 @@ ControllerConfig read_root(const TomlTable& root)
     read_discovery(root.table("discovery"), config.discovery);
     config.server.network_servers = read_network_servers(root.table("discovery"));
     read_certificates(root.table("certificates"), config);
+    config.files = read_files(root, config.certificates);
     read_limits(root, config);
     read_users(root.table("users"), config);
     read_endpoints(root, config);

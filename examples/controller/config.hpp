@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <busbar/administration/authorities.hpp>
+#include <busbar/administration/file_system.hpp>
 #include <busbar/controller/plc_config.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
 #include <busbar/crypto/jwt.hpp>
@@ -76,6 +77,16 @@ struct DiscoveryConfig {
     bool allows_none{false};
 };
 
+/// A folder whose files clients see.
+struct FilesConfig {
+    std::string name;
+    std::string folder;
+    // Well-known roles.
+    std::vector<std::string> readers;
+    std::vector<std::string> writers;
+    administration::FileLimits limits;
+};
+
 /// Everything a configuration file says.
 struct ControllerConfig {
     server::ServerConfig server;
@@ -94,6 +105,7 @@ struct ControllerConfig {
     std::vector<std::string> nodesets;
     CertificateConfig certificates;
     UserConfig users;
+    std::vector<FilesConfig> files;
     std::chrono::milliseconds scan{20};
     /// Of the PLC's task, 1 to 99; 0 is none.
     int realtime_priority{0};

@@ -86,27 +86,6 @@ constexpr std::array roles{std::string_view{"Observer"},       std::string_view{
                            std::string_view{"Engineer"},       std::string_view{"Supervisor"},
                            std::string_view{"ConfigureAdmin"}, std::string_view{"SecurityAdmin"}};
 
-/// Some of the well-known roles that a login gives nobody by itself (Part 3, 4.9.2).
-std::vector<std::string> read_roles(const TomlTable& table, Access access)
-{
-    if (!table.has("roles")) {
-        return {access == Access::Write ? "Operator" : "Observer"};
-    }
-    std::vector<std::string> given = table.texts("roles");
-    const auto unknown = std::find_if(given.begin(), given.end(), [](const std::string& role) {
-        return std::find(roles.begin(), roles.end(), role) == roles.end();
-    });
-    if (unknown != given.end()) {
-        std::string names;
-        for (const std::string_view known : roles) {
-            names += names.empty() ? "" : ", ";
-            names += known;
-        }
-        table.refuse("roles", "found \"" + *unknown + "\", expected some of: " + names);
-    }
-    return given;
-}
-
 Account read_account(const TomlTable& table)
 {
     table.allow({"name", "password", "access", "roles"});
@@ -121,7 +100,8 @@ Account read_account(const TomlTable& table)
         table.refuse("password", "found no hash, expected the output of --hash-password");
     }
     account.access = read_access(table, "access", "write");
-    account.roles = read_roles(table, account.access);
+    account.roles =
+        read_roles(table, "roles", {account.access == Access::Write ? "Operator" : "Observer"});
     return account;
 }
 
@@ -166,6 +146,27 @@ TokenConfig read_tokens(const TomlTable& table)
 }
 
 } // namespace
+
+std::vector<std::string> read_roles(const TomlTable& table, std::string_view key,
+                                    std::vector<std::string> otherwise)
+{
+    if (!table.has(key)) {
+        return otherwise;
+    }
+    std::vector<std::string> given = table.texts(key);
+    const auto unknown = std::find_if(given.begin(), given.end(), [](const std::string& role) {
+        return std::find(roles.begin(), roles.end(), role) == roles.end();
+    });
+    if (unknown != given.end()) {
+        std::string names;
+        for (const std::string_view known : roles) {
+            names += names.empty() ? "" : ", ";
+            names += known;
+        }
+        table.refuse(key, "found \"" + *unknown + "\", expected some of: " + names);
+    }
+    return given;
+}
 
 void read_certificates(const TomlTable& table, ControllerConfig& config)
 {

@@ -6,6 +6,9 @@ namespace busbar::example {
 
 /// [certificates]
 void read_certificates(const TomlTable& table, ControllerConfig& config);
+/// Some of the well-known roles that a login gives nobody by itself (Part 3, 4.9.2).
+[[nodiscard]] std::vector<std::string> read_roles(const TomlTable& table, std::string_view key,
+                                                  std::vector<std::string> otherwise);
 /// [users]
 void read_users(const TomlTable& table, ControllerConfig& config);
 

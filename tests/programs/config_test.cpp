@@ -325,3 +325,37 @@ TEST_CASE("a password that is none is not shown in the error")
     CHECK(complaint("[[users.account]]\nname = \"a\"\npassword = \"hunter2\"").find("hunter2") ==
           std::string::npos);
 }
+
+TEST_CASE("folders whose files clients see are configured")
+{
+    const auto config = parse("[[files]]\nname = \"recipes\"\nfolder = \"r\"\n"
+                              "[[files]]\nname = \"logs\"\nfolder = \"l\"\nreaders = []\n"
+                              "writers = [\"Engineer\"]\nfile_size = 40000000\nentries = 5");
+    REQUIRE(config.files.size() == 2);
+    CHECK(config.files[0].readers.size() == 3);
+    CHECK(config.files[0].writers == std::vector<std::string>{"ConfigureAdmin"});
+    CHECK(config.files[1].readers.empty());
+    CHECK(config.files[1].limits.max_file_size == 40'000'000);
+    CHECK(config.files[1].limits.max_written == 80'000'000);
+    CHECK(config.files[1].limits.max_entries == 5);
+
+    const std::string start =
+        "[certificates]\nfolder = \"pki\"\n[[files]]\nname = \"a\"\nfolder = ";
+    const std::pair<std::string, const char*> mistakes[] = {
+        {start + "\"pki\"", "plant.toml:5: folder: found \"pki\", expected one apart from"},
+        {start + "\".\"", "which has keys in it"},
+        {start + "\"./pki/own\"", "which has keys in it"},
+        {start + "\"x/../pki/\"", "which has keys in it"},
+        {start + "\"\"", "expected a folder"},
+        {start + "\"f\"\nreaders = [\"Boss\"]", "expected some of: Observer"},
+        {start + "\"f\"\n[[files]]\nname = \"a\"\nfolder = \"g\"", "found \"a\" again"},
+        {start + "\"f\"\n[[files]]\nname = \"b\"\nfolder = \"f/g\"", "one apart from \"f\" of a"},
+        {"[[files]]\nname = \"a/b\"\nfolder = \"f\"", "1 to 63 letters"},
+    };
+    for (const auto& [text, said] : mistakes) {
+        INFO(text);
+        INFO(complaint(text));
+        CHECK(complaint(text).find(said) != std::string::npos);
+    }
+    CHECK_NOTHROW(parse(start + "\"pki2\"")); // a part of the name is no part of the path
+}
