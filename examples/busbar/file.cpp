@@ -28,7 +28,7 @@ using File = std::unique_ptr<std::FILE, Close>;
 
 } // namespace
 
-std::string read_file(const std::string& path)
+std::string read_file(const std::string& path, std::size_t max_size)
 {
     const File file{std::fopen(path.c_str(), "rbe")};
     if (!file) {
@@ -38,8 +38,8 @@ std::string read_file(const std::string& path)
     char block[4'096];
     while (const std::size_t size = std::fread(block, 1, sizeof block, file.get())) {
         text.append(block, size);
-        if (text.size() > max_file_size) {
-            fail_reading(path, "it is larger than a megabyte");
+        if (text.size() > max_size) {
+            fail_reading(path, "it is larger than " + std::to_string(max_size >> 20U) + " MiB");
         }
     }
     if (std::ferror(file.get()) != 0) {

@@ -29,6 +29,9 @@ mode = "SignAndEncrypt"
 name = "chief"
 password = "$hash"
 roles = ["SecurityAdmin", "ConfigureAdmin"]
+[[files]]
+name = "recipes"
+folder = "recipes"
 EOF
 serve --config controller.toml
 
@@ -80,6 +83,29 @@ says '"name":"plc.scan_ms","value":"50","default":"20".*"isChanged":true,"waitsF
 run 4 --user pat --password-file pat --trust admin setting list "$url"
 as_admin 0 admin setting reset "$url" plc.scan_ms
 cmp -s before.toml controller.toml || fail "the user's file was written"
+
+# Files, there and back, larger than one call carries.
+as_admin 0 admin file list "$url"
+says "recipes/"
+head -c 100000 "$controller" > program
+as_admin 0 admin file mkdir "$url" recipes/press
+as_admin 0 admin file put "$url" program recipes/press/4.bin
+cmp -s program recipes/press/4.bin || fail "the server's file is another one"
+as_admin 0 admin file list "$url" recipes/press
+says "4.bin *100000"
+as_admin 0 admin file get "$url" recipes/press/4.bin back
+cmp -s program back || fail "what came back is another one"
+as_admin 1 admin file get "$url" recipes/press/4.bin back # nobody says yes
+as_admin 1 admin file put "$url" chief recipes/press/4.bin
+as_admin 0 admin file put "$url" chief recipes/press/4.bin --yes
+cmp -s chief recipes/press/4.bin || fail "it was not replaced"
+as_admin 0 admin file move "$url" recipes/press/4.bin recipes/Delete
+as_admin 1 admin file put "$url" chief recipes/../chief
+as_admin 2 admin file put "$url" chief nothing
+as_admin 0 admin file remove "$url" recipes/Delete --yes
+as_admin 0 admin file remove "$url" recipes/press --yes
+[ -z "$(ls recipes)" ] || fail "there are files left"
+run 4 --user pat --password-file pat --trust admin file get "$url" recipes/x x
 
 # A stranger, who was rejected and is trusted.
 run 0 --pki other cert create

@@ -60,6 +60,7 @@ void add_users(CLI::App& admin, Run& run);
 void add_roles(CLI::App& admin, Run& run);
 void add_own(CLI::App& admin, Run& run);
 void add_settings(CLI::App& admin, Run& run);
+void add_files(CLI::App& admin, Run& run);
 void add_setup(CLI::App& admin, Run& run);
 void add_shutdown(CLI::App& admin, Run& run);
 

@@ -68,6 +68,16 @@ NodeId find_child(Connection& connection, const NodeId& parent, std::string_view
     return {};
 }
 
+NodeId find_method(Connection& connection, const NodeId& parent, std::string_view name)
+{
+    for (const ReferenceDescription& child : children(connection, parent)) {
+        if (child.node_class == NodeClass::Method && child.browse_name.name.view() == name) {
+            return child.node_id.node_id;
+        }
+    }
+    return {};
+}
+
 NodeId child_of(Connection& connection, const NodeId& parent, std::string_view name)
 {
     if (NodeId found = find_child(connection, parent, name); !found.is_null()) {

@@ -33,6 +33,9 @@ std::vector<Variant> call(Connection& connection, const NodeId& object, const No
                                 std::string_view name);
 /// The same; throws Failure.
 [[nodiscard]] NodeId child_of(Connection& connection, const NodeId& parent, std::string_view name);
+/// The Method with this name; null if there is none. A child of another kind may have it, too.
+[[nodiscard]] NodeId find_method(Connection& connection, const NodeId& parent,
+                                 std::string_view name);
 /// All children that are Objects, and their names.
 struct NamedChild {
     std::string name;
