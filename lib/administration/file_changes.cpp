@@ -1,13 +1,15 @@
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 #include <busbar/core/status_codes.hpp>
+#include <busbar/server/running_server.hpp>
 
 #include "file_nodes.hpp"
 #include "method_arguments.hpp"
 #include "permissions.hpp"
 
-// What the Methods of files and directories do (Part 20, 4.2 and 4.3).
+// What files and directories say of themselves, and what their Methods do (Part 20, 4.2 and 4.3).
 
 namespace busbar::administration::detail {
 
@@ -31,6 +33,68 @@ std::string_view name_in(std::string_view path)
 }
 
 } // namespace
+
+DataValue FileNodes::value_of(const std::string& path, Aspect aspect)
+{
+    switch (aspect) {
+    case Aspect::OpenCount:
+        expire();
+        return DataValue{Variant{static_cast<std::uint16_t>(open_.count(path))}};
+    case Aspect::MaxByteStringLength:
+        return DataValue{Variant{static_cast<std::uint32_t>(max_read_size)}};
+    case Aspect::Size:
+    case Aspect::LastModifiedTime: {
+        const auto entry = files_.storage->entry(path);
+        if (!entry) {
+            return DataValue{status_of(entry.error())};
+        }
+        return DataValue{aspect == Aspect::Size ? Variant{entry->size} : Variant{entry->modified}};
+    }
+    default:
+        // Whom a value is for is not known here; Open tells those who may not.
+        return DataValue{Variant{!files_.writers.empty()}};
+    }
+}
+
+void FileNodes::read(server::ReadBatch batch)
+{
+    const DateTime now = clock_.now();
+    constexpr auto count = static_cast<std::uint64_t>(Aspect::Count);
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+        const std::uint64_t handle = batch.items()[i].handle;
+        const auto number = static_cast<std::size_t>(handle / count);
+        DataValue value{status::Bad_NodeIdUnknown};
+        if (number < paths_.size() && !paths_[number].empty()) {
+            value = value_of(paths_[number], static_cast<Aspect>(handle % count));
+            value.source_timestamp = now;
+        }
+        batch.results()[i] = std::move(value);
+    }
+    batch.complete();
+}
+
+void FileNodes::expire()
+{
+    const server::RunningServer running{server_};
+    open_.expire([&](const NodeId& session) { return running.has_session(session); });
+}
+
+void FileNodes::call(server::CallBatch batch)
+{
+    const auto shared = std::make_shared<server::CallBatch>(std::move(batch));
+    expire();
+    for (std::size_t i = 0; i < shared->size(); ++i) {
+        MethodCall call{shared, i};
+        const std::string* const path = path_of(call.object_id());
+        const auto method = static_cast<std::size_t>(shared->items()[i].handle);
+        if (path == nullptr || method >= methods_.size()) {
+            call.fail(status::Bad_MethodInvalid);
+            continue;
+        }
+        const std::string name = *path; // a Method may remove the node
+        (this->*methods_[method])(call, name);
+    }
+}
 
 void FileNodes::open(MethodCall& call, const std::string& path)
 {

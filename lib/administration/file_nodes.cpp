@@ -4,7 +4,6 @@
 #include <array>
 #include <utility>
 
-#include <busbar/server/running_server.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "method_arguments.hpp"
@@ -14,8 +13,6 @@
 namespace busbar::administration::detail {
 
 namespace {
-
-using server::MethodCall;
 
 /// The roots of all FileSystems have it.
 constexpr std::string_view files_prefix = "Files/";
@@ -37,6 +34,27 @@ model::NodeAccess access_of_files(const FileSystem& files, PermissionType permis
         }
     }
     return access;
+}
+
+/// The entry point of all folders (Part 20, 4.3.2), whose own Methods are for nobody: it is no
+/// folder of a medium. Objects, where namespace 0 has none.
+model::NodeIndex entry_point(model::AddressSpace& space)
+{
+    const model::NodeIndex objects = space.find(id::ObjectsFolder);
+    const model::NodeIndex system = space.find(id::FileSystem);
+    if (system == model::no_node) {
+        return objects;
+    }
+    // It is there already with a second folder.
+    static_cast<void>(space.add_reference(objects, NodeId{0, id::HasComponent}, system));
+    for (const char* method : {"CreateDirectory", "CreateFile", "Delete", "MoveOrCopy"}) {
+        if (const model::NodeIndex node = child_of(space, system, method); node != model::no_node) {
+            model::NodeAccess nobody;
+            nobody.role_permissions.clear(); // not null
+            space.set_node_access(node, std::move(nobody));
+        }
+    }
+    return system;
 }
 
 std::string_view last_name(std::string_view path)
@@ -95,11 +113,10 @@ Configured<void> FileNodes::add_nodes()
 {
     server_.add_source(*this);
     namespace_ = space_.namespace_index(server_.config().application_uri).value_or(1);
-    const model::NodeIndex system = space_.find(id::FileSystem);
     model::NewNode node;
     node.id = node_id("");
     node.browse_name = QualifiedName{namespace_, String{files_.name}};
-    node.parent = system != model::no_node ? system : space_.find(id::ObjectsFolder);
+    node.parent = entry_point(space_);
     node.reference_type = NodeId{0, id::Organizes};
     model::NewObject object;
     object.type_definition = NodeId{0, id::FileDirectoryType};
@@ -341,68 +358,6 @@ void FileNodes::refresh()
             add_entry(path, entry)) {
             entries_.emplace(path, entry);
         }
-    }
-}
-
-DataValue FileNodes::value_of(const std::string& path, Aspect aspect)
-{
-    switch (aspect) {
-    case Aspect::OpenCount:
-        expire();
-        return DataValue{Variant{static_cast<std::uint16_t>(open_.count(path))}};
-    case Aspect::MaxByteStringLength:
-        return DataValue{Variant{static_cast<std::uint32_t>(max_read_size)}};
-    case Aspect::Size:
-    case Aspect::LastModifiedTime: {
-        const auto entry = files_.storage->entry(path);
-        if (!entry) {
-            return DataValue{status_of(entry.error())};
-        }
-        return DataValue{aspect == Aspect::Size ? Variant{entry->size} : Variant{entry->modified}};
-    }
-    default:
-        // Whom a value is for is not known here; Open tells those who may not.
-        return DataValue{Variant{!files_.writers.empty()}};
-    }
-}
-
-void FileNodes::read(server::ReadBatch batch)
-{
-    const DateTime now = clock_.now();
-    constexpr auto count = static_cast<std::uint64_t>(Aspect::Count);
-    for (std::size_t i = 0; i < batch.size(); ++i) {
-        const std::uint64_t handle = batch.items()[i].handle;
-        const auto number = static_cast<std::size_t>(handle / count);
-        DataValue value{status::Bad_NodeIdUnknown};
-        if (number < paths_.size() && !paths_[number].empty()) {
-            value = value_of(paths_[number], static_cast<Aspect>(handle % count));
-            value.source_timestamp = now;
-        }
-        batch.results()[i] = std::move(value);
-    }
-    batch.complete();
-}
-
-void FileNodes::expire()
-{
-    const server::RunningServer running{server_};
-    open_.expire([&](const NodeId& session) { return running.has_session(session); });
-}
-
-void FileNodes::call(server::CallBatch batch)
-{
-    const auto shared = std::make_shared<server::CallBatch>(std::move(batch));
-    expire();
-    for (std::size_t i = 0; i < shared->size(); ++i) {
-        MethodCall call{shared, i};
-        const std::string* const path = path_of(call.object_id());
-        const auto method = static_cast<std::size_t>(shared->items()[i].handle);
-        if (path == nullptr || method >= methods_.size()) {
-            call.fail(status::Bad_MethodInvalid);
-            continue;
-        }
-        const std::string name = *path; // a Method may remove the node
-        (this->*methods_[method])(call, name);
     }
 }
 

@@ -133,6 +133,21 @@ TEST_CASE_METHOD(FilesFixture, "file nodes: files and folders are made, written 
     CHECK(why(client, "press/4.csv", "Close", {made.output_arguments[1]}) == "Good");
     write(client, "press/4.csv", "speed;7");
     CHECK(names(client) == Names{"press"});
+    // Part 20, 4.3.2.
+    const auto& space = server.address_space();
+    const auto path = [&](std::uint32_t parent, std::string_view name) {
+        bool is_there = false;
+        space.for_each_child(
+            space.find(parent), space.find(id::HierarchicalReferences), true,
+            QualifiedName{parent == id::FileSystem ? std::uint16_t{1} : std::uint16_t{0},
+                          String{name}},
+            [&](model::NodeIndex) { return !(is_there = true); });
+        return is_there;
+    };
+    CHECK(path(id::ObjectsFolder, "FileSystem"));
+    CHECK(path(id::FileSystem, "recipes"));
+    CHECK(name(call(client, NodeId{0, id::FileSystem}, NodeId{0, 16348}, {Variant{String{"x"}}})
+                   .status_code) == "Bad_NodeIdUnknown");
     CHECK(names(client, "press") == Names{"4.csv"});
     CHECK(value(client, "press/4.csv", "Size").value == Variant{std::uint64_t{7}});
     CHECK(value(client, "press/4.csv", "Writable").value == Variant{true});

@@ -25,7 +25,7 @@ struct FileLimits {
 };
 
 /// A folder of a Storage that clients see as FileDirectoryType, and its files as FileType (Part 20,
-/// 4.2 and 4.3), below the Object FileSystem, or Objects where there is none.
+/// 4.2 and 4.3), below the Object FileSystem (4.3.2), or Objects where namespace 0 has none.
 ///
 /// A file that is written is replaced when it is closed, as a whole: a client that vanishes, a
 /// power cut and a full medium leave the old one. Nothing outside of the folder can be named, links
