@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <busbar/crypto/certificate.hpp>
+#include <busbar/crypto/self_signed.hpp>
 #include <busbar/types/ids.hpp>
 
 namespace busbar::administration::detail {

@@ -151,7 +151,7 @@ Exit list(Context& context, Connection& connection, const Arguments& arguments)
 
 /// Makes one set of changes; a null value takes the change back.
 Exit change(Context& context, Connection& connection, const std::vector<std::string>& names,
-            std::vector<Variant> values)
+            const std::vector<Variant>& values)
 {
     const NodeId root = root_of(connection);
     Array<String> all;
@@ -199,7 +199,7 @@ Exit set(Context& context, Connection& connection, const Arguments& arguments)
         names.push_back(words[i]);
         values.push_back(parse_value(words[i + 1], type, words[i]));
     }
-    return change(context, connection, names, std::move(values));
+    return change(context, connection, names, values);
 }
 
 Exit reset(Context& context, Connection& connection, const Arguments& arguments)
