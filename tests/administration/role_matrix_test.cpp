@@ -6,8 +6,12 @@
 #include <busbar/server/method_table.hpp>
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/data_types.hpp>
+#include <busbar/types/filter.hpp>
 #include <busbar/types/ids.hpp>
 #include <busbar/types/method.hpp>
+#include <busbar/types/monitored_item.hpp>
+#include <busbar/types/node_management.hpp>
+#include <busbar/types/subscription.hpp>
 #include <busbar/types/view.hpp>
 
 #include "support/server_fixture.hpp"
@@ -52,10 +56,51 @@ struct RoleUsers final : server::UserStore {
     [[nodiscard]] server::UserIdentity anonymous() const override { return {}; }
 };
 
+/// What permissions are asked for is up to them alone.
+struct AllowAll final : server::AccessControl {
+    [[nodiscard]] std::uint8_t user_access_level(const server::UserIdentity&, const NodeId&,
+                                                 std::uint8_t access_level) const override
+    {
+        return access_level;
+    }
+    [[nodiscard]] bool may_browse(const server::UserIdentity&, const NodeId&) const override
+    {
+        return true;
+    }
+    [[nodiscard]] bool may_add_node(const server::UserIdentity&, const NodeId&) const override
+    {
+        return true;
+    }
+    [[nodiscard]] bool may_delete_node(const server::UserIdentity&, const NodeId&) const override
+    {
+        return true;
+    }
+    [[nodiscard]] bool may_add_reference(const server::UserIdentity&, const NodeId&) const override
+    {
+        return true;
+    }
+    [[nodiscard]] bool may_remove_reference(const server::UserIdentity&,
+                                            const NodeId&) const override
+    {
+        return true;
+    }
+};
+
+server::ServerConfig managed_config()
+{
+    server::ServerConfig config = ServerFixture::secure_config();
+    config.has_node_management = true;
+    return config;
+}
+
 struct Matrix {
     Matrix()
     {
         auto& space = server.address_space();
+        model::NewObject object;
+        object.event_notifier = 1;
+        area = space.add_object(named("Area"), object).value();
+        doomed = space.add_object(named("Doomed")).value();
         model::NewVariable variable;
         variable.access_level = model::Access::ReadWrite;
         variable.data_type = NodeId{0, id::Int32};
@@ -83,8 +128,22 @@ struct Matrix {
                 {NodeId{0, each.id},
                  static_cast<PermissionType>(each.id == role.id ? permissions : (1U << bits) - 1)});
         }
-        server.address_space().set_node_access(value, access);
-        server.address_space().set_node_access(go, access);
+        for (const model::NodeIndex node : {value, go, area, doomed}) {
+            server.address_space().set_node_access(node, access);
+        }
+    }
+    /// As it was before a client managed nodes.
+    void restore()
+    {
+        auto& space = server.address_space();
+        static_cast<void>(space.remove(space.find(NodeId{1, "New"})));
+        static_cast<void>(space.remove_reference(area, NodeId{0, id::Organizes}, value));
+        static_cast<void>(space.remove_reference(area, NodeId{0, id::Organizes}, go));
+        static_cast<void>(space.add_reference(area, NodeId{0, id::Organizes}, go));
+        if (space.find(NodeId{1, "Doomed"}) == model::no_node) {
+            doomed = space.add_object(named("Doomed")).value();
+            space.set_node_access(doomed, model::NodeAccess{*space.node_access(area)});
+        }
     }
     [[nodiscard]] TestClient log_in(const Role& role)
     {
@@ -107,14 +166,17 @@ struct Matrix {
     LogBook log;
     crypto::InsecureAcceptAnyCertificate validator;
     RoleUsers users;
+    AllowAll everything;
     TimePoint now{};
-    server::Server server{
-        server::Server::create(ServerFixture::secure_config(), {.random = &random,
-                                                                .wall_clock = &wall_clock,
-                                                                .log = &log,
-                                                                .validator = &validator,
-                                                                .users = &users})
-            .value()};
+    server::Server server{server::Server::create(managed_config(), {.random = &random,
+                                                                    .wall_clock = &wall_clock,
+                                                                    .log = &log,
+                                                                    .validator = &validator,
+                                                                    .users = &users,
+                                                                    .access = &everything})
+                              .value()};
+    model::NodeIndex area{};
+    model::NodeIndex doomed{};
     model::NodeIndex value{};
     model::NodeIndex go{};
 };
@@ -159,6 +221,84 @@ StatusCode browse_node(TestClient& client)
     return response ? response->results[0].status_code : response.error();
 }
 
+StatusCode add_node(TestClient& client)
+{
+    AddNodesRequest request;
+    AddNodesItem& item = request.nodes_to_add.emplace_back();
+    item.parent_node_id = NodeId{1, "Area"};
+    item.requested_new_node_id = NodeId{1, "New"};
+    item.reference_type_id = NodeId{0, id::HasComponent};
+    item.browse_name = QualifiedName{1, "New"};
+    item.node_class = NodeClass::Object;
+    item.type_definition = NodeId{0, id::BaseObjectType};
+    const auto response = client.call<AddNodesResponse>(request);
+    return response ? response->results[0].status_code : response.error();
+}
+
+StatusCode delete_node(TestClient& client)
+{
+    DeleteNodesRequest request;
+    request.nodes_to_delete = {{NodeId{1, "Doomed"}, true}};
+    const auto response = client.call<DeleteNodesResponse>(request);
+    return response ? response->results[0] : response.error();
+}
+
+StatusCode add_reference(TestClient& client)
+{
+    AddReferencesRequest request;
+    AddReferencesItem& item = request.references_to_add.emplace_back();
+    item.source_node_id = NodeId{1, "Area"};
+    item.reference_type_id = NodeId{0, id::Organizes};
+    item.is_forward = true;
+    item.target_node_id = NodeId{1, "Value"};
+    item.target_node_class = NodeClass::Variable;
+    const auto response = client.call<AddReferencesResponse>(request);
+    return response ? response->results[0] : response.error();
+}
+
+StatusCode delete_reference(TestClient& client)
+{
+    DeleteReferencesRequest request;
+    DeleteReferencesItem& item = request.references_to_delete.emplace_back();
+    item.source_node_id = NodeId{1, "Area"};
+    item.reference_type_id = NodeId{0, id::Organizes};
+    item.is_forward = true;
+    item.target_node_id = NodeId{1, "Go"};
+    item.delete_bidirectional = true;
+    const auto response = client.call<DeleteReferencesResponse>(request);
+    return response ? response->results[0] : response.error();
+}
+
+/// An item for events of the area, in a Subscription of its own.
+StatusCode subscribe_to_events(TestClient& client)
+{
+    CreateSubscriptionRequest subscription;
+    subscription.requested_publishing_interval = 1'000;
+    subscription.requested_lifetime_count = 30;
+    subscription.requested_max_keep_alive_count = 10;
+    const auto made = client.call<CreateSubscriptionResponse>(subscription);
+    if (!made) {
+        return made.error();
+    }
+    CreateMonitoredItemsRequest request;
+    request.subscription_id = made->subscription_id;
+    MonitoredItemCreateRequest& item = request.items_to_create.emplace_back();
+    item.item_to_monitor.node_id = NodeId{1, "Area"};
+    item.item_to_monitor.attribute_id = static_cast<std::uint32_t>(AttributeId::EventNotifier);
+    item.monitoring_mode = MonitoringMode::Reporting;
+    EventFilter filter;
+    SimpleAttributeOperand& severity = filter.select_clauses.emplace_back();
+    severity.type_definition_id = NodeId{0, id::BaseEventType};
+    severity.browse_path = {QualifiedName{0, "Severity"}};
+    severity.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
+    item.requested_parameters.filter = ExtensionObject::from(filter);
+    const auto response = client.call<CreateMonitoredItemsResponse>(request);
+    DeleteSubscriptionsRequest removal;
+    removal.subscription_ids = {made->subscription_id};
+    static_cast<void>(client.call<DeleteSubscriptionsResponse>(removal));
+    return response ? response->results[0].status_code : response.error();
+}
+
 /// What a service needs besides Browse, and what it answers without.
 struct Service {
     const char* name;
@@ -167,6 +307,8 @@ struct Service {
     std::function<StatusCode(TestClient&)> use;
     /// Whatever their bits are but Browse (Part 3, 5.2.9).
     bool administrators_may{false};
+    /// What it answers where Browse is missing.
+    StatusCode hidden{status::Bad_NodeIdUnknown};
 };
 
 const std::vector<Service>& services()
@@ -182,6 +324,15 @@ const std::vector<Service>& services()
          [](TestClient& client) { return read(client, AttributeId::BrowseName); }},
         {"Write", bit(PermissionType::Write), status::Bad_UserAccessDenied, write},
         {"Call", bit(PermissionType::Call), status::Bad_UserAccessDenied, call},
+        {"AddNodes", bit(PermissionType::AddNode), status::Bad_UserAccessDenied, add_node, false,
+         status::Bad_ParentNodeIdInvalid},
+        {"DeleteNodes", bit(PermissionType::DeleteNode), status::Bad_UserAccessDenied, delete_node},
+        {"AddReferences", bit(PermissionType::AddReference), status::Bad_UserAccessDenied,
+         add_reference, false, status::Bad_SourceNodeIdInvalid},
+        {"DeleteReferences", bit(PermissionType::RemoveReference), status::Bad_UserAccessDenied,
+         delete_reference, false, status::Bad_SourceNodeIdInvalid},
+        {"Events", bit(PermissionType::ReceiveEvents), status::Bad_UserAccessDenied,
+         subscribe_to_events},
     };
     return all;
 }
@@ -201,14 +352,17 @@ TEST_CASE("role matrix: a role may what its permissions say, by every bit and se
                 INFO(role.name << ", bit " << number << ", " << service.name);
                 const bool may = service.needs == 0 || service.needs == permission ||
                                  (service.administrators_may && role.administrates);
-                CHECK(service.use(client) == (may ? StatusCode{status::Good} : service.refused));
+                CHECK(name(service.use(client)) ==
+                      name(may ? StatusCode{status::Good} : service.refused));
+                matrix.restore();
                 ++cells;
             }
             // Without Browse there is no such node, whatever else it has.
             matrix.permit(role, permission & ~browse);
             for (const Service& service : services()) {
                 INFO(role.name << ", bit " << number << " without Browse, " << service.name);
-                CHECK(service.use(client) == status::Bad_NodeIdUnknown);
+                CHECK(name(service.use(client)) == name(service.hidden));
+                matrix.restore();
                 ++cells;
             }
         }
