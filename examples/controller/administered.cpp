@@ -1,6 +1,8 @@
 #include "administered.hpp"
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 #include <utility>
 
 #include <busbar/server/running_server.hpp>
@@ -75,6 +77,19 @@ void Administered::read_users()
     expect(users_->load());
 }
 
+Configured<void> Administered::reset()
+{
+    // Whoever set the first account's password at the machine keeps it.
+    static constexpr std::array<std::string_view, 4> names{"users.json", "roles.json",
+                                                           "settings.json", "setup.code"};
+    static constexpr std::array<std::string_view, 14> folders{
+        "own/certs",         "own/private",         "own/crl",           "own/replaced",
+        "trusted/certs",     "trusted/crl",         "issuers/certs",     "issuers/crl",
+        "rejected/certs",    "users/trusted/certs", "users/trusted/crl", "users/issuers/certs",
+        "users/issuers/crl", "users/rejected/certs"};
+    return administration::remove_files(files_, names, folders);
+}
+
 void Administered::attach(const ToAdminister& what)
 {
     administration::AdministrationParts parts{
@@ -92,6 +107,7 @@ void Administered::attach(const ToAdminister& what)
         certificates_.renewed = [&config = what.config](const crypto::OwnCertificate& own) {
             config.server.identity = channel::ApplicationIdentity{own.certificates, own.key};
         };
+        parts.reset = [this] { return reset(); };
         parts.users = &*users_;
         parts.certificates = &certificates_;
         parts.random = &random_;

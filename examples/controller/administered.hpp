@@ -60,6 +60,8 @@ public:
 
 private:
     void end_setup(server::Server& server);
+    /// What administrators changed, and all certificates.
+    [[nodiscard]] Configured<void> reset();
     /// One whom the list must not lose: none, if the file has an administrator. Any thread.
     [[nodiscard]] bool is_administrator(const administration::User& user) const;
 

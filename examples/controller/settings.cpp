@@ -4,6 +4,8 @@
 #include <system_error>
 #include <utility>
 
+#include <busbar/administration/managed_certificates.hpp>
+
 #include "limit_keys.hpp"
 #include "setting_keys.hpp"
 #include "setting_overlay.hpp"
@@ -47,6 +49,7 @@ Settings::Settings(const std::string& path, std::string text)
                                                                      controller_settings(
                                                                          parse_table(text_, name_))}
 {
+    expect(administration::finish_changes(folder_));
     expect(list_.load());
     try {
         take(version(text_, list_.changes()));

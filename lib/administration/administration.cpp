@@ -11,6 +11,7 @@
 #include "role_set.hpp"
 #include "server_configuration.hpp"
 #include "server_control.hpp"
+#include "server_reset.hpp"
 #include "setting_nodes.hpp"
 #include "user_management.hpp"
 
@@ -28,6 +29,7 @@ struct Administration::Impl {
     std::optional<detail::ServerConfiguration> server_configuration;
     std::optional<detail::UserManagement> user_management;
     std::optional<detail::ServerControl> server_control;
+    std::optional<detail::ServerReset> server_reset;
     std::optional<detail::SettingNodes> setting_nodes;
     std::deque<detail::FileNodes> file_nodes;
 
@@ -51,6 +53,9 @@ Configured<void> Administration::Impl::check() const
     if (parts.certificates != nullptr &&
         (parts.certificates->files == nullptr || parts.certificates->applications == nullptr)) {
         return misconfigured("certificates", "have no files or no store of applications");
+    }
+    if (parts.reset && (parts.certificates == nullptr || !parts.stop)) {
+        return misconfigured("reset", "is there without certificates or stop");
     }
     if ((parts.settings != nullptr) != (parts.setting_owner != nullptr)) {
         return misconfigured("settings", "are there without their owner, or it without them");
@@ -110,6 +115,13 @@ Configured<void> Administration::Impl::attach_certificates(server::Server& serve
                                  parts.worker, parts.is_in_setup);
     if (auto attached = server_configuration->attach(); !attached) {
         return attached;
+    }
+    if (parts.reset) {
+        server_reset.emplace(
+            detail::ServerReset::Needs{server, table, *parts.log, parts.reset, parts.stop});
+        if (auto attached = server_reset->attach(); !attached) {
+            return attached;
+        }
     }
     if (parts.users == nullptr) {
         return {};

@@ -199,4 +199,38 @@ Configured<void> finish_changes(Storage& files)
                          status_of(finished.error()));
 }
 
+Configured<void> remove_files(Storage& files, std::span<const std::string_view> names,
+                              std::span<const std::string_view> folders)
+{
+    constexpr std::size_t most = 10'000;
+    const auto failed = [&](std::string_view name, StorageError error) {
+        return misconfigured(files.place(name), "cannot be removed: " + std::string{text(error)},
+                             status_of(error));
+    };
+    FileTransaction removal{files, detail::transaction_folder};
+    for (const std::string_view name : names) {
+        if (const auto removed = removal.remove(name); !removed) {
+            return failed(name, removed.error());
+        }
+    }
+    for (const std::string_view folder : folders) {
+        const auto listing = files.list(folder, most);
+        if (!listing && listing.error() != StorageError::NotFound) {
+            return failed(folder, listing.error());
+        }
+        for (const StorageEntry& each : listing ? listing->entries : std::vector<StorageEntry>{}) {
+            if (each.kind == StorageEntry::Kind::Folder) {
+                continue;
+            }
+            const std::string name = std::string{folder} + "/" + each.name;
+            if (const auto removed = removal.remove(name); !removed) {
+                return failed(name, removed.error());
+            }
+        }
+    }
+    const auto done = removal.commit();
+    return done || removal.is_decided() ? Configured<void>{}
+                                        : failed(detail::transaction_folder, done.error());
+}
+
 } // namespace busbar::administration

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -89,6 +91,13 @@ struct ManagedFixture {
         attach();
     }
 
+    /// All files at the root, and the trusted certificates.
+    Configured<void> reset()
+    {
+        static constexpr std::array<std::string_view, 2> names{"users.json", "roles.json"};
+        static constexpr std::array<std::string_view, 1> folders{"trusted/certs"};
+        return administration::remove_files(storage, names, folders);
+    }
     void attach()
     {
         administration = std::make_unique<administration::Administration>(
@@ -100,6 +109,7 @@ struct ManagedFixture {
                                                 .random = &random,
                                                 .worker = worker,
                                                 .stop = [this] { ++stops; },
+                                                .reset = [this] { return reset(); },
                                                 .is_in_setup = [this] { return changes == 0; },
                                                 .settings = &settings,
                                                 .setting_owner = &owner,

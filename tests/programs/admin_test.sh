@@ -184,4 +184,15 @@ await ended && wait "$pid" || fail "the controller ends with $?"
 serve --config new.toml
 as_admin 0 admin status "$url"
 run 4 --user setup --password-file code --trust admin status "$url"
+
+# Everything is as on the first day: another certificate, another code, nobody trusted.
+as_admin 1 admin reset "$url"
+says "nothing was done"
+as_admin 0 admin reset "$url" --yes
+await ended && wait "$pid" || fail "the controller ends with $?"
+[ -e new/users.json ] && fail "the users are not forgotten"
+[ -z "$(find new/trusted new/own -type f)" ] || fail "certificates are not forgotten"
+serve --config new.toml
+logged 'with the code' || fail "there is no new code"
+as_admin 4 admin status "$url"
 exit $((failures > 0))

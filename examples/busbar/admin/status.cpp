@@ -81,6 +81,16 @@ Exit shut_down(Context& context, Connection& connection, const Arguments& argume
     return report(context, "the server stops in " + std::to_string(arguments.seconds) + " s");
 }
 
+Exit reset(Context& context, Connection& connection, const Arguments& arguments)
+{
+    make_sure(context, arguments,
+              "Forget all certificates, users, roles and settings, and stop the server?");
+    const NodeId configuration = standard(id::ServerConfiguration);
+    call(connection, configuration, child_of(connection, configuration, "ResetToServerDefaults"),
+         {}, "resetting the server to its defaults");
+    return report(context, "the server stops, and starts as it was configured on the machine");
+}
+
 } // namespace
 
 void add_status(CLI::App& admin, Run& run)
@@ -100,6 +110,10 @@ void add_shutdown(CLI::App& admin, Run& run)
         ->capture_default_str();
     command->add_option("--reason", arguments.reason, "what clients are told");
     command->add_flag("--yes", arguments.is_sure, "do not ask");
+    group
+        .add("reset", "Forgets certificates, users, roles and settings, and stops the server.", 0,
+             "URL", reset)
+        ->add_flag("--yes", arguments.is_sure, "do not ask");
 }
 
 } // namespace busbar::cli::admin

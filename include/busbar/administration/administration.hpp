@@ -44,6 +44,10 @@ struct AdministrationParts {
     /// RequestServerStateChange (Part 5, 9.4): ends the program that serves, whose server has begun
     /// its shutdown when this is called, on the server's thread. Empty: clients cannot stop it.
     std::function<void()> stop{};
+    /// ResetToServerDefaults (Part 12, 7.10.13), not without `certificates` and `stop`: forgets all
+    /// that administrators changed, whole or not at all, before `stop` is called. On the server's
+    /// thread; the problem is for the log. Empty: there is no such Method.
+    std::function<Configured<void>()> reset{};
     /// InApplicationSetup of ServerConfiguration (Part 12, 7.10.3); empty: it does not say.
     std::function<bool()> is_in_setup{};
     /// Settings as Variables below the Object "Settings". Null: there are none; else with the

@@ -3,7 +3,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/named_fields.hpp>
@@ -42,5 +44,10 @@ struct ManagedCertificates {
 /// called before anything reads the certificates in `files`. The problem says what cannot be
 /// finished; nothing has changed then that a later call does not finish.
 [[nodiscard]] BUSBAR_API Configured<void> finish_changes(Storage& files);
+/// Removes these files, and all files in these folders, in one step that a power cut does whole or
+/// not at all; finish_changes goes on with it. The problem names what cannot be read or written.
+[[nodiscard]] BUSBAR_API Configured<void> remove_files(Storage& files,
+                                                       std::span<const std::string_view> names,
+                                                       std::span<const std::string_view> folders);
 
 } // namespace busbar::administration
