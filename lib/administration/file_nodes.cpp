@@ -320,11 +320,11 @@ void FileNodes::remove_entry(const std::string& path)
     entries_.erase(found);
 }
 
-void FileNodes::collect(const std::string& folder, std::size_t depth, Entries& found)
+bool FileNodes::collect(const std::string& folder, std::size_t depth, Entries& found)
 {
     const auto listing = files_.storage->list(folder, files_.limits.max_entries);
     if (!listing) {
-        return;
+        return listing.error() == StorageError::NotFound;
     }
     for (const StorageEntry& each : listing->entries) {
         const std::string path = folder.empty() ? each.name : folder + "/" + each.name;
@@ -333,17 +333,21 @@ void FileNodes::collect(const std::string& folder, std::size_t depth, Entries& f
             continue;
         }
         found.emplace(path, Entry{each.kind, 0});
-        if (each.kind == StorageEntry::Kind::Folder && depth < files_.limits.max_depth) {
-            collect(path, depth + 1, found);
+        if (each.kind == StorageEntry::Kind::Folder && depth < files_.limits.max_depth &&
+            !collect(path, depth + 1, found)) {
+            return false;
         }
     }
+    return true;
 }
 
 void FileNodes::refresh()
 {
     Entries found;
     found.emplace("", Entry{StorageEntry::Kind::Folder, 0});
-    collect("", 1, found);
+    if (!collect("", 1, found)) {
+        return; // what cannot be read now is not gone
+    }
     std::vector<std::string> gone;
     for (const auto& [path, entry] : entries_) {
         const auto now = found.find(path);

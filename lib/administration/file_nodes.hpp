@@ -56,7 +56,8 @@ private:
     /// The type of the files.
     [[nodiscard]] Configured<void> add_type();
     [[nodiscard]] Configured<void> add_methods();
-    void collect(const std::string& folder, std::size_t depth, Entries& found);
+    /// False if the medium cannot be read.
+    [[nodiscard]] bool collect(const std::string& folder, std::size_t depth, Entries& found);
     [[nodiscard]] bool add_entry(const std::string& path, Entry& entry);
     void remove_entry(const std::string& path);
     [[nodiscard]] NodeId node_id(std::string_view path) const;

@@ -291,4 +291,9 @@ TEST_CASE_METHOD(FilesFixture, "file nodes: a medium that is away or protected l
     storage.set_away(true);
     CHECK(value(client, "a", "Size").status == status::Bad_ResourceUnavailable);
     CHECK(why(client, "a", "Open", {Variant{reading}}) == "Bad_ResourceUnavailable");
+    // A medium that comes back has what it had.
+    CHECK(why(client, "", "Delete", {Variant{node("a")}}) == "Bad_ResourceUnavailable");
+    CHECK(names(client) == Names{"a"});
+    storage.set_away(false);
+    CHECK(text(client, "a") == "first");
 }
