@@ -345,7 +345,16 @@ int run(int argc, char** argv)
         throw ConfigError{file, "nobody can log in, expected an account, anonymous, "
                                 "certificates or tokens in [users]: see --print-config"};
     }
-    return serve(std::move(config), settings, file);
+    try {
+        return serve(std::move(config), settings, file);
+    } catch (const ConfigError& error) {
+        // An address that is not this machine's, a model that is not there any more.
+        if (settings.list().changes().empty()) {
+            throw;
+        }
+        throw ConfigError{error.what(),
+                          "settings were changed online, --forget-changes drops what was"};
+    }
 }
 
 } // namespace

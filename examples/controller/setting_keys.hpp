@@ -12,9 +12,9 @@
 namespace busbar::example {
 
 /// Everything of a configuration that administrators may change online: a setting has the name of
-/// its key, "limits.subscriptions.items". Accounts and tokens are not among them, which have
-/// hashes and keys, nor is the folder of certificates, in which the changes lie, nor are the folders
-/// of files: what clients reach of the machine is decided on the machine.
+/// its key, "limits.subscriptions.items". Accounts and tokens are not among them, which have hashes
+/// and keys, nor the folder of certificates, in which the changes lie, nor the folders of files:
+/// what clients reach of the machine is decided on the machine.
 ///
 /// The limits' defaults are those of the file's preset. Throws a ConfigError if there is none of
 /// its name.
