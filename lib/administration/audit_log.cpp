@@ -15,7 +15,8 @@ using server::Event;
 constexpr std::uint16_t severity_of_success = 100;
 constexpr std::uint16_t severity_of_failure = 600;
 
-/// What becomes of a kind; in the order of RecordKind. No event type: no event.
+/// What becomes of a kind; in the order of RecordKind. No event type: no event. Kinds behind those
+/// here have none.
 struct Row {
     std::uint32_t event_type;
     std::string_view source_name;
@@ -56,11 +57,13 @@ constexpr std::array rows{
     Row{id::AuditAddReferencesEventType, "NodeManagement/AddReferences"},
     Row{id::AuditDeleteReferencesEventType, "NodeManagement/DeleteReferences"},
 };
-static_assert(rows.size() == static_cast<std::size_t>(RecordKind::ReferencesDeleted) + 1);
+static_assert(rows.size() == static_cast<std::size_t>(RecordKind::ServerStarted));
 
 const Row& row_of(RecordKind kind)
 {
-    return rows[static_cast<std::size_t>(kind)];
+    static constexpr Row none{0, {}};
+    const auto place = static_cast<std::size_t>(kind);
+    return place < rows.size() ? rows[place] : none;
 }
 
 /// The subtype that says what was wrong (Part 5, 6.4.13 to 6.4.18).

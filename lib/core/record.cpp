@@ -19,8 +19,13 @@ std::string_view name(RecordKind kind)
         "SettingsChanged",     "UsersChanged",          "RolesChanged",
         "AttributeWritten",    "MethodCalled",          "NodesAdded",
         "NodesDeleted",        "ReferencesAdded",       "ReferencesDeleted",
+        "ServerStarted",       "ServerPreparing",       "ServerRunning",
+        "ServerShutDown",      "ServerHalted",          "ServerSystemError",
+        "VariablesCounted",    "VariablePublished",     "VariableNotPublished",
+        "ExecutionLogLost",    "SecurityCleared",       "PublishingLimitExceeded",
     };
-    static_assert(names.size() == static_cast<std::size_t>(RecordKind::ReferencesDeleted) + 1);
+    static_assert(names.size() ==
+                  static_cast<std::size_t>(RecordKind::PublishingLimitExceeded) + 1);
     return names[static_cast<std::size_t>(kind)];
 }
 

@@ -56,6 +56,24 @@ enum class RecordKind : std::uint8_t {
     NodesDeleted,      // [NodeId]
     ReferencesAdded,   // [SourceNodeId, ReferenceTypeId, TargetNodeId]
     ReferencesDeleted, // the same
+
+    // The life of a controller's server (seed 000, 4-2-4), which has no audit events.
+    ServerStarted,
+    ServerPreparing, // its endpoints and nodes are being made
+    ServerRunning,   // [EndpointUrl]
+    ServerShutDown,  // completed
+    ServerHalted,    // [Reason: "Configuration Error", "Server Start Error", "OPC UA System Error"]
+    ServerSystemError,
+    VariablesCounted,  // [Variables, Values, DataTypes], all that are published
+    VariablePublished, // [Name, Size, Values, Members]
+    /// [Name, Reason, Size]: by a rule for single variables (seed 000, 7-1-6).
+    VariableNotPublished,
+    /// [Code]: 0001, 0002, 0003, 0005 or 0302 (seed 000, 9-2-2, 15000000).
+    ExecutionLogLost,
+    /// The certificate and whom the server trusts are gone (seed 000, 9-2-2, 95D40000).
+    SecurityCleared,
+    /// [Limit: "MaxVariables", "MaxValues", "MaxDataTypes"]: not everything is published.
+    PublishingLimitExceeded,
 };
 
 /// "SessionCreated".
