@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include <busbar/controller/program.hpp>
+#include <busbar/core/api.hpp>
+#include <busbar/core/problem.hpp>
+
+namespace busbar::controller {
+
+namespace detail {
+class ProgramChecker;
+} // namespace detail
+
+/// What a program may have, whoever wrote it; none of it is a limit of what is published.
+struct ProgramLimits {
+    std::size_t max_types{65'536};
+    std::size_t max_variables{1'000'000};
+    /// Members of one structure, enumerators of one type.
+    std::size_t max_members{10'000};
+    /// Types within one another.
+    std::size_t max_depth{64};
+    std::size_t max_dimensions{16};
+    /// Bytes of one variable.
+    std::uint64_t max_variable_size{64U << 20U};
+    std::size_t max_name_length{1'024};
+};
+
+/// What a declaration comes down to when names are followed.
+struct ResolvedType {
+    enum class Kind : std::uint8_t { Elementary, Enumeration, Structure, Union };
+
+    Kind kind{Kind::Elementary};
+    /// Dint for an Enumeration; means nothing for a Structure or Union.
+    ElementaryType elementary{ElementaryType::Int};
+    /// Of all but Elementary.
+    const DerivedType* type{nullptr};
+    /// The declaration's own, then those of the types that are arrays themselves.
+    std::vector<Bounds> dimensions{};
+    std::uint32_t string_length{0}; // of String
+    std::optional<Bounds> subrange{};
+    /// Of the types that were followed, the first that has one; null if none has.
+    const InitialValue* initial{nullptr};
+
+    [[nodiscard]] bool is_array() const { return !dimensions.empty(); }
+    /// 1 if it is no array.
+    [[nodiscard]] std::uint64_t elements() const;
+};
+
+/// The types of a Program, checked: every name is there once, none contains itself, everything is
+/// within the limits. Any thread may read it.
+class BUSBAR_API ProgramTypes {
+public:
+    /// `program` must outlive it and stay as it is. The problem's `where` is "types[3] (Point).X"
+    /// or "variables[7] (Speed)", with the line and column where these are known.
+    [[nodiscard]] static Configured<ProgramTypes> create(const Program& program,
+                                                         const ProgramLimits& limits = {});
+
+    [[nodiscard]] const Program& program() const { return *program_; }
+    /// Null if there is none of this name.
+    [[nodiscard]] const DerivedType* find(std::string_view name) const;
+    /// `use` must be of the program.
+    [[nodiscard]] ResolvedType resolve(const TypeUse& use) const;
+    /// Bytes that it takes in a controller: 1 for BOOL, 4 for an enumeration, 8 for times and
+    /// dates, a text's length and one more; members one behind another without gaps, the largest of
+    /// a union. The manuals do not say what BOOL and STRING take; 2 is a word, as seed 000, 7-1-7
+    /// counts them.
+    [[nodiscard]] std::uint64_t size_of(const TypeUse& use) const;
+
+private:
+    friend class detail::ProgramChecker;
+    explicit ProgramTypes(const Program& program) : program_{&program} {}
+
+    /// Of one value, from those of the types in it.
+    [[nodiscard]] std::uint64_t size_of_type(const DerivedType& type) const;
+    [[nodiscard]] std::uint64_t size_of_one(const ResolvedType& type) const;
+
+    const Program* program_;
+    /// By the name in lower case.
+    std::unordered_map<std::string, std::size_t> by_name_;
+    /// Bytes of one value of each type, so that types that lie twice in one another cost nothing.
+    std::vector<std::uint64_t> sizes_;
+};
+
+/// Bytes of one, but for String.
+[[nodiscard]] BUSBAR_API std::uint32_t size_of(ElementaryType type);
+/// "INT".
+[[nodiscard]] BUSBAR_API std::string_view name(ElementaryType type);
+
+/// The letters A to Z small, all else as it is: names that are the same have the same.
+[[nodiscard]] BUSBAR_API std::string fold_name(std::string_view name);
+
+} // namespace busbar::controller

@@ -1,0 +1,284 @@
+#include "program_checker.hpp"
+
+#include <algorithm>
+
+#include <busbar/core/text.hpp>
+
+#include "core/utf8.hpp"
+
+namespace busbar::controller::detail {
+
+namespace {
+
+constexpr std::size_t not_measured = SIZE_MAX;
+constexpr std::size_t being_measured = SIZE_MAX - 1;
+
+std::string quoted_name(const std::string& name)
+{
+    constexpr std::size_t enough = 60;
+    return printable(name.substr(0, enough));
+}
+
+std::string place_of(std::string_view list, std::size_t index, const std::string& name)
+{
+    return std::string{list} + "[" + std::to_string(index) + "] (" + quoted_name(name) + ")";
+}
+
+/// The problem, with line and column where the place is known.
+Problem problem_at(std::string where, const ProgramPlace& place, std::string text)
+{
+    if (place.line != 0) {
+        where = std::to_string(place.line) + ":" + std::to_string(place.column) + ": " + where;
+    }
+    return Problem{status::Bad_ConfigurationError, std::move(where), std::move(text)};
+}
+
+bool is_utf8(std::string_view text)
+{
+    while (!text.empty()) {
+        const std::size_t size = busbar::detail::utf8_sequence(text);
+        if (size == 0) {
+            return false;
+        }
+        text.remove_prefix(size);
+    }
+    return true;
+}
+
+std::string more_than(std::size_t limit, std::string_view what)
+{
+    return "has more than " + std::to_string(limit) + " " + std::string{what};
+}
+
+} // namespace
+
+std::optional<Problem> ProgramChecker::check()
+{
+    if (auto found = check_counts()) {
+        return found;
+    }
+    for (std::size_t i = 0; i < program_->types.size(); ++i) {
+        if (auto found = check_type(i)) {
+            return found;
+        }
+    }
+    if (auto found = check_nesting()) {
+        return found;
+    }
+    return check_variables();
+}
+
+std::optional<Problem> ProgramChecker::check_counts() const
+{
+    if (program_->types.size() > limits_->max_types) {
+        return Problem{.where = "types", .text = more_than(limits_->max_types, "types")};
+    }
+    if (program_->variables.size() > limits_->max_variables) {
+        return Problem{.where = "variables",
+                       .text = more_than(limits_->max_variables, "variables")};
+    }
+    return {};
+}
+
+std::optional<Problem> ProgramChecker::check_name(const std::string& name, const std::string& where,
+                                                  const ProgramPlace& place) const
+{
+    if (name.empty()) {
+        return problem_at(where, place, "has no name");
+    }
+    if (name.size() > limits_->max_name_length) {
+        return problem_at(where, place,
+                          "has a name of " + std::to_string(name.size()) + " bytes; at most " +
+                              std::to_string(limits_->max_name_length) + " are allowed");
+    }
+    if (!is_utf8(name)) {
+        return problem_at(where, place, "has a name that is not UTF-8");
+    }
+    return {};
+}
+
+std::optional<Problem> ProgramChecker::check_type(std::size_t index) const
+{
+    const DerivedType& type = program_->types[index];
+    const std::string where = place_of("types", index, type.name);
+    if (auto found = check_name(type.name, where, type.place)) {
+        return found;
+    }
+    if (types_->find(type.name) != &type) {
+        return problem_at(where, type.place, "is the name of another type, too");
+    }
+    switch (type.kind) {
+    case DerivedType::Kind::Alias:
+        return check_use(type.alias, where, type.place);
+    case DerivedType::Kind::Enumeration:
+        return check_enumerators(type, where);
+    default:
+        return check_members(type, where);
+    }
+}
+
+std::optional<Problem> ProgramChecker::check_members(const DerivedType& type,
+                                                     const std::string& where) const
+{
+    if (type.members.empty() || type.members.size() > limits_->max_members) {
+        return problem_at(where, type.place,
+                          type.members.empty() ? "has no members"
+                                               : more_than(limits_->max_members, "members"));
+    }
+    std::unordered_set<std::string> names;
+    for (const Member& member : type.members) {
+        const std::string place = where + "." + quoted_name(member.name);
+        if (auto found = check_name(member.name, place, member.place)) {
+            return found;
+        }
+        if (!names.insert(fold_name(member.name)).second) {
+            return problem_at(place, member.place, "is the name of another member, too");
+        }
+        if (auto found = check_use(member.type, place, member.place)) {
+            return found;
+        }
+    }
+    return {};
+}
+
+std::optional<Problem> ProgramChecker::check_enumerators(const DerivedType& type,
+                                                         const std::string& where) const
+{
+    if (type.enumerators.empty() || type.enumerators.size() > limits_->max_members) {
+        return problem_at(where, type.place,
+                          type.enumerators.empty() ? "has no values"
+                                                   : more_than(limits_->max_members, "values"));
+    }
+    std::unordered_set<std::string> names;
+    std::unordered_set<std::int32_t> values;
+    for (const Enumerator& one : type.enumerators) {
+        const std::string place = where + "." + quoted_name(one.name);
+        if (auto found = check_name(one.name, place, type.place)) {
+            return found;
+        }
+        if (!names.insert(fold_name(one.name)).second) {
+            return problem_at(place, type.place, "is the name of another value, too");
+        }
+        if (!values.insert(one.value).second) {
+            return problem_at(place, type.place,
+                              "has the value " + std::to_string(one.value) +
+                                  " as another name has");
+        }
+    }
+    return {};
+}
+
+std::optional<Problem> ProgramChecker::check_use(const TypeUse& use, const std::string& where,
+                                                 const ProgramPlace& place) const
+{
+    if (!use.type_name.empty() && types_->find(use.type_name) == nullptr) {
+        return problem_at(where, place,
+                          "is of the type " + quoted_name(use.type_name) +
+                              ", which is not declared");
+    }
+    if (use.dimensions.size() > limits_->max_dimensions) {
+        return problem_at(where, place, more_than(limits_->max_dimensions, "dimensions"));
+    }
+    for (const Bounds& bounds : use.dimensions) {
+        // The ends of what an index can be, so that their difference has a value.
+        constexpr std::int64_t most = INT32_MAX;
+        if (bounds.lower > bounds.upper || bounds.lower < -most || bounds.upper > most) {
+            return problem_at(where, place,
+                              "has the bounds " + std::to_string(bounds.lower) + ".." +
+                                  std::to_string(bounds.upper) +
+                                  "; expected a lower and an upper one of 32 bits");
+        }
+    }
+    if (use.subrange && use.subrange->lower > use.subrange->upper) {
+        return problem_at(where, place, "has a subrange without any value");
+    }
+    return {};
+}
+
+std::optional<Problem> ProgramChecker::check_nesting()
+{
+    depths_.assign(program_->types.size(), not_measured);
+    types_->sizes_.assign(program_->types.size(), 0);
+    for (std::size_t i = 0; i < depths_.size(); ++i) {
+        if (auto found = measure(i, 1)) {
+            return found;
+        }
+    }
+    return {};
+}
+
+std::optional<Problem> ProgramChecker::measure(std::size_t index, std::size_t level)
+{
+    const DerivedType& type = program_->types[index];
+    const auto problem = [&](std::string text) {
+        return problem_at(place_of("types", index, type.name), type.place, std::move(text));
+    };
+    if (depths_[index] == being_measured) {
+        return problem("contains itself");
+    }
+    if (depths_[index] == not_measured) {
+        if (level > limits_->max_depth) {
+            return problem(more_than(limits_->max_depth, "types around it"));
+        }
+        depths_[index] = being_measured;
+        std::size_t below = 0;
+        if (auto found = measure_inner(type, level, below)) {
+            return found;
+        }
+        depths_[index] = below + 1;
+        types_->sizes_[index] = types_->size_of_type(type);
+    }
+    if (level + depths_[index] > limits_->max_depth + 1) {
+        return problem(more_than(limits_->max_depth, "types in and around it"));
+    }
+    return {};
+}
+
+std::optional<Problem> ProgramChecker::measure_inner(const DerivedType& type, std::size_t level,
+                                                     std::size_t& below)
+{
+    const auto measure_use = [&](const TypeUse& use) -> Found {
+        if (use.type_name.empty()) {
+            return {};
+        }
+        const auto inner =
+            static_cast<std::size_t>(types_->find(use.type_name) - program_->types.data());
+        auto found = measure(inner, level + 1);
+        below = std::max(below, found ? 0 : depths_[inner]);
+        return found;
+    };
+    if (type.kind == DerivedType::Kind::Alias) {
+        return measure_use(type.alias);
+    }
+    for (const Member& member : type.members) {
+        if (auto found = measure_use(member.type)) {
+            return found;
+        }
+    }
+    return {};
+}
+
+std::optional<Problem> ProgramChecker::check_variables() const
+{
+    std::unordered_set<std::string> names;
+    for (std::size_t i = 0; i < program_->variables.size(); ++i) {
+        const GlobalVariable& variable = program_->variables[i];
+        const std::string where = place_of("variables", i, variable.name);
+        if (auto found = check_name(variable.name, where, variable.place)) {
+            return found;
+        }
+        if (!names.insert(fold_name(variable.name)).second) {
+            return problem_at(where, variable.place, "is the name of another variable, too");
+        }
+        if (auto found = check_use(variable.type, where, variable.place)) {
+            return found;
+        }
+        if (types_->size_of(variable.type) > limits_->max_variable_size) {
+            return problem_at(where, variable.place,
+                              more_than(limits_->max_variable_size, "bytes"));
+        }
+    }
+    return {};
+}
+
+} // namespace busbar::controller::detail

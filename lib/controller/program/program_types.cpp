@@ -1,0 +1,159 @@
+#include <busbar/controller/program_types.hpp>
+
+#include <algorithm>
+#include <array>
+
+#include "program_checker.hpp"
+
+namespace busbar::controller {
+
+namespace {
+
+struct ElementaryRow {
+    std::string_view name;
+    std::uint32_t size;
+};
+
+/// In the order of ElementaryType.
+constexpr std::array elementary_rows{
+    ElementaryRow{"BOOL", 1},          ElementaryRow{"SINT", 1},   ElementaryRow{"INT", 2},
+    ElementaryRow{"DINT", 4},          ElementaryRow{"LINT", 8},   ElementaryRow{"USINT", 1},
+    ElementaryRow{"UINT", 2},          ElementaryRow{"UDINT", 4},  ElementaryRow{"ULINT", 8},
+    ElementaryRow{"BYTE", 1},          ElementaryRow{"WORD", 2},   ElementaryRow{"DWORD", 4},
+    ElementaryRow{"LWORD", 8},         ElementaryRow{"REAL", 4},   ElementaryRow{"LREAL", 8},
+    ElementaryRow{"TIME", 8},          ElementaryRow{"DATE", 8},   ElementaryRow{"TIME_OF_DAY", 8},
+    ElementaryRow{"DATE_AND_TIME", 8}, ElementaryRow{"STRING", 0},
+};
+static_assert(elementary_rows.size() == static_cast<std::size_t>(ElementaryType::String) + 1);
+
+/// What the checker has allowed is far below this; it keeps sums of what it has not seen yet in
+/// range.
+constexpr std::uint64_t max_size = std::uint64_t{1} << 56U;
+
+std::uint64_t saturating_product(std::uint64_t a, std::uint64_t b)
+{
+    return b != 0 && a > max_size / b ? max_size : a * b;
+}
+
+ResolvedType::Kind kind_of(DerivedType::Kind kind)
+{
+    switch (kind) {
+    case DerivedType::Kind::Enumeration:
+        return ResolvedType::Kind::Enumeration;
+    case DerivedType::Kind::Union:
+        return ResolvedType::Kind::Union;
+    default:
+        return ResolvedType::Kind::Structure;
+    }
+}
+
+} // namespace
+
+std::uint64_t ResolvedType::elements() const
+{
+    std::uint64_t product = 1;
+    for (const Bounds& bounds : dimensions) {
+        product = saturating_product(product, static_cast<std::uint64_t>(bounds.upper) -
+                                                  static_cast<std::uint64_t>(bounds.lower) + 1);
+    }
+    return product;
+}
+
+Configured<ProgramTypes> ProgramTypes::create(const Program& program, const ProgramLimits& limits)
+{
+    ProgramTypes types{program};
+    for (std::size_t i = 0; i < program.types.size(); ++i) {
+        types.by_name_.emplace(fold_name(program.types[i].name), i);
+    }
+    if (auto problem = detail::ProgramChecker{types, limits}.check()) {
+        return tl::unexpected<Problem>{std::move(*problem)};
+    }
+    return types;
+}
+
+const DerivedType* ProgramTypes::find(std::string_view name) const
+{
+    const auto found = by_name_.find(fold_name(name));
+    return found == by_name_.end() ? nullptr : &program_->types[found->second];
+}
+
+ResolvedType ProgramTypes::resolve(const TypeUse& use) const
+{
+    ResolvedType result;
+    const TypeUse* at = &use;
+    while (true) {
+        result.dimensions.insert(result.dimensions.end(), at->dimensions.begin(),
+                                 at->dimensions.end());
+        if (at->subrange && !result.subrange) {
+            result.subrange = at->subrange;
+        }
+        if (at->type_name.empty()) {
+            result.elementary = at->elementary;
+            result.string_length = at->elementary == ElementaryType::String ? at->string_length : 0;
+            return result;
+        }
+        const DerivedType& type = *find(at->type_name);
+        if (result.initial == nullptr && !type.initial.empty()) {
+            result.initial = &type.initial;
+        }
+        if (type.kind != DerivedType::Kind::Alias) {
+            result.kind = kind_of(type.kind);
+            result.elementary = ElementaryType::Dint;
+            result.type = &type;
+            return result;
+        }
+        at = &type.alias;
+    }
+}
+
+std::uint64_t ProgramTypes::size_of(const TypeUse& use) const
+{
+    const ResolvedType type = resolve(use);
+    return saturating_product(size_of_one(type), type.elements());
+}
+
+std::uint64_t ProgramTypes::size_of_one(const ResolvedType& type) const
+{
+    switch (type.kind) {
+    case ResolvedType::Kind::Elementary:
+        return type.elementary == ElementaryType::String ? std::uint64_t{type.string_length} + 1
+                                                         : controller::size_of(type.elementary);
+    case ResolvedType::Kind::Enumeration:
+        return controller::size_of(ElementaryType::Dint);
+    default:
+        return sizes_[static_cast<std::size_t>(type.type - program_->types.data())];
+    }
+}
+
+std::uint64_t ProgramTypes::size_of_type(const DerivedType& type) const
+{
+    std::uint64_t sum = 0;
+    std::uint64_t largest = 0;
+    for (const Member& member : type.members) {
+        const std::uint64_t size = size_of(member.type);
+        sum = std::min(max_size, sum + size);
+        largest = std::max(largest, size);
+    }
+    return type.kind == DerivedType::Kind::Union ? largest : sum;
+}
+
+std::uint32_t size_of(ElementaryType type)
+{
+    return elementary_rows[static_cast<std::size_t>(type)].size;
+}
+
+std::string_view name(ElementaryType type)
+{
+    return elementary_rows[static_cast<std::size_t>(type)].name;
+}
+
+std::string fold_name(std::string_view name)
+{
+    std::string folded{name};
+    std::transform(folded.begin(), folded.end(), folded.begin(), [](char c) {
+        return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    });
+    return folded;
+}
+
+} // namespace busbar::controller
