@@ -178,6 +178,13 @@ std::optional<PlcBuilder::Group> PlcBuilder::find(std::string_view name) const
     return std::nullopt;
 }
 
+detail::PlcTarget PlcBuilder::target_of(std::uint32_t handle)
+{
+    server::ImageMemory& memory = plc_->image_->memory();
+    const server::ImagePlace& place = memory.layout()[handle];
+    return {place, memory.bytes(place)};
+}
+
 Configured<void> PlcBuilder::add_programs()
 {
     for (std::size_t i = 0; i < config_->programs.size(); ++i) {
@@ -222,7 +229,7 @@ Configured<void> PlcBuilder::add_program(std::size_t index)
         return check_copy(index, *target);
     }
     for (std::uint32_t i = 0; i < target->count; ++i) {
-        plc_->steps_.emplace_back(plc_->image_->memory(), program, target->first + i, 0U);
+        plc_->steps_.emplace_back(program, target_of(target->first + i));
     }
     return {};
 }
@@ -245,8 +252,8 @@ Configured<void> PlcBuilder::check_copy(std::size_t index, const Group& target)
                                  quoted(program.target));
     }
     for (std::uint32_t i = 0; i < target.count; ++i) {
-        plc_->steps_.emplace_back(plc_->image_->memory(), program, target.first + i,
-                                  source->first + (source->count == 1 ? 0 : i));
+        plc_->steps_.emplace_back(program, target_of(target.first + i),
+                                  target_of(source->first + (source->count == 1 ? 0 : i)));
     }
     return {};
 }
@@ -258,8 +265,7 @@ Configured<void> PlcBuilder::add_events()
             return checked;
         }
         const PlcEvent& event = config_->events[i];
-        plc_->watches_.emplace_back(plc_->image_->memory(), *plc_->find(event.variable),
-                                    event.limit);
+        plc_->watches_.emplace_back(target_of(*plc_->find(event.variable)), event.limit);
     }
     plc_->events_ = config_->events;
     plc_->occurrences_.reserve(config_->events.size());

@@ -35,6 +35,7 @@ private:
     [[nodiscard]] Configured<void> check_event(std::size_t index) const;
     [[nodiscard]] Configured<void> check_copy(std::size_t index, const Group& target);
     [[nodiscard]] std::optional<Group> find(std::string_view name) const;
+    [[nodiscard]] detail::PlcTarget target_of(std::uint32_t handle);
 
     const PlcConfig* config_;
     std::unique_ptr<Plc> plc_;

@@ -1,5 +1,6 @@
 #include "plc_step.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -54,9 +55,8 @@ PlcStep::Run PlcStep::choose(PlcProgramKind kind, BuiltInType type)
     return nullptr;
 }
 
-PlcStep::PlcStep(server::ImageMemory& memory, const PlcProgram& program, std::uint32_t target,
-                 std::uint32_t source)
-    : memory_{&memory}, run_{choose(program.kind, memory.layout()[target].type)},
+PlcStep::PlcStep(const PlcProgram& program, const PlcTarget& target, const PlcTarget& source)
+    : run_{choose(program.kind, target.type)},
       is_counter_{program.kind == PlcProgramKind::Increment}, target_{target}, source_{source},
       period_{program.period}, amplitude_{program.amplitude}, offset_{program.offset}
 {
@@ -64,8 +64,7 @@ PlcStep::PlcStep(server::ImageMemory& memory, const PlcProgram& program, std::ui
 
 void PlcStep::reset()
 {
-    const server::ImagePlace& place = memory_->layout()[target_];
-    std::memset(memory_->bytes(place), 0, place.bytes());
+    std::ranges::fill(target_.all(), std::byte{});
 }
 
 std::uint64_t PlcStep::firings(Duration elapsed)
@@ -83,7 +82,7 @@ template <typename T>
 void PlcStep::increment(PlcStep& step, Duration elapsed)
 {
     const std::uint64_t count = step.firings(elapsed);
-    for (T& value : step.memory_->values<T>(step.target_)) {
+    for (T& value : step.target_.values<T>()) {
         if constexpr (std::is_floating_point_v<T>) {
             value += static_cast<T>(step.amplitude_ * static_cast<double>(count));
         } else {
@@ -99,7 +98,7 @@ template <typename T>
 void PlcStep::sine(PlcStep& step, Duration elapsed)
 {
     static_cast<void>(step.firings(elapsed));
-    const auto values = step.memory_->values<T>(step.target_);
+    const auto values = step.target_.values<T>();
     const double position =
         static_cast<double>(step.since_.count()) / static_cast<double>(step.period_.count());
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -112,7 +111,7 @@ void PlcStep::sine(PlcStep& step, Duration elapsed)
 void PlcStep::toggle(PlcStep& step, Duration elapsed)
 {
     if (step.firings(elapsed) % 2 == 1) {
-        for (bool& value : step.memory_->values<bool>(step.target_)) {
+        for (bool& value : step.target_.values<bool>()) {
             value = !value;
         }
     }
@@ -123,14 +122,10 @@ void PlcStep::copy(PlcStep& step, Duration elapsed)
     if (step.firings(elapsed) == 0) {
         return;
     }
-    server::ImageMemory& memory = *step.memory_;
-    const server::ImagePlace& from = memory.layout()[step.source_];
-    if (!from.is_text()) {
-        std::memmove(memory.bytes(memory.layout()[step.target_]), memory.bytes(from), from.bytes());
-        return;
-    }
-    for (std::uint32_t i = 0; i < from.elements; ++i) {
-        memory.set_text(step.target_, memory.text(step.source_, i), i);
+    // Behind a text lies what was there before, which nobody looks at.
+    for (std::size_t i = 0; i < step.target_.elements; ++i) {
+        std::memmove(step.target_.bytes + i * step.target_.stride,
+                     step.source_.bytes + i * step.source_.stride, step.source_.stride);
     }
 }
 

@@ -3,7 +3,8 @@
 #include <cstdint>
 
 #include <busbar/controller/plc_config.hpp>
-#include <busbar/server/image_memory.hpp>
+
+#include "plc_target.hpp"
 
 namespace busbar::controller::detail {
 
@@ -14,8 +15,8 @@ public:
     [[nodiscard]] static bool accepts(PlcProgramKind kind, BuiltInType type);
 
     /// The config's program must have been checked.
-    PlcStep(server::ImageMemory& memory, const PlcProgram& program, std::uint32_t target,
-            std::uint32_t source);
+    /// Only Copy has a `source`, of the same type and with as many elements, none of them larger.
+    PlcStep(const PlcProgram& program, const PlcTarget& target, const PlcTarget& source = {});
 
     void run(Duration elapsed) { run_(*this, elapsed); }
     /// True for a program of kind Increment.
@@ -36,11 +37,10 @@ private:
     static void copy(PlcStep& step, Duration elapsed);
     [[nodiscard]] static Run choose(PlcProgramKind kind, BuiltInType type);
 
-    server::ImageMemory* memory_;
     Run run_;
     bool is_counter_;
-    std::uint32_t target_;
-    std::uint32_t source_;
+    PlcTarget target_;
+    PlcTarget source_;
     Duration period_;
     /// Since the period's begin.
     Duration since_{0};

@@ -20,9 +20,8 @@ PlcWatch::IsAbove PlcWatch::choose(BuiltInType type)
         type, [](auto tag) -> IsAbove { return &is_above<typename decltype(tag)::type>; });
 }
 
-PlcWatch::PlcWatch(server::ImageMemory& memory, std::uint32_t variable, double limit)
-    : memory_{&memory}, is_above_{choose(memory.layout()[variable].type)}, variable_{variable},
-      limit_{limit}
+PlcWatch::PlcWatch(const PlcTarget& variable, double limit)
+    : is_above_{choose(variable.type)}, variable_{variable}, limit_{limit}
 {
 }
 
@@ -35,12 +34,12 @@ bool PlcWatch::occurs()
 template <typename T>
 bool PlcWatch::is_above(const PlcWatch& watch)
 {
-    return static_cast<double>(watch.memory_->values<T>(watch.variable_).front()) > watch.limit_;
+    return static_cast<double>(watch.variable_.values<T>().front()) > watch.limit_;
 }
 
 bool PlcWatch::is_true(const PlcWatch& watch)
 {
-    return watch.memory_->values<bool>(watch.variable_).front();
+    return watch.variable_.values<bool>().front();
 }
 
 } // namespace busbar::controller::detail

@@ -1,9 +1,6 @@
 #pragma once
 
-#include <cstdint>
-
-#include <busbar/core/variant.hpp>
-#include <busbar/server/image_memory.hpp>
+#include "plc_target.hpp"
 
 namespace busbar::controller::detail {
 
@@ -13,8 +10,8 @@ public:
     /// True if a variable of this type can be watched.
     [[nodiscard]] static bool accepts(BuiltInType type);
 
-    /// The variable must be scalar and of a type that is accepted.
-    PlcWatch(server::ImageMemory& memory, std::uint32_t variable, double limit);
+    /// Of a type that is accepted; its first element.
+    PlcWatch(const PlcTarget& variable, double limit);
 
     /// To be asked once in each scan. What was so when the PLC started does not happen.
     [[nodiscard]] bool occurs();
@@ -27,9 +24,8 @@ private:
     static bool is_true(const PlcWatch& watch);
     [[nodiscard]] static IsAbove choose(BuiltInType type);
 
-    server::ImageMemory* memory_;
     IsAbove is_above_;
-    std::uint32_t variable_;
+    PlcTarget variable_;
     double limit_;
     bool was_above_{true};
 };
