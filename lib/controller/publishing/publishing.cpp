@@ -1,0 +1,172 @@
+#include <busbar/controller/publishing.hpp>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "name_order.hpp"
+#include "type_facts.hpp"
+
+namespace busbar::controller {
+
+namespace {
+
+using detail::VariableFacts;
+
+bool exceeds_limit(const std::optional<std::uint64_t>& limit, std::uint64_t count)
+{
+    return limit && count > *limit;
+}
+
+bool is_reached(const std::optional<std::uint64_t>& limit, std::uint64_t count)
+{
+    return limit && count >= *limit;
+}
+
+/// The first rule for single variables that keeps the variable away.
+std::optional<UnpublishedReason> reason_against(const PublishingLimits& limits,
+                                                const VariableFacts& facts)
+{
+    const std::pair<bool, UnpublishedReason> rules[] = {
+        {facts.is_matrix_of_structures && !limits.allows_matrices_with_structures,
+         UnpublishedReason::MatrixOfStructures},
+        {facts.has_matrix && !limits.allows_matrices_with_structures,
+         UnpublishedReason::MatrixInStructure},
+        {exceeds_limit(limits.max_levels, facts.levels), UnpublishedReason::NestedStructure},
+        {facts.has_union && !limits.allows_unions, UnpublishedReason::Union},
+        {facts.has_first_index && !limits.allows_any_first_index, UnpublishedReason::FirstIndex},
+        {exceeds_limit(limits.max_elements, facts.elements), UnpublishedReason::MaxArrayElements},
+        {exceeds_limit(limits.max_members, facts.members), UnpublishedReason::MaxMembers},
+        {exceeds_limit(limits.max_size, facts.size), UnpublishedReason::MaxSize},
+    };
+    for (const auto& [applies, reason] : rules) {
+        if (applies) {
+            return reason;
+        }
+    }
+    return {};
+}
+
+struct NamedVariable {
+    std::u16string key;
+    const GlobalVariable* variable;
+};
+
+/// Adds the variables' names to `known`.
+std::vector<NamedVariable> new_variables(const Program& program,
+                                         std::unordered_set<std::string>& known)
+{
+    std::vector<NamedVariable> group;
+    for (const GlobalVariable& variable : program.variables) {
+        if (variable.publish != NetworkPublish::Hidden &&
+            known.insert(fold_name(variable.name)).second) {
+            group.push_back({detail::sorting_key(variable.name), &variable});
+        }
+    }
+    std::sort(group.begin(), group.end(),
+              [](const NamedVariable& a, const NamedVariable& b) { return a.key < b.key; });
+    return group;
+}
+
+} // namespace
+
+Publication::Publication(const ProgramTypes& program, PublishingLimits limits) : limits_{limits}
+{
+    add(program);
+}
+
+PublicationGroup Publication::add(const ProgramTypes& program)
+{
+    PublicationGroup group{published_.size(), unpublished_.size(), {}};
+    const std::vector<NamedVariable> added = new_variables(program.program(), known_);
+    if (!added.empty()) {
+        group.exceeded = reached();
+    }
+    detail::TypeFactsTable facts{program};
+    std::size_t looked_at = 0;
+    while (looked_at < added.size() && !group.exceeded) {
+        look_at(*added[looked_at].variable, program, facts, group);
+        looked_at += group.exceeded ? 0U : 1U;
+    }
+    left_out_ += added.size() - looked_at;
+    if (group.exceeded) {
+        exceeded_.set(static_cast<std::size_t>(*group.exceeded));
+    }
+    return group;
+}
+
+std::optional<PublishingLimit> Publication::reached() const
+{
+    const std::pair<PublishingLimit, bool> limits[] = {
+        {PublishingLimit::Variables, is_reached(limits_.max_variables, published_.size())},
+        {PublishingLimit::Values, is_reached(limits_.max_values, values_)},
+        // Who allows no structures still has room for all else.
+        {PublishingLimit::DataTypes,
+         data_types() != 0 && is_reached(limits_.max_data_types, data_types())},
+    };
+    for (const auto& [limit, is_there] : limits) {
+        if (is_there || exceeds(limit)) {
+            return limit;
+        }
+    }
+    return {};
+}
+
+void Publication::look_at(const GlobalVariable& variable, const ProgramTypes& program,
+                          detail::TypeFactsTable& table, PublicationGroup& group)
+{
+    const VariableFacts facts = table.of(variable.type);
+    const std::uint64_t room =
+        limits_.max_data_types ? *limits_.max_data_types - data_types() : UINT64_MAX;
+    std::vector<std::string> definitions;
+    if (limits_.max_data_types) {
+        definitions = table.new_definitions(facts.structure, data_types_, room);
+    }
+    group.exceeded = exceeded_with(facts, definitions.size());
+    if (group.exceeded) {
+        return;
+    }
+    if (const auto reason = reason_against(limits_, facts)) {
+        unpublished_.push_back({&variable, *reason, facts.size, published_.size()});
+        return;
+    }
+    if (!limits_.max_data_types) {
+        definitions = table.new_definitions(facts.structure, data_types_, room);
+    }
+    published_.push_back({&variable, &program, facts.size, facts.values, facts.members});
+    values_ += facts.values;
+    data_types_.insert(definitions.begin(), definitions.end());
+}
+
+std::optional<PublishingLimit> Publication::exceeded_with(const VariableFacts& facts,
+                                                          std::size_t new_data_types) const
+{
+    if (exceeds_limit(limits_.max_variables, published_.size() + 1)) {
+        return PublishingLimit::Variables;
+    }
+    if (exceeds_limit(limits_.max_values, values_ + facts.values)) {
+        return PublishingLimit::Values;
+    }
+    if (exceeds_limit(limits_.max_data_types, data_types() + new_data_types)) {
+        return PublishingLimit::DataTypes;
+    }
+    return {};
+}
+
+std::uint16_t Publication::status_bits() const
+{
+    constexpr unsigned unsupported = 0x8;
+    return static_cast<std::uint16_t>(exceeded_.to_ulong() |
+                                      (unpublished_.empty() ? 0U : unsupported));
+}
+
+std::uint16_t Publication::event_bits(std::size_t first) const
+{
+    unsigned bits = 0;
+    for (std::size_t i = first; i < unpublished_.size(); ++i) {
+        bits |= event_bit(unpublished_[i].reason);
+    }
+    return static_cast<std::uint16_t>(bits);
+}
+
+} // namespace busbar::controller
