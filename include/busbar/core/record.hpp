@@ -66,7 +66,7 @@ enum class RecordKind : std::uint8_t {
     ServerSystemError,
     VariablesCounted,  // [Variables, Values, DataTypes], all that are published
     VariablePublished, // [Name, Size, Values, Members]
-    /// [Name, Reason, Size]: by a rule for single variables (seed 000, 7-1-6).
+    /// [Name, Reason, Size, ErrorDetails]: by a rule for one variable (seed 000, 7-1-6, 35D40000).
     VariableNotPublished,
     /// [Code]: 0001, 0002, 0003, 0005 or 0302 (seed 000, 9-2-2, 15000000).
     ExecutionLogLost,
