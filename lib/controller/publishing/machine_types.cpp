@@ -1,0 +1,218 @@
+#include <busbar/controller/machine_types.hpp>
+
+#include <array>
+#include <utility>
+
+#include <busbar/core/text.hpp>
+#include <busbar/model/data_types.hpp>
+#include <busbar/model/plcopen.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "shape.hpp"
+
+namespace busbar::controller {
+
+namespace {
+
+struct DataTypeRow {
+    BuiltInType built_in;
+    /// The DataType of OPC 30000 and how its values are encoded; 0: none.
+    std::uint32_t plcopen{0};
+    BuiltInType plcopen_built_in{BuiltInType::Null};
+};
+
+/// In the order of ElementaryType.
+constexpr std::array data_type_rows{
+    DataTypeRow{BuiltInType::Boolean},
+    DataTypeRow{BuiltInType::SByte},
+    DataTypeRow{BuiltInType::Int16},
+    DataTypeRow{BuiltInType::Int32},
+    DataTypeRow{BuiltInType::Int64},
+    DataTypeRow{BuiltInType::Byte},
+    DataTypeRow{BuiltInType::UInt16},
+    DataTypeRow{BuiltInType::UInt32},
+    DataTypeRow{BuiltInType::UInt64},
+    DataTypeRow{BuiltInType::Byte, 3001, BuiltInType::Byte},     // BYTE
+    DataTypeRow{BuiltInType::UInt16, 3002, BuiltInType::UInt16}, // WORD
+    DataTypeRow{BuiltInType::UInt32, 3003, BuiltInType::UInt32}, // DWORD
+    DataTypeRow{BuiltInType::UInt64, 3004, BuiltInType::UInt64}, // LWORD
+    DataTypeRow{BuiltInType::Float},
+    DataTypeRow{BuiltInType::Double},
+    DataTypeRow{BuiltInType::Double, 3005, BuiltInType::Int64},      // TIME
+    DataTypeRow{BuiltInType::DateTime, 3007, BuiltInType::DateTime}, // DATE
+    DataTypeRow{BuiltInType::DateTime, 3008, BuiltInType::UInt32},   // TIME_OF_DAY
+    DataTypeRow{BuiltInType::DateTime, 3010, BuiltInType::DateTime}, // DATE_AND_TIME
+    DataTypeRow{BuiltInType::String, 3013, BuiltInType::String},     // STRING
+};
+static_assert(data_type_rows.size() == static_cast<std::size_t>(ElementaryType::String) + 1);
+
+constexpr std::uint32_t plcopen_byte = 3001;
+
+Array<EnumField> fields_of(const std::vector<Enumerator>& enumerators)
+{
+    Array<EnumField> fields;
+    for (const Enumerator& enumerator : enumerators) {
+        EnumField field;
+        field.value = enumerator.value;
+        field.name = String{enumerator.name};
+        field.display_name = LocalizedText{String{enumerator.name}};
+        fields.push_back(std::move(field));
+    }
+    return fields;
+}
+
+Problem type_problem(const ProgramTypes& program, const DerivedType& type, StatusCode code)
+{
+    const auto index = &type - program.program().types.data();
+    return {code, "types[" + std::to_string(index) + "] (" + printable(type.name) + ")",
+            "cannot be made a DataType"};
+}
+
+} // namespace
+
+MachineTypeOptions nj501_types()
+{
+    return {ElementaryTypes::BuiltIn, false};
+}
+
+MachineTypeOptions nx102_types()
+{
+    return nj501_types();
+}
+
+MachineDataType data_type_of(ElementaryType type, ElementaryTypes choice,
+                             std::uint16_t plcopen_namespace)
+{
+    const DataTypeRow& row = data_type_rows[static_cast<std::size_t>(type)];
+    if (choice == ElementaryTypes::Plcopen && row.plcopen != 0) {
+        return {NodeId{plcopen_namespace, row.plcopen}, row.plcopen_built_in};
+    }
+    // A built-in type's DataType has the type's own number (Part 6, 5.1.2).
+    return {NodeId{0, static_cast<std::uint32_t>(row.built_in)}, row.built_in};
+}
+
+MachineTypes::MachineTypes(const model::SpaceReader& space, std::uint16_t namespace_index,
+                           const MachineTypeOptions& options)
+    : options_{options}, namespace_index_{namespace_index}
+{
+    if (model::find_plcopen(space, plcopen_byte) == model::no_node) {
+        options_.elementary = ElementaryTypes::BuiltIn;
+    } else {
+        plcopen_namespace_ = *space.namespace_index(model::plcopen_uri);
+    }
+}
+
+Configured<void> MachineTypes::add(model::AddressSpace& space,
+                                   std::span<const PublishedVariable> variables)
+{
+    for (const PublishedVariable& each : variables) {
+        std::vector<const DerivedType*> found;
+        collect(each.variable->type, *each.program, found);
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            const auto added = add_node(space, *found[i], *each.program);
+            if (!added) {
+                forget(std::span{found}.subspan(i));
+                return tl::unexpected<Problem>{
+                    type_problem(*each.program, *found[i], added.error())};
+            }
+        }
+    }
+    return {};
+}
+
+void MachineTypes::forget(std::span<const DerivedType* const> types)
+{
+    for (const DerivedType* type : types) {
+        known_.erase(fold_name(type->name));
+    }
+}
+
+MachineDataType MachineTypes::of(const ResolvedType& type) const
+{
+    if (!needs_node(type)) {
+        return data_type_of(type.elementary, options_.elementary, plcopen_namespace_);
+    }
+    const auto found = known_.find(fold_name(type.type->name));
+    return found == known_.end() ? MachineDataType{} : found->second;
+}
+
+bool MachineTypes::needs_node(const ResolvedType& type) const
+{
+    return type.kind == ResolvedType::Kind::Enumeration
+               ? options_.typed_enumerations
+               : type.kind != ResolvedType::Kind::Elementary;
+}
+
+MachineDataType MachineTypes::future_type(const DerivedType& type) const
+{
+    const std::string id = "Types/" + type.name;
+    if (type.kind == DerivedType::Kind::Enumeration) {
+        return {NodeId{namespace_index_, String{id}}, BuiltInType::Int32};
+    }
+    return {NodeId{namespace_index_, String{id}}, BuiltInType::ExtensionObject,
+            NodeId{namespace_index_, String{id + "/Default Binary"}}};
+}
+
+/// Notes what has no node yet. Goes down as deep as ProgramLimits::max_depth allows types to lie in
+/// one another.
+void MachineTypes::collect(const TypeUse& use, const ProgramTypes& program,
+                           std::vector<const DerivedType*>& found)
+{
+    const ResolvedType type = program.resolve(use);
+    if (!needs_node(type) ||
+        !known_.try_emplace(fold_name(type.type->name), future_type(*type.type)).second) {
+        return;
+    }
+    found.push_back(type.type);
+    for (const Member& member : type.type->members) {
+        collect(member.type, program, found);
+    }
+}
+
+Result<void> MachineTypes::add_node(model::AddressSpace& space, const DerivedType& type,
+                                    const ProgramTypes& program) const
+{
+    model::NewNode node;
+    node.id = future_type(type).data_type;
+    node.browse_name = QualifiedName{namespace_index_, String{type.name}};
+    if (!type.comment.empty()) {
+        node.description = LocalizedText{String{type.comment}};
+    }
+    if (type.kind != DerivedType::Kind::Enumeration) {
+        return add_structure(space, std::move(node), type, program);
+    }
+    node.parent = space.find(id::Enumeration);
+    const auto added =
+        model::add_enumeration_type(space, node, EnumDefinition{fields_of(type.enumerators)});
+    return added ? Result<void>{} : fail(added.error());
+}
+
+Result<void> MachineTypes::add_structure(model::AddressSpace& space, model::NewNode node,
+                                         const DerivedType& type, const ProgramTypes& program) const
+{
+    const bool is_union = type.kind == DerivedType::Kind::Union;
+    node.parent = space.find(is_union ? id::Union : id::Structure);
+    StructureDefinition definition;
+    definition.default_encoding_id = future_type(type).encoding;
+    definition.structure_type =
+        is_union ? StructureDefinitionType::Union : StructureDefinitionType::Structure;
+    for (const Member& member : type.members) {
+        definition.fields.push_back(field_of(member, program));
+    }
+    const auto added = model::add_structure_type(space, node, std::move(definition));
+    return added ? Result<void>{} : fail(added.error());
+}
+
+StructureField MachineTypes::field_of(const Member& member, const ProgramTypes& program) const
+{
+    const ResolvedType type = program.resolve(member.type);
+    StructureField field;
+    field.name = String{member.name};
+    field.data_type = of(type).data_type;
+    field.value_rank = detail::value_rank(type);
+    field.array_dimensions = detail::array_dimensions(type);
+    field.max_string_length = type.string_length;
+    return field;
+}
+
+} // namespace busbar::controller
