@@ -1,0 +1,134 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include <busbar/controller/machine_types.hpp>
+#include <busbar/controller/publishing.hpp>
+#include <busbar/core/api.hpp>
+#include <busbar/core/clock.hpp>
+#include <busbar/core/problem.hpp>
+#include <busbar/model/address_space.hpp>
+#include <busbar/model/device.hpp>
+
+/// What clients see of a controller that publishes its variables (seed 000, 6-2-1).
+namespace busbar::controller {
+
+enum class OperatingMode : std::uint8_t { Program, Run };
+/// ContinuousError: a partial or minor fault.
+enum class ErrorState : std::uint8_t { NoError, MajorFault, ContinuousError };
+
+/// "PROGRAM", "RUN".
+[[nodiscard]] BUSBAR_API std::string_view name(OperatingMode mode);
+/// "NoError", "MajorFault", "ContinuousError".
+[[nodiscard]] BUSBAR_API std::string_view name(ErrorState state);
+
+struct MachineNodesOptions {
+    std::string namespace_uri{"urn:busbar:machine"};
+    /// The name of the folder below Objects and of the configuration of PLCopen.
+    std::string controller_name{"Controller"};
+    MachineTypeOptions types{};
+    /// The index that the server gave to the data source of the variables.
+    std::uint32_t source{0};
+    /// The task's cycle: a client cannot sample faster.
+    Duration cycle{std::chrono::milliseconds{20}};
+    /// Clients may ask the folder for events.
+    bool has_events{false};
+    // Of what runs the program, the resource of PLCopen.
+    std::string resource_name{"CPU"};
+    model::Nameplate nameplate{};
+};
+
+/// The nodes of a controller, in the namespace of its program:
+///
+///     Objects/<controller name>      "Controller/"
+///         DeviceState                "Controller/DeviceState"
+///             ErrorState             "Controller/DeviceState/ErrorState", and so on
+///             Mode
+///             UnpublishedVariablesStatus
+///             NumberOfPublishedVariables
+///             NumberOfValueAttributes
+///         GlobalVars                 "Controller/GlobalVars"
+///             <variables>            their names
+///
+/// ErrorState and Mode are Strings: the manual has texts for their values, but no numbers that an
+/// enumeration would need. UnpublishedVariablesStatus is an UInt16, both numbers are UInt32. Until
+/// they are set, Mode is PROGRAM and ErrorState NoError. GlobalVars has a NodeVersion, so that
+/// clients can be told of variables that are added.
+///
+/// A variable's handle is its position among Publication::published(). Clients may write it unless
+/// it is CONSTANT.
+///
+/// If the AddressSpace has the nodes of DI and PLCopen, the DeviceSet has a configuration of
+/// PLCopen of the controller's name ("PLCopen/Configuration") with GlobalVars, which organizes the
+/// same variables, and a resource with nameplate, tasks and programs.
+///
+/// For the thread that changes the AddressSpace, which every call must be given; it may have been
+/// moved in between.
+class BUSBAR_API MachineNodes {
+public:
+    /// The tasks and programs are those of `program`. The problem's `where` is "variables (Speed)",
+    /// "types[3] (Point)", "tasks[1] (Fast)" or "instances[0] (Main)"; nodes that were added before
+    /// stay.
+    [[nodiscard]] static Configured<MachineNodes> create(model::AddressSpace& space,
+                                                         const Program& program,
+                                                         const Publication& publication,
+                                                         const MachineNodesOptions& options);
+
+    /// Adds what was published since; `publication` is the one that the object was made with. A
+    /// failure leaves out all of that.
+    [[nodiscard]] Configured<void> add_variables(model::AddressSpace& space,
+                                                 const Publication& publication);
+
+    void set_mode(model::AddressSpace& space, OperatingMode mode) const;
+    void set_error_state(model::AddressSpace& space, ErrorState state) const;
+    /// The status and both numbers; add_variables and create do it themselves.
+    void set_publication(model::AddressSpace& space, const Publication& publication) const;
+
+    [[nodiscard]] std::uint16_t namespace_index() const { return namespace_index_; }
+    [[nodiscard]] model::NodeHandle folder() const { return folder_; }
+    [[nodiscard]] model::NodeHandle device_state() const { return device_state_; }
+    [[nodiscard]] model::NodeHandle global_vars() const { return global_vars_; }
+    /// For who makes values of the variables.
+    [[nodiscard]] const MachineTypes& types() const { return types_; }
+
+private:
+    struct Properties {
+        model::NodeHandle error_state;
+        model::NodeHandle mode;
+        model::NodeHandle status;
+        model::NodeHandle variables;
+        model::NodeHandle values;
+    };
+
+    MachineNodes(const model::SpaceReader& space, std::uint16_t namespace_index,
+                 const MachineNodesOptions& options);
+
+    [[nodiscard]] Result<void> add_frame(model::AddressSpace& space,
+                                         const MachineNodesOptions& options);
+    [[nodiscard]] Result<void> add_properties(model::AddressSpace& space);
+    [[nodiscard]] Result<void> add_version(model::AddressSpace& space) const;
+    [[nodiscard]] Result<model::NodeIndex> add_variable(model::AddressSpace& space,
+                                                        const PublishedVariable& variable,
+                                                        std::size_t handle) const;
+    [[nodiscard]] Result<void> organize(model::AddressSpace& space,
+                                        model::NodeIndex variable) const;
+
+    std::uint16_t namespace_index_{0};
+    std::uint32_t source_{0};
+    Duration cycle_{};
+    MachineTypes types_;
+    model::NodeHandle folder_;
+    model::NodeHandle device_state_;
+    model::NodeHandle global_vars_;
+    /// Of PLCopen; no_node without it.
+    model::NodeHandle plcopen_vars_;
+    Properties properties_;
+    /// How many of the published variables have nodes.
+    std::size_t added_{0};
+};
+
+} // namespace busbar::controller
