@@ -142,6 +142,16 @@ TEST_CASE("Ten thousand variables have their nodes (1-2-2)")
     CHECK(machine.find("V10000") == model::no_node);
 }
 
+TEST_CASE("Names of variables, types and the controller do not meet (6-2-1)")
+{
+    Program program = machine_program();
+    for (const char* name : {"NJ_1", "Controller", "GlobalVars", "DeviceState", "Point"}) {
+        program.variables.push_back(variable(name, use("Point")));
+    }
+    const Machine machine{program};
+    CHECK(machine.state("NumberOfPublishedVariables") == Variant{std::uint32_t{11}});
+}
+
 TEST_CASE("A name that is taken is a problem with a place (6-2-1)")
 {
     model::AddressSpace space;
