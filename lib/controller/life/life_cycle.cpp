@@ -1,0 +1,365 @@
+#include <busbar/controller/life_cycle.hpp>
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include <busbar/core/record.hpp>
+
+#include "life_table.hpp"
+
+namespace busbar::controller {
+
+using detail::LifeAction;
+using detail::LifeEvent;
+using detail::LifePhase;
+
+namespace {
+
+constexpr std::string_view life_source = "life cycle";
+
+// Seed 000, 7-1-6, *1.
+constexpr std::string_view configuration_error = "Configuration Error";
+constexpr std::string_view start_error = "Server Start Error";
+constexpr std::string_view system_error_reason = "OPC UA System Error";
+
+void tell_life(LogSink& log, RecordKind kind, std::string text, LogLevel level = LogLevel::Info,
+               std::span<const RecordField> fields = {})
+{
+    Record record;
+    record.kind = kind;
+    record.level = level;
+    record.source = life_source;
+    record.text = std::move(text);
+    record.fields = fields;
+    tell(log, record);
+}
+
+void tell_halted(LogSink& log, std::string_view reason, std::string_view why)
+{
+    const std::array fields{RecordField{"Reason", Variant{String{std::string{reason}}}}};
+    tell_life(log, RecordKind::ServerHalted,
+              "the OPC UA server halts: " + std::string{reason} +
+                  (why.empty() ? "" : ": " + std::string{why}),
+              LogLevel::Error, fields);
+}
+
+} // namespace
+
+LifeCycle::LifeCycle(ServerOperator& server, const WallClock& clock, LogSink& log,
+                     const LifeCycleOptions& options)
+    : server_{&server}, clock_{&clock}, log_{&log}, options_{options}, preparation_time_{
+                                                                           options.preparation_time}
+{
+}
+
+// Of the machine.
+
+void LifeCycle::power_on()
+{
+    handle(LifeEvent::Restart, "the controller starts anew");
+}
+
+void LifeCycle::reset()
+{
+    handle(LifeEvent::Restart, "the controller is reset");
+}
+
+void LifeCycle::power_going()
+{
+    server_->save_now();
+}
+
+void LifeCycle::medium_changed(bool is_in)
+{
+    server_->medium_changed(is_in);
+}
+
+void LifeCycle::partial_fault(FaultOrigin origin)
+{
+    if (origin == FaultOrigin::OpcUaServer) {
+        system_error("a partial fault of the OPC UA server");
+    }
+}
+
+void LifeCycle::watchdog()
+{
+    handle(LifeEvent::Watchdog, "the controller's processor failed");
+}
+
+// Of its program and settings.
+
+void LifeCycle::download_begins()
+{
+    handle(LifeEvent::Begins, "a project is downloaded to the controller");
+}
+
+void LifeCycle::download_done(const Configured<ServerSettings>& settings)
+{
+    if (!settings) {
+        halt_reason_ = configuration_error;
+        return handle(LifeEvent::Unreadable, text(settings.error()));
+    }
+    settings_ = *settings;
+    handle(settings_.is_used ? LifeEvent::Used : LifeEvent::Unused,
+           "the OPC UA server is not used any more");
+}
+
+void LifeCycle::online_edit()
+{
+    // The preparation may have read the program already.
+    is_edited_ = phase_ == LifePhase::Preparing;
+    handle(LifeEvent::Edited);
+}
+
+void LifeCycle::restore_begins()
+{
+    handle(LifeEvent::Begins, "a backup is restored to the controller");
+}
+
+void LifeCycle::restore_done(bool is_restored)
+{
+    if (is_restored) {
+        is_replaced_ = true;
+    }
+    handle(is_restored ? LifeEvent::Replaced : LifeEvent::Kept,
+           "a backup was restored: the controller is to be restarted");
+}
+
+Configured<void> LifeCycle::clear_begins()
+{
+    if (mode_ == MachineMode::Run) {
+        return misconfigured("clear all memory", "found RUN mode, expected PROGRAM mode",
+                             status::Bad_InvalidState);
+    }
+    handle(LifeEvent::Begins, "the controller's memory is cleared");
+    return {};
+}
+
+void LifeCycle::clear_done(bool is_cleared)
+{
+    if (is_cleared) {
+        is_replaced_ = is_replaced_ || settings_.is_used;
+        settings_ = {};
+    }
+    handle(is_cleared ? LifeEvent::Replaced : LifeEvent::Kept,
+           "the controller's memory was cleared: it is to be restarted");
+}
+
+void LifeCycle::address_changed()
+{
+    handle(LifeEvent::Changed, "the controller's address changes");
+}
+
+void LifeCycle::certificate_renewed()
+{
+    handle(LifeEvent::Changed, "the server has a new certificate");
+}
+
+void LifeCycle::security_changed()
+{
+    handle(LifeEvent::Changed, "the security settings change");
+}
+
+ShutdownAnswer LifeCycle::shutdown_answer() const
+{
+    switch (operating_status()) {
+    case OperatingStatus::NotStarted:
+        return ShutdownAnswer::NotStarted;
+    case OperatingStatus::Initializing:
+        return ShutdownAnswer::Initializing;
+    case OperatingStatus::Shutdown:
+        return ShutdownAnswer::ShutDown;
+    case OperatingStatus::Preparing:
+    case OperatingStatus::Running:
+    case OperatingStatus::HaltError:
+        break;
+    }
+    return ShutdownAnswer::Begun;
+}
+
+ShutdownAnswer LifeCycle::shut_down(std::string_view reason)
+{
+    const ShutdownAnswer answer = shutdown_answer();
+    if (answer == ShutdownAnswer::Begun) {
+        handle(LifeEvent::ShutDown, reason);
+    }
+    return answer;
+}
+
+void LifeCycle::system_error(std::string_view why)
+{
+    halt_reason_ = system_error_reason;
+    handle(LifeEvent::SystemFailed, why);
+}
+
+// Answers of the ServerOperator.
+
+void LifeCycle::initialized(const Configured<ServerSettings>& settings)
+{
+    if (phase_ != LifePhase::Initializing) {
+        return;
+    }
+    if (!settings) {
+        halt_reason_ = configuration_error;
+        return handle(LifeEvent::Unreadable, text(settings.error()));
+    }
+    settings_ = *settings;
+    is_replaced_ = false;
+    if (settings_.is_used) {
+        tell_life(*log_, RecordKind::ServerStarted, "the OPC UA server starts");
+    }
+    handle(settings_.is_used ? LifeEvent::Used : LifeEvent::Unused);
+}
+
+void LifeCycle::prepared(std::uint32_t number, std::string_view endpoint_url)
+{
+    if (number != preparation_ || phase_ != LifePhase::Preparing) {
+        return;
+    }
+    endpoint_url_ = endpoint_url;
+    const std::int64_t ticks = clock_->now().ticks - preparation_began_.ticks;
+    preparation_time_ = std::max(std::chrono::seconds{1},
+                                 std::chrono::seconds{(ticks + DateTime::ticks_per_second - 1) /
+                                                      DateTime::ticks_per_second});
+    handle(LifeEvent::Prepared);
+}
+
+void LifeCycle::preparation_failed(std::uint32_t number, PreparationFailure failure,
+                                   std::string_view why)
+{
+    if (number != preparation_ || phase_ != LifePhase::Preparing) {
+        return;
+    }
+    if (failure == PreparationFailure::System) {
+        return system_error(why);
+    }
+    halt_reason_ = failure == PreparationFailure::Settings ? configuration_error : start_error;
+    handle(LifeEvent::StartFailed, why);
+}
+
+void LifeCycle::stopped()
+{
+    stops_ -= stops_ > 0 ? 1 : 0;
+    if (stops_ == 0) {
+        handle(LifeEvent::Stopped);
+    }
+}
+
+// What there is.
+
+OperatingStatus LifeCycle::operating_status() const
+{
+    switch (phase_) {
+    case LifePhase::NotStarted:
+        break;
+    case LifePhase::Initializing:
+        return OperatingStatus::Initializing;
+    case LifePhase::Preparing:
+    case LifePhase::Waiting:
+        return OperatingStatus::Preparing;
+    case LifePhase::Running:
+        return OperatingStatus::Running;
+    case LifePhase::Halted:
+    case LifePhase::Broken:
+        return OperatingStatus::HaltError;
+    case LifePhase::Stopping:
+    case LifePhase::Resetting:
+    case LifePhase::Stopped:
+        return OperatingStatus::Shutdown;
+    }
+    return OperatingStatus::NotStarted;
+}
+
+bool LifeCycle::has_stopped() const
+{
+    return phase_ == LifePhase::Stopped;
+}
+
+MachineStatus LifeCycle::status(const ConnectionCounts& counts) const
+{
+    return {settings_.is_used, operating_status(), endpoint_url_, counts};
+}
+
+bool LifeCycle::is_restart_due() const
+{
+    return is_replaced_ || phase_ == LifePhase::Broken ||
+           operating_status() == OperatingStatus::Shutdown ||
+           (phase_ == LifePhase::NotStarted && settings_.is_used);
+}
+
+// The table at work.
+
+void LifeCycle::handle(LifeEvent event, std::string_view why)
+{
+    const detail::LifeStep* const step = detail::life_step(phase_, event);
+    if (step == nullptr) {
+        return;
+    }
+    const bool was_resetting = phase_ == LifePhase::Resetting;
+    phase_ = step->next;
+    if (phase_ == LifePhase::Stopped || (was_resetting && phase_ == LifePhase::Initializing)) {
+        tell_life(*log_, RecordKind::ServerShutDown, "the OPC UA server is shut down");
+    }
+    if (phase_ == LifePhase::Broken) {
+        tell_life(*log_, RecordKind::ServerSystemError,
+                  "a fatal error in the OPC UA server: " + std::string{why}, LogLevel::Error);
+    }
+    if (phase_ == LifePhase::Halted || phase_ == LifePhase::Broken) {
+        tell_halted(*log_, halt_reason_, why);
+    }
+    act(step->action, event, why);
+}
+
+/// The last thing that is done of an event: the operator may answer at once.
+void LifeCycle::act(LifeAction action, LifeEvent event, std::string_view why)
+{
+    switch (action) {
+    case LifeAction::None:
+        return;
+    case LifeAction::Initialize:
+        return server_->initialize();
+    case LifeAction::Prepare:
+        begin_preparation();
+        return server_->prepare(preparation_, settings_);
+    case LifeAction::Reconfigure:
+        begin_preparation();
+        return server_->reconfigure(preparation_, settings_, {why, return_time({})});
+    case LifeAction::Run:
+        return run();
+    case LifeAction::Suspend:
+        return server_->suspend({why, return_time(options_.download_time)});
+    case LifeAction::Stop:
+        ++stops_;
+        return server_->stop({why, event == LifeEvent::Restart ? return_time({}) : DateTime{}});
+    case LifeAction::AddVariables:
+        return server_->add_variables();
+    }
+}
+
+void LifeCycle::begin_preparation()
+{
+    ++preparation_;
+    preparation_began_ = clock_->now();
+    is_edited_ = false;
+    tell_life(*log_, RecordKind::ServerPreparing, "the OPC UA server is being prepared");
+}
+
+void LifeCycle::run()
+{
+    const std::array fields{RecordField{"EndpointUrl", Variant{String{endpoint_url_}}}};
+    tell_life(*log_, RecordKind::ServerRunning, "the OPC UA server runs at " + endpoint_url_,
+              LogLevel::Info, fields);
+    server_->run();
+    if (is_edited_ && phase_ == LifePhase::Running) {
+        is_edited_ = false;
+        server_->add_variables();
+    }
+}
+
+DateTime LifeCycle::return_time(std::chrono::seconds more) const
+{
+    return {clock_->now().ticks + (preparation_time_ + more).count() * DateTime::ticks_per_second};
+}
+
+} // namespace busbar::controller
