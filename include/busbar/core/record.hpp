@@ -74,6 +74,9 @@ enum class RecordKind : std::uint8_t {
     SecurityCleared,
     /// [Limit: "MaxVariables", "MaxValues", "MaxDataTypes"]: not everything is published.
     PublishingLimitExceeded,
+    /// [Code, Instruction]: an instruction of the controller's program failed; the code is UInt16
+    /// and, after 5401, the event's code (seed 000, 9-2-2).
+    InstructionFailed,
 };
 
 /// "SessionCreated".
