@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <busbar/controller/backup.hpp>
+
+namespace busbar::controller::detail {
+
+/// A file in a backup.
+struct SavedFile {
+    std::string name;
+    std::vector<std::byte> bytes;
+};
+
+/// An item in a backup.
+struct SavedItem {
+    std::string name;
+    MemoryGroup group{MemoryGroup::ServerSettings};
+    std::vector<SavedFile> files;
+};
+
+/// A backup file (see MachineMemory).
+struct SavedMemory {
+    BackupLabel label{};
+    bool has_opc_ua{true};
+    std::vector<SavedItem> items;
+};
+
+/// Names of files must have passed is_saved_name.
+[[nodiscard]] std::vector<std::byte> write_backup(const SavedMemory& memory);
+/// Within the limits, names are names of a storage, each once; nothing of it is compared with what
+/// a controller has. `created` is not read: it is for people.
+[[nodiscard]] Configured<SavedMemory> read_backup(std::span<const std::byte> file,
+                                                  const MemoryLimits& limits);
+
+/// Whether a name comes out of JSON as it went in.
+[[nodiscard]] bool is_saved_name(const std::string& name);
+
+} // namespace busbar::controller::detail
