@@ -1,0 +1,87 @@
+#include "memory_plan.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <busbar/core/file_transaction.hpp>
+
+#include "memory_files.hpp"
+
+namespace busbar::controller::detail {
+
+Configured<void> MemoryPlan::put(const MemoryItem& item, const std::vector<SavedFile>& files)
+{
+    auto there = files_there(storage_, item, limits_);
+    if (!there) {
+        return tl::unexpected{std::move(there.error())};
+    }
+    removed_.insert(there->begin(), there->end());
+    for (const SavedFile& file : files) {
+        new_files_[file.name] = {file.bytes, item.access};
+        removed_.erase(file.name);
+    }
+    return {};
+}
+
+Configured<void> MemoryPlan::add_initial(const MemoryItem& item)
+{
+    const auto there = files_there(storage_, item, limits_);
+    if (!there) {
+        return tl::unexpected{there.error()};
+    }
+    for (const MemoryItem::InitialFile& file : item.initial) {
+        const bool is_there = std::find(there->begin(), there->end(), file.name) != there->end() &&
+                              removed_.count(file.name) == 0;
+        if (!is_there && new_files_.count(file.name) == 0) {
+            new_files_[file.name] = {std::as_bytes(std::span{file.content}), item.access};
+            removed_.erase(file.name);
+        }
+    }
+    return {};
+}
+
+/// What the journal of a transaction can hold; what is removed counts as much as what is new.
+Configured<void> MemoryPlan::check_limits() const
+{
+    std::size_t names_size = 0;
+    for (const std::string& name : removed_) {
+        names_size += name.size();
+    }
+    if (removed_.size() > limits_.max_files || names_size > limits_.max_names_size) {
+        return misconfigured("memory", "found " + std::to_string(removed_.size()) +
+                                           " files to remove, expected at most " +
+                                           std::to_string(limits_.max_files) + ", with names of " +
+                                           std::to_string(limits_.max_names_size) + " bytes");
+    }
+    return {};
+}
+
+Configured<void> MemoryPlan::carry_out(const std::string& transaction) const
+{
+    if (auto checked = check_limits(); !checked) {
+        return checked;
+    }
+    FileTransaction change{storage_, transaction};
+    for (const auto& [name, file] : new_files_) {
+        const std::string_view folder = memory_folder_of(name);
+        const auto made =
+            folder.empty() ? Stored<void>{} : storage_.make_folder(folder, file.access);
+        const auto staged = made ? change.replace(name, file.bytes, file.access) : made;
+        if (!staged) {
+            return storage_problem(storage_, name, staged.error());
+        }
+    }
+    for (const std::string& name : removed_) {
+        if (const auto staged = change.remove(name); !staged) {
+            return storage_problem(storage_, name, staged.error());
+        }
+    }
+    const auto done = change.commit();
+    // Once it is decided the next recover() finishes it.
+    if (!done && !change.is_decided()) {
+        return storage_problem(storage_, transaction, done.error());
+    }
+    return {};
+}
+
+} // namespace busbar::controller::detail
