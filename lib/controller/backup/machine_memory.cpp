@@ -1,0 +1,218 @@
+#include <busbar/controller/backup.hpp>
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include <busbar/core/file_transaction.hpp>
+#include <busbar/core/record.hpp>
+#include <busbar/core/text.hpp>
+
+#include "backup_file.hpp"
+#include "memory_files.hpp"
+#include "memory_plan.hpp"
+
+namespace busbar::controller {
+
+using detail::SavedFile;
+using detail::SavedItem;
+using detail::SavedMemory;
+
+namespace {
+
+bool is_restored(MemoryGroup group, const RestoreChoice& choice)
+{
+    return group == MemoryGroup::ServerSettings ||
+           (group == MemoryGroup::SecurityProfile && choice.security_profile);
+}
+
+bool is_cleared(MemoryGroup group, bool with_security)
+{
+    return group == MemoryGroup::ServerSettings ||
+           (with_security && group != MemoryGroup::EventLog);
+}
+
+/// The controller's item that one of a backup is for.
+Configured<const MemoryItem*> item_for(const SavedItem& saved, const std::vector<MemoryItem>& items)
+{
+    const auto found = std::find_if(items.begin(), items.end(), [&](const MemoryItem& item) {
+        return item.name == saved.name && item.group == saved.group;
+    });
+    if (found == items.end()) {
+        return misconfigured("backup",
+                             "found " + printable(saved.name) + ", which this controller has not");
+    }
+    for (const SavedFile& file : saved.files) {
+        if (!detail::has_file(*found, file.name)) {
+            return misconfigured("backup", "found " + printable(file.name) + ", which is none of " +
+                                               printable(saved.name));
+        }
+        if (!found->check) {
+            continue;
+        }
+        if (auto checked = found->check(file.name, file.bytes); !checked) {
+            checked.error().where = "backup: " + checked.error().where;
+            return tl::unexpected{std::move(checked.error())};
+        }
+    }
+    return &*found;
+}
+
+VerifiedItem compare(const SavedItem& saved, const SavedItem& there)
+{
+    std::set<std::string> differences;
+    const auto find_others = [&](const SavedItem& left, const SavedItem& right) {
+        for (const SavedFile& file : left.files) {
+            const auto same =
+                std::find_if(right.files.begin(), right.files.end(), [&](const SavedFile& other) {
+                    return other.name == file.name && other.bytes == file.bytes;
+                });
+            if (same == right.files.end()) {
+                differences.insert(file.name);
+            }
+        }
+    };
+    find_others(saved, there);
+    find_others(there, saved);
+    return {saved.name, {differences.begin(), differences.end()}};
+}
+
+} // namespace
+
+MachineMemory::MachineMemory(Storage& storage, std::string transaction,
+                             std::vector<MemoryItem> items, LogSink& log,
+                             const MemoryLimits& limits)
+    : storage_{&storage},
+      transaction_{std::move(transaction)}, items_{std::move(items)}, log_{&log}, limits_{limits}
+{
+}
+
+Configured<void> MachineMemory::recover()
+{
+    if (const auto done = FileTransaction{*storage_, transaction_}.recover(); !done) {
+        return detail::storage_problem(*storage_, transaction_, done.error());
+    }
+    return {};
+}
+
+Configured<std::vector<std::byte>> MachineMemory::backup(const BackupLabel& label) const
+{
+    SavedMemory memory{label, !items_.empty(), {}};
+    for (const MemoryItem& item : items_) {
+        if (item.group == MemoryGroup::ServerCertificate) {
+            continue;
+        }
+        auto saved = detail::read_item(*storage_, item, limits_);
+        if (!saved) {
+            return tl::unexpected{std::move(saved.error())};
+        }
+        memory.items.push_back(*std::move(saved));
+    }
+    auto file = detail::write_backup(memory);
+    // What is made can be restored.
+    if (const auto again = detail::read_backup(file, limits_); !again) {
+        return tl::unexpected{again.error()};
+    }
+    return file;
+}
+
+Configured<Restored> MachineMemory::restore(std::span<const std::byte> backup,
+                                            const RestoreChoice& choice)
+{
+    const auto memory = detail::read_backup(backup, limits_);
+    if (!memory) {
+        return tl::unexpected{memory.error()};
+    }
+    if (!memory->has_opc_ua) {
+        return clear(true).map([] { return Restored::Nothing; });
+    }
+    if (auto recovered = recover(); !recovered) {
+        return tl::unexpected{std::move(recovered.error())};
+    }
+    detail::MemoryPlan plan{*storage_, limits_};
+    for (const SavedItem& saved : memory->items) {
+        if (!is_restored(saved.group, choice)) {
+            continue;
+        }
+        auto planned = item_for(saved, items_).and_then([&](const MemoryItem* item) {
+            return plan.put(*item, saved.files);
+        });
+        if (!planned) {
+            return tl::unexpected{std::move(planned.error())};
+        }
+    }
+    for (const MemoryItem& item : items_) {
+        if (auto planned = plan.add_initial(item); !planned) {
+            return tl::unexpected{std::move(planned.error())};
+        }
+    }
+    return plan.carry_out(transaction_).map([] { return Restored::Data; });
+}
+
+Configured<std::vector<VerifiedItem>> MachineMemory::verify(std::span<const std::byte> backup,
+                                                            const RestoreChoice& choice) const
+{
+    const auto memory = detail::read_backup(backup, limits_);
+    if (!memory) {
+        return tl::unexpected{memory.error()};
+    }
+    if (!memory->has_opc_ua) {
+        return misconfigured("backup", "is of a controller without OPC UA server: there is nothing "
+                                       "to compare");
+    }
+    std::vector<VerifiedItem> verified;
+    for (const SavedItem& saved : memory->items) {
+        if (!is_restored(saved.group, choice)) {
+            continue;
+        }
+        const auto there = item_for(saved, items_).and_then([&](const MemoryItem* item) {
+            return detail::read_item(*storage_, *item, limits_);
+        });
+        if (!there) {
+            return tl::unexpected{there.error()};
+        }
+        verified.push_back(compare(saved, *there));
+    }
+    return verified;
+}
+
+Configured<void> MachineMemory::clear_all(bool with_security, MachineMode mode)
+{
+    if (mode == MachineMode::Run) {
+        return misconfigured("clear all memory", "found RUN mode, expected PROGRAM mode",
+                             status::Bad_InvalidState);
+    }
+    return clear(with_security);
+}
+
+Configured<void> MachineMemory::clear_security()
+{
+    return clear(true);
+}
+
+Configured<void> MachineMemory::clear(bool with_security)
+{
+    if (auto recovered = recover(); !recovered) {
+        return recovered;
+    }
+    detail::MemoryPlan plan{*storage_, limits_};
+    for (const MemoryItem& item : items_) {
+        auto planned =
+            is_cleared(item.group, with_security) ? plan.clear(item) : Configured<void>{};
+        planned = planned ? plan.add_initial(item) : planned;
+        if (!planned) {
+            return planned;
+        }
+    }
+    auto done = plan.carry_out(transaction_);
+    if (done && with_security) {
+        Record record;
+        record.kind = RecordKind::SecurityCleared;
+        record.source = "memory";
+        record.text = "the server's certificate and the security profile were cleared";
+        tell(*log_, record);
+    }
+    return done;
+}
+
+} // namespace busbar::controller
