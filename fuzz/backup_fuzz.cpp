@@ -1,0 +1,123 @@
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/controller/backup.hpp>
+#include <busbar/storage/memory_storage.hpp>
+#include <controller/life/checksum.hpp>
+
+using namespace busbar;
+using namespace busbar::controller;
+
+namespace {
+
+using Contents = std::map<std::string, std::vector<std::byte>>;
+
+std::vector<MemoryItem> fuzzed_items()
+{
+    const auto check = [](std::string_view name, std::span<const std::byte> bytes) {
+        const std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+        return read_server_settings(text, std::string{name}).map([](const auto&) {});
+    };
+    return {MemoryItem{.name = "Settings",
+                       .files = {"server.json"},
+                       .initial = {{"server.json", document_of(ServerSettings{})}},
+                       .check = check},
+            MemoryItem{
+                .name = "Certificate", .group = MemoryGroup::ServerCertificate, .folders = {"own"}},
+            MemoryItem{.name = "Clients",
+                       .group = MemoryGroup::SecurityProfile,
+                       .files = {"users.json"},
+                       .folders = {"trusted"},
+                       .access = FileAccess::Everyone},
+            MemoryItem{.name = "Events", .group = MemoryGroup::EventLog, .files = {"events"}}};
+}
+
+Contents contents(storage::MemoryStorage& storage)
+{
+    Contents all;
+    for (const std::string& name : storage.names()) {
+        if (auto bytes = read_file(storage, name, 1U << 26U)) {
+            all[name] = *std::move(bytes);
+        }
+    }
+    return all;
+}
+
+void fill(storage::MemoryStorage& storage)
+{
+    const std::string content = "x";
+    for (const char* folder : {"own", "trusted"}) {
+        static_cast<void>(storage.make_folder(folder, FileAccess::Owner));
+    }
+    for (const char* name :
+         {"own/key", "trusted/a", "trusted/b", "users.json", "events", "execution"}) {
+        static_cast<void>(
+            storage.replace(name, std::as_bytes(std::span{content}), FileAccess::Owner));
+    }
+}
+
+void expect(bool holds)
+{
+    if (!holds) {
+        __builtin_trap();
+    }
+}
+
+/// With a right checksum, so that what is behind it is reached.
+std::vector<std::byte> sealed(std::span<const std::byte> bytes)
+{
+    std::vector<std::byte> file{bytes.begin(), bytes.end()};
+    const std::uint32_t sum = controller::detail::checksum(file);
+    for (unsigned i = 0; i < 4; ++i) {
+        file.push_back(static_cast<std::byte>(sum >> (8 * i) & 0xFFU));
+    }
+    return file;
+}
+
+} // namespace
+
+/// A backup file of any origin, without its checksum: it is restored whole, and only where it may
+/// be, or changes nothing. The same bytes as a RestoreCommand.ini and as a file of settings.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+{
+    const auto bytes = std::as_bytes(std::span{data, size});
+    const std::string_view text{reinterpret_cast<const char*>(data), size};
+    static_cast<void>(read_restore_command(text));
+    if (const auto settings = read_server_settings(text, "fuzzed")) {
+        const auto again = read_server_settings(document_of(*settings), "written");
+        expect(again && *again == *settings);
+    }
+    static_cast<void>(read_security_settings(text, "fuzzed"));
+
+    NullLog log;
+    storage::MemoryStorage storage;
+    fill(storage);
+    MachineMemory memory{storage, "restore", fuzzed_items(), log};
+    const Contents before = contents(storage);
+    const auto backup = sealed(bytes);
+    static_cast<void>(memory.verify(bytes, {}));
+    const auto restored = memory.restore(backup, {});
+    const Contents after = contents(storage);
+    if (!restored) {
+        expect(after == before);
+        return 0;
+    }
+    for (const char* kept : {"events", "execution"}) {
+        expect(after.at(kept) == before.at(kept));
+    }
+    expect(after.count("own/key") == (*restored == Restored::Data ? 1 : 0));
+    const auto verified = memory.verify(backup, {});
+    expect(verified.has_value() == (*restored == Restored::Data));
+    if (verified) {
+        for (const VerifiedItem& item : *verified) {
+            // What a new controller has comes in the place of what a backup has not.
+            expect(item.differences.empty() ||
+                   item.differences == std::vector<std::string>{"server.json"});
+        }
+    }
+    return 0;
+}
