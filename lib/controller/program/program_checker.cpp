@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-#include <busbar/core/text.hpp>
-
-#include "core/utf8.hpp"
+#include "program_problem.hpp"
+#include "text_places.hpp"
 
 namespace busbar::controller::detail {
 
@@ -12,38 +11,6 @@ namespace {
 
 constexpr std::size_t not_measured = SIZE_MAX;
 constexpr std::size_t being_measured = SIZE_MAX - 1;
-
-std::string quoted_name(const std::string& name)
-{
-    constexpr std::size_t enough = 60;
-    return printable(name.substr(0, enough));
-}
-
-std::string place_of(std::string_view list, std::size_t index, const std::string& name)
-{
-    return std::string{list} + "[" + std::to_string(index) + "] (" + quoted_name(name) + ")";
-}
-
-/// The problem, with line and column where the place is known.
-Problem problem_at(std::string where, const ProgramPlace& place, std::string text)
-{
-    if (place.line != 0) {
-        where = std::to_string(place.line) + ":" + std::to_string(place.column) + ": " + where;
-    }
-    return Problem{status::Bad_ConfigurationError, std::move(where), std::move(text)};
-}
-
-bool is_utf8(std::string_view text)
-{
-    while (!text.empty()) {
-        const std::size_t size = busbar::detail::utf8_sequence(text);
-        if (size == 0) {
-            return false;
-        }
-        text.remove_prefix(size);
-    }
-    return true;
-}
 
 std::string more_than(std::size_t limit, std::string_view what)
 {
@@ -91,7 +58,7 @@ std::optional<Problem> ProgramChecker::check_name(const std::string& name, const
                           "has a name of " + std::to_string(name.size()) + " bytes; at most " +
                               std::to_string(limits_->max_name_length) + " are allowed");
     }
-    if (!is_utf8(name)) {
+    if (first_not_utf8(name)) {
         return problem_at(where, place, "has a name that is not UTF-8");
     }
     return {};
@@ -100,7 +67,7 @@ std::optional<Problem> ProgramChecker::check_name(const std::string& name, const
 std::optional<Problem> ProgramChecker::check_type(std::size_t index) const
 {
     const DerivedType& type = program_->types[index];
-    const std::string where = place_of("types", index, type.name);
+    const std::string where = place_in("types", index, type.name);
     if (auto found = check_name(type.name, where, type.place)) {
         return found;
     }
@@ -195,6 +162,17 @@ std::optional<Problem> ProgramChecker::check_use(const TypeUse& use, const std::
     return {};
 }
 
+std::optional<Problem> ProgramChecker::check_dimensions(const TypeUse& use,
+                                                        const std::string& where,
+                                                        const ProgramPlace& place) const
+{
+    if (types_->resolve(use).dimensions.size() <= limits_->max_dimensions) {
+        return {};
+    }
+    return problem_at(where, place,
+                      more_than(limits_->max_dimensions, "dimensions with those of its types"));
+}
+
 std::optional<Problem> ProgramChecker::check_nesting()
 {
     depths_.assign(program_->types.size(), not_measured);
@@ -211,7 +189,7 @@ std::optional<Problem> ProgramChecker::measure(std::size_t index, std::size_t le
 {
     const DerivedType& type = program_->types[index];
     const auto problem = [&](std::string text) {
-        return problem_at(place_of("types", index, type.name), type.place, std::move(text));
+        return problem_at(place_in("types", index, type.name), type.place, std::move(text));
     };
     if (depths_[index] == being_measured) {
         return problem("contains itself");
@@ -243,9 +221,11 @@ std::optional<Problem> ProgramChecker::measure_inner(const DerivedType& type, st
         }
         const auto inner =
             static_cast<std::size_t>(types_->find(use.type_name) - program_->types.data());
-        auto found = measure(inner, level + 1);
-        below = std::max(below, found ? 0 : depths_[inner]);
-        return found;
+        if (auto found = measure(inner, level + 1)) {
+            return found;
+        }
+        below = std::max(below, depths_[inner]);
+        return check_dimensions(use, "type " + quoted_name(type.name), type.place);
     };
     if (type.kind == DerivedType::Kind::Alias) {
         return measure_use(type.alias);
@@ -263,7 +243,7 @@ std::optional<Problem> ProgramChecker::check_variables() const
     std::unordered_set<std::string> names;
     for (std::size_t i = 0; i < program_->variables.size(); ++i) {
         const GlobalVariable& variable = program_->variables[i];
-        const std::string where = place_of("variables", i, variable.name);
+        const std::string where = place_in("variables", i, variable.name);
         if (auto found = check_name(variable.name, where, variable.place)) {
             return found;
         }
@@ -271,6 +251,9 @@ std::optional<Problem> ProgramChecker::check_variables() const
             return problem_at(where, variable.place, "is the name of another variable, too");
         }
         if (auto found = check_use(variable.type, where, variable.place)) {
+            return found;
+        }
+        if (auto found = check_dimensions(variable.type, where, variable.place)) {
             return found;
         }
         if (types_->size_of(variable.type) > limits_->max_variable_size) {

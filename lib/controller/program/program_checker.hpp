@@ -29,6 +29,9 @@ private:
     [[nodiscard]] Found check_enumerators(const DerivedType& type, const std::string& where) const;
     [[nodiscard]] Found check_use(const TypeUse& use, const std::string& where,
                                   const ProgramPlace& place) const;
+    /// With those of the types that are followed, which are checked already.
+    [[nodiscard]] Found check_dimensions(const TypeUse& use, const std::string& where,
+                                         const ProgramPlace& place) const;
     /// Types that lie in one another: none contains itself. Notes what each takes.
     [[nodiscard]] Found check_nesting();
     /// `level` types are around it and itself.

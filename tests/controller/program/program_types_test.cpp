@@ -152,3 +152,17 @@ TEST_CASE("Types that lie twice in one another cost no more than others")
     std::reverse(program.types.begin(), program.types.end());
     CHECK(problem_of(program).find("more than 64 types") != std::string::npos);
 }
+
+TEST_CASE("Dimensions of types within one another are counted together (6-2-2)")
+{
+    Program program;
+    program.types = {alias("A", array_of(use(ElementaryType::Int), std::vector<Bounds>(10))),
+                     alias("B", array_of(use("A"), std::vector<Bounds>(6)))};
+    program.variables = {{.name = "x", .type = use("B")}};
+    CHECK(problem_of(program).empty());
+    program.variables[0].type = array_of(use("B"), {{0, 0}});
+    CHECK(problem_of(program) ==
+          "variables[0] (x): has more than 16 dimensions with those of its types");
+    program.types.push_back(structure("S", {array_of(use("B"), {{0, 0}})}));
+    CHECK(problem_of(program) == "type S: has more than 16 dimensions with those of its types");
+}

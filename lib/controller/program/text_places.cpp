@@ -1,0 +1,71 @@
+#include "text_places.hpp"
+
+#include <algorithm>
+
+#include "core/utf8.hpp"
+
+namespace busbar::controller::detail {
+
+namespace {
+
+/// What the byte `c` makes of the place that it is at.
+void pass_byte(ProgramPlace& place, char c)
+{
+    if (c == '\n') {
+        ++place.line;
+        place.column = 1;
+    } else if ((static_cast<unsigned char>(c) & 0xC0U) != 0x80U) {
+        ++place.column;
+    }
+}
+
+} // namespace
+
+std::optional<std::size_t> first_not_utf8(std::string_view text)
+{
+    for (std::size_t i = 0; i < text.size();) {
+        if (static_cast<unsigned char>(text[i]) < 0x80) {
+            ++i;
+            continue;
+        }
+        const std::size_t size = busbar::detail::utf8_sequence(text.substr(i));
+        if (size == 0) {
+            return i;
+        }
+        i += size;
+    }
+    return {};
+}
+
+TextPlaces::TextPlaces(std::string_view text) : text_{text}, not_utf8_{first_not_utf8(text)}
+{
+    ProgramPlace place{1, 1};
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        if (i % step == 0) {
+            noted_.push_back(place);
+        }
+        pass_byte(place, text[i]);
+    }
+}
+
+ProgramPlace TextPlaces::at(std::size_t offset) const
+{
+    if (noted_.empty()) {
+        return {1, 1};
+    }
+    const std::size_t end = std::min(offset, text_.size());
+    const std::size_t index = std::min(end / step, noted_.size() - 1);
+    ProgramPlace place = noted_[index];
+    for (std::size_t i = index * step; i < end; ++i) {
+        pass_byte(place, text_[i]);
+    }
+    return place;
+}
+
+std::string_view without_mark(std::string_view text)
+{
+    constexpr std::string_view mark = "\xEF\xBB\xBF";
+    return text.starts_with(mark) ? text.substr(mark.size()) : text;
+}
+
+} // namespace busbar::controller::detail
