@@ -57,28 +57,45 @@ struct TypeUse {
     std::optional<Bounds> subrange{};
 };
 
-/// What something is before the program sets it. All default: zero, the first enumerator, an empty
-/// text.
-struct InitialValue {
-    /// The member that it is for, within a structure.
-    std::string member{};
-    /// How many elements in turn have it, within an array.
-    std::uint32_t repeat{1};
-    /// Of an elementary type or, as a String, the name of an enumerator. Numbers are Int64, UInt64
-    /// or Double whatever the type, times Double in milliseconds, dates DateTime; null where there
-    /// are parts.
-    Variant value{};
-    /// Members of a structure or elements of an array.
-    std::vector<InitialValue> parts{};
-
-    [[nodiscard]] bool empty() const { return value.is_null() && parts.empty(); }
-};
-
 /// Where something is declared, for who reads a Problem of it. Lines and columns count from 1; 0 is
 /// not known.
 struct ProgramPlace {
     std::uint32_t line{0};
     std::uint32_t column{0};
+};
+
+/// What something is before the program sets it. All default: zero, the first enumerator, an empty
+/// text.
+struct InitialValue {
+    /// Tells values apart that are the same in `value`.
+    enum class Notation : std::uint8_t {
+        Unknown, // whatever the type needs
+        Number,
+        Text,
+        Enumerator,
+        Duration,
+        Date,
+        TimeOfDay,
+        DateAndTime,
+    };
+
+    /// The member that it is for, within a structure.
+    std::string member{};
+    /// How many elements in turn have it, within an array.
+    std::uint32_t repeat{1};
+    /// Of an elementary type or, as a String, the name of an enumerator. Numbers are Int64, UInt64
+    /// or Double whatever the type, TRUE and FALSE also Boolean, times Double in milliseconds,
+    /// dates DateTime, times of day DateTime on 1601-01-01; null where there are parts.
+    Variant value{};
+    /// Members of a structure or elements of an array: of one with several dimensions either all of
+    /// them, the last index first, or a list of lists, in which each is for one index.
+    std::vector<InitialValue> parts{};
+    /// The enumeration that `value` is said to be of, as in `Mode#On`; empty: not said.
+    std::string enumeration{};
+    Notation notation{Notation::Unknown};
+    ProgramPlace place{};
+
+    [[nodiscard]] bool empty() const { return value.is_null() && parts.empty(); }
 };
 
 struct Member {
