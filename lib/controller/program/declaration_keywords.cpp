@@ -1,0 +1,170 @@
+#include "declaration_keywords.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cfloat>
+#include <cmath>
+
+#include "core/ascii_case.hpp"
+
+namespace busbar::controller::detail {
+
+namespace {
+
+constexpr std::array<std::string_view, 22> keywords{
+    "ARRAY",
+    "AT",
+    "CONFIGURATION",
+    "CONSTANT",
+    "END_CONFIGURATION",
+    "END_RESOURCE",
+    "END_STRUCT",
+    "END_TYPE",
+    "END_UNION",
+    "END_VAR",
+    "FALSE",
+    "NON_RETAIN",
+    "OF",
+    "OVERLAP",
+    "PERSISTENT",
+    "RETAIN",
+    "STRUCT",
+    "TRUE",
+    "TYPE",
+    "UNION",
+    "VAR_GLOBAL",
+    "VAR",
+};
+
+/// Of the 3rd edition and of vendors, which have no DataType here.
+constexpr std::array<std::string_view, 15> unknown_types{
+    "CHAR", "LDATE",   "LDATE_AND_TIME", "LDT",   "LT",  "LTIME",     "LTIME_OF_DAY", "LTOD",
+    "ANY",  "POINTER", "REF_TO",         "WCHAR", "BIT", "REFERENCE", "WSTRING",
+};
+
+struct TypeWord {
+    std::string_view word;
+    ElementaryType type;
+};
+
+constexpr std::array type_names{
+    TypeWord{"BOOL", ElementaryType::Bool},
+    TypeWord{"SINT", ElementaryType::Sint},
+    TypeWord{"INT", ElementaryType::Int},
+    TypeWord{"DINT", ElementaryType::Dint},
+    TypeWord{"LINT", ElementaryType::Lint},
+    TypeWord{"USINT", ElementaryType::Usint},
+    TypeWord{"UINT", ElementaryType::Uint},
+    TypeWord{"UDINT", ElementaryType::Udint},
+    TypeWord{"ULINT", ElementaryType::Ulint},
+    TypeWord{"BYTE", ElementaryType::Byte},
+    TypeWord{"WORD", ElementaryType::Word},
+    TypeWord{"DWORD", ElementaryType::Dword},
+    TypeWord{"LWORD", ElementaryType::Lword},
+    TypeWord{"REAL", ElementaryType::Real},
+    TypeWord{"LREAL", ElementaryType::Lreal},
+    TypeWord{"TIME", ElementaryType::Time},
+    TypeWord{"DATE", ElementaryType::Date},
+    TypeWord{"TIME_OF_DAY", ElementaryType::TimeOfDay},
+    TypeWord{"TOD", ElementaryType::TimeOfDay},
+    TypeWord{"DATE_AND_TIME", ElementaryType::DateAndTime},
+    TypeWord{"DT", ElementaryType::DateAndTime},
+    TypeWord{"STRING", ElementaryType::String},
+};
+
+template <std::size_t n>
+bool is_one_of(const std::array<std::string_view, n>& words, std::string_view word)
+{
+    return std::any_of(words.begin(), words.end(), [&](std::string_view one) {
+        return busbar::detail::is_same_ignoring_case(one, word);
+    });
+}
+
+struct IntegerRange {
+    std::int64_t lower;
+    std::uint64_t upper;
+};
+
+/// In the order of ElementaryType, up to Lword.
+constexpr std::array integer_ranges{
+    IntegerRange{0, 1},
+    IntegerRange{INT8_MIN, INT8_MAX},
+    IntegerRange{INT16_MIN, INT16_MAX},
+    IntegerRange{INT32_MIN, INT32_MAX},
+    IntegerRange{INT64_MIN, INT64_MAX},
+    IntegerRange{0, UINT8_MAX},
+    IntegerRange{0, UINT16_MAX},
+    IntegerRange{0, UINT32_MAX},
+    IntegerRange{0, UINT64_MAX},
+    IntegerRange{0, UINT8_MAX},
+    IntegerRange{0, UINT16_MAX},
+    IntegerRange{0, UINT32_MAX},
+    IntegerRange{0, UINT64_MAX},
+};
+static_assert(integer_ranges.size() == static_cast<std::size_t>(ElementaryType::Lword) + 1);
+
+bool floating_fits(ElementaryType type, const Variant& value)
+{
+    // Every whole number of 64 bits is in the range of both.
+    const double* number = value.get_if<double>();
+    return number == nullptr
+               ? value.get_if<std::int64_t>() != nullptr || value.get_if<std::uint64_t>() != nullptr
+               : std::isfinite(*number) &&
+                     (type == ElementaryType::Lreal || std::fabs(*number) <= FLT_MAX);
+}
+
+} // namespace
+
+WordKind kind_of_word(std::string_view word)
+{
+    constexpr std::size_t longest = 17;
+    if (word.size() > longest) {
+        return WordKind::Name;
+    }
+    if (is_one_of(keywords, word)) {
+        return WordKind::Keyword;
+    }
+    if (elementary_type(word)) {
+        return WordKind::ElementaryType;
+    }
+    return is_one_of(unknown_types, word) ? WordKind::UnknownType : WordKind::Name;
+}
+
+std::optional<ElementaryType> elementary_type(std::string_view word)
+{
+    for (const TypeWord& row : type_names) {
+        if (busbar::detail::is_same_ignoring_case(row.word, word)) {
+            return row.type;
+        }
+    }
+    return {};
+}
+
+bool is_integer(ElementaryType type)
+{
+    return type >= ElementaryType::Sint && type <= ElementaryType::Ulint;
+}
+
+bool is_bit_string(ElementaryType type)
+{
+    return type >= ElementaryType::Byte && type <= ElementaryType::Lword;
+}
+
+bool number_fits(ElementaryType type, const Variant& value)
+{
+    if (type == ElementaryType::Real || type == ElementaryType::Lreal) {
+        return floating_fits(type, value);
+    }
+    if (type > ElementaryType::Lword) {
+        return false;
+    }
+    const IntegerRange& range = integer_ranges[static_cast<std::size_t>(type)];
+    if (const auto* number = value.get_if<std::int64_t>()) {
+        return *number >= range.lower &&
+               (*number < 0 || static_cast<std::uint64_t>(*number) <= range.upper);
+    }
+    const auto* number = value.get_if<std::uint64_t>();
+    return number != nullptr && *number <= range.upper;
+}
+
+} // namespace busbar::controller::detail

@@ -1,0 +1,215 @@
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <chrono>
+
+#include "core/ascii_case.hpp"
+#include "core/number_text.hpp"
+#include "literal.hpp"
+
+namespace busbar::controller::detail {
+
+namespace {
+
+struct DurationUnit {
+    std::string_view name;
+    double milliseconds;
+};
+
+/// In the order in which they follow one another.
+constexpr std::array duration_units{
+    DurationUnit{"d", 86'400'000}, DurationUnit{"h", 3'600'000}, DurationUnit{"m", 60'000},
+    DurationUnit{"s", 1'000},      DurationUnit{"ms", 1},        DurationUnit{"us", 1e-3},
+    DurationUnit{"ns", 1e-6},
+};
+
+/// Numbers of more digits say no more to a Double.
+constexpr std::size_t max_digits = 18;
+
+bool is_decimal(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+/// Reads from the front of a text; what is not there is nothing.
+class TimeText {
+public:
+    explicit TimeText(std::string_view text) : text_{text} {}
+
+    [[nodiscard]] bool empty() const { return text_.empty(); }
+    bool skip(char c)
+    {
+        const bool is_there = text_.starts_with(c);
+        text_.remove_prefix(is_there ? 1 : 0);
+        return is_there;
+    }
+    std::string_view take_while(bool (*belongs)(char))
+    {
+        const auto end = std::find_if_not(text_.begin(), text_.end(), belongs);
+        const auto size = static_cast<std::size_t>(end - text_.begin());
+        const std::string_view taken = text_.substr(0, size);
+        text_.remove_prefix(size);
+        return taken;
+    }
+    /// A whole number of at most four digits, not above `most`.
+    std::optional<unsigned> number(unsigned most)
+    {
+        const std::string_view digits = take_while(is_decimal);
+        unsigned value = 0;
+        if (digits.empty() || digits.size() > 4) {
+            return {};
+        }
+        static_cast<void>(std::from_chars(digits.data(), digits.data() + digits.size(), value));
+        return value <= most ? std::optional{value} : std::nullopt;
+    }
+
+private:
+    std::string_view text_;
+};
+
+/// "1.5"; nothing behind the end of its digits.
+std::optional<double> decimal(std::string_view text)
+{
+    const auto plain = without_underscores(text);
+    if (!plain || plain->size() > max_digits || plain->empty() || !is_decimal(plain->front()) ||
+        !is_decimal(plain->back())) {
+        return {};
+    }
+    double value = 0;
+    const char* end = plain->data() + plain->size();
+    const auto [behind, error] = busbar::detail::read_number(plain->data(), end, value);
+    return error == std::errc{} && behind == end ? std::optional{value} : std::nullopt;
+}
+
+bool is_in_decimal(char c)
+{
+    return is_decimal(c) || c == '_' || c == '.';
+}
+
+bool is_letter(char c)
+{
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
+/// One number with its unit, which is one of those from `first` on; that one is left out next time.
+std::optional<double> duration_part(TimeText& text, std::size_t& first, bool& is_last)
+{
+    const std::string_view digits = text.take_while(is_in_decimal);
+    const std::string_view unit = text.take_while(is_letter);
+    const auto number = decimal(digits);
+    while (first < duration_units.size() &&
+           !busbar::detail::is_same_ignoring_case(duration_units[first].name, unit)) {
+        ++first;
+    }
+    if (!number || first == duration_units.size()) {
+        return {};
+    }
+    is_last = digits.find('.') != std::string_view::npos;
+    return *number * duration_units[first++].milliseconds;
+}
+
+std::optional<std::int64_t> day_of(TimeText& text)
+{
+    constexpr unsigned last_year = 9'999;
+    const auto year = text.number(last_year);
+    const bool has_month = text.skip('-');
+    const auto month = text.number(12);
+    const bool has_day = text.skip('-');
+    const auto day = text.number(31);
+    if (!year || !has_month || !month || !has_day || !day) {
+        return {};
+    }
+    const std::chrono::year_month_day date{std::chrono::year{static_cast<int>(*year)},
+                                           std::chrono::month{*month}, std::chrono::day{*day}};
+    constexpr unsigned first_year = 1'601;
+    if (!date.ok() || *year < first_year) {
+        return {};
+    }
+    return std::chrono::sys_days{date}.time_since_epoch().count();
+}
+
+/// Of a day, in 100 ns; digits of a fraction behind the seventh say nothing.
+std::optional<std::int64_t> ticks_of_day(TimeText& text)
+{
+    const auto hour = text.number(23);
+    const bool has_minute = text.skip(':');
+    const auto minute = text.number(59);
+    if (!hour || !has_minute || !minute) {
+        return {};
+    }
+    std::optional<unsigned> second = 0U;
+    std::string fraction;
+    if (text.skip(':')) {
+        second = text.number(59);
+        if (text.skip('.')) {
+            fraction = text.take_while(is_decimal);
+            if (fraction.empty()) {
+                return {};
+            }
+        }
+    }
+    if (!second) {
+        return {};
+    }
+    fraction.resize(7, '0');
+    std::int64_t ticks = 0;
+    static_cast<void>(std::from_chars(fraction.data(), fraction.data() + fraction.size(), ticks));
+    const std::int64_t seconds = (std::int64_t{*hour} * 60 + *minute) * 60 + *second;
+    return seconds * DateTime::ticks_per_second + ticks;
+}
+
+DateTime at_day(std::int64_t day, std::int64_t ticks)
+{
+    constexpr std::int64_t seconds_per_day = 86'400;
+    return {DateTime::from_unix_seconds(day * seconds_per_day).ticks + ticks};
+}
+
+} // namespace
+
+std::optional<double> read_duration(std::string_view text)
+{
+    const bool is_negative = text.starts_with('-');
+    TimeText rest{text.substr(is_negative || text.starts_with('+') ? 1 : 0)};
+    double sum = 0;
+    std::size_t first = 0;
+    bool is_last = false;
+    do {
+        const auto part = is_last ? std::nullopt : duration_part(rest, first, is_last);
+        if (!part) {
+            return {};
+        }
+        sum += *part;
+        // T#1h_30m is allowed; what is behind the last part is not.
+        if (rest.skip('_') && rest.empty()) {
+            return {};
+        }
+    } while (!rest.empty());
+    return is_negative ? -sum : sum;
+}
+
+std::optional<DateTime> read_date(std::string_view text)
+{
+    TimeText rest{text};
+    const auto day = day_of(rest);
+    return day && rest.empty() ? std::optional{at_day(*day, 0)} : std::nullopt;
+}
+
+std::optional<DateTime> read_time_of_day(std::string_view text)
+{
+    TimeText rest{text};
+    const auto ticks = ticks_of_day(rest);
+    return ticks && rest.empty() ? std::optional{DateTime{*ticks}} : std::nullopt;
+}
+
+std::optional<DateTime> read_date_and_time(std::string_view text)
+{
+    TimeText rest{text};
+    const auto day = day_of(rest);
+    if (!day || !rest.skip('-')) {
+        return {};
+    }
+    const auto ticks = ticks_of_day(rest);
+    return ticks && rest.empty() ? std::optional{at_day(*day, *ticks)} : std::nullopt;
+}
+
+} // namespace busbar::controller::detail
