@@ -1,0 +1,142 @@
+#include "declaration_cursor.hpp"
+
+#include <busbar/core/text.hpp>
+
+#include "core/ascii_case.hpp"
+#include "declaration_keywords.hpp"
+#include "literal.hpp"
+
+namespace busbar::controller::detail {
+
+std::size_t memory_of(const InitialValue& value)
+{
+    std::size_t sum = sizeof value + value.member.size() + value.enumeration.size();
+    if (const auto* text = value.value.get_if<String>()) {
+        sum += text->size();
+    }
+    for (const InitialValue& part : value.parts) {
+        sum += memory_of(part);
+    }
+    return sum;
+}
+
+std::size_t memory_of(const TypeUse& use)
+{
+    return sizeof use + use.type_name.size() + use.dimensions.size() * sizeof(Bounds);
+}
+
+std::string place_text(std::string_view file_name, const ProgramPlace& place)
+{
+    std::string text{printable(file_name)};
+    if (place.line != 0) {
+        text += ':' + std::to_string(place.line) + ':' + std::to_string(place.column);
+    }
+    return text;
+}
+
+DeclarationCursor::DeclarationCursor(std::string_view text, std::string_view file_name,
+                                     const TextPlaces* places, const DeclarationLimits& limits,
+                                     MemoryBudget& memory)
+    : lexer_{text}, file_name_{file_name}, places_{places}, limits_{&limits}, memory_{&memory}
+{
+    now_ = lexer_.next();
+}
+
+bool DeclarationCursor::is_symbol(std::string_view symbol) const
+{
+    return now_.kind == Token::Kind::Symbol && now_.text == symbol;
+}
+
+bool DeclarationCursor::is_word(std::string_view word) const
+{
+    return now_.kind == Token::Kind::Word && busbar::detail::is_same_ignoring_case(now_.text, word);
+}
+
+ProgramPlace DeclarationCursor::place_at(std::size_t offset) const
+{
+    return places_ != nullptr ? places_->at(offset) : ProgramPlace{};
+}
+
+Token DeclarationCursor::take()
+{
+    const Token taken = now_;
+    if (!problem_ && now_.kind != Token::Kind::Wrong) {
+        now_ = lexer_.next();
+    }
+    return taken;
+}
+
+bool DeclarationCursor::skip_symbol(std::string_view symbol)
+{
+    const bool is_there = is_symbol(symbol);
+    if (is_there) {
+        take();
+    }
+    return is_there;
+}
+
+bool DeclarationCursor::skip_word(std::string_view word)
+{
+    const bool is_there = is_word(word);
+    if (is_there) {
+        take();
+    }
+    return is_there;
+}
+
+bool DeclarationCursor::expect_symbol(std::string_view symbol)
+{
+    return skip_symbol(symbol) || fail("'" + std::string{symbol} + "'");
+}
+
+bool DeclarationCursor::expect_word(std::string_view word)
+{
+    return skip_word(word) || fail("'" + std::string{word} + "'");
+}
+
+bool DeclarationCursor::expect_name(std::string& name, std::string_view what)
+{
+    if (now_.kind != Token::Kind::Word || kind_of_word(now_.text) == WordKind::Keyword ||
+        kind_of_word(now_.text) == WordKind::ElementaryType) {
+        return fail(what);
+    }
+    if (now_.text.size() > limits_->max_name_length) {
+        return fail("a name of at most " + std::to_string(limits_->max_name_length) + " bytes");
+    }
+    name = now_.text;
+    take();
+    return keep(name.size());
+}
+
+bool DeclarationCursor::keep(std::size_t bytes)
+{
+    return memory_->take(bytes) ||
+           fail_with(now_.offset, "takes more than " + std::to_string(limits_->max_memory) +
+                                      " bytes of memory up to here");
+}
+
+bool DeclarationCursor::fail_at(const Token& token, std::string_view what)
+{
+    if (token.kind == Token::Kind::Wrong) {
+        return fail_with(token.offset, std::string{token.text});
+    }
+    if (token.kind == Token::Kind::End) {
+        return fail_with(token.offset, "found the end of the text, expected " + std::string{what});
+    }
+    if (token.kind == Token::Kind::Pragma) {
+        return fail_with(token.offset, "found a pragma, expected " + std::string{what});
+    }
+    return fail_with(token.offset, found_expected(token.text, what));
+}
+
+bool DeclarationCursor::fail_with(std::size_t offset, std::string text)
+{
+    if (!problem_) {
+        problem_.emplace();
+        problem_->where = place_text(file_name_, place_at(offset));
+        problem_->text = std::move(text);
+    }
+    return false;
+}
+
+} // namespace busbar::controller::detail

@@ -1,0 +1,287 @@
+#include "declaration_lexer.hpp"
+
+namespace busbar::controller::detail {
+
+namespace {
+
+bool is_blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\f' || c == '\v';
+}
+
+bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+/// Letters of other scripts are allowed in names, as vendors do.
+bool begins_word(char c)
+{
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' ||
+           static_cast<unsigned char>(c) >= 0x80;
+}
+
+bool is_in_word(char c)
+{
+    return begins_word(c) || is_digit(c);
+}
+
+bool is_in_number(char c)
+{
+    return is_digit(c) || c == '_';
+}
+
+bool is_in_address(char c)
+{
+    return is_in_word(c) || c == '.' || c == '*';
+}
+
+} // namespace
+
+std::string_view trimmed_text(std::string_view text)
+{
+    while (!text.empty() && is_blank(text.front())) {
+        text.remove_prefix(1);
+    }
+    while (!text.empty() && is_blank(text.back())) {
+        text.remove_suffix(1);
+    }
+    return text;
+}
+
+Token DeclarationLexer::next()
+{
+    comment_ = {};
+    has_comment_ = false;
+    is_same_line_ = true;
+    if (Token wrong; !skip_blanks(wrong)) {
+        at_ = text_.size();
+        return wrong;
+    }
+    if (at_ == text_.size()) {
+        return {Token::Kind::End, {}, at_};
+    }
+    const char c = text_[at_];
+    if (begins_word(c)) {
+        return word();
+    }
+    if (is_digit(c)) {
+        return number();
+    }
+    switch (c) {
+    case '\'':
+    case '"':
+        return quoted();
+    case '%':
+        return address();
+    case '{':
+        return pragma();
+    default:
+        return symbol();
+    }
+}
+
+bool DeclarationLexer::skip_blanks(Token& wrong)
+{
+    while (at_ < text_.size()) {
+        const char c = text_[at_];
+        if (is_blank(c)) {
+            is_same_line_ = is_same_line_ && c != '\n';
+            ++at_;
+        } else if ((c == '/' && (at(at_ + 1) == '/' || at(at_ + 1) == '*')) ||
+                   (c == '(' && at(at_ + 1) == '*')) {
+            if (!skip_comment(wrong)) {
+                return false;
+            }
+        } else {
+            return true;
+        }
+    }
+    return true;
+}
+
+bool DeclarationLexer::skip_comment(Token& wrong)
+{
+    constexpr std::size_t mark = 2;
+    const bool is_line = text_.substr(at_, mark) == "//";
+    const bool is_round = text_[at_] == '(';
+    const std::size_t behind = is_line    ? text_.find('\n', at_)
+                               : is_round ? block_end("(*", "*)")
+                                          : block_end("/*", "*/");
+    if (!is_line && behind == std::string_view::npos) {
+        wrong = {Token::Kind::Wrong,
+                 is_round ? "found a comment without an end, expected '*)'"
+                          : "found a comment without an end, expected '*/'",
+                 at_};
+        return false;
+    }
+    const std::size_t end = behind == std::string_view::npos ? text_.size() : behind;
+    std::string_view inside = text_.substr(at_ + mark, end - at_ - mark);
+    inside.remove_suffix(is_line ? 0 : mark);
+    keep_comment(inside);
+    is_same_line_ = is_same_line_ && inside.find('\n') == std::string_view::npos;
+    at_ = end;
+    return true;
+}
+
+std::size_t DeclarationLexer::block_end(std::string_view open, std::string_view close) const
+{
+    std::size_t depth = 0;
+    std::size_t i = at_;
+    while (i + 1 < text_.size()) {
+        const std::string_view two = text_.substr(i, 2);
+        if (two == open) {
+            ++depth;
+            i += 2;
+        } else if (two == close) {
+            --depth;
+            i += 2;
+            if (depth == 0) {
+                return i;
+            }
+        } else {
+            ++i;
+        }
+    }
+    return std::string_view::npos;
+}
+
+void DeclarationLexer::keep_comment(std::string_view text)
+{
+    if (is_same_line_ && !has_comment_) {
+        comment_ = trimmed_text(text);
+        has_comment_ = true;
+    }
+}
+
+Token DeclarationLexer::word()
+{
+    const std::size_t end = skip_while(at_, is_in_word);
+    if (at(end) != '#') {
+        return take(Token::Kind::Word, end);
+    }
+    const char first = at(end + 1);
+    if (first != '\'' && first != '"') {
+        return take(Token::Kind::Typed, typed_end(end + 1));
+    }
+    const std::size_t behind = quoted_end(end + 1);
+    if (behind == std::string_view::npos) {
+        at_ = end + 1;
+        return quoted();
+    }
+    return take(Token::Kind::Typed, behind);
+}
+
+std::size_t DeclarationLexer::typed_end(std::size_t at_first) const
+{
+    std::size_t i = at_first;
+    const auto is_between_digits = [&] {
+        return i > at_first && is_digit(at(i - 1)) && is_digit(at(i + 1));
+    };
+    while (i < text_.size()) {
+        const char c = text_[i];
+        const char before = text_[i - 1];
+        const bool is_sign =
+            (c == '-' || c == '+') && is_digit(at(i + 1)) && (is_in_word(before) || before == '#');
+        if (!is_in_word(c) && c != '#' && !is_sign &&
+            !((c == '.' || c == ':') && is_between_digits())) {
+            break;
+        }
+        ++i;
+    }
+    return i;
+}
+
+Token DeclarationLexer::number()
+{
+    std::size_t end = skip_while(at_, is_in_number);
+    if (at(end) == '#') {
+        return take(Token::Kind::Number, skip_while(end + 1, is_in_word));
+    }
+    if (at(end) == '.' && is_digit(at(end + 1))) {
+        end = skip_while(end + 1, is_in_number);
+    }
+    if (at(end) == 'e' || at(end) == 'E') {
+        const std::size_t sign = at(end + 1) == '-' || at(end + 1) == '+' ? 1 : 0;
+        if (is_digit(at(end + 1 + sign))) {
+            end = skip_while(end + 1 + sign, is_in_number);
+        }
+    }
+    // What goes on as a word is one wrong number, and not a number and a word.
+    return take(Token::Kind::Number, skip_while(end, is_in_word));
+}
+
+std::size_t DeclarationLexer::quoted_end(std::size_t first) const
+{
+    const char quote = text_[first];
+    for (std::size_t i = first + 1; i < text_.size() && text_[i] != '\n'; ++i) {
+        if (text_[i] == quote) {
+            return i + 1;
+        }
+        if (text_[i] == '$' && at(i + 1) != '\n') {
+            ++i;
+        }
+    }
+    return std::string_view::npos;
+}
+
+Token DeclarationLexer::quoted()
+{
+    const std::size_t end = quoted_end(at_);
+    if (end != std::string_view::npos) {
+        return take(Token::Kind::Text, end);
+    }
+    const std::size_t begin = at_;
+    const bool is_single = text_[begin] == '\'';
+    at_ = text_.size();
+    return {Token::Kind::Wrong,
+            is_single ? "found a text without an end in its line, expected \"'\""
+                      : "found a text without an end in its line, expected '\"'",
+            begin};
+}
+
+Token DeclarationLexer::address()
+{
+    return take(Token::Kind::Address, skip_while(at_ + 1, is_in_address));
+}
+
+Token DeclarationLexer::pragma()
+{
+    const std::size_t end = text_.find('}', at_);
+    if (end == std::string_view::npos) {
+        const std::size_t begin = at_;
+        at_ = text_.size();
+        return {Token::Kind::Wrong, "found a pragma without an end, expected '}'", begin};
+    }
+    Token token = take(Token::Kind::Pragma, end + 1);
+    token.text = token.text.substr(1, token.text.size() - 2);
+    return token;
+}
+
+Token DeclarationLexer::symbol()
+{
+    const std::string_view two = text_.substr(at_, 2);
+    return take(Token::Kind::Symbol, at_ + (two == ":=" || two == ".." ? 2 : 1));
+}
+
+std::size_t DeclarationLexer::skip_while(std::size_t first, bool (*belongs)(char)) const
+{
+    while (first < text_.size() && belongs(text_[first])) {
+        ++first;
+    }
+    return first;
+}
+
+char DeclarationLexer::at(std::size_t index) const
+{
+    return index < text_.size() ? text_[index] : '\0';
+}
+
+Token DeclarationLexer::take(Token::Kind kind, std::size_t end)
+{
+    const Token token{kind, text_.substr(at_, end - at_), at_};
+    at_ = end;
+    return token;
+}
+
+} // namespace busbar::controller::detail
