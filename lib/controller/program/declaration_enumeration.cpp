@@ -1,0 +1,66 @@
+#include "declaration_keywords.hpp"
+#include "declaration_parser.hpp"
+#include "initial_reader.hpp"
+#include "literal.hpp"
+
+namespace busbar::controller::detail {
+
+bool DeclarationParser::read_enumerators(DerivedType& type, std::optional<ElementaryType> base)
+{
+    type.kind = DerivedType::Kind::Enumeration;
+    do {
+        if (!read_enumerator(type, base)) {
+            return false;
+        }
+    } while (cursor_->skip_symbol(","));
+    return cursor_->skip_symbol(")") || cursor_->fail("',', ':=' or ')'");
+}
+
+bool DeclarationParser::read_enumerator(DerivedType& type, std::optional<ElementaryType> base)
+{
+    Enumerator one;
+    std::int64_t value =
+        type.enumerators.empty() ? 0 : std::int64_t{type.enumerators.back().value} + 1;
+    Token at = cursor_->now();
+    if (!cursor_->keep(sizeof one) || !cursor_->expect_name(one.name, "the name of a value")) {
+        return false;
+    }
+    if (cursor_->skip_symbol(":=")) {
+        at = cursor_->now();
+        if (!read_whole_number(*cursor_, value, "a whole number")) {
+            return false;
+        }
+    }
+    // Values are Int32, whatever a vendor keeps them in (seed 000, 6-2-2).
+    const ElementaryType range = base.value_or(ElementaryType::Dint);
+    if (!number_fits(range, Variant{value}) || value < INT32_MIN || value > INT32_MAX) {
+        return cursor_->fail_with(at.offset, "found the value " + std::to_string(value) +
+                                                 ", expected one that is both of the type " +
+                                                 std::string{base ? "before it" : "DINT"} +
+                                                 " and of 32 bits with a sign");
+    }
+    one.value = static_cast<std::int32_t>(value);
+    type.enumerators.push_back(std::move(one));
+    return true;
+}
+
+bool DeclarationParser::read_base(const DerivedType& type)
+{
+    if (cursor_->now().kind != Token::Kind::Word) {
+        return true;
+    }
+    const Token word = cursor_->take();
+    const auto base = elementary_type(word.text);
+    if (!base || !is_integer(*base)) {
+        return cursor_->fail_at(word, "';', ':=' or a type of whole numbers");
+    }
+    for (const Enumerator& one : type.enumerators) {
+        if (!number_fits(*base, Variant{std::int64_t{one.value}})) {
+            return cursor_->fail_at(word, "a type in which the value " + std::to_string(one.value) +
+                                              " is");
+        }
+    }
+    return true;
+}
+
+} // namespace busbar::controller::detail

@@ -1,0 +1,84 @@
+#include "declaration_parser.hpp"
+
+#include "initial_reader.hpp"
+#include "publish_attribute.hpp"
+
+namespace busbar::controller::detail {
+
+bool DeclarationParser::read()
+{
+    while (!cursor_->is_end()) {
+        if (!read_block()) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool DeclarationParser::read_block()
+{
+    std::optional<NetworkPublish> publish;
+    if (!read_pragmas(publish)) {
+        return false;
+    }
+    if (cursor_->skip_word("TYPE")) {
+        return read_types();
+    }
+    if (cursor_->skip_word("VAR_GLOBAL")) {
+        return read_variables(publish.value_or(NetworkPublish::Hidden));
+    }
+    if (cursor_->skip_word("CONFIGURATION")) {
+        return read_configuration();
+    }
+    if (cursor_->skip_word("RESOURCE")) {
+        return read_resource();
+    }
+    return cursor_->is_end() || cursor_->skip_symbol(";") ||
+           cursor_->fail("TYPE, VAR_GLOBAL, CONFIGURATION or RESOURCE");
+}
+
+bool DeclarationParser::read_pragmas(std::optional<NetworkPublish>& publish)
+{
+    while (cursor_->now().kind == Token::Kind::Pragma) {
+        const Token token = cursor_->take();
+        const PublishPragma pragma = read_publish_pragma(token.text);
+        if (pragma.is_publish && !pragma.publish) {
+            return cursor_->fail_with(
+                token.offset,
+                "found a publish attribute that is not known, expected 'none', 'publish only', "
+                "'input' or 'output'");
+        }
+        publish = pragma.is_publish ? pragma.publish : publish;
+    }
+    return true;
+}
+
+bool DeclarationParser::read_names(std::vector<Name>& names, std::string_view what)
+{
+    do {
+        Name name{.text = {}, .place = cursor_->place()};
+        if (!cursor_->expect_name(name.text, what) || !cursor_->keep(sizeof name)) {
+            return false;
+        }
+        names.push_back(std::move(name));
+    } while (cursor_->skip_symbol(","));
+    return true;
+}
+
+bool DeclarationParser::read_initial(InitialValue& initial)
+{
+    return !cursor_->skip_symbol(":=") || read_initial_value(*cursor_, initial);
+}
+
+bool DeclarationParser::read_end(std::string& comment)
+{
+    return cursor_->expect_symbol(";") && keep_comment(comment);
+}
+
+bool DeclarationParser::keep_comment(std::string& comment)
+{
+    comment = cursor_->comment();
+    return cursor_->keep(comment.size());
+}
+
+} // namespace busbar::controller::detail

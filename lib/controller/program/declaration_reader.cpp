@@ -1,0 +1,30 @@
+#include <busbar/controller/declaration_reader.hpp>
+
+#include "declaration_cursor.hpp"
+#include "declaration_parser.hpp"
+
+namespace busbar::controller {
+
+Configured<Program> read_declarations(std::string_view text, std::string_view file_name,
+                                      const DeclarationLimits& limits)
+{
+    if (text.size() > limits.max_text_size) {
+        return misconfigured(detail::place_text(file_name, {}),
+                             "is larger than " + std::to_string(limits.max_text_size) + " bytes");
+    }
+    const std::string_view declarations = detail::without_mark(text);
+    const detail::TextPlaces places{declarations};
+    if (const auto offset = places.not_utf8()) {
+        return misconfigured(detail::place_text(file_name, places.at(*offset)),
+                             "found a byte that is not UTF-8");
+    }
+    detail::MemoryBudget memory{limits.max_memory};
+    detail::DeclarationCursor cursor{declarations, file_name, &places, limits, memory};
+    detail::DeclarationParser parser{cursor};
+    if (!parser.read()) {
+        return tl::unexpected<Problem>{cursor.problem()};
+    }
+    return std::move(parser.program());
+}
+
+} // namespace busbar::controller

@@ -1,0 +1,92 @@
+#include "declaration_parser.hpp"
+
+namespace busbar::controller::detail {
+
+bool DeclarationParser::read_types()
+{
+    while (!cursor_->skip_word("END_TYPE")) {
+        std::optional<NetworkPublish> unused;
+        if (!read_pragmas(unused)) {
+            return false;
+        }
+        if (!cursor_->is_word("END_TYPE") && !read_type()) {
+            return false;
+        }
+    }
+    cursor_->skip_symbol(";");
+    return true;
+}
+
+bool DeclarationParser::read_type()
+{
+    DerivedType type{.name = {}, .place = cursor_->place()};
+    if (!cursor_->keep(sizeof type) ||
+        !cursor_->expect_name(type.name, "the name of a type or 'END_TYPE'") ||
+        !cursor_->expect_symbol(":") || !read_type_body(type)) {
+        return false;
+    }
+    program_.types.push_back(std::move(type));
+    return true;
+}
+
+bool DeclarationParser::read_type_body(DerivedType& type)
+{
+    const bool is_structure = cursor_->is_word("STRUCT");
+    if (is_structure || cursor_->is_word("UNION")) {
+        cursor_->take();
+        type.kind = is_structure ? DerivedType::Kind::Structure : DerivedType::Kind::Union;
+        if (!read_members(type, is_structure ? "END_STRUCT" : "END_UNION") ||
+            !keep_comment(type.comment) || !read_initial(type.initial)) {
+            return false;
+        }
+        // Vendors leave the semicolon out.
+        return !cursor_->is_symbol(";") || read_end(type.comment);
+    }
+    type.kind = DerivedType::Kind::Alias;
+    const bool is_read = cursor_->skip_symbol("(") ? read_enumerators(type, {}) && read_base(type)
+                                                   : read_use(type.alias, &type);
+    if (type.kind != DerivedType::Kind::Alias) {
+        type.alias = {};
+    }
+    return is_read && read_initial(type.initial) && read_end(type.comment);
+}
+
+bool DeclarationParser::read_members(DerivedType& type, std::string_view end_word)
+{
+    while (!cursor_->skip_word(end_word)) {
+        std::optional<NetworkPublish> unused;
+        if (!read_pragmas(unused)) {
+            return false;
+        }
+        if (!cursor_->is_word(end_word) && !read_member(type)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool DeclarationParser::read_member(DerivedType& type)
+{
+    const std::string_view expected = type.kind == DerivedType::Kind::Union
+                                          ? "the name of a member or 'END_UNION'"
+                                          : "the name of a member or 'END_STRUCT'";
+    std::vector<Name> names;
+    TypeUse use;
+    InitialValue initial;
+    std::string comment;
+    std::optional<NetworkPublish> unused;
+    if (!read_names(names, expected) || !cursor_->expect_symbol(":") || !read_use(use) ||
+        !read_initial(initial) || !read_pragmas(unused) || !read_end(comment)) {
+        return false;
+    }
+    const std::size_t memory = sizeof(Member) + memory_of(use) + memory_of(initial);
+    for (Name& name : names) {
+        if (!cursor_->keep(memory)) {
+            return false;
+        }
+        type.members.push_back({std::move(name.text), use, initial, name.place});
+    }
+    return true;
+}
+
+} // namespace busbar::controller::detail

@@ -1,0 +1,133 @@
+#include <algorithm>
+
+#include "declaration_parser.hpp"
+
+namespace busbar::controller::detail {
+
+namespace {
+
+bool is_decimal_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+/// "%IX0.0", "%MW10", "%Q*": a place, a size and numbers between points (IEC 61131-3, 6.5.5.1).
+bool is_direct_address(std::string_view text)
+{
+    const auto take_one_of = [&](std::string_view letters) {
+        const bool is_there = !text.empty() && letters.find(text.front()) != std::string_view::npos;
+        text.remove_prefix(is_there ? 1 : 0);
+        return is_there;
+    };
+    if (!take_one_of("%") || !take_one_of("IQMiqm")) {
+        return false;
+    }
+    take_one_of("XBWDLxbwdl");
+    if (text == "*") {
+        return true;
+    }
+    bool is_number_before = false;
+    for (const char c : text) {
+        if (!is_decimal_digit(c) && (c != '.' || !is_number_before)) {
+            return false;
+        }
+        is_number_before = c != '.';
+    }
+    return is_number_before;
+}
+
+} // namespace
+
+bool DeclarationParser::read_variables(NetworkPublish publish)
+{
+    Block block{.publish = publish};
+    if (!read_qualifiers(block)) {
+        return false;
+    }
+    while (!cursor_->skip_word("END_VAR")) {
+        if (!read_declaration(block)) {
+            return false;
+        }
+    }
+    cursor_->skip_symbol(";");
+    return true;
+}
+
+bool DeclarationParser::read_qualifiers(Block& block)
+{
+    while (true) {
+        if (cursor_->skip_word("CONSTANT")) {
+            block.is_constant = true;
+        } else if (!block.is_not_retained &&
+                   (cursor_->skip_word("RETAIN") || cursor_->skip_word("PERSISTENT"))) {
+            block.is_retained = true;
+        } else if (!block.is_retained && cursor_->skip_word("NON_RETAIN")) {
+            block.is_not_retained = true;
+        } else {
+            return true;
+        }
+    }
+}
+
+bool DeclarationParser::read_declaration(const Block& block)
+{
+    std::optional<NetworkPublish> publish;
+    if (!read_pragmas(publish)) {
+        return false;
+    }
+    if (cursor_->is_word("END_VAR")) {
+        return true;
+    }
+    std::vector<Name> names;
+    GlobalVariable variable;
+    if (!read_names(names, "the name of a variable or 'END_VAR'") ||
+        !read_address(names, variable.address) || !cursor_->expect_symbol(":") ||
+        !read_use(variable.type) || !read_initial(variable.initial) || !read_pragmas(publish) ||
+        !read_end(variable.comment)) {
+        return false;
+    }
+    variable.publish = publish.value_or(block.publish);
+    variable.is_constant = block.is_constant;
+    variable.is_retained = block.is_retained;
+    return add_variables(std::move(names), std::move(variable));
+}
+
+bool DeclarationParser::read_address(const std::vector<Name>& names, std::string& address)
+{
+    if (!cursor_->is_word("AT")) {
+        return true;
+    }
+    if (names.size() > 1) {
+        return cursor_->fail("':', because an address is for one name");
+    }
+    cursor_->take();
+    const Token token = cursor_->now();
+    if (token.kind != Token::Kind::Address || !is_direct_address(token.text) ||
+        token.text.size() > cursor_->limits().max_name_length) {
+        return cursor_->fail("an address as %IX0.0");
+    }
+    address = cursor_->take().text;
+    return true;
+}
+
+bool DeclarationParser::add_variables(std::vector<Name> names, GlobalVariable variable)
+{
+    const std::size_t memory = sizeof variable + memory_of(variable.type) +
+                               memory_of(variable.initial) + variable.comment.size() +
+                               variable.address.size();
+    for (Name& name : names) {
+        if (!cursor_->keep(memory)) {
+            return false;
+        }
+        variable.name = std::move(name.text);
+        variable.place = name.place;
+        if (&name == &names.back()) {
+            program_.variables.push_back(std::move(variable));
+        } else {
+            program_.variables.push_back(variable);
+        }
+    }
+    return true;
+}
+
+} // namespace busbar::controller::detail
