@@ -1,0 +1,129 @@
+#include "initial_scalar.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+#include <busbar/core/text.hpp>
+
+#include "declaration_keywords.hpp"
+#include "text_places.hpp"
+
+namespace busbar::controller::detail {
+
+namespace {
+
+using Notation = InitialValue::Notation;
+
+bool is_written_as(const InitialValue& value, Notation notation)
+{
+    return value.notation == Notation::Unknown || value.notation == notation;
+}
+
+bool is_date_as(const InitialValue& value, Notation notation)
+{
+    return is_written_as(value, notation) && value.value.get_if<DateTime>() != nullptr;
+}
+
+bool is_duration(const InitialValue& value)
+{
+    const auto* milliseconds = value.value.get_if<double>();
+    return is_written_as(value, Notation::Duration) && milliseconds != nullptr &&
+           std::isfinite(*milliseconds);
+}
+
+bool is_text_within(const InitialValue& value, std::uint32_t most)
+{
+    const auto* text = value.value.get_if<String>();
+    return is_written_as(value, Notation::Text) && text != nullptr && text->size() <= most &&
+           !first_not_utf8(text->view());
+}
+
+/// Of a number that is in the range of its type, which has a subrange.
+bool is_within(const Bounds& range, const Variant& value)
+{
+    if (const auto* number = value.get_if<std::int64_t>()) {
+        return *number >= range.lower && *number <= range.upper;
+    }
+    const auto number = value.value_or(std::uint64_t{0});
+    return range.upper >= 0 && number <= static_cast<std::uint64_t>(range.upper) &&
+           static_cast<std::int64_t>(number) >= range.lower;
+}
+
+bool is_number_of(const InitialValue& value, const ResolvedType& type)
+{
+    return is_written_as(value, Notation::Number) && number_fits(type.elementary, value.value) &&
+           (!type.subrange || is_within(*type.subrange, value.value));
+}
+
+std::string real_words(double number)
+{
+    char buffer[40]{};
+    static_cast<void>(std::snprintf(buffer, sizeof buffer, "%.15g", number));
+    return buffer;
+}
+
+} // namespace
+
+bool is_of_type(const InitialValue& value, const ResolvedType& type)
+{
+    switch (type.elementary) {
+    case ElementaryType::Bool:
+        return is_written_as(value, Notation::Number) &&
+               (value.value.get_if<bool>() != nullptr || is_number_of(value, type));
+    case ElementaryType::Time:
+        return is_duration(value);
+    case ElementaryType::Date:
+        return is_date_as(value, Notation::Date);
+    case ElementaryType::TimeOfDay:
+        return is_date_as(value, Notation::TimeOfDay);
+    case ElementaryType::DateAndTime:
+        return is_date_as(value, Notation::DateAndTime);
+    case ElementaryType::String:
+        return is_text_within(value, type.string_length);
+    default:
+        return is_number_of(value, type);
+    }
+}
+
+std::string value_words(const InitialValue& value)
+{
+    if (const auto* number = value.value.get_if<std::int64_t>()) {
+        return std::to_string(*number);
+    }
+    if (const auto* number = value.value.get_if<std::uint64_t>()) {
+        return std::to_string(*number);
+    }
+    if (const auto* number = value.value.get_if<double>()) {
+        return value.notation == Notation::Duration ? "T#" + real_words(*number) + "ms"
+                                                    : real_words(*number);
+    }
+    if (const auto* truth = value.value.get_if<bool>()) {
+        return *truth ? "TRUE" : "FALSE";
+    }
+    if (const auto* time = value.value.get_if<DateTime>()) {
+        return value.notation == Notation::TimeOfDay ? "a time of day" : to_string(*time);
+    }
+    if (const auto* text = value.value.get_if<String>()) {
+        constexpr std::size_t enough = 60;
+        return value.notation == Notation::Enumerator
+                   ? "the name " + printable(text->view(), enough)
+                   : "a text of " + std::to_string(text->size()) + " bytes";
+    }
+    return "a value of another kind";
+}
+
+std::string type_words(const ResolvedType& type)
+{
+    std::string words = "a value of ";
+    words += name(type.elementary);
+    if (type.elementary == ElementaryType::String) {
+        words += '[' + std::to_string(type.string_length) + ']';
+    }
+    if (type.subrange) {
+        words += " (" + std::to_string(type.subrange->lower) + ".." +
+                 std::to_string(type.subrange->upper) + ")";
+    }
+    return words;
+}
+
+} // namespace busbar::controller::detail
