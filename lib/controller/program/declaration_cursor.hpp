@@ -35,7 +35,7 @@ private:
 
 /// A text as tokens, with one of them in view, and the first problem that was found. After that
 /// the token in view stays where it is.
-class DeclarationCursor {
+class BUSBAR_API DeclarationCursor {
 public:
     /// What is given must outlive it. Without `places` problems and places have no lines.
     DeclarationCursor(std::string_view text, std::string_view file_name, const TextPlaces* places,
@@ -82,6 +82,7 @@ private:
 };
 
 /// "machine.st:12:5"; without line and column if these are not known.
-[[nodiscard]] std::string place_text(std::string_view file_name, const ProgramPlace& place);
+[[nodiscard]] BUSBAR_API std::string place_text(std::string_view file_name,
+                                                const ProgramPlace& place);
 
 } // namespace busbar::controller::detail

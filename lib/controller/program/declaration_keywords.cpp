@@ -80,6 +80,11 @@ bool is_one_of(const std::array<std::string_view, n>& words, std::string_view wo
     });
 }
 
+bool is_digit_of_address(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
 struct IntegerRange {
     std::int64_t lower;
     std::uint64_t upper;
@@ -165,6 +170,30 @@ bool number_fits(ElementaryType type, const Variant& value)
     }
     const auto* number = value.get_if<std::uint64_t>();
     return number != nullptr && *number <= range.upper;
+}
+
+bool is_direct_address(std::string_view text)
+{
+    const auto take_one_of = [&](std::string_view letters) {
+        const bool is_there = !text.empty() && letters.find(text.front()) != std::string_view::npos;
+        text.remove_prefix(is_there ? 1 : 0);
+        return is_there;
+    };
+    if (!take_one_of("%") || !take_one_of("IQMiqm")) {
+        return false;
+    }
+    take_one_of("XBWDLxbwdl");
+    if (text == "*") {
+        return true;
+    }
+    bool is_number_before = false;
+    for (const char c : text) {
+        if (!is_digit_of_address(c) && (c != '.' || !is_number_before)) {
+            return false;
+        }
+        is_number_before = c != '.';
+    }
+    return is_number_before;
 }
 
 } // namespace busbar::controller::detail

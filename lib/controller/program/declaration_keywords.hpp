@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include <busbar/controller/program.hpp>
+#include <busbar/core/api.hpp>
 
 namespace busbar::controller::detail {
 
@@ -21,13 +22,16 @@ enum class WordKind : std::uint8_t {
 [[nodiscard]] WordKind kind_of_word(std::string_view word);
 
 /// The type of this name, or of this prefix of a literal.
-[[nodiscard]] std::optional<ElementaryType> elementary_type(std::string_view word);
+[[nodiscard]] BUSBAR_API std::optional<ElementaryType> elementary_type(std::string_view word);
 
 /// Types of whole numbers that have subranges and can be the base of an enumeration.
-[[nodiscard]] bool is_integer(ElementaryType type);
+[[nodiscard]] BUSBAR_API bool is_integer(ElementaryType type);
 /// BYTE to LWORD.
 [[nodiscard]] bool is_bit_string(ElementaryType type);
 /// Whether `value`, an Int64, UInt64 or Double, is in the range of the numeric type.
-[[nodiscard]] bool number_fits(ElementaryType type, const Variant& value);
+[[nodiscard]] BUSBAR_API bool number_fits(ElementaryType type, const Variant& value);
+
+/// "%IX0.0", "%MW10", "%Q*": a place, a size and numbers between points (IEC 61131-3, 6.5.5.1).
+[[nodiscard]] BUSBAR_API bool is_direct_address(std::string_view text);
 
 } // namespace busbar::controller::detail

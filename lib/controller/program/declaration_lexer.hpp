@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
+
 namespace busbar::controller::detail {
 
 /// A piece of a text of declarations.
@@ -76,6 +78,6 @@ private:
 };
 
 /// Without blanks at its ends.
-[[nodiscard]] std::string_view trimmed_text(std::string_view text);
+[[nodiscard]] BUSBAR_API std::string_view trimmed_text(std::string_view text);
 
 } // namespace busbar::controller::detail

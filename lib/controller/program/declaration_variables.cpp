@@ -1,42 +1,7 @@
-#include <algorithm>
-
+#include "declaration_keywords.hpp"
 #include "declaration_parser.hpp"
 
 namespace busbar::controller::detail {
-
-namespace {
-
-bool is_decimal_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
-
-/// "%IX0.0", "%MW10", "%Q*": a place, a size and numbers between points (IEC 61131-3, 6.5.5.1).
-bool is_direct_address(std::string_view text)
-{
-    const auto take_one_of = [&](std::string_view letters) {
-        const bool is_there = !text.empty() && letters.find(text.front()) != std::string_view::npos;
-        text.remove_prefix(is_there ? 1 : 0);
-        return is_there;
-    };
-    if (!take_one_of("%") || !take_one_of("IQMiqm")) {
-        return false;
-    }
-    take_one_of("XBWDLxbwdl");
-    if (text == "*") {
-        return true;
-    }
-    bool is_number_before = false;
-    for (const char c : text) {
-        if (!is_decimal_digit(c) && (c != '.' || !is_number_before)) {
-            return false;
-        }
-        is_number_before = c != '.';
-    }
-    return is_number_before;
-}
-
-} // namespace
 
 bool DeclarationParser::read_variables(NetworkPublish publish)
 {

@@ -8,6 +8,7 @@
 #include <tl/expected.hpp>
 
 #include <busbar/controller/program.hpp>
+#include <busbar/core/api.hpp>
 
 namespace busbar::controller::detail {
 
@@ -20,7 +21,7 @@ struct Literal {
 using LiteralResult = tl::expected<Literal, std::string>;
 
 /// "found 'text', expected `what`"; of a text of any length, its beginning.
-[[nodiscard]] std::string found_expected(std::string_view text, std::string_view what);
+[[nodiscard]] BUSBAR_API std::string found_expected(std::string_view text, std::string_view what);
 
 /// A number without its sign, as the lexer cuts it: Int64, UInt64 if it is larger, or Double.
 [[nodiscard]] LiteralResult read_number_literal(std::string_view text, bool is_negative);
@@ -30,7 +31,7 @@ using LiteralResult = tl::expected<Literal, std::string>;
 
 /// "INT#5", "T#5s", "STRING#'a'"; nothing if what stands before the `#` is no type known here, so
 /// perhaps an enumeration.
-[[nodiscard]] std::optional<LiteralResult> read_typed_literal(std::string_view text);
+[[nodiscard]] BUSBAR_API std::optional<LiteralResult> read_typed_literal(std::string_view text);
 
 /// What stands behind the `#` of T#, D#, TOD# and DT#. Times are milliseconds.
 [[nodiscard]] std::optional<double> read_duration(std::string_view text);

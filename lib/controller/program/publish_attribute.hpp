@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include <busbar/controller/program.hpp>
+#include <busbar/core/api.hpp>
 
 namespace busbar::controller::detail {
 
@@ -19,6 +20,6 @@ struct PublishPragma {
 [[nodiscard]] PublishPragma read_publish_pragma(std::string_view text);
 
 /// "publish only", with blanks, hyphens, underscores or nothing between words, in whatever case.
-[[nodiscard]] std::optional<NetworkPublish> publish_of(std::string_view words);
+[[nodiscard]] BUSBAR_API std::optional<NetworkPublish> publish_of(std::string_view words);
 
 } // namespace busbar::controller::detail

@@ -6,12 +6,13 @@
 #include <vector>
 
 #include <busbar/controller/program.hpp>
+#include <busbar/core/api.hpp>
 
 namespace busbar::controller::detail {
 
 /// Lines and columns of a text, each found in a time that does not grow with it: it is gone through
 /// once, and the places on the way are noted.
-class TextPlaces {
+class BUSBAR_API TextPlaces {
 public:
     /// `text` must outlive it.
     explicit TextPlaces(std::string_view text);
@@ -34,6 +35,6 @@ private:
 [[nodiscard]] std::optional<std::size_t> first_not_utf8(std::string_view text);
 
 /// `text` without a byte order mark at its front.
-[[nodiscard]] std::string_view without_mark(std::string_view text);
+[[nodiscard]] BUSBAR_API std::string_view without_mark(std::string_view text);
 
 } // namespace busbar::controller::detail

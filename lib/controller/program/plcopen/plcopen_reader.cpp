@@ -1,0 +1,211 @@
+#include "plcopen_reader.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <busbar/core/text.hpp>
+
+#include "controller/program/literal.hpp"
+#include "core/ascii_case.hpp"
+
+namespace busbar::controller::detail {
+
+namespace {
+
+constexpr std::array<std::string_view, 2> plcopen_namespaces{
+    "http://www.plcopen.org/xml/tc6_0201",
+    "http://www.plcopen.org/xml/tc6_0200",
+};
+
+/// Elements that are gone through for what is in them.
+constexpr std::array<std::string_view, 8> container_names{
+    "types",         "dataTypes", "instances", "configurations",
+    "configuration", "resource",  "addData",   "data",
+};
+
+/// What the elements of a text take at most, with the text itself. Each bracket begins an element
+/// and a text behind it, each equals sign an attribute.
+std::size_t memory_of_document(std::string_view text)
+{
+    constexpr std::size_t node = 64;
+    constexpr std::size_t attribute = 40;
+    const auto count = [&](char c) {
+        return static_cast<std::size_t>(std::count(text.begin(), text.end(), c));
+    };
+    return text.size() + count('<') * 2 * node + count('=') * attribute;
+}
+
+/// "PT1H2.5S" as IEC 61131-3 writes it; empty if it is something else.
+std::string iec_interval(std::string_view text)
+{
+    constexpr std::string_view prefix = "PT";
+    if (!text.starts_with(prefix)) {
+        return {};
+    }
+    std::string interval = "T#";
+    for (const char c : text.substr(prefix.size())) {
+        interval += busbar::detail::to_ascii_lower(c);
+    }
+    return interval;
+}
+
+} // namespace
+
+PlcopenReader::PlcopenReader(std::string_view text, std::string_view file_name,
+                             const TextPlaces& places, const DeclarationLimits& limits)
+    : text_{text}, file_name_{file_name}, places_{&places}, limits_{&limits}, memory_{
+                                                                                  limits.max_memory}
+{
+}
+
+bool PlcopenReader::read()
+{
+    return parse() && check_root(document_.document_element()) &&
+           read_container(document_.document_element(), 0);
+}
+
+bool PlcopenReader::parse()
+{
+    if (!memory_.take(memory_of_document(text_))) {
+        return fail_at(0, "takes more than " + std::to_string(limits_->max_memory) +
+                              " bytes of memory");
+    }
+    const auto parsed = document_.load_buffer(
+        text_.data(), text_.size(), pugi::parse_default | pugi::parse_doctype, pugi::encoding_utf8);
+    if (!parsed) {
+        return fail_at(static_cast<std::size_t>(std::max(parsed.offset, std::ptrdiff_t{0})),
+                       std::string{"is no well-formed XML: "} + parsed.description());
+    }
+    for (const pugi::xml_node& node : document_.children()) {
+        if (node.type() == pugi::node_doctype) {
+            return fail_at(0, "has a DOCTYPE, which PLCopen XML has no use for");
+        }
+    }
+    return true;
+}
+
+bool PlcopenReader::check_root(const pugi::xml_node& root)
+{
+    if (local_name_of(root) != "project") {
+        return fail(root, "found " + tag_of(root) + ", expected <project>");
+    }
+    const std::string_view name = root.name();
+    const std::size_t colon = name.find(':');
+    const std::string declaration =
+        colon == std::string_view::npos ? "xmlns" : "xmlns:" + std::string{name.substr(0, colon)};
+    const std::string_view uri = root.attribute(declaration.c_str()).value();
+    return std::find(plcopen_namespaces.begin(), plcopen_namespaces.end(), uri) !=
+               plcopen_namespaces.end() ||
+           fail(root, "found the namespace '" + printable(uri, 80) + "', expected " +
+                          std::string{plcopen_namespaces.front()} + " or tc6_0200");
+}
+
+bool PlcopenReader::read_container(const pugi::xml_node& container, std::size_t depth)
+{
+    if (depth > limits_->max_depth) {
+        return fail(container,
+                    "has more than " + std::to_string(limits_->max_depth) + " elements around it");
+    }
+    for (const pugi::xml_node& xml : container.children()) {
+        if (!read_part(xml, depth)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool PlcopenReader::read_part(const pugi::xml_node& xml, std::size_t depth)
+{
+    const std::string_view name = local_name_of(xml);
+    if (std::find(container_names.begin(), container_names.end(), name) != container_names.end()) {
+        return read_container(xml, depth + 1);
+    }
+    if (name == "dataType" || name == "union") {
+        return read_type(xml);
+    }
+    if (name == "globalVars") {
+        return read_variables(xml);
+    }
+    if (name == "task") {
+        return read_task(xml);
+    }
+    return name != "pouInstance" || read_instance(xml, {});
+}
+
+bool PlcopenReader::read_task(const pugi::xml_node& xml)
+{
+    ProgramTask task;
+    std::int64_t priority = 0;
+    if (!keep(xml, sizeof task) || !read_name(xml, "name", task.name) ||
+        !read_interval(xml, task) ||
+        (xml.attribute("priority") && !read_number(xml, "priority", priority))) {
+        return false;
+    }
+    if (priority < 0 || priority > UINT32_MAX) {
+        return fail(xml, "found <task> with the priority " + std::to_string(priority) +
+                             ", expected one of 32 bits without a sign");
+    }
+    task.priority = static_cast<std::uint32_t>(priority);
+    program_.tasks.push_back(task);
+    for (const pugi::xml_node& child : xml.children()) {
+        if (local_name_of(child) == "pouInstance" && !read_instance(child, task.name)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool PlcopenReader::read_interval(const pugi::xml_node& xml, ProgramTask& task)
+{
+    const std::string_view text = trimmed_text(xml.attribute("interval").value());
+    const std::string iso = iec_interval(text);
+    task.interval = iso.empty() ? text : std::string_view{iso};
+    // It can be the name of a variable, too.
+    if (text.empty() || task.interval.find('#') == std::string::npos) {
+        task.interval.clear();
+        return true;
+    }
+    const auto literal = read_typed_literal(task.interval);
+    const bool is_duration =
+        literal && *literal && (*literal)->notation == InitialValue::Notation::Duration;
+    return is_duration ? keep(xml, task.interval.size())
+                       : fail(xml, "in <task>: " + found_expected(text, "an interval as T#10ms"));
+}
+
+bool PlcopenReader::read_instance(const pugi::xml_node& xml, const std::string& task)
+{
+    ProgramInstance instance{.name = {}, .type_name = {}, .task = task};
+    instance.type_name = xml.attribute("typeName").value();
+    if (!keep(xml, sizeof instance + instance.type_name.size() + task.size()) ||
+        !read_name(xml, "name", instance.name)) {
+        return false;
+    }
+    program_.instances.push_back(std::move(instance));
+    return true;
+}
+
+} // namespace busbar::controller::detail
+
+namespace busbar::controller {
+
+Configured<Program> read_plcopen_xml(std::string_view text, std::string_view file_name,
+                                     const DeclarationLimits& limits)
+{
+    if (text.size() > limits.max_text_size) {
+        return misconfigured(detail::place_text(file_name, {}),
+                             "is larger than " + std::to_string(limits.max_text_size) + " bytes");
+    }
+    const std::string_view xml = detail::without_mark(text);
+    const detail::TextPlaces places{xml};
+    if (const auto offset = places.not_utf8()) {
+        return misconfigured(detail::place_text(file_name, places.at(*offset)),
+                             "found a byte that is not UTF-8");
+    }
+    detail::PlcopenReader reader{xml, file_name, places, limits};
+    if (!reader.read()) {
+        return tl::unexpected<Problem>{reader.problem()};
+    }
+    return std::move(reader.program());
+}
+
+} // namespace busbar::controller

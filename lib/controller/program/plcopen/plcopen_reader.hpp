@@ -1,0 +1,98 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <pugixml.hpp>
+
+#include <busbar/controller/plcopen_xml.hpp>
+
+#include "controller/program/declaration_cursor.hpp"
+#include "controller/program/text_places.hpp"
+
+namespace busbar::controller::detail {
+
+/// Reads a PLCopen XML file into a Program. Each step is false once there is a problem.
+class PlcopenReader {
+public:
+    /// What is given must outlive it.
+    PlcopenReader(std::string_view text, std::string_view file_name, const TextPlaces& places,
+                  const DeclarationLimits& limits);
+
+    [[nodiscard]] bool read();
+    [[nodiscard]] Program& program() { return program_; }
+    /// There must be one.
+    [[nodiscard]] const Problem& problem() const { return *problem_; }
+
+private:
+    // plcopen_reader.cpp
+    [[nodiscard]] bool parse();
+    [[nodiscard]] bool check_root(const pugi::xml_node& root);
+    /// Everything below that has types, variables, tasks or instances of programs.
+    [[nodiscard]] bool read_container(const pugi::xml_node& container, std::size_t depth);
+    [[nodiscard]] bool read_part(const pugi::xml_node& xml, std::size_t depth);
+    [[nodiscard]] bool read_task(const pugi::xml_node& xml);
+    [[nodiscard]] bool read_interval(const pugi::xml_node& xml, ProgramTask& task);
+    [[nodiscard]] bool read_instance(const pugi::xml_node& xml, const std::string& task);
+
+    // plcopen_types.cpp
+    [[nodiscard]] bool read_type(const pugi::xml_node& xml);
+    [[nodiscard]] bool read_type_body(const pugi::xml_node& xml, DerivedType& type);
+    [[nodiscard]] bool read_members(const pugi::xml_node& xml, DerivedType& type);
+    [[nodiscard]] bool read_enumerators(const pugi::xml_node& xml, DerivedType& type);
+    [[nodiscard]] bool read_enumerator(const pugi::xml_node& xml, DerivedType& type,
+                                       ElementaryType base);
+    /// Of the <type> or <baseType> of `xml`.
+    [[nodiscard]] bool read_use(const pugi::xml_node& xml, std::string_view holder, TypeUse& use);
+    [[nodiscard]] bool read_one_use(const pugi::xml_node& xml, TypeUse& use);
+    [[nodiscard]] bool read_dimensions(const pugi::xml_node& xml, TypeUse& use);
+    [[nodiscard]] bool read_subrange(const pugi::xml_node& xml, TypeUse& use);
+    [[nodiscard]] bool read_bounds(const pugi::xml_node& xml, Bounds& bounds);
+
+    // plcopen_variables.cpp
+    [[nodiscard]] bool read_variables(const pugi::xml_node& xml);
+    [[nodiscard]] bool read_variable(const pugi::xml_node& xml, GlobalVariable variable);
+    [[nodiscard]] bool read_publish(const pugi::xml_node& xml, NetworkPublish& publish);
+    [[nodiscard]] bool read_flag(const pugi::xml_node& xml, const char* name, bool& flag);
+    /// The <initialValue>, if there is one.
+    [[nodiscard]] bool read_initial(const pugi::xml_node& xml, InitialValue& initial);
+    /// The one value in `holder`.
+    [[nodiscard]] bool read_value(const pugi::xml_node& holder, InitialValue& value,
+                                  std::size_t depth);
+    [[nodiscard]] bool read_parts(const pugi::xml_node& xml, InitialValue& value, bool is_list,
+                                  std::size_t depth);
+    [[nodiscard]] bool read_documentation(const pugi::xml_node& xml, std::string& comment);
+
+    // plcopen_text.cpp
+    [[nodiscard]] bool read_name(const pugi::xml_node& xml, const char* attribute,
+                                 std::string& name);
+    /// A whole number of an attribute that must be there.
+    [[nodiscard]] bool read_number(const pugi::xml_node& xml, const char* attribute,
+                                   std::int64_t& number);
+    [[nodiscard]] bool keep(const pugi::xml_node& xml, std::size_t bytes);
+    [[nodiscard]] ProgramPlace place_of(const pugi::xml_node& xml) const;
+    /// Always false.
+    bool fail(const pugi::xml_node& xml, std::string text);
+    bool fail_at(std::size_t offset, std::string text);
+
+    std::string_view text_;
+    std::string_view file_name_;
+    const TextPlaces* places_;
+    const DeclarationLimits* limits_;
+    MemoryBudget memory_;
+    pugi::xml_document document_{};
+    Program program_{};
+    std::optional<Problem> problem_{};
+};
+
+/// Without its prefix.
+[[nodiscard]] std::string_view local_name_of(const pugi::xml_node& xml);
+/// The first child element of that name without prefix; null if there is none.
+[[nodiscard]] pugi::xml_node child_of(const pugi::xml_node& xml, std::string_view name);
+/// The first child that is an element.
+[[nodiscard]] pugi::xml_node first_element_of(const pugi::xml_node& xml);
+/// "<variable>"
+[[nodiscard]] std::string tag_of(const pugi::xml_node& xml);
+
+} // namespace busbar::controller::detail

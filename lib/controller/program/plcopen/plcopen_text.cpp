@@ -1,0 +1,92 @@
+#include <algorithm>
+
+#include <busbar/core/text.hpp>
+
+#include "controller/program/initial_reader.hpp"
+#include "plcopen_reader.hpp"
+
+namespace busbar::controller::detail {
+
+std::string_view local_name_of(const pugi::xml_node& xml)
+{
+    const std::string_view name = xml.name();
+    const std::size_t colon = name.find(':');
+    return colon == std::string_view::npos ? name : name.substr(colon + 1);
+}
+
+pugi::xml_node child_of(const pugi::xml_node& xml, std::string_view name)
+{
+    return xml.find_child([&](const pugi::xml_node& child) {
+        return child.type() == pugi::node_element && local_name_of(child) == name;
+    });
+}
+
+pugi::xml_node first_element_of(const pugi::xml_node& xml)
+{
+    return xml.find_child(
+        [](const pugi::xml_node& child) { return child.type() == pugi::node_element; });
+}
+
+std::string tag_of(const pugi::xml_node& xml)
+{
+    constexpr std::size_t enough = 60;
+    return "<" + printable(xml.name(), enough) + ">";
+}
+
+bool PlcopenReader::read_name(const pugi::xml_node& xml, const char* attribute, std::string& name)
+{
+    name = xml.attribute(attribute).value();
+    if (name.empty()) {
+        return fail(xml, "found " + tag_of(xml) + ", expected the attribute " + attribute);
+    }
+    return name.size() <= limits_->max_name_length
+               ? keep(xml, name.size())
+               : fail(xml, "found " + tag_of(xml) + " with a name of " +
+                               std::to_string(name.size()) + " bytes, expected at most " +
+                               std::to_string(limits_->max_name_length));
+}
+
+bool PlcopenReader::read_number(const pugi::xml_node& xml, const char* attribute,
+                                std::int64_t& number)
+{
+    const std::string_view text = xml.attribute(attribute).value();
+    DeclarationCursor cursor{text, file_name_, nullptr, *limits_, memory_};
+    const std::string expected = std::string{"a whole number as the attribute "} + attribute;
+    if (read_whole_number(cursor, number, expected) &&
+        (cursor.is_end() || cursor.fail("the end of the number"))) {
+        return true;
+    }
+    return fail(xml, "in " + tag_of(xml) + ": " + cursor.problem().text);
+}
+
+bool PlcopenReader::keep(const pugi::xml_node& xml, std::size_t bytes)
+{
+    return memory_.take(bytes) ||
+           fail(xml, "takes more than " + std::to_string(limits_->max_memory) +
+                         " bytes of memory up to here");
+}
+
+ProgramPlace PlcopenReader::place_of(const pugi::xml_node& xml) const
+{
+    // Where its name is, behind the bracket.
+    const std::ptrdiff_t offset = xml.offset_debug() - 1;
+    return places_->at(static_cast<std::size_t>(std::max(offset, std::ptrdiff_t{0})));
+}
+
+bool PlcopenReader::fail(const pugi::xml_node& xml, std::string text)
+{
+    const std::ptrdiff_t offset = xml.offset_debug() - 1;
+    return fail_at(static_cast<std::size_t>(std::max(offset, std::ptrdiff_t{0})), std::move(text));
+}
+
+bool PlcopenReader::fail_at(std::size_t offset, std::string text)
+{
+    if (!problem_) {
+        problem_.emplace();
+        problem_->where = place_text(file_name_, places_->at(offset));
+        problem_->text = std::move(text);
+    }
+    return false;
+}
+
+} // namespace busbar::controller::detail

@@ -1,0 +1,188 @@
+#include "controller/program/declaration_keywords.hpp"
+#include "plcopen_reader.hpp"
+
+namespace busbar::controller::detail {
+
+bool PlcopenReader::read_type(const pugi::xml_node& xml)
+{
+    DerivedType type{.name = {}, .place = place_of(xml)};
+    // Some vendors have unions as types of their own beside the others.
+    const bool is_union = local_name_of(xml) == "union";
+    const pugi::xml_node body = is_union ? xml : first_element_of(child_of(xml, "baseType"));
+    if (!keep(xml, sizeof type) || !read_name(xml, "name", type.name)) {
+        return false;
+    }
+    if (!body) {
+        return fail(xml, "found <dataType>, expected a type in its <baseType>");
+    }
+    if (!read_type_body(body, type) || !read_initial(xml, type.initial) ||
+        !read_documentation(xml, type.comment)) {
+        return false;
+    }
+    program_.types.push_back(std::move(type));
+    return true;
+}
+
+bool PlcopenReader::read_type_body(const pugi::xml_node& xml, DerivedType& type)
+{
+    const std::string_view name = local_name_of(xml);
+    if (name == "struct" || name == "union") {
+        type.kind = name == "struct" ? DerivedType::Kind::Structure : DerivedType::Kind::Union;
+        return read_members(xml, type);
+    }
+    if (name == "enum") {
+        type.kind = DerivedType::Kind::Enumeration;
+        return read_enumerators(xml, type);
+    }
+    type.kind = DerivedType::Kind::Alias;
+    return read_one_use(xml, type.alias);
+}
+
+bool PlcopenReader::read_members(const pugi::xml_node& xml, DerivedType& type)
+{
+    for (const pugi::xml_node& child : xml.children()) {
+        if (local_name_of(child) != "variable") {
+            continue;
+        }
+        Member member{.name = {}, .place = place_of(child)};
+        if (!keep(child, sizeof member) || !read_name(child, "name", member.name) ||
+            !read_use(child, "type", member.type) || !read_initial(child, member.initial)) {
+            return false;
+        }
+        type.members.push_back(std::move(member));
+    }
+    return true;
+}
+
+bool PlcopenReader::read_enumerators(const pugi::xml_node& xml, DerivedType& type)
+{
+    ElementaryType base = ElementaryType::Dint;
+    if (const pugi::xml_node holder = child_of(xml, "baseType")) {
+        TypeUse use;
+        if (!read_use(xml, "baseType", use)) {
+            return false;
+        }
+        if (!use.type_name.empty() || !use.dimensions.empty() || !is_integer(use.elementary)) {
+            return fail(holder, "found another type, expected one of whole numbers");
+        }
+        base = use.elementary;
+    }
+    for (const pugi::xml_node& child : child_of(xml, "values").children()) {
+        if (local_name_of(child) == "value" && !read_enumerator(child, type, base)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool PlcopenReader::read_enumerator(const pugi::xml_node& xml, DerivedType& type,
+                                    ElementaryType base)
+{
+    Enumerator one;
+    std::int64_t value =
+        type.enumerators.empty() ? 0 : std::int64_t{type.enumerators.back().value} + 1;
+    if (!keep(xml, sizeof one) || !read_name(xml, "name", one.name) ||
+        (xml.attribute("value") && !read_number(xml, "value", value))) {
+        return false;
+    }
+    if (!number_fits(base, Variant{value}) || value < INT32_MIN || value > INT32_MAX) {
+        return fail(xml, "found the value " + std::to_string(value) +
+                             ", expected one of 32 bits with a sign and of the base type");
+    }
+    one.value = static_cast<std::int32_t>(value);
+    type.enumerators.push_back(std::move(one));
+    return true;
+}
+
+bool PlcopenReader::read_use(const pugi::xml_node& xml, std::string_view holder, TypeUse& use)
+{
+    const pugi::xml_node type = first_element_of(child_of(xml, holder));
+    return type ? read_one_use(type, use)
+                : fail(xml, "found " + tag_of(xml) + ", expected a type in its <" +
+                                std::string{holder} + ">");
+}
+
+bool PlcopenReader::read_one_use(const pugi::xml_node& xml, TypeUse& use)
+{
+    pugi::xml_node type = xml;
+    while (local_name_of(type) == "array") {
+        const pugi::xml_node element = first_element_of(child_of(type, "baseType"));
+        if (!read_dimensions(type, use)) {
+            return false;
+        }
+        if (!element) {
+            return fail(type, "found <array>, expected a type in its <baseType>");
+        }
+        type = element;
+    }
+    const std::string_view name = local_name_of(type);
+    if (name == "derived") {
+        return read_name(type, "name", use.type_name);
+    }
+    if (name == "subrangeSigned" || name == "subrangeUnsigned") {
+        return read_subrange(type, use);
+    }
+    const auto elementary = elementary_type(name);
+    if (!elementary) {
+        return fail(type, "found " + tag_of(type) + ", expected a type that is known here");
+    }
+    use.elementary = *elementary;
+    if (use.elementary != ElementaryType::String || !type.attribute("length")) {
+        return true;
+    }
+    std::int64_t length = 0;
+    if (!read_number(type, "length", length)) {
+        return false;
+    }
+    use.string_length = static_cast<std::uint32_t>(length);
+    return (length > 0 && length < UINT32_MAX) ||
+           fail(type, "found the length " + std::to_string(length) + ", expected one from 1 on");
+}
+
+bool PlcopenReader::read_dimensions(const pugi::xml_node& xml, TypeUse& use)
+{
+    const std::size_t before = use.dimensions.size();
+    for (const pugi::xml_node& child : xml.children()) {
+        if (local_name_of(child) != "dimension") {
+            continue;
+        }
+        if (use.dimensions.size() == limits_->max_dimensions) {
+            return fail(child,
+                        "has more than " + std::to_string(limits_->max_dimensions) + " dimensions");
+        }
+        Bounds bounds;
+        if (!keep(child, sizeof bounds) || !read_bounds(child, bounds)) {
+            return false;
+        }
+        use.dimensions.push_back(bounds);
+    }
+    return use.dimensions.size() > before || fail(xml, "found <array>, expected <dimension>");
+}
+
+bool PlcopenReader::read_subrange(const pugi::xml_node& xml, TypeUse& use)
+{
+    const pugi::xml_node range = child_of(xml, "range");
+    const pugi::xml_node base = first_element_of(child_of(xml, "baseType"));
+    const auto elementary = elementary_type(local_name_of(base));
+    if (!range || !elementary || !is_integer(*elementary)) {
+        return fail(xml, "found " + tag_of(xml) +
+                             ", expected <range> and a type of whole numbers in its <baseType>");
+    }
+    Bounds bounds;
+    if (!read_bounds(range, bounds)) {
+        return false;
+    }
+    use.elementary = *elementary;
+    use.subrange = bounds;
+    return true;
+}
+
+bool PlcopenReader::read_bounds(const pugi::xml_node& xml, Bounds& bounds)
+{
+    return read_number(xml, "lower", bounds.lower) && read_number(xml, "upper", bounds.upper) &&
+           (bounds.lower <= bounds.upper ||
+            fail(xml, "found the bounds " + std::to_string(bounds.lower) + ".." +
+                          std::to_string(bounds.upper) + ", expected the lower one first"));
+}
+
+} // namespace busbar::controller::detail

@@ -1,0 +1,162 @@
+#include "controller/program/declaration_keywords.hpp"
+#include "controller/program/initial_reader.hpp"
+#include "controller/program/literal.hpp"
+#include "controller/program/publish_attribute.hpp"
+#include "plcopen_reader.hpp"
+
+namespace busbar::controller::detail {
+
+namespace {
+
+/// Puts the texts of all elements behind one another, however deep they nest.
+class TextCollector : public pugi::xml_tree_walker {
+public:
+    bool for_each(pugi::xml_node& node) override
+    {
+        if (node.type() == pugi::node_pcdata || node.type() == pugi::node_cdata) {
+            const std::string_view text = trimmed_text(node.value());
+            text_ += text_.empty() || text.empty() ? "" : " ";
+            text_ += text;
+        }
+        return true;
+    }
+    [[nodiscard]] std::string& text() { return text_; }
+
+private:
+    std::string text_{};
+};
+
+} // namespace
+
+bool PlcopenReader::read_variables(const pugi::xml_node& xml)
+{
+    GlobalVariable common;
+    bool is_persistent = false;
+    if (!read_flag(xml, "constant", common.is_constant) ||
+        !read_flag(xml, "retain", common.is_retained) ||
+        !read_flag(xml, "persistent", is_persistent) || !read_publish(xml, common.publish)) {
+        return false;
+    }
+    common.is_retained = common.is_retained || is_persistent;
+    for (const pugi::xml_node& child : xml.children()) {
+        if (local_name_of(child) == "variable" && !read_variable(child, common)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool PlcopenReader::read_variable(const pugi::xml_node& xml, GlobalVariable variable)
+{
+    variable.place = place_of(xml);
+    variable.address = xml.attribute("address").value();
+    if (!keep(xml, sizeof variable + variable.address.size()) ||
+        !read_name(xml, "name", variable.name) || !read_use(xml, "type", variable.type) ||
+        !read_initial(xml, variable.initial) || !read_publish(xml, variable.publish) ||
+        !read_documentation(xml, variable.comment)) {
+        return false;
+    }
+    if (!variable.address.empty() && !is_direct_address(variable.address)) {
+        return fail(xml,
+                    "in <variable>: " + found_expected(variable.address, "an address as %IX0.0"));
+    }
+    program_.variables.push_back(std::move(variable));
+    return true;
+}
+
+bool PlcopenReader::read_publish(const pugi::xml_node& xml, NetworkPublish& publish)
+{
+    for (const pugi::xml_node& data : child_of(xml, "addData").children()) {
+        if (std::string_view{data.attribute("name").value()} != plcopen_publish_data) {
+            continue;
+        }
+        const std::string_view words = trimmed_text(child_of(data, "publish").text().get());
+        const auto found = publish_of(words);
+        if (!found) {
+            return fail(data, "found a publish attribute that is not known, expected <publish> "
+                              "with none, publish only, input or output");
+        }
+        publish = *found;
+    }
+    return true;
+}
+
+bool PlcopenReader::read_flag(const pugi::xml_node& xml, const char* name, bool& flag)
+{
+    const std::string_view text = xml.attribute(name).value();
+    flag = text == "true" || text == "1";
+    return flag || text.empty() || text == "false" || text == "0" ||
+           fail(xml,
+                "in " + tag_of(xml) + ": " +
+                    found_expected(text, std::string{"true or false as the attribute "} + name));
+}
+
+bool PlcopenReader::read_initial(const pugi::xml_node& xml, InitialValue& initial)
+{
+    const pugi::xml_node holder = child_of(xml, "initialValue");
+    return !holder || read_value(holder, initial, 0);
+}
+
+bool PlcopenReader::read_value(const pugi::xml_node& holder, InitialValue& value, std::size_t depth)
+{
+    const pugi::xml_node xml = first_element_of(holder);
+    value.place = place_of(xml ? xml : holder);
+    if (depth > limits_->max_depth) {
+        return fail(holder,
+                    "has more than " + std::to_string(limits_->max_depth) + " values around it");
+    }
+    const std::string_view name = local_name_of(xml);
+    if (name == "arrayValue" || name == "structValue") {
+        return read_parts(xml, value, name == "arrayValue", depth);
+    }
+    if (name != "simpleValue") {
+        return fail(xml ? xml : holder, "found " + tag_of(xml ? xml : holder) +
+                                            ", expected <simpleValue>, <arrayValue> or "
+                                            "<structValue>");
+    }
+    DeclarationCursor cursor{xml.attribute("value").value(), file_name_, nullptr, *limits_,
+                             memory_};
+    const ProgramPlace place = value.place;
+    if (!read_initial_value(cursor, value) ||
+        !(cursor.is_end() || cursor.fail("the end of the value"))) {
+        return fail(xml, "in <simpleValue>: " + cursor.problem().text);
+    }
+    value.place = place;
+    return true;
+}
+
+bool PlcopenReader::read_parts(const pugi::xml_node& xml, InitialValue& value, bool is_list,
+                               std::size_t depth)
+{
+    for (const pugi::xml_node& child : xml.children()) {
+        if (local_name_of(child) != "value") {
+            continue;
+        }
+        InitialValue part;
+        std::int64_t repeat = 1;
+        if (!keep(child, sizeof part) || (!is_list && !read_name(child, "member", part.member)) ||
+            (is_list && child.attribute("repetitionValue") &&
+             !read_number(child, "repetitionValue", repeat)) ||
+            !read_value(child, part, depth + 1)) {
+            return false;
+        }
+        if (repeat < 1 || repeat > INT32_MAX) {
+            return fail(child, "found the repetitionValue " + std::to_string(repeat) +
+                                   ", expected one from 1 on");
+        }
+        part.repeat = static_cast<std::uint32_t>(repeat);
+        value.parts.push_back(std::move(part));
+    }
+    return true;
+}
+
+bool PlcopenReader::read_documentation(const pugi::xml_node& xml, std::string& comment)
+{
+    TextCollector collector;
+    pugi::xml_node documentation = child_of(xml, "documentation");
+    documentation.traverse(collector);
+    comment = std::move(collector.text());
+    return keep(xml, comment.size());
+}
+
+} // namespace busbar::controller::detail
