@@ -1,0 +1,19 @@
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include <busbar/controller/declaration_reader.hpp>
+
+#include "program_fuzz.hpp"
+
+using namespace busbar;
+
+/// Any text as declarations of IEC 61131-3.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+{
+    controller::DeclarationLimits limits;
+    limits.max_memory = 16U << 20U;
+    const std::string_view text{reinterpret_cast<const char*>(data), size};
+    check_program(controller::read_declarations(text, "fuzz.st", limits));
+    return 0;
+}
