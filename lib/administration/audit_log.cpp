@@ -1,5 +1,6 @@
 #include <busbar/administration/audit_log.hpp>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -98,11 +99,13 @@ bool is_of_certificate(RecordKind kind)
     return kind == RecordKind::CertificateRefused || kind == RecordKind::CertificateSuppressed;
 }
 
-/// Fields that have other names, or go elsewhere, in events.
+/// Fields that have other names in events, go elsewhere, or are not there.
 bool is_renamed(std::string_view name)
 {
-    return name == "NodeId" || name == "ObjectId" || name == "ListName" || name == "FromListName" ||
-           name == "UserTokenType";
+    static constexpr std::array<std::string_view, 10> names{
+        "NodeId",  "ObjectId",     "ListName", "FromListName", "UserTokenType",
+        "IsFirst", "WasActivated", "FileName", "IssuerName",   "NextUpdate"};
+    return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 void set_text(Event& event, const char* name, std::string_view text)
@@ -128,7 +131,8 @@ void set_actor(Event& event, const Record& record)
 
 void set_certificate(Event& event, const Record& record)
 {
-    if (record.certificate.empty()) {
+    // The one that is new is nobody's who called (Part 12, 7.10.14).
+    if (record.certificate.empty() || record.kind == RecordKind::CertificateUpdated) {
         return;
     }
     const Variant der{ByteString{record.certificate}};

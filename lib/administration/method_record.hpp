@@ -13,7 +13,8 @@ namespace busbar::administration::detail {
 /// fields that its event type has.
 inline void tell_method(LogSink& log, RecordKind kind, const server::MethodCall& call,
                         StatusCode status, const Refusal* refusal,
-                        std::span<const RecordField> more = {})
+                        std::span<const RecordField> more = {},
+                        std::span<const std::byte> certificate = {})
 {
     const server::MethodCaller& caller = call.caller();
     std::vector<RecordField> fields{more.begin(), more.end()};
@@ -29,6 +30,7 @@ inline void tell_method(LogSink& log, RecordKind kind, const server::MethodCall&
     record.actor.user = caller.user.name;
     record.actor.address = caller.address;
     record.actor.audit_entry_id = caller.audit_entry_id;
+    record.certificate = certificate;
     record.fields = fields;
     tell(log, record);
 }

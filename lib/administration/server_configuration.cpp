@@ -297,7 +297,8 @@ void ServerConfiguration::tell_applied(const MethodCall& call, const Transaction
         const std::array fields{
             RecordField{"CertificateGroup", Variant{transaction_.groups().front().id}},
             RecordField{"CertificateType", Variant{NodeId{0, certificate_type}}}};
-        tell_method(log_, RecordKind::CertificateUpdated, call, status::Good, nullptr, fields);
+        tell_method(log_, RecordKind::CertificateUpdated, call, status::Good, nullptr, fields,
+                    changed.own->certificates.front().der());
     }
 }
 

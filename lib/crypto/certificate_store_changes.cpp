@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <busbar/core/record.hpp>
 #include <busbar/core/text.hpp>
@@ -155,6 +156,18 @@ Checked<void> remove_all(const detail::StoreLists& lists, const std::vector<File
     return {};
 }
 
+/// What a record says of a revocation list beside the lists that it is in.
+void add_list_fields(std::vector<RecordField>& fields, const FolderFile& file,
+                     const StoreEntry& entry)
+{
+    const auto add = [&](std::string_view name, Variant value) {
+        fields.push_back({name, std::move(value)});
+    };
+    add("FileName", Variant{String{entry.file.substr(entry.file.rfind('/') + 1)}});
+    add("IssuerName", Variant{String{detail::issuer_common_name(*file.revocation_list())}});
+    add("NextUpdate", Variant{entry.valid_to});
+}
+
 /// `from` is empty unless it was moved.
 void tell_change(LogSink& log, RecordKind of_certificate, const std::string& what,
                  const FolderFile& file, const StoreEntry& entry, StoreList list,
@@ -164,12 +177,17 @@ void tell_change(LogSink& log, RecordKind of_certificate, const std::string& wha
     const RecordKind of_list = of_certificate == RecordKind::CertificateRemoved
                                    ? RecordKind::RevocationListRemoved
                                    : RecordKind::RevocationListAdded;
-    const std::array fields{RecordField{"ListName", Variant{String{name_of(list)}}},
-                            RecordField{"FromListName", Variant{String{std::string{from}}}}};
+    std::vector<RecordField> fields{{"ListName", Variant{String{name_of(list)}}}};
+    if (!from.empty()) {
+        fields.push_back({"FromListName", Variant{String{std::string{from}}}});
+    }
+    if (is_list) {
+        add_list_fields(fields, file, entry);
+    }
     Record record{is_list ? of_list : of_certificate, LogLevel::Info, "certificate store"};
     record.text = entry.subject + ", " + entry.thumbprint + ", was " + what;
     record.certificate = is_list ? std::span<const std::byte>{} : file.certificate()->der();
-    record.fields = std::span{fields}.first(from.empty() ? 1 : 2);
+    record.fields = fields;
     tell(log, record);
 }
 

@@ -57,7 +57,12 @@ std::string store_file_name(const Certificate& certificate)
 
 std::string store_file_name(const RevocationList& list)
 {
-    return file_name(common_name(X509_CRL_get_issuer(list.native())), list.thumbprint_text());
+    return file_name(issuer_common_name(list), list.thumbprint_text());
+}
+
+std::string issuer_common_name(const RevocationList& list)
+{
+    return common_name(X509_CRL_get_issuer(list.native()));
 }
 
 } // namespace busbar::crypto::detail

@@ -7,6 +7,9 @@
 
 namespace busbar::crypto::detail {
 
+/// The last common name of a list's issuer, which is the most specific one; empty if there is none.
+[[nodiscard]] std::string issuer_common_name(const RevocationList& list);
+
 /// "Name [THUMBPRINT]" (Part 12, F.1): what a store calls a file, without the ending. The name is
 /// the common name, of a revocation list that of its issuer, with everything but harmless
 /// characters replaced: what a stranger says of himself is never a path.

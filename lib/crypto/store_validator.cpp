@@ -45,12 +45,12 @@ Checked<void> StoreValidator::validate(const CertificateChain& chain,
     auto refusal =
         check_chain(chain, store_->trust_list(context.now), context, settings_, &suppressed_);
     if (refusal) {
-        if (!chain.empty() && is_worth_keeping(refusal->status)) {
-            store_->reject(chain.front(), context.now);
-        }
         // The line is written by whoever answers the peer.
         if (log_->wants(RecordKind::CertificateRefused)) {
             log_->record(record_of(RecordKind::CertificateRefused, *refusal, chain));
+        }
+        if (!chain.empty() && is_worth_keeping(refusal->status)) {
+            store_->reject(chain.front(), context.now);
         }
         return refuse(*std::move(refusal));
     }

@@ -45,11 +45,13 @@ TEST_CASE_METHOD(Recorded, "record: a session from its channel to its end")
     CHECK(client.take_activate(refused) == status::Bad_UserAccessDenied);
     CHECK(news(*this) == Lines{"LoginRefused Bad_UserAccessDenied test/operator 192.0.2.1"});
     CHECK(client.activate(client.user("operator", "operator-secret")) == status::Good);
-    CHECK(news(*this) == Lines{"SessionActivated Good test/operator 192.0.2.1 UserTokenType"});
+    CHECK(news(*this) ==
+          Lines{"SessionActivated Good test/operator 192.0.2.1 UserTokenType IsFirst"});
     CHECK(client.status_of<CancelResponse>(CancelRequest{}) == status::Good);
     CHECK(news(*this) == Lines{"RequestCancelled Good test/operator 192.0.2.1 RequestHandle"});
     CHECK(client.close_session() == status::Good);
-    CHECK(news(*this) == Lines{"SessionClosed Bad_SessionClosed test/operator 192.0.2.1"});
+    CHECK(news(*this) ==
+          Lines{"SessionClosed Bad_SessionClosed test/operator 192.0.2.1 WasActivated"});
 }
 
 TEST_CASE_METHOD(Recorded, "record: what is refused, and the line besides")

@@ -25,9 +25,10 @@ enum class RecordKind : std::uint8_t {
     SessionRefused, // by CreateSession
     /// [EndpointUrl]: the client connects by a name that the server does not have.
     UrlMismatch,
-    SessionActivated, // [UserTokenType]
+    SessionActivated, // [UserTokenType, IsFirst: false if it was activated before]
     LoginRefused,     // by ActivateSession
-    SessionClosed,    // status: why; Bad_SessionClosed if the client asked for it
+    /// [WasActivated]; status: why; Bad_SessionClosed if the client asked for it.
+    SessionClosed,
     RequestCancelled, // [RequestHandle]
 
     CertificateRefused,
@@ -37,11 +38,14 @@ enum class RecordKind : std::uint8_t {
     CertificateAdded, // [ListName]; also for the next ones
     CertificateMoved, // [ListName, FromListName]
     CertificateRemoved,
-    CertificateUpdated,  // the application's own
+    CertificateUpdated,  // the application's own; the new one if it was done
     CertificateExpiring, // or not valid yet
+    /// The application's own, like the two beside it; with [ListName] one of that list.
     CertificateExpired,
     CertificateHostNotNamed,
-    RevocationListAdded, // [ListName]
+    /// [ListName, FileName, IssuerName: its common name, NextUpdate: null if it has none]; also for
+    /// the next one.
+    RevocationListAdded,
     RevocationListRemoved,
     TrustListUpdated, // [TrustListId], as a whole
 
@@ -77,6 +81,9 @@ enum class RecordKind : std::uint8_t {
     /// [Code, Instruction]: an instruction of the controller's program failed; the code is UInt16
     /// and, after 5401, the event's code (seed 000, 9-2-2).
     InstructionFailed,
+    ExecutionLogSaved, // again, after ExecutionLogLost
+    /// [ErrorId: 0x5000 to 0x5002, Location, Line, Instance]: by OPCUA_Shutdown (seed 000, A-2).
+    ShutdownRefused,
 };
 
 /// "SessionCreated".

@@ -143,11 +143,13 @@ void Core::close_session(Session& session, StatusCode status, bool deletes_subsc
         (*link)->end_operations(session, status);
     }
     subscriptions.session_ends(session, deletes_subscriptions);
+    const std::array fields{RecordField{"WasActivated", Variant{session.is_activated}}};
     Record record{RecordKind::SessionClosed, LogLevel::Info, "session"};
     record.text = "\"" + printable(session.name) + "\" ended: " + std::string{name(status)};
     record.status = status;
     record.actor = actor_of(session);
     record.certificate = certificate_of(session);
+    record.fields = fields;
     tell(rationed_log, record);
     diagnostics->remove(session);
     sessions.remove(session);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include <busbar/core/text.hpp>
 
@@ -339,10 +340,10 @@ void ActivateSession::accept(UserIdentity user, TimePoint now)
     // Also the same user, with other rights than before.
     const UserIdentity before = session.user;
     session.server_nonce = *std::move(nonce);
-    session.is_activated = true;
+    const bool is_first = !std::exchange(session.is_activated, true);
     peer_->bind(session);
     set_user(needs_, *find_endpoint(needs_.config, session), session, std::move(user), now);
-    tell_activated(needs_, session, audit_entry_id_);
+    tell_activated(needs_, session, is_first, audit_entry_id_);
     needs_.keeper.session_activated(session);
     if (!(session.user == before)) {
         needs_.keeper.user_changed(session, now);

@@ -81,11 +81,12 @@ void set_user(const SessionNeeds& needs, const EndpointConfig& endpoint, Session
     needs.sessions.hurry(session);
 }
 
-void tell_activated(const SessionNeeds& needs, const Session& session,
+void tell_activated(const SessionNeeds& needs, const Session& session, bool is_first,
                     std::string_view audit_entry_id)
 {
     const std::array fields{
-        RecordField{"UserTokenType", Variant{static_cast<std::int32_t>(session.user.token_type)}}};
+        RecordField{"UserTokenType", Variant{static_cast<std::int32_t>(session.user.token_type)}},
+        RecordField{"IsFirst", Variant{is_first}}};
     Record record{RecordKind::SessionActivated, LogLevel::Info, "session"};
     record.text = "\"" + printable(session.name) + "\" activated by " + describe(session.user);
     record.actor = actor_of(session, audit_entry_id);

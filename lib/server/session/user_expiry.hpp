@@ -20,8 +20,8 @@ void set_user(const SessionNeeds& needs, const EndpointConfig& endpoint, Session
 [[nodiscard]] UserIdentity with_roles(const SessionNeeds& needs, const Session& session,
                                       UserIdentity user);
 
-/// Says that the session has been activated.
-void tell_activated(const SessionNeeds& needs, const Session& session,
+/// Says that the session has been activated; `is_first`: it was not before.
+void tell_activated(const SessionNeeds& needs, const Session& session, bool is_first,
                     std::string_view audit_entry_id);
 
 /// In time, and before the session is used: takes a user away whose time is over. What the
