@@ -1,0 +1,46 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <busbar/core/record.hpp>
+
+namespace busbar::controller::detail {
+
+/// Notices of the server's certificate come again each day. The logs have each once, until a
+/// restart or until there is another certificate (seed 000, 7-1-1 and 9-2-2).
+class OncePerCertificate {
+public:
+    /// False for a notice that has been told of the same certificate; true for everything else.
+    [[nodiscard]] bool is_new(const Record& record)
+    {
+        if (record.kind == RecordKind::CertificateUpdated && !record.status.is_bad()) {
+            told_ = {};
+            return true;
+        }
+        const auto found = std::find(kinds.begin(), kinds.end(), record.kind);
+        // Those of lists have a field that says which; see RecordKind.
+        if (found == kinds.end() || field(record, "ListName") != nullptr) {
+            return true;
+        }
+        auto& told = told_[static_cast<std::size_t>(found - kinds.begin())];
+        if (!told.empty() && std::equal(told.begin(), told.end(), record.certificate.begin(),
+                                        record.certificate.end())) {
+            return false;
+        }
+        told.assign(record.certificate.begin(), record.certificate.end());
+        return true;
+    }
+
+private:
+    static constexpr std::array kinds{RecordKind::CertificateExpiring,
+                                      RecordKind::CertificateExpired,
+                                      RecordKind::CertificateHostNotNamed};
+
+    std::array<std::vector<std::byte>, kinds.size()> told_; // the DER of each
+};
+
+} // namespace busbar::controller::detail
