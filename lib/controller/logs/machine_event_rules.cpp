@@ -1,0 +1,332 @@
+#include "machine_event_rules.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include <busbar/core/status_codes.hpp>
+
+#include "log_text.hpp"
+
+namespace busbar::controller::detail {
+
+namespace {
+
+using Attached = std::vector<std::string>;
+
+struct Told {
+    std::uint32_t code;
+    Attached attached{};
+};
+using AllTold = std::vector<Told>;
+
+constexpr std::uint32_t log_save_failed = 0x15000000;
+constexpr std::uint32_t setting_error = 0x35D00000;
+constexpr std::uint32_t certificate_expired = 0x35D10000;
+constexpr std::uint32_t expiration_notice = 0x35D20000;
+constexpr std::uint32_t unsupported_type = 0x35D40000;
+constexpr std::uint32_t system_error = 0x44180000;
+constexpr std::uint32_t connection_rejected = 0x85600000;
+
+std::string hex_text(std::uint64_t number, std::size_t width)
+{
+    constexpr std::string_view digits = "0123456789ABCDEF";
+    std::string text;
+    for (; number != 0; number >>= 4U) {
+        text.insert(text.begin(), digits[number & 15U]);
+    }
+    return std::string(width - std::min(width, text.size()), '0') + text;
+}
+
+std::string attached_text(std::string_view text)
+{
+    return clean_text(text, max_logged_name);
+}
+
+/// "YYYY-MM-DD HH:MM:SS", in UTC as the log has it.
+std::string end_of_certificate(const Record& record)
+{
+    const auto facts = facts_of(record.certificate);
+    std::string text = facts ? utc_text(facts->valid_to) : "";
+    if (!text.empty()) {
+        text.pop_back();
+        std::replace(text.begin(), text.end(), 'T', ' ');
+    }
+    return text;
+}
+
+std::string address_of_certificate(const Record& record)
+{
+    const auto facts = facts_of(record.certificate);
+    return facts ? attached_text(facts->first_host) : "";
+}
+
+AllTold told_lost(const Record& record, DateTime)
+{
+    return {{log_save_failed, {hex_text(number_field(record, "Code"), 4)}}};
+}
+
+AllTold told_mismatch(const Record& record, DateTime)
+{
+    return {{0x15020000, {address_of_certificate(record)}}};
+}
+
+AllTold told_halted(const Record& record, DateTime)
+{
+    const bool is_fatal = text_field(record, "Reason") == "OPC UA System Error";
+    return {{is_fatal ? system_error : setting_error}};
+}
+
+AllTold told_expired(const Record& record, DateTime)
+{
+    if (text_field(record, "ListName").empty()) {
+        return {{certificate_expired, {end_of_certificate(record)}}};
+    }
+    const auto facts = facts_of(record.certificate);
+    return {{0, {facts ? attached_text(facts->common_name) : "", end_of_certificate(record)}}};
+}
+
+AllTold told_expiring(const Record& record, DateTime now)
+{
+    const auto facts = facts_of(record.certificate);
+    // Not one that is not valid yet, of which the kind is also told.
+    return facts && now < facts->valid_from
+               ? AllTold{}
+               : AllTold{{expiration_notice, {end_of_certificate(record)}}};
+}
+
+AllTold told_limit(const Record& record, DateTime)
+{
+    const std::string_view limit = text_field(record, "Limit");
+    return limit == "MaxVariables"   ? AllTold{{0x35D30000}}
+           : limit == "MaxValues"    ? AllTold{{0x35D50000}}
+           : limit == "MaxDataTypes" ? AllTold{{0x35D60000}}
+                                     : AllTold{};
+}
+
+AllTold told_system_error(const Record&, DateTime)
+{
+    return {{system_error}};
+}
+
+/// Attached information 1: what was wrong; 2: the user, if it was he.
+AllTold told_login_refused(const Record& record, DateTime)
+{
+    if (record.status == status::Bad_ApplicationSignatureInvalid) {
+        return {{connection_rejected, {"02"}}};
+    }
+    const std::string_view user = record.actor.user;
+    return {{connection_rejected, {"01", user.empty() ? "Anonymous" : attached_text(user)}}};
+}
+
+AllTold told_certificate_refused(const Record&, DateTime)
+{
+    return {{connection_rejected, {"02"}}};
+}
+
+AllTold told_session_refused(const Record& record, DateTime)
+{
+    // The manual has no reason for others.
+    return record.status == status::Bad_TooManySessions ? AllTold{{connection_rejected, {"04"}}}
+                                                        : AllTold{};
+}
+
+AllTold told_started(const Record&, DateTime)
+{
+    return {{0x95D00000}};
+}
+
+AllTold told_stopped(const Record&, DateTime)
+{
+    return {{0x95D10000}};
+}
+
+AllTold told_generated(const Record& record, DateTime)
+{
+    return record.status.is_bad() ? AllTold{} : AllTold{{0x95D20000}};
+}
+
+AllTold told_discarded(const Record& record, DateTime)
+{
+    return {{0x95D30000, {address_of_certificate(record)}}};
+}
+
+AllTold told_cleared(const Record&, DateTime)
+{
+    return {{0x95D40000}};
+}
+
+AllTold told_shutdown_refused(const Record& record, DateTime)
+{
+    const auto error = static_cast<std::uint32_t>(number_field(record, "ErrorId") & 0xFFFFU);
+    Attached attached{attached_text(text_field(record, "Location")),
+                      std::to_string(number_field(record, "Line")),
+                      attached_text(text_field(record, "Instance"))};
+    if (error != 0x5000) {
+        attached.push_back("00000000"); // ErrorIDEx, which the instruction does not have
+    }
+    return {{0x54010000 + error, std::move(attached)}};
+}
+
+/// It only ends or prepares something.
+AllTold told_nothing(const Record&, DateTime)
+{
+    return {};
+}
+
+struct EventRule {
+    RecordKind kind;
+    AllTold (*told)(const Record&, DateTime now);
+};
+
+constexpr std::array event_rules{
+    EventRule{RecordKind::ExecutionLogLost, told_lost},
+    EventRule{RecordKind::ExecutionLogSaved, told_nothing},
+    EventRule{RecordKind::CertificateHostNotNamed, told_mismatch},
+    EventRule{RecordKind::CertificateExpired, told_expired},
+    EventRule{RecordKind::CertificateExpiring, told_expiring},
+    EventRule{RecordKind::CertificateUpdated, told_generated},
+    EventRule{RecordKind::CertificateRefused, told_certificate_refused},
+    EventRule{RecordKind::CertificateDiscarded, told_discarded},
+    EventRule{RecordKind::LoginRefused, told_login_refused},
+    EventRule{RecordKind::SessionRefused, told_session_refused},
+    EventRule{RecordKind::ServerStarted, told_started},
+    EventRule{RecordKind::ServerPreparing, told_nothing},
+    EventRule{RecordKind::ServerRunning, told_nothing},
+    EventRule{RecordKind::ServerShutDown, told_stopped},
+    EventRule{RecordKind::ServerHalted, told_halted},
+    EventRule{RecordKind::ServerSystemError, told_system_error},
+    EventRule{RecordKind::PublishingLimitExceeded, told_limit},
+    EventRule{RecordKind::VariableNotPublished, told_nothing},
+    EventRule{RecordKind::VariablesCounted, told_nothing},
+    EventRule{RecordKind::SecurityCleared, told_cleared},
+    EventRule{RecordKind::ShutdownRefused, told_shutdown_refused},
+};
+
+const EventRule* event_rule_of(RecordKind kind)
+{
+    const auto found = std::find_if(event_rules.begin(), event_rules.end(),
+                                    [&](const EventRule& rule) { return rule.kind == kind; });
+    return found == event_rules.end() ? nullptr : &*found;
+}
+
+struct ReasonBit {
+    std::string_view reason;
+    unsigned bit;
+};
+
+/// Attached information of 35D40000, by the reasons of 7-1-6, one of which is misspelt there.
+constexpr std::array reason_bits{
+    ReasonBit{"NestedStructre", 2}, ReasonBit{"NestedStructure", 2},
+    ReasonBit{"Union", 3},          ReasonBit{"SubscriptOfArray", 4},
+    ReasonBit{"MaxSize", 5},        ReasonBit{"MaxArrayElements", 6},
+    ReasonBit{"MaxMembers", 7},
+};
+
+} // namespace
+
+bool MachineEventRules::wants(RecordKind kind)
+{
+    return event_rule_of(kind) != nullptr;
+}
+
+std::vector<MachineEvent> MachineEventRules::take(const Record& record, DateTime now)
+{
+    const EventRule* const rule = event_rule_of(record.kind);
+    if (rule == nullptr || !once_.is_new(record)) {
+        return {};
+    }
+    end(record);
+    AllTold all = rule->told(record, now);
+    if (record.kind == RecordKind::VariableNotPublished) {
+        note_not_published(record);
+    } else if (record.kind == RecordKind::VariablesCounted && not_published_ != 0) {
+        // One for all variables (seed 000, 9-2-2).
+        all.push_back({unsupported_type, {hex_text(std::exchange(not_published_, 0), 2)}});
+    }
+    std::vector<MachineEvent> events;
+    for (Told& told : all) {
+        const MachineEventType* const type = machine_event_type(told.code);
+        if (type == nullptr) { // an instruction's error that is not known
+            continue;
+        }
+        MachineEvent event{0, now, type, level_of(*type), std::move(told.attached)};
+        if (stands_already(event)) {
+            continue;
+        }
+        if (type->end != EventEnd::Never) {
+            end_one(type->code);
+            standing_.push_back(event);
+        }
+        events.push_back(std::move(event));
+    }
+    return events;
+}
+
+/// What is over when this happens.
+void MachineEventRules::end(const Record& record)
+{
+    switch (record.kind) {
+    case RecordKind::ExecutionLogSaved:
+        return end_one(log_save_failed);
+    case RecordKind::ServerRunning:
+        return end_one(setting_error);
+    case RecordKind::CertificateUpdated:
+        if (!record.status.is_bad()) {
+            end_one(certificate_expired);
+            end_all(EventEnd::Renewal);
+        }
+        return;
+    case RecordKind::CertificateExpired:
+        if (field(record, "ListName") == nullptr) {
+            end_one(expiration_notice);
+        }
+        return;
+    case RecordKind::ServerPreparing:
+        not_published_ = 0;
+        return end_all(EventEnd::Preparation);
+    default:
+        return;
+    }
+}
+
+void MachineEventRules::end_all(EventEnd what)
+{
+    std::erase_if(standing_, [&](const MachineEvent& each) { return each.type->end == what; });
+}
+
+void MachineEventRules::end_one(std::uint32_t code)
+{
+    std::erase_if(standing_, [&](const MachineEvent& each) { return each.type->code == code; });
+}
+
+void MachineEventRules::note_not_published(const Record& record)
+{
+    const std::string_view reason = text_field(record, "Reason");
+    if (reason == "MultiDimensionalArray") {
+        // An array of structures, or a structure with such a member.
+        not_published_ |= flag_field(record, "IsMember", false) ? 2U : 1U;
+    }
+    for (const ReasonBit& each : reason_bits) {
+        not_published_ |= each.reason == reason ? 1U << each.bit : 0U;
+    }
+}
+
+/// Preparing something anew may find the same again, which is told again.
+bool MachineEventRules::stands_already(const MachineEvent& event) const
+{
+    return std::any_of(standing_.begin(), standing_.end(), [&](const MachineEvent& each) {
+        return each.type == event.type && each.attached == event.attached &&
+               (event.type->end == EventEnd::Automatic || event.type->end == EventEnd::Restart);
+    });
+}
+
+EventLevel MachineEventRules::level_of(const MachineEventType& type) const
+{
+    const auto chosen = std::find_if(levels_.begin(), levels_.end(),
+                                     [&](const auto& each) { return each.code == type.code; });
+    return chosen == levels_.end() ? type.level : chosen->level;
+}
+
+} // namespace busbar::controller::detail
