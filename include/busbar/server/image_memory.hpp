@@ -8,6 +8,7 @@
 
 #include <busbar/core/api.hpp>
 #include <busbar/server/image_layout.hpp>
+#include <busbar/server/structure_view.hpp>
 
 namespace busbar::server {
 
@@ -18,7 +19,7 @@ namespace busbar::server {
 /// scan. Only store() and load() allocate. Belongs to one thread.
 class BUSBAR_API ImageMemory {
 public:
-    /// All numbers are 0, all texts null.
+    /// All numbers are 0, all texts null, in structures too.
     explicit ImageMemory(const ImageLayout& layout);
 
     [[nodiscard]] const ImageLayout& layout() const { return *layout_; }
@@ -41,9 +42,17 @@ public:
     /// False, with nothing changed, if the text is longer than the variable's capacity.
     bool set_text(std::uint32_t handle, std::optional<std::string_view> text,
                   std::uint32_t element = 0);
+    /// A structure, or an element of an array of structures.
+    [[nodiscard]] StructureView structure(std::uint32_t handle, std::uint32_t element = 0)
+    {
+        const ImagePlace& place = (*layout_)[handle];
+        return {*place.structure, bytes(place) + std::size_t{element} * place.stride};
+    }
 
-    /// Gives a variable the value of a Variant of its type and dimensions. Bad_TypeMismatch if the
-    /// Variant has others, Bad_OutOfRange for a text that is too long; nothing is changed then.
+    /// Gives a variable the value of a Variant of its type and dimensions; structures are
+    /// ExtensionObjects of their encoding id. Bad_TypeMismatch if the Variant has others, also
+    /// within a structure, Bad_OutOfRange for a text that is too long, Bad_DecodingError for a
+    /// structure's body that ends too early or too late; nothing is changed then.
     [[nodiscard]] StatusCode store(std::uint32_t handle, const Variant& value);
     /// A copy of a variable's value.
     [[nodiscard]] Variant load(std::uint32_t handle) const;

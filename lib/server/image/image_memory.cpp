@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "image_types.hpp"
+#include "structure_codec.hpp"
 
 namespace busbar::server {
 
@@ -16,6 +17,15 @@ std::optional<std::string_view> text_at(const std::byte* from)
         return std::nullopt;
     }
     return std::string_view{reinterpret_cast<const char*>(from + sizeof head), head.size};
+}
+
+void put_text(std::byte* to, std::optional<std::string_view> text)
+{
+    const ImageText head{text ? static_cast<std::uint32_t>(text->size()) : ImageText::null_size};
+    std::memcpy(to, &head, sizeof head);
+    if (text && !text->empty()) {
+        std::memmove(to + sizeof head, text->data(), text->size());
+    }
 }
 
 namespace {
@@ -48,6 +58,9 @@ StatusCode check_value(const ImagePlace& place, const Variant& value)
 {
     if (!has_shape(place, value)) {
         return status::Bad_TypeMismatch;
+    }
+    if (place.is_structure()) {
+        return status::Good;
     }
     return visit_image_type(
         place.type,
@@ -113,18 +126,48 @@ Variant load_texts(const ImagePlace& place, const std::byte* from)
     return Variant::matrix(std::move(values), Array<std::uint32_t>{place.dimensions});
 }
 
+/// Nothing has changed at `to` if it fails.
+StatusCode store_structures(const ImagePlace& place, const Variant& value, std::byte* to)
+{
+    const ExtensionObject* const first = place.is_array()
+                                             ? value.array_if<ExtensionObject>()->data()
+                                             : value.get_if<ExtensionObject>();
+    std::vector<std::byte> decoded(place.bytes());
+    for (std::uint32_t i = 0; i < place.elements; ++i) {
+        const StatusCode status = detail::decode_structure(
+            *place.structure, first[i], decoded.data() + std::size_t{i} * place.stride);
+        if (!status.is_good()) {
+            return status;
+        }
+    }
+    std::memcpy(to, decoded.data(), decoded.size());
+    return status::Good;
+}
+
+Variant load_structures(const ImagePlace& place, const std::byte* from)
+{
+    std::vector<std::byte> body(static_cast<std::size_t>(place.structure->max_wire_size()));
+    Array<ExtensionObject> values;
+    values.reserve(place.elements);
+    for (std::uint32_t i = 0; i < place.elements; ++i) {
+        const std::size_t size =
+            detail::encode_structure(*place.structure, from + std::size_t{i} * place.stride, body);
+        values.push_back(ExtensionObject::from_binary(place.structure->encoding_id(),
+                                                      ByteString{std::span{body.data(), size}}));
+    }
+    return place.is_array()
+               ? Variant::matrix(std::move(values), Array<std::uint32_t>{place.dimensions})
+               : Variant{std::move(values[0])};
+}
+
 } // namespace
 
 ImageMemory::ImageMemory(const ImageLayout& layout)
     : layout_{&layout}, plain_{std::make_unique<std::byte[]>(layout.plain_bytes())},
       arrays_{std::make_unique<std::byte[]>(layout.array_bytes())}
 {
-    for (std::uint32_t handle = 0; handle < layout.size(); ++handle) {
-        if (layout[handle].is_text()) {
-            for (std::uint32_t i = 0; i < layout[handle].elements; ++i) {
-                set_text(handle, std::nullopt, i);
-            }
-        }
+    for (const ImagePlace& place : layout.places()) {
+        detail::clear_texts(place, bytes(place));
     }
 }
 
@@ -141,14 +184,22 @@ bool ImageMemory::set_text(std::uint32_t handle, std::optional<std::string_view>
     if (text && text->size() > place.capacity) {
         return false;
     }
-    std::byte* const to = bytes(place) + std::size_t{element} * place.stride;
-    const detail::ImageText head{text ? static_cast<std::uint32_t>(text->size())
-                                      : detail::ImageText::null_size};
-    std::memcpy(to, &head, sizeof head);
-    if (text && !text->empty()) {
-        // The text may be this very one.
-        std::memmove(to + sizeof head, text->data(), text->size());
+    detail::put_text(bytes(place) + std::size_t{element} * place.stride, text);
+    return true;
+}
+
+std::optional<std::string_view> StructureView::text(std::size_t member, std::uint32_t element) const
+{
+    return detail::text_at(address(member, element));
+}
+
+bool StructureView::set_text(std::size_t member, std::optional<std::string_view> text,
+                             std::uint32_t element) const
+{
+    if (text && text->size() > structure_->members()[member].capacity) {
+        return false;
     }
+    detail::put_text(address(member, element), text);
     return true;
 }
 
@@ -157,6 +208,9 @@ StatusCode ImageMemory::store(std::uint32_t handle, const Variant& value)
     const ImagePlace& place = (*layout_)[handle];
     if (const StatusCode checked = detail::check_value(place, value); !checked.is_good()) {
         return checked;
+    }
+    if (place.is_structure()) {
+        return store_structures(place, value, bytes(place));
     }
     if (!place.is_text()) {
         const auto from = detail::number_bytes(value);
@@ -181,6 +235,9 @@ StatusCode ImageMemory::store(std::uint32_t handle, const Variant& value)
 Variant ImageMemory::load(std::uint32_t handle) const
 {
     const ImagePlace& place = (*layout_)[handle];
+    if (place.is_structure()) {
+        return load_structures(place, bytes(place));
+    }
     return detail::visit_image_type(
         place.type,
         [&](auto tag) {

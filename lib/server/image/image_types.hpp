@@ -44,6 +44,10 @@ auto visit_image_type(BuiltInType type, Visit&& visit, Otherwise&& otherwise)
 /// The bytes of a text that lies at `from`; none if it is null.
 [[nodiscard]] std::optional<std::string_view> text_at(const std::byte* from);
 
+/// Puts a text, which must not be longer than there is room at `to`. It may be the one that lies
+/// there.
+void put_text(std::byte* to, std::optional<std::string_view> text);
+
 /// A String, ByteString or XmlElement that points at the text at `from`.
 template <typename T>
 [[nodiscard]] T borrow_text(const std::byte* from)
@@ -72,7 +76,8 @@ template <typename T>
     }
 }
 
-/// Good if `value` has the place's type, dimensions and text capacity.
+/// Good if `value` has the place's type, dimensions and text capacity. Says nothing of what is in
+/// structures.
 [[nodiscard]] StatusCode check_value(const ImagePlace& place, const Variant& value);
 
 /// The bytes of the elements of a Variant of numbers; valid as long as that.
