@@ -23,6 +23,14 @@ struct Plc {
         level = layout.add({BuiltInType::Int32, {}}).value();
         row = layout.add({BuiltInType::Int32, {3}}).value();
         name = layout.add({BuiltInType::String, {}, 16}).value();
+        const std::vector<server::ImageVariable> members{{BuiltInType::Int32},
+                                                         {BuiltInType::String, {}, 4}};
+        points = layout
+                     .add({BuiltInType::ExtensionObject,
+                           {2},
+                           0,
+                           server::ImageStructure::create(NodeId{1, 99}, members).value()})
+                     .value();
         image = server::ProcessImage::create(std::move(layout));
         source = std::make_unique<server::ImageSource>(image);
     }
@@ -33,7 +41,7 @@ struct Plc {
         time.ticks += 10;
     }
 
-    std::uint32_t button, level, row, name;
+    std::uint32_t button, level, row, name, points;
     std::shared_ptr<server::ProcessImage> image;
     std::unique_ptr<server::ImageSource> source;
     CountingWaker waker_of_plc;
@@ -48,6 +56,7 @@ struct ImageFixture : Plc, ServerFixture {
         add(index, level, id::Int32, -1);
         add(index, row, id::Int32, 1);
         add(index, name, id::String, -1);
+        add(index, points, id::Structure, 1);
         subscription =
             client.call<CreateSubscriptionResponse>(SubscriptionFixture::subscription_request())
                 .value()
@@ -311,4 +320,35 @@ TEST_CASE_METHOD(ImageFixture, "an interval samples the latest scan, without a c
     for (const DataValue& value : values) {
         CHECK(value.status == status::Uncertain_LastUsableValue);
     }
+}
+
+TEST_CASE_METHOD(ImageFixture, "structures are sampled scan by scan, as a whole and by element")
+{
+    scan();
+    monitor(points, 0);
+    monitor(points, 0, "1");
+    const auto first = next_values();
+    REQUIRE(first.size() == 2);
+    CHECK(first[0] == image->memory().load(points));
+    scan();
+    server.handle_completions(now);
+    CHECK(next().empty());
+    std::vector<Variant> expected;
+    for (int i = 1; i <= 2; ++i) {
+        const server::StructureView point = image->memory().structure(points, 0);
+        point.value<std::int32_t>(0) = i;
+        CHECK(point.set_text(1, std::to_string(i)));
+        expected.push_back(image->memory().load(points));
+        scan();
+    }
+    server.handle_completions(now);
+    CHECK(next_values() == expected); // the other element has not changed
+    image->memory().structure(points, 1).value<std::int32_t>(0) = 9;
+    scan();
+    server.handle_completions(now);
+    const auto values = next_values();
+    REQUIRE(values.size() == 2);
+    const auto* const whole = values[0].array_if<ExtensionObject>();
+    REQUIRE(whole != nullptr);
+    CHECK(values[1] == Variant{Array<ExtensionObject>{(*whole)[1]}});
 }

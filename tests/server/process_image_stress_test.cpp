@@ -4,6 +4,8 @@
 #include <thread>
 #include <vector>
 
+#include <busbar/binary/reader.hpp>
+#include <busbar/core/extension_object.hpp>
 #include <busbar/server/process_image.hpp>
 
 #include "support/source_caller.hpp"
@@ -28,6 +30,13 @@ struct Machine {
         text = layout.add({BuiltInType::String, {}, 16}).value();
         array = layout.add({BuiltInType::Int32, {16}, 0}).value();
         input = layout.add({BuiltInType::Int32, {8}, 0}).value();
+        const std::vector<ImageVariable> members{{BuiltInType::Int32, {4}}, {BuiltInType::Int32}};
+        structures = layout
+                         .add({BuiltInType::ExtensionObject,
+                               {2},
+                               0,
+                               ImageStructure::create(NodeId{1, 1}, members).value()})
+                         .value();
         image = ProcessImage::create(std::move(layout), options);
     }
     void scan(std::int32_t number)
@@ -41,12 +50,30 @@ struct Machine {
         for (std::int32_t& element : memory.values<std::int32_t>(array)) {
             element = number;
         }
+        for (std::uint32_t i = 0; i < 2; ++i) {
+            const StructureView view = memory.structure(structures, i);
+            for (std::int32_t& element : view.values<std::int32_t>(0)) {
+                element = number;
+            }
+            view.value<std::int32_t>(1) = number;
+        }
         image->publish(DateTime{number});
     }
 
-    std::uint32_t text, array, input;
+    std::uint32_t text, array, input, structures;
     std::shared_ptr<ProcessImage> image;
 };
+
+/// All numbers in a body of `structures` but the array's length.
+bool is_body_of(const ExtensionObject& object, std::int32_t number)
+{
+    binary::Reader reader{object.binary().span()};
+    bool is_same = reader.number<std::int32_t>() == 4;
+    for (int i = 0; i < 5; ++i) {
+        is_same &= reader.number<std::int32_t>() == number;
+    }
+    return is_same && reader.ok() && reader.remaining() == 0;
+}
 
 /// The number that all slots agree on, or -1.
 std::int32_t number_of(const Machine& machine, const ImagePin& pin)
@@ -66,6 +93,12 @@ std::int32_t number_of(const Machine& machine, const ImagePin& pin)
     pin.read(machine.array, slot);
     for (const std::int32_t element : *slot.shared->array_if<std::int32_t>()) {
         if (element != number) {
+            return -1;
+        }
+    }
+    pin.read(machine.structures, slot);
+    for (const ExtensionObject& object : *slot.shared->array_if<ExtensionObject>()) {
+        if (!is_body_of(object, number)) {
             return -1;
         }
     }

@@ -18,6 +18,7 @@ namespace detail {
 class ImageBuffer;
 class ImagePool;
 class ImageWrites;
+class StructureValues;
 } // namespace detail
 
 struct ImageOptions {
@@ -46,7 +47,8 @@ class BUSBAR_API ImagePin {
 public:
     ImagePin() = default;
     ImagePin(ImagePin&& other) noexcept
-        : image_{std::move(other.image_)}, buffer_{std::exchange(other.buffer_, nullptr)}
+        : image_{std::move(other.image_)}, buffer_{std::exchange(other.buffer_, nullptr)},
+          structures_{std::move(other.structures_)}
     {
     }
     ImagePin& operator=(ImagePin&& other) noexcept
@@ -54,6 +56,7 @@ public:
         release();
         image_ = std::move(other.image_);
         buffer_ = std::exchange(other.buffer_, nullptr);
+        structures_ = std::move(other.structures_);
         return *this;
     }
     ~ImagePin() { release(); }
@@ -64,8 +67,11 @@ public:
     /// The number of the scan, counted from 1.
     [[nodiscard]] std::uint64_t scan() const;
     /// Puts a variable's value into the slot, with the scan's time. True if the slot points into
-    /// the scan, so that the pin has to be kept as long as the slot is used. `handle` must exist.
+    /// the scan or the pin, so that the pin has to be kept as long as the slot is used. `handle`
+    /// must exist. The pin keeps what structures are on the wire, of each variable once.
     bool read(std::uint32_t handle, ReadSlot& slot) const;
+    /// No slot that was filled is used any more: what the pin keeps of structures may go.
+    void recycle() const;
     /// A copy of a variable's value.
     [[nodiscard]] Variant value(std::uint32_t handle) const;
     /// A variable's bytes, as ImageMemory has them.
@@ -81,6 +87,8 @@ private:
 
     std::shared_ptr<const ProcessImage> image_;
     detail::ImageBuffer* buffer_{nullptr};
+    /// Made when it is needed.
+    mutable std::shared_ptr<detail::StructureValues> structures_;
 };
 
 /// The variables of a PLC task and how they get to a server and back: once per scan, as a whole.

@@ -5,6 +5,7 @@
 
 #include "core/range_walk.hpp"
 #include "image_types.hpp"
+#include "structure_codec.hpp"
 
 namespace busbar::server::detail {
 
@@ -75,7 +76,6 @@ bool ImageChanges::add_all(std::uint32_t max_changes, std::uint32_t max_bytes)
     items_.reserve(expected);
     changes_.reserve(expected);
     for (std::size_t i = 0; i < items.size() && !is_too_much(); ++i) {
-        first_of_item_ = changes_.size();
         results[i] = add(items[i]);
         if (results[i].is_good()) {
             items_.push_back({static_cast<std::uint32_t>(i),
@@ -89,6 +89,18 @@ bool ImageChanges::add_all(std::uint32_t max_changes, std::uint32_t max_bytes)
 }
 
 StatusCode ImageChanges::add(const WriteItem& item)
+{
+    first_of_item_ = changes_.size();
+    const std::size_t bytes = bytes_.size();
+    const StatusCode status = add_checked(item);
+    if (!status.is_good()) {
+        changes_.resize(first_of_item_);
+        bytes_.resize(bytes);
+    }
+    return status;
+}
+
+StatusCode ImageChanges::add_checked(const WriteItem& item)
 {
     if (item.handle >= layout_->size()) {
         return status::Bad_NodeIdUnknown;
@@ -106,23 +118,34 @@ StatusCode ImageChanges::add_whole(const ImagePlace& place, const Variant& value
     if (const StatusCode checked = check_value(place, value); !checked.is_good()) {
         return checked;
     }
+    if (place.is_structure()) {
+        return add_each(place, elements_of<ExtensionObject>(value));
+    }
     if (!place.is_text()) {
         const auto from = number_bytes(value);
         std::memcpy(grow(0, from.size()), from.data(), from.size());
         return status::Good;
     }
-    visit_image_type(
+    return visit_image_type(
         place.type,
-        [&](auto tag) {
+        [&](auto tag) -> StatusCode {
             using T = typename decltype(tag)::type;
             if constexpr (is_image_text<T>) {
-                const auto texts = elements_of<T>(value);
-                for (std::size_t i = 0; i < texts.size() && !is_too_much(); ++i) {
-                    add_element(place, i, texts[i]);
-                }
+                return add_each(place, elements_of<T>(value));
             }
+            return status::Good;
         },
-        [] {});
+        [] { return StatusCode{status::Bad_TypeMismatch}; });
+}
+
+template <typename T>
+StatusCode ImageChanges::add_each(const ImagePlace& place, std::span<const T> values)
+{
+    for (std::size_t i = 0; i < values.size() && !is_too_much(); ++i) {
+        if (const StatusCode added = add_element(place, i, values[i]); !added.is_good()) {
+            return added;
+        }
+    }
     return status::Good;
 }
 
@@ -131,6 +154,9 @@ StatusCode ImageChanges::add_range(const ImagePlace& place, const NumericRange& 
 {
     if (value.type() != place.type) {
         return status::Bad_TypeMismatch;
+    }
+    if (place.is_structure()) {
+        return add_elements<ExtensionObject>(place, range, value);
     }
     return visit_image_type(
         place.type,
@@ -156,17 +182,21 @@ StatusCode ImageChanges::add_elements(const ImagePlace& place, const NumericRang
         }
     }
     std::size_t next = 0;
+    StatusCode status;
     busbar::detail::walk(box, [&](std::size_t index) {
-        add_element(place, index, values[next++]);
-        return !is_too_much();
+        status = add_element(place, index, values[next++]);
+        return status.is_good() && !is_too_much();
     });
-    return status::Good;
+    return status;
 }
 
 template <typename T>
-void ImageChanges::add_element(const ImagePlace& place, std::size_t element, const T& value)
+StatusCode ImageChanges::add_element(const ImagePlace& place, std::size_t element, const T& value)
 {
-    if constexpr (is_image_text<T>) {
+    if constexpr (std::same_as<T, ExtensionObject>) {
+        return decode_structure(*place.structure, value,
+                                grow(element * place.stride, place.stride));
+    } else if constexpr (is_image_text<T>) {
         const auto text = text_of(value);
         const ImageText head{text ? static_cast<std::uint32_t>(text->size())
                                   : ImageText::null_size};
@@ -179,6 +209,7 @@ void ImageChanges::add_element(const ImagePlace& place, std::size_t element, con
     } else {
         std::memcpy(grow(element * place.stride, sizeof(T)), &value, sizeof(T));
     }
+    return status::Good;
 }
 
 std::byte* ImageChanges::grow(std::size_t to, std::size_t size)

@@ -69,7 +69,9 @@ private:
         std::uint32_t size;
     };
 
+    /// Nothing is left of it if it fails.
     [[nodiscard]] StatusCode add(const WriteItem& item);
+    [[nodiscard]] StatusCode add_checked(const WriteItem& item);
     [[nodiscard]] StatusCode add_whole(const ImagePlace& place, const Variant& value);
     [[nodiscard]] StatusCode add_range(const ImagePlace& place, const NumericRange& range,
                                        const Variant& value);
@@ -77,7 +79,10 @@ private:
     [[nodiscard]] StatusCode add_elements(const ImagePlace& place, const NumericRange& range,
                                           const Variant& value);
     template <typename T>
-    void add_element(const ImagePlace& place, std::size_t element, const T& value);
+    [[nodiscard]] StatusCode add_element(const ImagePlace& place, std::size_t element,
+                                         const T& value);
+    template <typename T>
+    [[nodiscard]] StatusCode add_each(const ImagePlace& place, std::span<const T> values);
     /// So many bytes to be filled in, for what lies `to` bytes behind the variable's first; they
     /// belong to the change before if they follow it.
     std::byte* grow(std::size_t to, std::size_t size);

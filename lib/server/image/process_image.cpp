@@ -8,6 +8,7 @@
 #include "image_pool.hpp"
 #include "image_types.hpp"
 #include "image_writes.hpp"
+#include "structure_values.hpp"
 
 namespace busbar::server {
 
@@ -80,6 +81,13 @@ bool ImagePin::read(std::uint32_t handle, ReadSlot& slot) const
         slot.shared = &buffer_->array(place);
         return true;
     }
+    if (place.is_structure()) {
+        if (structures_ == nullptr) {
+            structures_ = std::make_shared<detail::StructureValues>();
+        }
+        slot.shared = &structures_->value(handle, place, buffer_->plain(place));
+        return true;
+    }
     slot.shared = nullptr;
     slot.value = scalar(place, buffer_->plain(place));
     return place.is_text();
@@ -99,8 +107,16 @@ const std::byte* ImagePin::bytes(const ImagePlace& place) const
                            : buffer_->plain(place);
 }
 
+void ImagePin::recycle() const
+{
+    if (structures_ != nullptr) {
+        structures_->recycle();
+    }
+}
+
 void ImagePin::release()
 {
+    structures_.reset();
     if (buffer_ != nullptr) {
         image_->pool_->unpin(*std::exchange(buffer_, nullptr));
     }

@@ -106,6 +106,9 @@ void ImageWatch::report(Entry& entry, const Sample& sample)
     }
     const StatusCode status = slot.status.is_bad() ? slot.status : sample.status;
     entry.item->sample(slot, status, sample.server_time);
+    if (sample.pin) {
+        sample.pin.recycle();
+    }
     entry.is_always = !entry.item->ignores_equal();
     entry.is_new = false;
 }

@@ -1,0 +1,64 @@
+#include "structure_values.hpp"
+
+#include <algorithm>
+
+#include "structure_codec.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+constexpr std::size_t usual_block = 16U << 10U;
+
+} // namespace
+
+const Variant& StructureValues::value(std::uint32_t handle, const ImagePlace& place,
+                                      const std::byte* from)
+{
+    const auto found = values_.find(handle);
+    return found != values_.end() ? found->second
+                                  : values_.emplace(handle, make(place, from)).first->second;
+}
+
+Variant StructureValues::make(const ImagePlace& place, const std::byte* from)
+{
+    const auto most = static_cast<std::size_t>(place.structure->max_wire_size());
+    const auto encode_next = [&] {
+        Block& block = block_with(most);
+        const std::span<std::byte> room{block.bytes.get() + block.used, most};
+        const std::size_t size = encode_structure(*place.structure, from, room);
+        block.used += size;
+        from += place.stride;
+        return borrow_object(*place.structure, room.first(size));
+    };
+    if (!place.is_array()) {
+        return Variant{encode_next()};
+    }
+    Array<ExtensionObject> values;
+    values.reserve(place.elements);
+    for (std::uint32_t i = 0; i < place.elements; ++i) {
+        values.push_back(encode_next());
+    }
+    return Variant::matrix(std::move(values), Array<std::uint32_t>{place.dimensions});
+}
+
+StructureValues::Block& StructureValues::block_with(std::size_t room)
+{
+    if (blocks_.empty() || blocks_.back().size - blocks_.back().used < room) {
+        const std::size_t size = std::max(room, usual_block);
+        blocks_.push_back({std::unique_ptr<std::byte[]>{new std::byte[size]}, size, 0});
+    }
+    return blocks_.back();
+}
+
+void StructureValues::recycle()
+{
+    values_.clear();
+    if (blocks_.size() == 1 && blocks_.front().size == usual_block) {
+        blocks_.front().used = 0;
+    } else {
+        blocks_.clear();
+    }
+}
+
+} // namespace busbar::server::detail
