@@ -9,6 +9,7 @@
 
 #include <busbar/controller/program.hpp>
 #include <busbar/core/api.hpp>
+#include <busbar/core/built_in_type.hpp>
 #include <busbar/core/problem.hpp>
 
 namespace busbar::controller {
@@ -89,6 +90,9 @@ private:
 
 /// Bytes of one, but for String.
 [[nodiscard]] BUSBAR_API std::uint32_t size_of(ElementaryType type);
+/// As which it is published (seed 000, 6-2-2): TIME as a Double of milliseconds, dates and times of
+/// day as DateTime, bit strings as unsigned integers. Enumerations are Int32.
+[[nodiscard]] BUSBAR_API BuiltInType built_in_type_of(ElementaryType type);
 /// "INT".
 [[nodiscard]] BUSBAR_API std::string_view name(ElementaryType type);
 

@@ -12,17 +12,31 @@ namespace {
 struct ElementaryRow {
     std::string_view name;
     std::uint32_t size;
+    BuiltInType built_in;
 };
 
 /// In the order of ElementaryType.
 constexpr std::array elementary_rows{
-    ElementaryRow{"BOOL", 1},          ElementaryRow{"SINT", 1},   ElementaryRow{"INT", 2},
-    ElementaryRow{"DINT", 4},          ElementaryRow{"LINT", 8},   ElementaryRow{"USINT", 1},
-    ElementaryRow{"UINT", 2},          ElementaryRow{"UDINT", 4},  ElementaryRow{"ULINT", 8},
-    ElementaryRow{"BYTE", 1},          ElementaryRow{"WORD", 2},   ElementaryRow{"DWORD", 4},
-    ElementaryRow{"LWORD", 8},         ElementaryRow{"REAL", 4},   ElementaryRow{"LREAL", 8},
-    ElementaryRow{"TIME", 8},          ElementaryRow{"DATE", 8},   ElementaryRow{"TIME_OF_DAY", 8},
-    ElementaryRow{"DATE_AND_TIME", 8}, ElementaryRow{"STRING", 0},
+    ElementaryRow{"BOOL", 1, BuiltInType::Boolean},
+    ElementaryRow{"SINT", 1, BuiltInType::SByte},
+    ElementaryRow{"INT", 2, BuiltInType::Int16},
+    ElementaryRow{"DINT", 4, BuiltInType::Int32},
+    ElementaryRow{"LINT", 8, BuiltInType::Int64},
+    ElementaryRow{"USINT", 1, BuiltInType::Byte},
+    ElementaryRow{"UINT", 2, BuiltInType::UInt16},
+    ElementaryRow{"UDINT", 4, BuiltInType::UInt32},
+    ElementaryRow{"ULINT", 8, BuiltInType::UInt64},
+    ElementaryRow{"BYTE", 1, BuiltInType::Byte},
+    ElementaryRow{"WORD", 2, BuiltInType::UInt16},
+    ElementaryRow{"DWORD", 4, BuiltInType::UInt32},
+    ElementaryRow{"LWORD", 8, BuiltInType::UInt64},
+    ElementaryRow{"REAL", 4, BuiltInType::Float},
+    ElementaryRow{"LREAL", 8, BuiltInType::Double},
+    ElementaryRow{"TIME", 8, BuiltInType::Double},
+    ElementaryRow{"DATE", 8, BuiltInType::DateTime},
+    ElementaryRow{"TIME_OF_DAY", 8, BuiltInType::DateTime},
+    ElementaryRow{"DATE_AND_TIME", 8, BuiltInType::DateTime},
+    ElementaryRow{"STRING", 0, BuiltInType::String},
 };
 static_assert(elementary_rows.size() == static_cast<std::size_t>(ElementaryType::String) + 1);
 
@@ -140,6 +154,11 @@ std::uint64_t ProgramTypes::size_of_type(const DerivedType& type) const
 std::uint32_t size_of(ElementaryType type)
 {
     return elementary_rows[static_cast<std::size_t>(type)].size;
+}
+
+BuiltInType built_in_type_of(ElementaryType type)
+{
+    return elementary_rows[static_cast<std::size_t>(type)].built_in;
 }
 
 std::string_view name(ElementaryType type)
