@@ -1,0 +1,99 @@
+#include "initial_number.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+#include "server/image/image_types.hpp"
+
+namespace busbar::controller::detail {
+
+namespace {
+
+template <typename T, typename From>
+std::optional<T> integer_as(From value)
+{
+    if constexpr (std::is_floating_point_v<T>) {
+        return static_cast<T>(value);
+    } else if constexpr (std::same_as<T, bool>) {
+        return value == 0 || value == 1 ? std::optional{value == 1} : std::nullopt;
+    } else {
+        return std::in_range<T>(value) ? std::optional{static_cast<T>(value)} : std::nullopt;
+    }
+}
+
+template <typename T>
+std::optional<T> double_as(double value)
+{
+    if constexpr (std::same_as<T, float>) {
+        const bool is_finite = std::isfinite(value);
+        return is_finite && std::abs(value) > std::numeric_limits<float>::max()
+                   ? std::nullopt
+                   : std::optional{static_cast<float>(value)};
+    } else if constexpr (std::same_as<T, double>) {
+        return value;
+    } else {
+        return std::nullopt;
+    }
+}
+
+template <typename T>
+std::optional<T> number_as(const Variant& value)
+{
+    if (const T* const same = value.get_if<T>()) {
+        return *same;
+    }
+    if constexpr (std::is_arithmetic_v<T>) {
+        if (const auto* const integer = value.get_if<std::int64_t>()) {
+            return integer_as<T>(*integer);
+        }
+        if (const auto* const integer = value.get_if<std::uint64_t>()) {
+            return integer_as<T>(*integer);
+        }
+        if (const double* const real = value.get_if<double>()) {
+            return double_as<T>(*real);
+        }
+    }
+    return std::nullopt;
+}
+
+} // namespace
+
+bool put_initial_number(BuiltInType type, const Variant& value, std::byte* to)
+{
+    return server::detail::visit_image_type(
+        type,
+        [&](auto tag) {
+            using T = typename decltype(tag)::type;
+            if constexpr (server::detail::is_image_text<T>) {
+                return false;
+            } else {
+                const std::optional<T> number = number_as<T>(value);
+                if (number) {
+                    std::memcpy(to, &*number, sizeof *number);
+                }
+                return number.has_value();
+            }
+        },
+        [] { return false; });
+}
+
+bool is_in_subrange(const Variant& value, const std::optional<Bounds>& subrange)
+{
+    if (!subrange) {
+        return true;
+    }
+    if (const auto* const integer = value.get_if<std::int64_t>()) {
+        return *integer >= subrange->lower && *integer <= subrange->upper;
+    }
+    if (const auto* const integer = value.get_if<std::uint64_t>()) {
+        return std::in_range<std::int64_t>(*integer) &&
+               static_cast<std::int64_t>(*integer) >= subrange->lower &&
+               static_cast<std::int64_t>(*integer) <= subrange->upper;
+    }
+    return true;
+}
+
+} // namespace busbar::controller::detail

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include <busbar/controller/program.hpp>
+
+namespace busbar::controller::detail {
+
+/// Puts a number, truth value or date as `type` has it to where a value of that type lies. False,
+/// with nothing changed, if it has none: another kind of value, or one that is too large.
+[[nodiscard]] bool put_initial_number(BuiltInType type, const Variant& value, std::byte* to);
+
+/// True also for what is no integer.
+[[nodiscard]] bool is_in_subrange(const Variant& value, const std::optional<Bounds>& subrange);
+
+} // namespace busbar::controller::detail

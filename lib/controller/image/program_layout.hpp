@@ -1,0 +1,36 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <unordered_map>
+
+#include <busbar/controller/program_image.hpp>
+#include <busbar/server/image_layout.hpp>
+
+namespace busbar::controller::detail {
+
+/// What an image has to have for a program's variables. Makes each structure once.
+class ProgramLayout {
+public:
+    ProgramLayout(const ProgramTypes& types, ProgramImage::EncodingOf encoding_of)
+        : types_{&types}, encoding_of_{encoding_of}
+    {
+    }
+
+    /// The variable's text is why it cannot be in an image.
+    [[nodiscard]] Configured<server::ImageVariable> variable(const TypeUse& use);
+
+private:
+    using Structure = std::shared_ptr<const server::ImageStructure>;
+
+    [[nodiscard]] Configured<Structure> structure(const DerivedType& type);
+
+    const ProgramTypes* types_;
+    ProgramImage::EncodingOf encoding_of_;
+    std::unordered_map<const DerivedType*, Structure> structures_;
+};
+
+/// "variables[7] (Speed)", as problems say it, with line and column if they are known.
+[[nodiscard]] std::string place_of_variable(const Program& program, std::size_t index);
+
+} // namespace busbar::controller::detail

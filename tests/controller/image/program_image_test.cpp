@@ -1,0 +1,269 @@
+#include <catch2/catch.hpp>
+
+#include <numeric>
+
+#include <busbar/controller/program_image.hpp>
+#include <busbar/core/extension_object.hpp>
+
+using namespace busbar;
+using namespace busbar::controller;
+
+namespace {
+
+TypeUse of(ElementaryType type)
+{
+    return {.elementary = type};
+}
+
+TypeUse of(std::string type)
+{
+    return {.type_name = std::move(type)};
+}
+
+TypeUse array(TypeUse type, std::vector<Bounds> bounds)
+{
+    type.dimensions = std::move(bounds);
+    return type;
+}
+
+InitialValue initial(Variant value, std::uint32_t repeat = 1)
+{
+    return {.repeat = repeat, .value = std::move(value)};
+}
+
+InitialValue list(std::vector<InitialValue> parts, std::uint32_t repeat = 1)
+{
+    return {.repeat = repeat, .parts = std::move(parts)};
+}
+
+InitialValue member(std::string name, InitialValue value)
+{
+    value.member = std::move(name);
+    return value;
+}
+
+DerivedType mode()
+{
+    return {.name = "Mode",
+            .kind = DerivedType::Kind::Enumeration,
+            .enumerators = {{"Off", 3}, {"On", 5}}};
+}
+
+DerivedType axis()
+{
+    DerivedType type{.name = "Axis"};
+    type.members = {
+        {.name = "Mode", .type = of("Mode")},
+        {.name = "Limits",
+         .type = array(of(ElementaryType::Real), {{1, 3}}),
+         .initial = list({initial(1.5), initial(std::int64_t{2}, 2)})},
+        {.name = "Name", .type = {.elementary = ElementaryType::String, .string_length = 8}}};
+    return type;
+}
+
+const auto encoding_of = [](const DerivedType& type) { return NodeId{2, String{type.name}}; };
+
+Configured<ProgramImage> image_of(const Program& program)
+{
+    const auto types = ProgramTypes::create(program);
+    REQUIRE(types);
+    std::vector<std::size_t> all(program.variables.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    return ProgramImage::create(*types, all, encoding_of);
+}
+
+/// What one variable begins with.
+Variant begins_with(GlobalVariable variable, std::vector<DerivedType> types = {mode(), axis()})
+{
+    Program program;
+    program.types = std::move(types);
+    program.variables = {std::move(variable)};
+    const auto made = image_of(program);
+    INFO((made ? "" : text(made.error())));
+    REQUIRE(made);
+    return made->image()->memory().load(0);
+}
+
+std::string refusal_of(GlobalVariable variable, std::vector<DerivedType> types = {mode(), axis()})
+{
+    Program program;
+    program.types = std::move(types);
+    program.variables = {std::move(variable)};
+    const auto made = image_of(program);
+    return made ? "" : text(made.error());
+}
+
+} // namespace
+
+TEST_CASE("Each data type of the controller is one of OPC UA (6-2-2)")
+{
+    const auto check = [](BuiltInType expected, std::vector<ElementaryType> types) {
+        for (const ElementaryType type : types) {
+            INFO(name(type));
+            CHECK(controller::built_in_type_of(type) == expected);
+        }
+    };
+    using E = ElementaryType;
+    check(BuiltInType::Boolean, {E::Bool});
+    check(BuiltInType::SByte, {E::Sint});
+    check(BuiltInType::Byte, {E::Usint, E::Byte});
+    check(BuiltInType::Int16, {E::Int});
+    check(BuiltInType::UInt16, {E::Uint, E::Word});
+    check(BuiltInType::Int32, {E::Dint});
+    check(BuiltInType::UInt32, {E::Udint, E::Dword});
+    check(BuiltInType::Int64, {E::Lint});
+    check(BuiltInType::UInt64, {E::Ulint, E::Lword});
+    check(BuiltInType::Float, {E::Real});
+    check(BuiltInType::Double, {E::Time, E::Lreal});
+    check(BuiltInType::String, {E::String});
+    check(BuiltInType::DateTime, {E::DateAndTime, E::Date, E::TimeOfDay});
+    CHECK(begins_with({.name = "e", .type = of("Mode")}).type() == BuiltInType::Int32);
+}
+
+TEST_CASE("Variables get their handles in the order of publishing (6-2-2)")
+{
+    Program program;
+    program.variables = {{.name = "a", .type = of(ElementaryType::Int)},
+                         {.name = "b", .type = of(ElementaryType::Bool)},
+                         {.name = "c", .type = array(of(ElementaryType::Lreal), {{0, 1}, {1, 3}})}};
+    const auto types = ProgramTypes::create(program);
+    REQUIRE(types);
+    const std::vector<std::size_t> chosen{2, 0};
+    const auto made = ProgramImage::create(*types, chosen, encoding_of);
+    REQUIRE(made);
+    CHECK(made->variables().size() == 2);
+    CHECK(made->variables()[0] == 2);
+    CHECK(made->image()->layout().size() == 2);
+    CHECK(made->image()->layout()[0].dimensions == std::vector<std::uint32_t>{2, 3});
+    CHECK(made->image()->layout()[1].type == BuiltInType::Int16);
+}
+
+TEST_CASE("A variable without initial value begins as its type says (6-2-2)")
+{
+    CHECK(begins_with({.name = "n", .type = of(ElementaryType::Int)}) == Variant{std::int16_t{0}});
+    CHECK(begins_with({.name = "s", .type = of(ElementaryType::String)}) == Variant{String{""}});
+    CHECK(begins_with({.name = "e", .type = of("mode")}) == Variant{3});
+    TypeUse narrow = of(ElementaryType::Int);
+    narrow.subrange = Bounds{4, 9};
+    CHECK(begins_with({.name = "r", .type = array(narrow, {{0, 1}})}) ==
+          Variant{Array<std::int16_t>{4, 4}});
+    DerivedType percent{.name = "Percent", .kind = DerivedType::Kind::Alias};
+    percent.alias = of(ElementaryType::Usint);
+    percent.initial = initial(std::int64_t{50});
+    CHECK(begins_with({.name = "p", .type = of("Percent")}, {percent}) ==
+          Variant{std::uint8_t{50}});
+    CHECK(begins_with({.name = "p", .type = of("Percent"), .initial = initial(std::int64_t{7})},
+                      {percent}) == Variant{std::uint8_t{7}});
+}
+
+TEST_CASE("Initial values of every kind (6-2-2)")
+{
+    const auto value = [](ElementaryType type, Variant declared) {
+        return begins_with(
+            {.name = "v", .type = of(type), .initial = initial(std::move(declared))});
+    };
+    CHECK(value(ElementaryType::Bool, true) == Variant{true});
+    CHECK(value(ElementaryType::Bool, std::int64_t{1}) == Variant{true});
+    CHECK(value(ElementaryType::Sint, std::int64_t{-128}) == Variant{std::int8_t{-128}});
+    CHECK(value(ElementaryType::Lword, UINT64_MAX) == Variant{UINT64_MAX});
+    CHECK(value(ElementaryType::Real, 0.5) == Variant{0.5F});
+    CHECK(value(ElementaryType::Lreal, std::int64_t{3}) == Variant{3.0});
+    CHECK(value(ElementaryType::Time, 1500.0) == Variant{1500.0});
+    CHECK(value(ElementaryType::Date, DateTime{42}) == Variant{DateTime{42}});
+    CHECK(value(ElementaryType::String, String{"pump"}) == Variant{"pump"});
+    CHECK(begins_with({.name = "e", .type = of("Mode"), .initial = initial("ON")}) == Variant{5});
+    CHECK(begins_with(
+              {.name = "a",
+               .type = array(of(ElementaryType::Int), {{0, 1}, {0, 2}}),
+               .initial = list({initial(std::int64_t{1}), list({initial(std::int64_t{2})}, 3)})}) ==
+          Variant::matrix(Array<std::int16_t>{1, 2, 2, 2, 0, 0}, Array<std::uint32_t>{2, 3}));
+}
+
+TEST_CASE("Initial values of structures, member by member (6-2-2)")
+{
+    Program program;
+    program.types = {mode(), axis()};
+    program.variables = {
+        {.name = "axes",
+         .type = array(of("Axis"), {{0, 2}}),
+         .initial = list(
+             {InitialValue{}, list({member("name", initial("left")), member("Mode", initial("On")),
+                                    member("limits", list({initial(9.0)}))})})}};
+    const auto made = image_of(program);
+    REQUIRE(made);
+    server::ImageMemory& memory = made->image()->memory();
+    for (const std::uint32_t other : {0U, 2U}) {
+        const auto view = memory.structure(0, other);
+        CHECK(view.value<std::int32_t>(0) == 3);
+        CHECK(view.values<float>(1)[0] == 1.5F);
+        CHECK(view.values<float>(1)[2] == 2.0F);
+        CHECK(view.text(2) == "");
+    }
+    const auto left = memory.structure(0, 1);
+    CHECK(left.value<std::int32_t>(0) == 5);
+    CHECK(left.values<float>(1)[0] == 9.0F);
+    CHECK(left.values<float>(1)[1] == 2.0F); // as the member begins
+    CHECK(left.text(2) == "left");
+    const Variant all = memory.load(0);
+    CHECK((*all.array_if<ExtensionObject>())[0].encoding_id() == NodeId{2, "Axis"});
+}
+
+TEST_CASE("What an image cannot have is refused, with its place (6-2-2)")
+{
+    DerivedType either = axis();
+    either.name = "Either";
+    either.kind = DerivedType::Kind::Union;
+    DerivedType outer{.name = "Outer"};
+    outer.members = {{.name = "Inner", .type = of("Either")}};
+    CHECK(refusal_of({.name = "u", .type = of("Outer")}, {mode(), either, outer}) ==
+          "variables[0] (u).Inner: is a union, which has no place in a process image");
+    const auto refused = [](ElementaryType type, InitialValue value) {
+        return refusal_of({.name = "v", .type = of(type), .initial = std::move(value)});
+    };
+    using E = ElementaryType;
+    CHECK(refused(E::Sint, initial(std::int64_t{128})) ==
+          "variables[0] (v): has an initial value that is no SINT");
+    CHECK(refused(E::Uint, initial(std::int64_t{-1})) != "");
+    CHECK(refused(E::Int, initial(1.5)) != "");
+    CHECK(refused(E::Bool, initial(std::int64_t{2})) != "");
+    CHECK(refused(E::Real, initial(1e300)) != "");
+    CHECK(refused(E::Date, initial(std::int64_t{1})) != "");
+    CHECK(refused(E::Int, initial("On")) != "");
+    CHECK(refused(E::Int, list({initial(std::int64_t{1})})) ==
+          "variables[0] (v): has a list of initial values; expected one");
+    GlobalVariable variable{.name = "v", .type = of("Mode"), .initial = initial("Idle")};
+    variable.place = {4, 2};
+    CHECK(refusal_of(variable) == "4:2: variables[0] (v): has an initial value that is no name of "
+                                  "the enumeration Mode");
+    TypeUse narrow = of(E::Int);
+    narrow.subrange = Bounds{0, 10};
+    CHECK(refusal_of({.name = "v", .type = narrow, .initial = initial(std::int64_t{11})}) ==
+          "variables[0] (v): has an initial value that is no INT within its subrange");
+    CHECK(refusal_of({.name = "v",
+                      .type = {.elementary = E::String, .string_length = 3},
+                      .initial = initial("long")}) ==
+          "variables[0] (v): has an initial value that is no text of at most 3 bytes");
+}
+
+TEST_CASE("Lists of initial values have to fit (6-2-2)")
+{
+    GlobalVariable variable{.name = "v", .type = array(of(ElementaryType::Int), {{1, 3}})};
+    variable.initial = list({initial(std::int64_t{1}, UINT32_MAX)});
+    CHECK(refusal_of(variable) == "variables[0] (v): has more initial values than its 3 elements");
+    variable.initial = list({list({list({initial(std::int64_t{1}, 2)}, 2)}, UINT32_MAX)});
+    CHECK(refusal_of(variable) != "");
+    variable.initial = list({initial(std::int64_t{1}), initial("x")});
+    CHECK(refusal_of(variable) == "variables[0] (v)[1]: has an initial value that is no INT");
+    variable.initial = initial(std::int64_t{1});
+    CHECK(refusal_of(variable) ==
+          "variables[0] (v): has one initial value; expected a list of elements");
+    variable.type = of("Axis");
+    CHECK(refusal_of(variable) ==
+          "variables[0] (v): has one initial value; expected a list of members");
+    variable.initial = list({member("Speed", initial(1.0))});
+    CHECK(refusal_of(variable) ==
+          "variables[0] (v).Speed: has an initial value, and is no member of Axis");
+    variable.initial = list({member("Limits", list({initial(1.0), initial(true)}))});
+    CHECK(refusal_of(variable) ==
+          "variables[0] (v).Limits[1]: has an initial value that is no REAL");
+}
