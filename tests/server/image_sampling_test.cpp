@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include <busbar/server/process_image.hpp>
+#include <busbar/server/running_server.hpp>
 
 #include "subscription_fixture.hpp"
 #include "support/slow_server.hpp"
@@ -351,4 +352,27 @@ TEST_CASE_METHOD(ImageFixture, "structures are sampled scan by scan, as a whole 
     const auto* const whole = values[0].array_if<ExtensionObject>();
     REQUIRE(whole != nullptr);
     CHECK(values[1] == Variant{Array<ExtensionObject>{(*whole)[1]}});
+}
+
+TEST_CASE_METHOD(ImageFixture, "scans of a suspended server's task are not told")
+{
+    scan();
+    monitor(level, 0);
+    monitor(level, 50);
+    CHECK(next_values() == std::vector<Variant>{0, 0});
+    const server::RunningServer running{server};
+    REQUIRE(running.change_state(ServerState::Suspended, "", {}));
+    image->memory().value<std::int32_t>(level) = 1;
+    scan();
+    server.handle_completions(now);
+    auto values = next();
+    REQUIRE(values.size() == 2);
+    for (const DataValue& value : values) {
+        CHECK(value.status == status::Bad_OutOfService);
+        CHECK(value.value.is_null());
+    }
+    REQUIRE(running.change_state(ServerState::Running, "", {}));
+    scan();
+    server.handle_completions(now);
+    CHECK(next_values() == std::vector<Variant>{1, 1});
 }

@@ -171,6 +171,9 @@ struct DataSourceOptions {
     /// have timed out. What comes on top answers Bad_TooManyOperations.
     std::size_t max_batches{256};
     std::size_t max_items{1'000'000};
+    /// Belongs to the server and not to what it is in front of: goes on being called while the
+    /// server is Suspended or has Failed, see RunningServer::change_state.
+    bool is_always_in_service{false};
 };
 
 /// A backend: a controller's memory, a bus, a remote PLC.

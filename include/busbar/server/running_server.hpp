@@ -7,6 +7,7 @@
 #include <busbar/core/api.hpp>
 #include <busbar/core/function_ref.hpp>
 #include <busbar/server/server.hpp>
+#include <busbar/types/enumerations.hpp>
 
 namespace busbar::server {
 
@@ -37,6 +38,21 @@ public:
     /// Other certificates are trusted than before. A second later, so that answers under way
     /// arrive, channels of clients whose certificate is refused now are closed (Part 12, 7.8.2.5).
     void trust_changed() const;
+    /// Running, Suspended or Failed (Part 5, 12.6), for as long as nobody changes it back; false
+    /// for another state, or if the server is shutting down. Clients are told by ServerStatus and a
+    /// SystemStatusChangeEvent with `reason`. EstimatedReturnTime says `return_time`, which may be
+    /// null and is for Running (Part 5, 9.4).
+    ///
+    /// Suspended: no data comes or goes. Values and Methods of data sources answer
+    /// Bad_OutOfService, in Subscriptions too, but for sources of the server's own
+    /// (DataSourceOptions::is_always_in_service); ServiceLevel is in Maintenance, 0. Sessions and
+    /// Subscriptions stay, all services work, what the address space itself keeps is read and
+    /// written, and events are told: clients come back to what they had.
+    ///
+    /// Failed: the same with Bad_ServerHalted, and services other than those of Discovery and
+    /// Session, Read, Call and Publish are refused with it, so that clients see how the server is
+    /// and an administrator can ask for another state; ServiceLevel is NoData, 1.
+    bool change_state(ServerState state, std::string_view reason, DateTime return_time) const;
     /// Server::begin_shutdown with what an administrator asked for: connections are closed `delay`
     /// later, and EstimatedReturnTime says `return_time`, which may be null. False if it has begun
     /// already.

@@ -230,8 +230,8 @@ private:
         if (group.refusal != StatusCode{}) {
             return fail(group, group.refusal);
         }
-        if (!source->is_attached()) {
-            return fail(group, status::Bad_NoCommunication);
+        if (const StatusCode obstacle = source->obstacle(); obstacle.is_bad()) {
+            return fail(group, obstacle);
         }
         if (!part.admit(source, group.size)) {
             return fail(group, status::Bad_TooManyOperations);

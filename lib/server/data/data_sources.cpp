@@ -149,6 +149,14 @@ DataSources::~DataSources()
     queue_->close();
 }
 
+void DataSources::suspend(StatusCode status)
+{
+    suspension_ = status;
+    for (const auto& entry : entries_) {
+        entry->suspend(status);
+    }
+}
+
 void DataSources::handle_completions()
 {
     for (const auto& entry : entries_) {
@@ -162,6 +170,7 @@ std::uint32_t DataSources::add(DataSource& source)
 {
     source.index_ = static_cast<std::uint32_t>(entries_.size());
     entries_.push_back(std::make_shared<SourceEntry>(source, queue_, *log_));
+    entries_.back()->suspend(suspension_);
     entries_.back()->guard("DataSource::attach", [this](DataSource& one) { one.attach(waker_); });
     return source.index_;
 }

@@ -56,6 +56,17 @@ public:
 
     /// False once the source was destroyed. On the server's thread, as the destruction is.
     [[nodiscard]] bool is_attached() const { return *source_ != nullptr; }
+    /// Good, or why nothing is asked of the source: Bad_NoCommunication once it is gone, or what
+    /// DataSources::suspend said.
+    [[nodiscard]] StatusCode obstacle() const
+    {
+        return is_attached() ? suspension_ : status::Bad_NoCommunication;
+    }
+    /// No obstacle for a source that is always in service. On the server's thread.
+    void suspend(StatusCode status)
+    {
+        suspension_ = options_.is_always_in_service ? status::Good : status;
+    }
     /// Calls `function(source)`; what it throws ends there, see busbar::detail::guarded.
     /// Bad_NoCommunication, and nothing is called, if the source is gone.
     template <typename Function>
@@ -83,6 +94,7 @@ private:
     DataSourceOptions options_;
     std::shared_ptr<CompletionQueue> queue_;
     LogSink* log_;
+    StatusCode suspension_;
     std::atomic<std::size_t> batches_{0};
     std::atomic<std::size_t> items_{0};
 };
@@ -110,6 +122,9 @@ public:
     {
         return index < entries_.size() ? &entries_[index] : nullptr;
     }
+    /// From now on nothing is asked of the sources, those that are to come too: it answers
+    /// `status`. Good ends that. What they were asked before is not touched.
+    void suspend(StatusCode status);
     /// Tells those who wait for batches that were completed meanwhile.
     void handle_completions();
 
@@ -118,6 +133,7 @@ private:
     Waker* waker_;
     LogSink* log_;
     std::shared_ptr<CompletionQueue> queue_;
+    StatusCode suspension_;
     std::vector<std::shared_ptr<DataSource>> kept_;
     std::vector<std::shared_ptr<SourceEntry>> entries_;
 };

@@ -16,13 +16,13 @@ namespace busbar::server::detail {
 
 /// Where a server is between its start and its end (Part 5, 12.10).
 struct ServerLife {
-    explicit ServerLife(DateTime start) : start_time{start} {}
+    explicit ServerLife(DateTime start) : start_time{start}, return_time{start} {}
 
     DateTime start_time;
     ServerState state{ServerState::Running};
     std::string shutdown_reason;
     DateTime shutdown_time;
-    /// When it is there again, as whoever stops it says.
+    /// When it is there again, as whoever stops it says; of one that runs, when it came.
     DateTime return_time;
 
     [[nodiscard]] bool is_shutting_down() const { return state == ServerState::Shutdown; }

@@ -68,6 +68,23 @@ std::uint32_t seconds_till_shutdown(const DiagnosticsNeeds& needs)
                : 0;
 }
 
+/// What clients may expect (Part 4, 6.6.2.4.2). A suspended server is to be left alone until its
+/// EstimatedReturnTime; one that has failed tells nothing but how it is.
+std::uint8_t service_level(ServerState state)
+{
+    constexpr std::uint8_t maintenance = 0;
+    constexpr std::uint8_t no_data = 1;
+    constexpr std::uint8_t healthy = 255;
+    switch (state) {
+    case ServerState::Running:
+        return healthy;
+    case ServerState::Failed:
+        return no_data;
+    default:
+        return maintenance;
+    }
+}
+
 /// Null until there is a reason (Part 5, 12.10).
 LocalizedText shutdown_reason(const DiagnosticsNeeds& needs)
 {
@@ -179,19 +196,14 @@ constexpr std::array status_values{
     LiveValue{id::Server_ServerStatus_ShutdownReason,
               [](const DiagnosticsNeeds& c) -> Variant { return shutdown_reason(c); }},
     LiveValue{id::Server_ServiceLevel,
-              [](const DiagnosticsNeeds& c) -> Variant {
-                  return static_cast<std::uint8_t>(c.life.is_shutting_down() ? 0 : 255);
-              }},
+              [](const DiagnosticsNeeds& c) -> Variant { return service_level(c.life.state); }},
     LiveValue{id::Server_UrisVersion,
               [](const DiagnosticsNeeds& c) -> Variant { return uris_version(c); }},
     LiveValue{
         id::Server_LocalTime,
         [](const DiagnosticsNeeds& c) -> Variant { return ExtensionObject::from(local_time(c)); }},
-    // Null unless whoever stops it knows when it is started again.
     LiveValue{id::Server_EstimatedReturnTime,
-              [](const DiagnosticsNeeds& c) -> Variant {
-                  return c.life.is_shutting_down() ? c.life.return_time : c.life.start_time;
-              }},
+              [](const DiagnosticsNeeds& c) -> Variant { return c.life.return_time; }},
     LiveValue{id::Server_Auditing,
               [](const DiagnosticsNeeds& needs) -> Variant { return needs.config.is_auditing; }},
     LiveValue{id::Server_ServerRedundancy_RedundancySupport,

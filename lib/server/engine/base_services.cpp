@@ -29,16 +29,18 @@ const SessionNeeds& session_needs(Core& core)
 }
 
 constexpr std::array base_session_rows{
-    function<FindServersRequest, FindServersResponse, session_needs, find_servers>(Need::Nothing),
+    function<FindServersRequest, FindServersResponse, session_needs, find_servers>(
+        Need::Nothing, Lasts::WhenFailed),
     function<FindServersOnNetworkRequest, FindServersOnNetworkResponse, session_needs,
-             find_servers_on_network>(Need::Nothing),
+             find_servers_on_network>(Need::Nothing, Lasts::WhenFailed),
     function<GetEndpointsRequest, GetEndpointsResponse, session_needs, get_endpoints>(
-        Need::Nothing),
+        Need::Nothing, Lasts::WhenFailed),
     function<CreateSessionRequest, CreateSessionResponse, session_needs, create_session>(
-        Need::Nothing),
-    operation<ActivateSessionRequest, make_activate_session, session_needs>(Need::Known),
-    function<CloseSessionRequest, CloseSessionResponse, session_needs, close_session>(Need::Known,
-                                                                                      true),
+        Need::Nothing, Lasts::WhenFailed),
+    operation<ActivateSessionRequest, make_activate_session, session_needs>(Need::Known,
+                                                                            Lasts::WhenFailed),
+    function<CloseSessionRequest, CloseSessionResponse, session_needs, close_session>(
+        Need::Known, Lasts::ToTheEnd),
     function<CancelRequest, CancelResponse, session_needs, cancel>(Need::Activated),
 };
 
@@ -52,7 +54,7 @@ constexpr std::array base_node_rows{
     function<UnregisterNodesRequest, UnregisterNodesResponse, &Core::view_needs, unregister_nodes>(
         Need::Activated),
     operation<ReadRequest, make_operation<ReadOperation, const AttributeNeeds>, attribute_needs>(
-        Need::Activated, true),
+        Need::Activated, Lasts::ToTheEnd),
     operation<WriteRequest, make_operation<WriteOperation, const AttributeNeeds>, attribute_needs>(
         Need::Activated),
 };
@@ -73,7 +75,7 @@ constexpr std::array base_subscription_rows{
     function<SetPublishingModeRequest, SetPublishingModeResponse, &Core::subscriptions,
              set_publishing_mode>(Need::Activated),
     operation<PublishRequest, make_operation<PublishOperation, SubscriptionTable>,
-              &Core::subscriptions>(Need::Activated, true),
+              &Core::subscriptions>(Need::Activated, Lasts::ToTheEnd),
     operation<RepublishRequest, make_operation<RepublishOperation, SubscriptionTable>,
               &Core::subscriptions>(Need::Activated),
     operation<DeleteSubscriptionsRequest, make_delete_subscriptions, &Core::subscriptions>(

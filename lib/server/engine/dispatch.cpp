@@ -78,6 +78,16 @@ void decode_header(binary::Reader& reader, RequestHeader& header)
     skip_extension_object(reader);
 }
 
+/// Whether a service works in the server's state; an enumeration of Part 5, 12.6.
+StatusCode check_state(ServerState state, Lasts lasts)
+{
+    if (state == ServerState::Shutdown && lasts < Lasts::ToTheEnd) {
+        return status::Bad_Shutdown;
+    }
+    return state == ServerState::Failed && lasts < Lasts::WhenFailed ? status::Bad_ServerHalted
+                                                                     : status::Good;
+}
+
 void run(const Service* service, Core& core, PeerLink& link, Incoming& incoming, TimePoint now)
 {
     if (service == nullptr || service->run == nullptr) {
@@ -85,8 +95,8 @@ void run(const Service* service, Core& core, PeerLink& link, Incoming& incoming,
         core.counters.count_fault(nullptr, id, status::Bad_ServiceUnsupported);
         return link.fault(incoming.reply, status::Bad_ServiceUnsupported);
     }
-    if (core.is_shutting_down() && !service->is_for_shutdown) {
-        return link.fault(incoming.reply, status::Bad_Shutdown);
+    if (const StatusCode ended = check_state(core.life.state, service->lasts); ended.is_bad()) {
+        return link.fault(incoming.reply, ended);
     }
     const RequestFault::Serving serving{core.guards.request(), &link, incoming.reply.request_id};
     const auto session = find_session(core, link, incoming.header, service->need, now);

@@ -65,16 +65,16 @@ std::unique_ptr<ServiceOperation> make_operation(Needs& needs)
 
 template <typename Request, typename Response, auto Needs,
           ServiceFunction<Request, Response, NeedsOf<Needs>>* Function>
-constexpr Service function(Need need, bool is_for_shutdown = false)
+constexpr Service function(Need need, Lasts lasts = Lasts::WhileRunning)
 {
-    return {Request::binary_encoding_id, need, is_for_shutdown,
+    return {Request::binary_encoding_id, need, lasts,
             run_function<Request, Response, Needs, Function>};
 }
 
 template <typename Request, auto Make, auto Needs>
-constexpr Service operation(Need need, bool is_for_shutdown = false)
+constexpr Service operation(Need need, Lasts lasts = Lasts::WhileRunning)
 {
-    return {Request::binary_encoding_id, need, is_for_shutdown,
+    return {Request::binary_encoding_id, need, lasts,
             [](Core& core, ServiceContext& context, Incoming& incoming) {
                 run_operation(core, context, incoming, Request::binary_encoding_id,
                               [&] { return Make(std::invoke(Needs, core)); });

@@ -164,17 +164,6 @@ void RunningServer::roles_changed() const
     impl_->sweep();
 }
 
-bool RunningServer::begin_shutdown(std::string_view reason, std::chrono::seconds delay,
-                                   DateTime return_time) const
-{
-    if (impl_->is_shutting_down()) {
-        return false;
-    }
-    impl_->life.return_time = return_time;
-    impl_->begin_shutdown(impl_->latest, reason, delay);
-    return true;
-}
-
 bool RunningServer::has_session(const NodeId& session_id) const
 {
     const auto& all = impl_->sessions.all();

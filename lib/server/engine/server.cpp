@@ -16,26 +16,6 @@
 
 namespace busbar::server {
 
-namespace detail {
-
-namespace {
-
-Event state_event(ServerState state, std::string_view reason)
-{
-    constexpr std::uint16_t severity = 900;
-    Event event;
-    event.event_type = NodeId{0, id::SystemStatusChangeEventType};
-    event.source_name = "Server";
-    event.message = LocalizedText{String{reason}};
-    event.severity = severity;
-    event.set({0, "SystemState"}, state);
-    return event;
-}
-
-} // namespace
-
-} // namespace detail
-
 std::vector<EndpointConfig> secure_endpoints()
 {
     const auto* policy = crypto::find_policy_by_name("Basic256Sha256");
@@ -308,52 +288,6 @@ std::optional<std::uint64_t> Server::next_changed()
         }
     }
     return std::nullopt;
-}
-
-void Server::begin_shutdown(TimePoint now, std::string_view reason)
-{
-    if (!impl_->is_shutting_down()) {
-        impl_->begin_shutdown(now, reason, impl_->config.shutdown_delay);
-    }
-}
-
-void Server::Impl::begin_shutdown(TimePoint now, std::string_view reason,
-                                  std::chrono::milliseconds delay)
-{
-    log(LogLevel::Info, "server", "shutdown: " + printable(reason));
-    life.state = ServerState::Shutdown;
-    life.shutdown_reason = reason;
-    life.shutdown_time = {environment.wall_clock->now().ticks +
-                          delay.count() * (DateTime::ticks_per_second / 1000)};
-    shutdown_deadline = now + delay;
-    for (detail::PeerLink* link : links) {
-        link->begin_shutdown();
-    }
-    const auto queue = events->queue();
-    if (queue != nullptr && address_space.find(id::SystemStatusChangeEventType) != model::no_node) {
-        static_cast<void>(queue->raise(detail::state_event(ServerState::Shutdown, reason)));
-        events->handle_raised();
-    }
-    sweep();
-}
-
-void Server::Impl::finish_shutdown()
-{
-    shutdown_deadline = no_deadline;
-    while (detail::Session* session = sessions.any()) {
-        close_session(*session, status::Bad_Shutdown, false);
-    }
-    for (detail::PeerLink* link : links) {
-        link->close(status::Bad_Shutdown, "the server stops");
-    }
-}
-
-bool Server::is_stopped() const
-{
-    return impl_->is_shutting_down() &&
-           std::all_of(impl_->links.begin(), impl_->links.end(), [](const detail::PeerLink* link) {
-               return link->is_closed() && link->output().empty();
-           });
 }
 
 void Server::announce_semantics_change(const NodeId& variable)

@@ -20,7 +20,10 @@ struct Server::Impl : detail::Core {
     /// Makes place by closing the oldest connection that has no session (Part 4, 5.6.2.1).
     [[nodiscard]] bool make_place();
     void expire_sessions(TimePoint now);
-    void begin_shutdown(TimePoint now, std::string_view reason, std::chrono::milliseconds delay);
+    /// Is in the state, with the sources as it wants them, and tells clients by an event.
+    void enter(ServerState state, std::string_view reason, DateTime return_time);
+    void begin_shutdown(TimePoint now, std::string_view reason, std::chrono::milliseconds delay,
+                        DateTime return_time);
     void finish_shutdown();
     [[nodiscard]] Configured<void> check_change(const ServerConfig& wanted) const;
     void close_old_channels();

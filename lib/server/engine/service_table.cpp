@@ -65,7 +65,7 @@ ServiceTable::ServiceTable()
 {
     services_.reserve(requests.size());
     for (const std::uint32_t id : requests) {
-        services_.push_back({id, Need::Nothing, true, nullptr});
+        services_.push_back({id, Need::Nothing, Lasts::ToTheEnd, nullptr});
     }
 }
 

@@ -32,11 +32,17 @@ enum class Need : std::uint8_t {
     Activated, // an activated session of this channel
 };
 
+/// The worst state of the server that a service works in (Part 5, 12.6).
+enum class Lasts : std::uint8_t {
+    WhileRunning, // and while it is suspended: its sources are
+    WhenFailed,   // for whoever looks what is wrong and asks for another state
+    ToTheEnd,     // while it shuts down too
+};
+
 struct Service {
     std::uint32_t encoding_id;
     Need need;
-    /// Also works while the server shuts down.
-    bool is_for_shutdown;
+    Lasts lasts;
     /// Null: known, but not supported.
     void (*run)(Core& core, ServiceContext& context, Incoming& incoming);
 };

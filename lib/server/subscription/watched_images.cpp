@@ -38,6 +38,9 @@ bool WatchedImages::is_wasteful() const
 
 void WatchedImages::sample(Image& image, const ImagePin& pin, const Sample& sample)
 {
+    if (const StatusCode obstacle = image.source->obstacle(); obstacle.is_bad()) {
+        return image.watch->sample({{}, obstacle, sample.server_time, sample.is_only_new});
+    }
     const StatusCode no_pin =
         image.image->has_scan() ? status::Bad_TooManyOperations : status::Bad_NoCommunication;
     const StatusCode running = sample.is_late ? status::Good_Overload : status::Good;

@@ -32,7 +32,7 @@ const MethodNeeds& method_needs(Core& core)
 
 constexpr std::array method_rows{
     operation<CallRequest, make_operation<CallOperation, const MethodNeeds>, method_needs>(
-        Need::Activated),
+        Need::Activated, Lasts::WhenFailed),
 };
 
 void add_methods(Core& core)
