@@ -28,6 +28,10 @@ public:
     /// Adds and removes nodes as the Storage has files.
     void refresh();
 
+    [[nodiscard]] server::DataSourceOptions options() const override
+    {
+        return {.is_always_in_service = true};
+    }
     void read(server::ReadBatch batch) override;
     void call(server::CallBatch batch) override;
 

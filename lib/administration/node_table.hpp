@@ -42,6 +42,10 @@ public:
         }
     }
 
+    [[nodiscard]] server::DataSourceOptions options() const override
+    {
+        return {.is_always_in_service = true};
+    }
     void read(server::ReadBatch batch) override;
     void write(server::WriteBatch batch) override;
     void call(server::CallBatch batch) override;

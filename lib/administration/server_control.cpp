@@ -1,12 +1,10 @@
 #include "server_control.hpp"
 
 #include <chrono>
-#include <string>
 #include <utility>
 
 #include <busbar/administration/state_change_nodes/nodes.hpp>
 #include <busbar/server/running_server.hpp>
-#include <busbar/types/enumerations.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "method_record.hpp"
@@ -21,46 +19,88 @@ using server::MethodCall;
 constexpr std::uint32_t max_seconds = 86'400;
 constexpr std::size_t max_reason = 256;
 
+/// For whoever gave no reason.
+std::string_view usual_reason(ServerState state, bool restarts)
+{
+    if (restarts) {
+        return "an administrator restarts the server";
+    }
+    switch (state) {
+    case ServerState::Shutdown:
+        return "an administrator stops the server";
+    case ServerState::Running:
+        return "an administrator has the server go on";
+    default:
+        return "an administrator changed the state of the server";
+    }
+}
+
 } // namespace
 
 Configured<void> ServerControl::attach()
 {
-    model::AddressSpace& space = server_.address_space();
+    model::AddressSpace& space = needs_.server.address_space();
     if (const auto added = space.add(state_change_nodes::nodes()); !added) {
         return misconfigured("stop", "RequestServerStateChange cannot be added", added.error());
     }
-    table_.bind_method(space, space.find(id::Server_RequestServerStateChange),
-                       [this](MethodCall call) { request(std::move(call)); });
+    needs_.table.bind_method(space, space.find(id::Server_RequestServerStateChange),
+                             [this](MethodCall call) { request(std::move(call)); });
     return {};
+}
+
+StatusCode ServerControl::check(const Wish& wish) const
+{
+    switch (wish.state) {
+    case ServerState::Running:
+    case ServerState::Shutdown:
+        if (wish.restarts && !needs_.restart) {
+            return status::Bad_InvalidState;
+        }
+        break;
+    case ServerState::Suspended:
+    case ServerState::Failed:
+        if (wish.restarts) {
+            return status::Bad_InvalidState;
+        }
+        break;
+    default:
+        return status::Bad_InvalidState;
+    }
+    // How many seconds is of no interest to a server that stays.
+    const bool is_too_far = wish.ends_server() && wish.seconds_till_shutdown > max_seconds;
+    return is_too_far || wish.reason.size() > max_reason ? status::Bad_OutOfRange : status::Good;
 }
 
 void ServerControl::request(MethodCall call)
 {
-    const auto state = static_cast<ServerState>(call.input<std::int32_t>(0));
-    const auto seconds = call.input<std::uint32_t>(2);
-    const auto* const text = call.inputs()[3].get_if<LocalizedText>();
-    const std::string reason = text != nullptr ? text->text.str() : std::string{};
-    const bool restarts = call.input<bool>(4);
-    if (state == ServerState::Running && !restarts) {
-        return call.succeed(); // it is
+    Wish wish;
+    wish.state = static_cast<ServerState>(call.input<std::int32_t>(0));
+    wish.return_time = call.input<DateTime>(1);
+    wish.seconds_till_shutdown = call.input<std::uint32_t>(2);
+    wish.restarts = call.input<bool>(4);
+    if (const auto* const text = call.inputs()[3].get_if<LocalizedText>()) {
+        wish.reason = text->text.str();
     }
-    if (state != ServerState::Shutdown || restarts) {
-        return call.fail(status::Bad_NotSupported);
+    if (const StatusCode refusal = check(wish); refusal.is_bad()) {
+        return call.fail(refusal);
     }
-    if (seconds > max_seconds || reason.size() > max_reason) {
-        return call.fail(status::Bad_OutOfRange);
+    if (wish.reason.empty()) {
+        wish.reason = usual_reason(wish.state, wish.restarts);
     }
-    tell_method(log_, RecordKind::SettingsChanged, call, status::Good, nullptr);
-    const auto return_time = call.input<DateTime>(1);
+    tell_method(needs_.log, RecordKind::SettingsChanged, call, status::Good, nullptr);
     call.succeed();
-    table_.post([this, seconds, reason, return_time] {
-        const bool has_begun = server::RunningServer{server_}.begin_shutdown(
-            reason.empty() ? "an administrator stops the server" : std::string_view{reason},
-            std::chrono::seconds{seconds}, return_time);
-        if (has_begun) {
-            stop_();
-        }
-    });
+    needs_.table.post([this, asked = std::move(wish)] { carry_out(asked); });
+}
+
+void ServerControl::carry_out(const Wish& wish) const
+{
+    const server::RunningServer running{needs_.server};
+    if (!wish.ends_server()) {
+        static_cast<void>(running.change_state(wish.state, wish.reason, wish.return_time));
+    } else if (running.begin_shutdown(wish.reason, std::chrono::seconds{wish.seconds_till_shutdown},
+                                      wish.return_time)) {
+        wish.restarts ? needs_.restart() : needs_.stop();
+    }
 }
 
 } // namespace busbar::administration::detail

@@ -1,35 +1,59 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <string>
 
 #include <busbar/core/log.hpp>
 #include <busbar/server/server.hpp>
+#include <busbar/types/enumerations.hpp>
 
 #include "node_table.hpp"
 
 namespace busbar::administration::detail {
 
-/// RequestServerStateChange of the Server object (Part 5, 9.4): Shutdown, and Running for a server
-/// that is. It knows of no other state, and does not start itself again.
+/// RequestServerStateChange of the Server object (Part 5, 9.4): Running, Suspended and Failed as
+/// RunningServer::change_state has them, and Shutdown. The other states say how a server finds
+/// itself: who asks for one gets Bad_InvalidState.
+///
+/// A restart is a Shutdown after which the program starts again and is Running, so that it is taken
+/// with these two states only.
 class ServerControl {
 public:
-    /// `stop` ends what serves, see AdministrationParts.
-    ServerControl(server::Server& server, NodeTable& table, LogSink& log,
-                  const std::function<void()>& stop)
-        : server_{server}, table_{table}, log_{log}, stop_{stop}
-    {
-    }
+    struct Needs {
+        server::Server& server;
+        NodeTable& table;
+        LogSink& log;
+        /// What ends what serves, for good and to start again, see AdministrationParts.
+        const std::function<void()>& stop;
+        const std::function<void()>& restart;
+    };
+
+    explicit ServerControl(const Needs& needs) : needs_{needs} {}
 
     /// The problem says what is missing in namespace 0.
     [[nodiscard]] Configured<void> attach();
 
 private:
-    void request(server::MethodCall call);
+    struct Wish {
+        ServerState state{};
+        DateTime return_time;
+        std::uint32_t seconds_till_shutdown{0};
+        std::string reason;
+        bool restarts{false};
 
-    server::Server& server_;
-    NodeTable& table_;
-    LogSink& log_;
-    const std::function<void()>& stop_;
+        [[nodiscard]] bool ends_server() const
+        {
+            return state == ServerState::Shutdown || restarts;
+        }
+    };
+
+    void request(server::MethodCall call);
+    /// Good, or what the Method answers.
+    [[nodiscard]] StatusCode check(const Wish& wish) const;
+    void carry_out(const Wish& wish) const;
+
+    Needs needs_;
 };
 
 } // namespace busbar::administration::detail

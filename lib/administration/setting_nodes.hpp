@@ -35,6 +35,10 @@ public:
     /// The problem is one of nodes that are there already.
     [[nodiscard]] Configured<void> add_nodes();
 
+    [[nodiscard]] server::DataSourceOptions options() const override
+    {
+        return {.is_always_in_service = true};
+    }
     void read(server::ReadBatch batch) override;
     void write(server::WriteBatch batch) override;
 

@@ -75,8 +75,9 @@ struct PlainOwner final : administration::SettingOwner {
 /// client of the tests; "admin" is SecurityAdmin.
 struct ManagedFixture {
     explicit ManagedFixture(server::Worker* w = nullptr,
-                            administration::Authorities of = administration::Authorities::Standard)
-        : worker{w}, authorities{of}
+                            administration::Authorities of = administration::Authorities::Standard,
+                            bool restarts_itself = true)
+        : worker{w}, authorities{of}, can_restart{restarts_itself}
     {
         REQUIRE(applications.create());
         REQUIRE(user_certificates.create());
@@ -100,6 +101,10 @@ struct ManagedFixture {
     }
     void attach()
     {
+        std::function<void()> restart;
+        if (can_restart) {
+            restart = [this] { ++restarts; };
+        }
         administration = std::make_unique<administration::Administration>(
             administration::AdministrationParts{.wall_clock = &wall_clock,
                                                 .log = &log,
@@ -109,6 +114,7 @@ struct ManagedFixture {
                                                 .random = &random,
                                                 .worker = worker,
                                                 .stop = [this] { ++stops; },
+                                                .restart = std::move(restart),
                                                 .reset = [this] { return reset(); },
                                                 .is_in_setup = [this] { return changes == 0; },
                                                 .settings = &settings,
@@ -218,7 +224,9 @@ struct ManagedFixture {
                                      .writers = {NodeId{0, id::WellKnownRole_Engineer}}};
     server::Worker* worker;
     administration::Authorities authorities;
+    bool can_restart;
     int stops{0};
+    int restarts{0};
     /// Of users and roles.
     int changes{0};
     NoteWaker waker;

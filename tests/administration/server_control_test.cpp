@@ -11,6 +11,10 @@ using namespace std::chrono_literals;
 namespace {
 
 struct Control : ManagedFixture {
+    explicit Control(bool can_restart_itself = true)
+        : ManagedFixture{nullptr, administration::Authorities::Standard, can_restart_itself}
+    {
+    }
     std::string_view request(TestClient& client, ServerState state, std::uint32_t seconds = 10,
                              bool restarts = false, const char* reason = "maintenance")
     {
@@ -23,15 +27,16 @@ struct Control : ManagedFixture {
     }
 };
 
+struct WithoutRestart : Control {
+    WithoutRestart() : Control{false} {}
+};
+
 } // namespace
 
 TEST_CASE_METHOD(Control, "server control: an administrator stops the server",
                  "[unit:Base Info RequestServerStateChange Method]")
 {
     auto admin = log_in();
-    CHECK(request(admin, ServerState::Running) == "Good");
-    CHECK(request(admin, ServerState::Suspended) == "Bad_NotSupported");
-    CHECK(request(admin, ServerState::Shutdown, 10, true) == "Bad_NotSupported");
     CHECK(request(admin, ServerState::Shutdown, 86'401) == "Bad_OutOfRange");
     CHECK(stops == 0);
     CHECK(request(admin, ServerState::Shutdown) == "Good");
@@ -52,4 +57,66 @@ TEST_CASE_METHOD(Control, "server control: is not for everybody")
     auto pat = log_in("pat", "patience is all");
     CHECK(request(pat, ServerState::Shutdown).starts_with("Bad_"));
     CHECK(stops == 0);
+}
+
+TEST_CASE_METHOD(Control, "server control: an administrator suspends the server, and has it go on")
+{
+    auto admin = log_in();
+    const auto state = [&] { return read(admin, id::Server_ServerStatus_State).value; };
+    const auto back = [&] { return read(admin, id::Server_EstimatedReturnTime).value; };
+    CHECK(request(admin, ServerState::Running) == "Good");
+    CHECK(back() == Variant{today}); // nothing has changed
+    // Seconds are not looked at.
+    CHECK(request(admin, ServerState::Suspended, UINT32_MAX) == "Good");
+    CHECK(state() == Variant{ServerState::Suspended});
+    CHECK(read(admin, id::Server_ServiceLevel).value == Variant{std::uint8_t{0}});
+    CHECK(back().value_or<DateTime>({}) > today);
+    CHECK(request(admin, ServerState::Failed) == "Good");
+    CHECK(state() == Variant{ServerState::Failed});
+    CHECK(read(admin, id::Server_ServiceLevel).value == Variant{std::uint8_t{1}});
+    auto again = log_in();
+    CHECK(request(again, ServerState::Running) == "Good");
+    CHECK(state() == Variant{ServerState::Running});
+    CHECK(back() == Variant{DateTime{}});
+    CHECK(read(admin, id::Server_ServiceLevel).value == Variant{std::uint8_t{255}});
+    CHECK(stops + restarts == 0);
+}
+
+TEST_CASE_METHOD(Control, "server control: refuses what is no state to be asked for")
+{
+    auto admin = log_in();
+    for (const ServerState state :
+         {ServerState::NoConfiguration, ServerState::Test, ServerState::CommunicationFault,
+          ServerState::Unknown, static_cast<ServerState>(8), static_cast<ServerState>(-1)}) {
+        CHECK(request(admin, state) == "Bad_InvalidState");
+    }
+    CHECK(request(admin, ServerState::Suspended, 0, true) == "Bad_InvalidState");
+    CHECK(request(admin, ServerState::Failed, 0, true) == "Bad_InvalidState");
+    const std::string long_reason(257, 'a');
+    CHECK(request(admin, ServerState::Suspended, 0, false, long_reason.c_str()) ==
+          "Bad_OutOfRange");
+    CHECK(read(admin, id::Server_ServerStatus_State).value == Variant{ServerState::Running});
+}
+
+TEST_CASE_METHOD(Control, "server control: a restart is an end that the program hears of as one")
+{
+    auto admin = log_in();
+    const ServerState wanted = GENERATE(ServerState::Running, ServerState::Shutdown);
+    CHECK(request(admin, wanted, 86'401, true) == "Bad_OutOfRange");
+    CHECK(request(admin, wanted, 5, true, "") == "Good");
+    CHECK(restarts == 1);
+    CHECK(stops == 0);
+    CHECK(read(admin, id::Server_ServerStatus_State).value == Variant{ServerState::Shutdown});
+    CHECK(log.text.find("an administrator restarts the server") != std::string::npos);
+    advance(5s);
+    CHECK(admin.is_closed());
+}
+
+TEST_CASE_METHOD(WithoutRestart, "server control: no restart where the program has none")
+{
+    auto admin = log_in();
+    CHECK(request(admin, ServerState::Running, 0, true) == "Bad_InvalidState");
+    CHECK(request(admin, ServerState::Shutdown, 0, true) == "Bad_InvalidState");
+    CHECK(request(admin, ServerState::Shutdown, 0) == "Good");
+    CHECK(stops == 1);
 }

@@ -44,6 +44,9 @@ struct AdministrationParts {
     /// RequestServerStateChange (Part 5, 9.4): ends the program that serves, whose server has begun
     /// its shutdown when this is called, on the server's thread. Empty: clients cannot stop it.
     std::function<void()> stop{};
+    /// The same for a restart: the program that serves ends and starts again. Empty: clients cannot
+    /// ask for one.
+    std::function<void()> restart{};
     /// ResetToServerDefaults (Part 12, 7.10.13), not without `certificates` and `stop`: forgets all
     /// that administrators changed, whole or not at all, before `stop` is called. On the server's
     /// thread; the problem is for the log. Empty: there is no such Method.
