@@ -345,7 +345,7 @@ Result<Variant> SpaceReader::attribute(NodeIndex node, AttributeId id) const
     case AttributeId::Description:
         return if_present(description(*tables_, node));
     case AttributeId::UserWriteMask:
-        // No attribute but Value can be written.
+        // What a user may is for a server to say.
         return Variant{std::uint32_t{0}};
     case AttributeId::IsAbstract:
         return Variant{flags.has(static_flag::is_abstract)};

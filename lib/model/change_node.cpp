@@ -150,4 +150,9 @@ void AddressSpace::set_executable(NodeIndex node, bool executable)
     }
 }
 
+void AddressSpace::set_minimum_sampling_interval(NodeIndex node, double interval)
+{
+    tables_->record(node).minimum_sampling_interval = interval;
+}
+
 } // namespace busbar::model

@@ -61,6 +61,11 @@ bool SpaceReader::exists(NodeIndex node) const
            !tables_->record(node).is_free();
 }
 
+bool SpaceReader::is_constant(NodeIndex node) const
+{
+    return tables_->is_constant(node);
+}
+
 std::size_t SpaceReader::node_count() const
 {
     return std::size_t{tables_->constant_count} + tables_->record_count -

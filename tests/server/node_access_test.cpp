@@ -373,11 +373,15 @@ TEST_CASE_METHOD(AccessFixture, "What AccessLevelEx and WriteMask say",
                  "[unit:Address Space NonVolatile and Constant]")
 {
     model::NodeAccess access;
-    access.write_mask = 5;
+    access.write_mask = 0x65; // AccessLevel and BrowseName, which nobody writes, and two texts
     access.more_access_levels = static_cast<std::uint32_t>(AccessLevelExType::WriteFullArrayOnly);
     space().set_node_access(value, access);
-    CHECK(read(open, "Value", AttributeId::WriteMask).value == Variant{5U});
-    CHECK(read(open, "Value", AttributeId::UserWriteMask).value == Variant{0U});
+    CHECK(read(open, "Value", AttributeId::WriteMask).value == Variant{0x60U});
+    CHECK(read(open, "Value", AttributeId::UserWriteMask).value == Variant{0x60U});
+    users.everybody.access_level_mask = 5;
+    TestClient reader = log_in();
+    CHECK(read(reader, "Value", AttributeId::WriteMask).value == Variant{0x60U});
+    CHECK(read(reader, "Value", AttributeId::UserWriteMask).value == Variant{0U});
     CHECK(read(open, "Value", AttributeId::AccessLevelEx).value == Variant{0x403U});
     // Part 3, 8.58: NonatomicRead, NonatomicWrite, NonVolatile and Constant.
     for (const AccessLevelExType level :

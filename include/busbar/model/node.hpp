@@ -59,7 +59,9 @@ struct MethodAttributes {
 
 /// Attributes that few nodes have (Part 3, 5.2.7 to 5.2.11 and 8.58). NodeSet2 files have them.
 struct NodeAccess {
-    /// WriteMask. No service writes any attribute but Value: UserWriteMask is always 0.
+    /// WriteMask: which attributes clients may write, of those that a server can write. A server
+    /// writes DisplayName, Description, InverseName, MinimumSamplingInterval, RolePermissions and
+    /// AccessRestrictions, of dynamic nodes, and shows the bits of these only.
     std::uint32_t write_mask{0};
     /// The bits of AccessLevelEx above those of AccessLevel.
     std::uint32_t more_access_levels{0};

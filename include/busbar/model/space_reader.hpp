@@ -76,6 +76,8 @@ public:
     [[nodiscard]] NodeIndex resolve(NodeHandle handle) const;
     /// True for the index of an existing node; takes any number.
     [[nodiscard]] bool exists(NodeIndex node) const;
+    /// True for a node of the constant ones, which are used where they lie.
+    [[nodiscard]] bool is_constant(NodeIndex node) const;
     [[nodiscard]] std::size_t node_count() const;
     /// How many dynamic nodes were ever added, also by calls that failed; wraps around.
     [[nodiscard]] std::uint32_t addition_count() const;
@@ -106,8 +108,8 @@ public:
     [[nodiscard]] std::uint16_t namespace_restrictions(std::uint16_t namespace_index) const;
     /// The NodeId of a Variable's DataType even if that node is left out of a small namespace 0.
     [[nodiscard]] NodeId data_type_id(NodeIndex node) const;
-    /// Any attribute but Value and UserRolePermissions, whoever asks. Bad_AttributeIdInvalid if the
-    /// node has none such.
+    /// Any attribute but Value and UserRolePermissions, whoever asks: UserWriteMask is that of
+    /// nobody, 0. Bad_AttributeIdInvalid if the node has none such.
     [[nodiscard]] Result<Variant> attribute(NodeIndex node, AttributeId id) const;
     /// True if nodes of the class have the attribute, mandatory or optional.
     [[nodiscard]] static bool has_attribute(NodeClass node_class, AttributeId id);

@@ -171,6 +171,15 @@ public:
     {
         return true;
     }
+    /// The bits of `write_mask`, an AttributeWriteMask (Part 3, 8.60), whose attributes the user
+    /// may write: the node's UserWriteMask. Asked only for bits that the node and its
+    /// RolePermissions allow, which are all of them by default.
+    [[nodiscard]] virtual std::uint32_t user_write_mask(const UserIdentity& /*user*/,
+                                                        const NodeId& /*node*/,
+                                                        std::uint32_t write_mask) const
+    {
+        return write_mask;
+    }
     // The NodeManagement services, as the bits of PermissionType (Part 3, 8.55). By default, as
     // without an AccessControl, they are for ConfigureAdmin alone. Asked only for nodes that the
     // user may browse.

@@ -7,20 +7,11 @@
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/types/ids.hpp>
 
+#include "write_attribute.hpp"
+
 namespace busbar::server::detail {
 
 namespace {
-
-/// What is not a Variable's Value cannot be written, if it is there: whatever WriteMask says,
-/// UserWriteMask is 0.
-StatusCode why_not_writable(const model::AddressSpace& space, model::NodeIndex node,
-                            AttributeId attribute)
-{
-    const bool is_there = attribute == AttributeId::Value
-                              ? space.node_class(node) == NodeClass::VariableType
-                              : space.attribute(node, attribute).has_value();
-    return is_there ? status::Bad_NotWritable : status::Bad_AttributeIdInvalid;
-}
 
 StatusCode check_access(const WriteContext& context, model::NodeIndex node,
                         const model::VariableAttributes& variable)
@@ -85,37 +76,17 @@ bool stands_for_byte_array(const model::AddressSpace& space,
            space.built_in_type_of(variable.data_type) == BuiltInType::Byte;
 }
 
-/// Part 4, 5.11.4.1: a text has no locale or one of the server's, or that of the text there is.
-StatusCode check_locale(const WriteContext& context, model::NodeIndex node,
-                        const LocalizedText& text)
-{
-    const auto is_same = [&](std::string_view locale) {
-        return std::equal(locale.begin(), locale.end(), text.locale.view().begin(),
-                          text.locale.view().end());
-    };
-    const auto of_models = context.space.further_locales();
-    if (text.locale.empty() ||
-        std::any_of(context.locales.begin(), context.locales.end(), is_same) ||
-        std::any_of(of_models.begin(), of_models.end(), is_same)) {
-        return status::Good;
-    }
-    const auto there = context.space.texts(node, AttributeId::Value);
-    return std::any_of(there.begin(), there.end(),
-                       [&](const LocalizedText& each) { return is_same(each.locale.view()); })
-               ? status::Good
-               : status::Bad_LocaleNotSupported;
-}
-
 StatusCode check_locales(const WriteContext& context, model::NodeIndex node, const Variant& value)
 {
     if (value.type() != BuiltInType::LocalizedText) {
         return status::Good;
     }
     if (const auto* const text = value.get_if<LocalizedText>()) {
-        return check_locale(context, node, *text);
+        return check_locale(context, node, AttributeId::Value, *text);
     }
     for (const LocalizedText& text : *value.array_if<LocalizedText>()) {
-        if (const StatusCode bad = check_locale(context, node, text); bad.is_bad()) {
+        const StatusCode bad = check_locale(context, node, AttributeId::Value, text);
+        if (bad.is_bad()) {
             return bad;
         }
     }
@@ -190,8 +161,7 @@ std::optional<StatusCode> WriteJob::plan_one(const WriteContext& context, std::s
     }
     const auto attribute = static_cast<AttributeId>(value.attribute_id);
     if (attribute != AttributeId::Value || context.space.node_class(node) != NodeClass::Variable) {
-        const StatusCode weak = context.rights.check_channel(node);
-        return weak.is_bad() ? weak : why_not_writable(context.space, node, attribute);
+        return write_attribute(context, node, value);
     }
     const Target target{node, context.space.variable(node)};
     const auto answer = plan_value(context, index, value, target);

@@ -31,7 +31,7 @@ struct NodeAttributeValues {
 /// Reads the structure for the NodeClass or GenericAttributes (Part 4, 7.24); null has none.
 ///
 /// Bad_NodeAttributesInvalid for another structure, an attribute that the NodeClass has not, that
-/// comes twice or is of another type, and for what no node of this server has: a WriteMask, roles,
+/// comes twice or is of another type, and for what a client gives no node: a WriteMask, roles,
 /// restrictions, history.
 [[nodiscard]] Result<NodeAttributeValues> read_attributes(const ExtensionObject& attributes,
                                                           NodeClass node_class);

@@ -5,6 +5,7 @@
 
 #include "live_values.hpp"
 #include "method_lookup.hpp"
+#include "write_mask.hpp"
 
 namespace busbar::server::detail {
 
@@ -49,9 +50,7 @@ StatusCode check_role_permissions(const ReadContext& context, model::NodeIndex n
     if (const StatusCode weak = context.rights.check_channel(node); weak.is_bad()) {
         return weak;
     }
-    const UserIdentity& user = context.rights.user;
-    const bool is_admin = is_configure_admin(user) ||
-                          has_role(context.space, user, NodeId{0, id::WellKnownRole_SecurityAdmin});
+    const bool is_admin = is_administrator(context.space, context.rights.user);
     const model::NodeAccess* const access = context.space.node_access(node);
     const bool has_some = access != nullptr && !access->role_permissions.is_null();
     return is_admin || !has_some ||
@@ -116,6 +115,12 @@ Result<Variant> attribute(const ReadContext& context, const ReadValueId& id, mod
     if (space.node_class(node) == NodeClass::Method &&
         attribute_id == AttributeId::UserExecutable) {
         return Variant{is_user_executable(space, context.rights, node)};
+    }
+    if (attribute_id == AttributeId::WriteMask) {
+        return Variant{write_mask(space, node)};
+    }
+    if (attribute_id == AttributeId::UserWriteMask) {
+        return Variant{user_write_mask(context.rights, node)};
     }
     if (attribute_id == AttributeId::UserRolePermissions) {
         return own_role_permissions(context, node);

@@ -53,6 +53,12 @@ bool has_role(const model::AddressSpace& space, const UserIdentity& user, const 
            std::find(user.roles.begin(), user.roles.end(), name) != user.roles.end();
 }
 
+bool is_administrator(const model::AddressSpace& space, const UserIdentity& user)
+{
+    return is_configure_admin(user) ||
+           has_role(space, user, NodeId{0, id::WellKnownRole_SecurityAdmin});
+}
+
 Array<RolePermissionType> user_role_permissions(const model::AddressSpace& space,
                                                 const UserIdentity& user,
                                                 const Array<RolePermissionType>& permissions)

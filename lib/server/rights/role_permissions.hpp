@@ -15,6 +15,8 @@ inline constexpr std::uint32_t all_permissions = UINT32_MAX;
 
 [[nodiscard]] bool has_role(const model::AddressSpace& space, const UserIdentity& user,
                             const NodeId& role);
+/// Whether the user is ConfigureAdmin or SecurityAdmin.
+[[nodiscard]] bool is_administrator(const model::AddressSpace& space, const UserIdentity& user);
 /// The entries for roles that the user has.
 [[nodiscard]] Array<RolePermissionType>
 user_role_permissions(const model::AddressSpace& space, const UserIdentity& user,

@@ -21,6 +21,13 @@ bool GuardedAccess::may_call(const UserIdentity& user, const NodeId& method) con
                          [&] { return inner_->may_call(user, method); });
 }
 
+std::uint32_t GuardedAccess::user_write_mask(const UserIdentity& user, const NodeId& node,
+                                             std::uint32_t write_mask) const
+{
+    return report_.guard("AccessControl::user_write_mask", std::uint32_t{0},
+                         [&] { return inner_->user_write_mask(user, node, write_mask); });
+}
+
 bool GuardedAccess::may_add_node(const UserIdentity& user, const NodeId& parent) const
 {
     return report_.guard("AccessControl::may_add_node", false,

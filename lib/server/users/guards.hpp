@@ -86,6 +86,8 @@ public:
     [[nodiscard]] std::uint8_t user_access_level(const UserIdentity& user, const NodeId& node,
                                                  std::uint8_t access_level) const override;
     [[nodiscard]] bool may_call(const UserIdentity& user, const NodeId& method) const override;
+    [[nodiscard]] std::uint32_t user_write_mask(const UserIdentity& user, const NodeId& node,
+                                                std::uint32_t write_mask) const override;
     [[nodiscard]] bool may_add_node(const UserIdentity& user, const NodeId& parent) const override;
     [[nodiscard]] bool may_delete_node(const UserIdentity& user, const NodeId& node) const override;
     [[nodiscard]] bool may_add_reference(const UserIdentity& user,
