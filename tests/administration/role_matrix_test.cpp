@@ -2,6 +2,7 @@
 
 #include <array>
 #include <functional>
+#include <utility>
 
 #include <busbar/server/method_table.hpp>
 #include <busbar/types/attribute.hpp>
@@ -128,8 +129,15 @@ struct Matrix {
                 {NodeId{0, each.id},
                  static_cast<PermissionType>(each.id == role.id ? permissions : (1U << bits) - 1)});
         }
+        access.write_mask = static_cast<std::uint32_t>(AttributeWriteMask::Description) |
+                            static_cast<std::uint32_t>(AttributeWriteMask::RolePermissions);
+        given = access;
+        give();
+    }
+    void give()
+    {
         for (const model::NodeIndex node : {value, go, area, doomed}) {
-            server.address_space().set_node_access(node, access);
+            server.address_space().set_node_access(node, given);
         }
     }
     /// As it was before a client managed nodes.
@@ -142,8 +150,8 @@ struct Matrix {
         static_cast<void>(space.add_reference(area, NodeId{0, id::Organizes}, go));
         if (space.find(NodeId{1, "Doomed"}) == model::no_node) {
             doomed = space.add_object(named("Doomed")).value();
-            space.set_node_access(doomed, model::NodeAccess{*space.node_access(area)});
         }
+        give();
     }
     [[nodiscard]] TestClient log_in(const Role& role)
     {
@@ -175,6 +183,7 @@ struct Matrix {
                                                                     .users = &users,
                                                                     .access = &everything})
                               .value()};
+    model::NodeAccess given;
     model::NodeIndex area{};
     model::NodeIndex doomed{};
     model::NodeIndex value{};
@@ -191,13 +200,13 @@ StatusCode read(TestClient& client, AttributeId attribute)
     return response ? response->results[0].status : response.error();
 }
 
-StatusCode write(TestClient& client)
+StatusCode write(TestClient& client, AttributeId attribute, Variant value)
 {
     WriteRequest request;
     request.nodes_to_write.resize(1);
     request.nodes_to_write[0].node_id = NodeId{1, "Value"};
-    request.nodes_to_write[0].attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
-    request.nodes_to_write[0].value.value = Variant{std::int32_t{8}};
+    request.nodes_to_write[0].attribute_id = static_cast<std::uint32_t>(attribute);
+    request.nodes_to_write[0].value.value = std::move(value);
     const auto response = client.call<WriteResponse>(request);
     return response ? response->results[0] : response.error();
 }
@@ -322,7 +331,20 @@ const std::vector<Service>& services()
          [](TestClient& client) { return read(client, AttributeId::RolePermissions); }, true},
         {"Read of the BrowseName", 0, status::Bad_NodeIdUnknown,
          [](TestClient& client) { return read(client, AttributeId::BrowseName); }},
-        {"Write", bit(PermissionType::Write), status::Bad_UserAccessDenied, write},
+        {"Write", bit(PermissionType::Write), status::Bad_UserAccessDenied,
+         [](TestClient& client) { return write(client, AttributeId::Value, Variant{8}); }},
+        {"Write of the Description", bit(PermissionType::WriteAttribute),
+         status::Bad_UserAccessDenied,
+         [](TestClient& client) {
+             return write(client, AttributeId::Description, Variant{LocalizedText{"a level"}});
+         }},
+        {"Write of RolePermissions", bit(PermissionType::WriteRolePermissions),
+         status::Bad_UserAccessDenied,
+         [](TestClient& client) {
+             const auto nobody = ExtensionObject::from(RolePermissionType{});
+             return write(client, AttributeId::RolePermissions,
+                          Variant{Array<ExtensionObject>{nobody}});
+         }},
         {"Call", bit(PermissionType::Call), status::Bad_UserAccessDenied, call},
         {"AddNodes", bit(PermissionType::AddNode), status::Bad_UserAccessDenied, add_node, false,
          status::Bad_ParentNodeIdInvalid},
