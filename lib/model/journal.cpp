@@ -67,6 +67,11 @@ std::uint64_t SpaceJournal::rebindings() const
     return space_->tables_->rebindings;
 }
 
+std::uint64_t SpaceJournal::access_changes() const
+{
+    return space_->tables_->access_changes;
+}
+
 ModelChanges SpaceJournal::take_changes()
 {
     space_->tables_->journal.taken_generation = space_->tables_->next_generation;

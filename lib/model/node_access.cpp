@@ -86,6 +86,7 @@ Array<RolePermissionType> SpaceReader::namespace_permissions(std::uint16_t names
 
 void AddressSpace::set_node_access(NodeIndex node, NodeAccess access)
 {
+    ++tables_->access_changes;
     if (access == NodeAccess{} && access.role_permissions.is_null()) {
         tables_->access.erase(node);
     } else {
@@ -96,6 +97,7 @@ void AddressSpace::set_node_access(NodeIndex node, NodeAccess access)
 
 void AddressSpace::set_namespace_restrictions(std::uint16_t index, std::uint16_t restrictions)
 {
+    ++tables_->access_changes;
     auto& by_namespace = tables_->namespace_restrictions;
     if (by_namespace.size() <= index) {
         by_namespace.resize(index + std::size_t{1});
@@ -108,6 +110,7 @@ void AddressSpace::set_namespace_restrictions(std::uint16_t index, std::uint16_t
 void AddressSpace::set_namespace_permissions(std::uint16_t index,
                                              Array<RolePermissionType> permissions)
 {
+    ++tables_->access_changes;
     auto& by_namespace = tables_->namespace_permissions;
     if (by_namespace.size() <= index) {
         by_namespace.resize(index + std::size_t{1});

@@ -65,6 +65,7 @@ struct Tables {
     WatchTable watches;
     /// See SpaceJournal.
     std::uint64_t rebindings{0};
+    std::uint64_t access_changes{0};
     std::uint64_t type_count{0};
     std::uint32_t next_generation{0};
     std::vector<std::uint32_t> next_numeric_ids;

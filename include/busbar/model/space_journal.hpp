@@ -49,6 +49,8 @@ public:
     /// How often a node that a data source is behind was removed, or any was bound elsewhere: who
     /// keeps handles of many nodes for a moment sees from it that all are as they were.
     [[nodiscard]] std::uint64_t rebindings() const;
+    /// A number that changes whenever RolePermissions or AccessRestrictions are set.
+    [[nodiscard]] std::uint64_t access_changes() const;
     /// Has `watch` told of the next change of that aspect of the node, or of the node's removal.
     /// Ends what `watch` waited for before.
     void watch(NodeIndex node, NodeAspect aspect, NodeWatch& watch) const;

@@ -136,10 +136,16 @@ StatusCode EventItem::take_filter(const ExtensionObject& filter, ItemRevision& r
 
 void EventItem::deliver(const RaisedEvent& event)
 {
-    if (!may_receive_ || !may_know_of(event.type()) || !filter_.matches(event, needs_.space)) {
+    if (!may_receive_ || !may_know_of(event.type())) {
         return;
     }
-    if (!queue_.push(filter_.select(event, needs_.space))) {
+    filter_.follow(events_.fields());
+    const NodeRights rights = subscription().rights();
+    const EventReader reader{needs_.space, &rights};
+    if (!filter_.matches(event, reader)) {
+        return;
+    }
+    if (!queue_.push(filter_.select(event, reader), filter_.has_guards())) {
         queue_overflow();
     }
     notify();
@@ -172,7 +178,10 @@ void EventItem::queue_overflow()
 {
     if (queue_.wants_overflow()) {
         subscription().count(&SubscriptionDiagnosticsDataType::event_queue_overflow_count);
-        queue_.push_overflow(filter_.select(*events_.overflow_event(), needs_.space));
+        filter_.follow(events_.fields());
+        const NodeRights rights = subscription().rights();
+        queue_.push_overflow(
+            filter_.select(*events_.overflow_event(), EventReader{needs_.space, &rights}));
     }
 }
 
@@ -215,6 +224,9 @@ void EventItem::user_changed(const ItemContext& context)
         // What the user before was allowed to know is not this one's.
         queue_.clear();
         subscription().ready(Kind::Event).remove(*this);
+    } else if (queue_.discard_guarded()) {
+        queue_overflow(); // their fields were chosen for the one before
+        notify();
     }
 }
 

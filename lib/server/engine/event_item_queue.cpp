@@ -28,7 +28,7 @@ bool EventItemQueue::set_capacity(std::uint32_t capacity, bool discards_oldest)
     return !loses;
 }
 
-bool EventItemQueue::push(Fields fields)
+bool EventItemQueue::push(Fields fields, bool is_guarded)
 {
     const std::size_t bytes = bytes_of(fields);
     const bool is_full = event_count() == capacity_;
@@ -43,7 +43,7 @@ bool EventItemQueue::push(Fields fields)
     const bool is_behind =
         !is_full || discards_oldest_ || entries_.empty() || !entries_.back().is_overflow;
     entries_.insert(is_behind ? entries_.end() : entries_.end() - 1,
-                    Entry{std::move(fields), bytes, false});
+                    Entry{std::move(fields), bytes, false, is_guarded});
     return !is_full;
 }
 
@@ -55,6 +55,17 @@ void EventItemQueue::discard()
                            : std::find_if(entries_.rbegin(), entries_.rend(), is_event).base() - 1;
     account_->release(found->bytes);
     entries_.erase(found);
+}
+
+bool EventItemQueue::discard_guarded()
+{
+    const std::size_t discarded = std::erase_if(entries_, [this](const Entry& entry) {
+        if (entry.is_guarded) {
+            account_->release(entry.bytes);
+        }
+        return entry.is_guarded;
+    });
+    return discarded != 0;
 }
 
 bool EventItemQueue::wants_overflow() const
@@ -70,7 +81,7 @@ void EventItemQueue::push_overflow(Fields fields)
     }
     ++overflow_count_;
     entries_.insert(discards_oldest_ ? entries_.begin() : entries_.end(),
-                    Entry{std::move(fields), bytes, true});
+                    Entry{std::move(fields), bytes, true, false});
 }
 
 void EventItemQueue::pop()

@@ -28,7 +28,10 @@ public:
     [[nodiscard]] std::size_t size() const { return entries_.size(); }
     /// Queues an event, if need be in place of the oldest or of the newest. False if one was lost,
     /// which may be this one, if it cannot be paid for.
-    [[nodiscard]] bool push(Fields fields);
+    /// `is_guarded`: not everybody may read all of its fields.
+    [[nodiscard]] bool push(Fields fields, bool is_guarded = false);
+    /// Discards the events with such fields, for another user; false if there are none.
+    [[nodiscard]] bool discard_guarded();
     /// True if a new overflow event has to follow a loss: none stands there yet.
     [[nodiscard]] bool wants_overflow() const;
     /// Puts the overflow event where it belongs: in front where the oldest are discarded, else at
@@ -43,6 +46,7 @@ private:
         Fields fields;
         std::size_t bytes{0};
         bool is_overflow{false};
+        bool is_guarded{false};
     };
     [[nodiscard]] std::size_t event_count() const { return entries_.size() - overflow_count_; }
     /// Discards the event that has to make place for another.

@@ -34,8 +34,18 @@ std::optional<FieldDeclaration> EventFields::find(NodeIndex type, FieldPath path
     if (const auto base = find_base_field(path)) {
         return base_declaration(*base);
     }
-    refresh();
     std::optional<FieldDeclaration> found;
+    for_each_declaration(type, path, [&](NodeIndex, NodeIndex node) {
+        found = found ? found : FieldDeclaration{};
+        add(node, *found);
+    });
+    return found;
+}
+
+void EventFields::for_each_declaration(NodeIndex type, FieldPath path,
+                                       FunctionRef<void(NodeIndex, NodeIndex)> visit)
+{
+    refresh();
     const auto [first, last] = by_name_.equal_range(hash(path[0]));
     for (auto entry = first; entry != last; ++entry) {
         NodeIndex node = entry->second.node;
@@ -46,11 +56,24 @@ std::optional<FieldDeclaration> EventFields::find(NodeIndex type, FieldPath path
             node = node == no_node ? no_node : find_member(node, name);
         }
         if (node != no_node) {
-            found = found ? found : FieldDeclaration{};
-            add(node, *found);
+            visit(entry->second.owner, node);
         }
     }
-    return found;
+}
+
+void EventFields::find_guards(NodeIndex type, FieldPath path, std::vector<FieldGuard>& guards)
+{
+    for_each_declaration(type, path, [&](NodeIndex owner, NodeIndex node) {
+        if (space_->role_permissions(node) != nullptr) {
+            guards.push_back({owner, space_->handle(node)});
+        }
+    });
+}
+
+std::uint64_t EventFields::version()
+{
+    refresh();
+    return rounds_ + space_->journal().access_changes(); // neither ever becomes less
 }
 
 void EventFields::refresh()

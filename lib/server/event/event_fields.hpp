@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include <busbar/core/function_ref.hpp>
 #include <busbar/model/address_space.hpp>
 
 #include "raised_event.hpp"
@@ -21,6 +22,13 @@ struct FieldDeclaration {
     bool is_status{false};
 };
 
+/// A declaration of a field that has RolePermissions: of events of `owner` and its subtypes, the
+/// field is for users who may read the node.
+struct FieldGuard {
+    model::NodeIndex owner;
+    model::NodeHandle node;
+};
+
 /// Finds fields by the InstanceDeclarations of the event types (Part 4, 7.22.3), which it notes
 /// once and again after references of one of these types have changed, so that a filter of many
 /// unknown fields costs no more than one of few known ones.
@@ -34,6 +42,10 @@ public:
     /// The field that an event of `type` or of a subtype may have; of any type for BaseEventType.
     /// Nothing if none ever has it. `path` is not empty.
     [[nodiscard]] std::optional<FieldDeclaration> find(model::NodeIndex type, FieldPath path);
+    /// The declarations of that field that have RolePermissions; mostly none.
+    void find_guards(model::NodeIndex type, FieldPath path, std::vector<FieldGuard>& guards);
+    /// Changes whenever find_guards may find others.
+    [[nodiscard]] std::uint64_t version();
     /// How often the declarations of all types were noted.
     [[nodiscard]] std::uint64_t rounds() const { return rounds_; }
 
@@ -50,6 +62,10 @@ private:
         bool& is_noted_;
     };
     void refresh();
+    /// Calls `visit` for each declaration of the field, with the type that has it.
+    void
+    for_each_declaration(model::NodeIndex type, FieldPath path,
+                         FunctionRef<void(model::NodeIndex owner, model::NodeIndex node)> visit);
     void note(model::NodeIndex type);
     [[nodiscard]] bool is_of(model::NodeIndex type, const Declaration& declaration) const;
     /// The member of an object, a variable or a type that it has itself or inherits.

@@ -21,7 +21,9 @@ std::size_t memory_of(const EventFilter& filter)
     for (const ContentFilterElement& element : filter.where_clause.elements) {
         operands += 1 + element.filter_operands.size();
     }
-    return 2 * binary::encoded_size(filter) + operands * sizeof(FieldOperand);
+    constexpr std::size_t usual_guards = 4;
+    return 2 * binary::encoded_size(filter) +
+           operands * (sizeof(FieldOperand) + usual_guards * sizeof(FieldGuard));
 }
 
 } // namespace
@@ -46,17 +48,37 @@ StatusCode CompiledEventFilter::compile(const EventFilter& filter, EventFields& 
         result.select_clause_results = std::move(codes);
         result.where_clause_result = std::move(where);
     }
+    look_up_guards(fields);
     return is_valid ? status::Good : status::Bad_EventFilterInvalid;
 }
 
+void CompiledEventFilter::follow(EventFields& fields)
+{
+    if (version_ != fields.version()) {
+        look_up_guards(fields);
+    }
+}
+
+void CompiledEventFilter::look_up_guards(EventFields& fields)
+{
+    version_ = fields.version();
+    has_guards_ = where_.take_guards(fields);
+    for (auto& operand : select_) {
+        if (operand) {
+            operand->take_guards(fields);
+            has_guards_ = has_guards_ || operand->has_guards();
+        }
+    }
+}
+
 Array<Variant> CompiledEventFilter::select(const RaisedEvent& event,
-                                           const model::AddressSpace& space) const
+                                           const EventReader& reader) const
 {
     Array<Variant> values;
     values.reserve(select_.size());
     for (const auto& operand : select_) {
         Variant storage;
-        values.push_back(operand ? operand->value(event, space, storage) : Variant{});
+        values.push_back(operand ? operand->value(event, reader, storage) : Variant{});
     }
     return values;
 }

@@ -15,21 +15,40 @@ public:
     [[nodiscard]] StatusCode compile(const EventFilter& filter, EventFields& fields,
                                      const EventFilterLimits& limits, EventFilterResult& result);
 
-    [[nodiscard]] bool matches(const RaisedEvent& event, const model::AddressSpace& space)
+    /// Before each event: knows whose RolePermissions fields take. Costs nothing while none change.
+    void follow(EventFields& fields);
+    /// A selectClause or the whereClause has a field that not everybody may read.
+    [[nodiscard]] bool has_guards() const { return has_guards_; }
+    [[nodiscard]] bool matches(const RaisedEvent& event, const EventReader& reader)
     {
-        return where_.matches(event, space);
+        return where_.matches(event, reader);
     }
     /// One value for each selectClause.
+    [[nodiscard]] Array<Variant> select(const RaisedEvent& event, const EventReader& reader) const;
+    // For somebody who may read every field.
+
+    [[nodiscard]] bool matches(const RaisedEvent& event, const model::AddressSpace& space)
+    {
+        return matches(event, EventReader{space});
+    }
     [[nodiscard]] Array<Variant> select(const RaisedEvent& event,
-                                        const model::AddressSpace& space) const;
+                                        const model::AddressSpace& space) const
+    {
+        return select(event, EventReader{space});
+    }
     /// About the bytes it takes.
     [[nodiscard]] std::size_t memory() const { return memory_; }
 
 private:
+    void look_up_guards(EventFields& fields);
+
     /// Without value where the clause was bad.
     std::vector<std::optional<FieldOperand>> select_;
     WhereClause where_;
     std::size_t memory_{0};
+    bool has_guards_{false};
+    /// Of the EventFields when the guards were looked up.
+    std::uint64_t version_{0};
 };
 
 } // namespace busbar::server::detail

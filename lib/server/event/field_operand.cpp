@@ -7,6 +7,7 @@ namespace busbar::server::detail {
 namespace {
 
 const Variant no_value;
+const Variant access_denied{StatusCode{status::Bad_UserAccessDenied}};
 
 Result<model::NodeIndex> find_event_type(const model::AddressSpace& space, const NodeId& id)
 {
@@ -35,8 +36,8 @@ Result<FieldOperand> FieldOperand::create(const SimpleAttributeOperand& operand,
     }
     FieldOperand result;
     // BaseEventType stands for every type (Part 4, 7.22.3).
-    const bool is_any = operand.type_definition_id.is(id::BaseEventType);
-    result.type_ = is_any ? model::no_node : *type;
+    result.is_any_type_ = operand.type_definition_id.is(id::BaseEventType);
+    result.type_ = *type;
     FieldDeclaration declaration;
     if (const auto taken = result.take_path(operand, fields, *type, declaration); !taken) {
         return fail(taken.error());
@@ -94,11 +95,38 @@ const Variant* FieldOperand::find(const RaisedEvent& event) const
     return path_.empty() ? &event.instance() : event.find(path_);
 }
 
-const Variant& FieldOperand::value(const RaisedEvent& event, const model::AddressSpace& space,
+void FieldOperand::take_guards(EventFields& fields)
+{
+    guards_.clear();
+    if (!path_.empty()) { // the NodeId of the event's own node is no declaration's
+        fields.find_guards(type_, path_, guards_);
+    }
+}
+
+/// By each declaration that the event's type has or inherits.
+bool FieldOperand::is_denied(const RaisedEvent& event, const EventReader& reader) const
+{
+    return reader.rights != nullptr &&
+           std::any_of(guards_.begin(), guards_.end(), [&](const FieldGuard& guard) {
+               const model::AddressSpace& space = reader.space;
+               const model::NodeIndex node = space.resolve(guard.node);
+               if (node == model::no_node || !space.is_subtype_of(event.type(), guard.owner)) {
+                   return false;
+               }
+               const bool is_value = space.node_class(node) == NodeClass::Variable;
+               return !reader.rights->is_permitted(
+                   is_value ? PermissionType::Read : PermissionType::Browse, node);
+           });
+}
+
+const Variant& FieldOperand::value(const RaisedEvent& event, const EventReader& reader,
                                    Variant& storage) const
 {
-    if (type_ != model::no_node && !space.is_subtype_of(event.type(), type_)) {
+    if (!is_any_type_ && !reader.space.is_subtype_of(event.type(), type_)) {
         return no_value;
+    }
+    if (!guards_.empty() && is_denied(event, reader)) {
+        return access_denied;
     }
     const Variant* const whole = find(event);
     if (whole == nullptr || range_ == nullptr || whole->type() == BuiltInType::StatusCode) {
@@ -109,12 +137,12 @@ const Variant& FieldOperand::value(const RaisedEvent& event, const model::Addres
     return storage;
 }
 
-const Variant& FieldOperand::value_in_filter(const RaisedEvent& event,
-                                             const model::AddressSpace& space,
+const Variant& FieldOperand::value_in_filter(const RaisedEvent& event, const EventReader& reader,
                                              Variant& storage) const
 {
-    const Variant& found = value(event, space, storage);
-    return found.type() == BuiltInType::StatusCode && !is_status_ ? no_value : found;
+    const Variant& found = value(event, reader, storage);
+    const bool is_reason = found.type() == BuiltInType::StatusCode && !is_status_;
+    return is_reason || &found == &access_denied ? no_value : found;
 }
 
 } // namespace busbar::server::detail

@@ -155,12 +155,22 @@ void WhereClause::mark_needed()
     }
 }
 
-bool WhereClause::matches(const RaisedEvent& event, const model::AddressSpace& space)
+bool WhereClause::take_guards(EventFields& fields)
+{
+    bool has_some = false;
+    for (FieldOperand& field : fields_) {
+        field.take_guards(fields);
+        has_some = has_some || field.has_guards();
+    }
+    return has_some;
+}
+
+bool WhereClause::matches(const RaisedEvent& event, const EventReader& reader)
 {
     if (elements_.empty()) {
         return true;
     }
-    FilterContext context{space, event.type(), max_steps};
+    FilterContext context{reader.space, event.type(), max_steps};
     for (std::size_t i = elements_.size(); i-- > 0;) {
         const Element& element = elements_[i];
         if (!element.is_needed) {
@@ -168,7 +178,7 @@ bool WhereClause::matches(const RaisedEvent& event, const model::AddressSpace& s
         }
         values_.clear();
         for (std::uint32_t k = 0; k < element.operand_count; ++k) {
-            values_.push_back(&value(operands_[element.first_operand + k], event, space));
+            values_.push_back(&value(operands_[element.first_operand + k], event, reader));
         }
         results_[i] = element.rule->evaluate(context, values_);
     }
@@ -176,7 +186,7 @@ bool WhereClause::matches(const RaisedEvent& event, const model::AddressSpace& s
 }
 
 const Variant& WhereClause::value(Operand operand, const RaisedEvent& event,
-                                  const model::AddressSpace& space)
+                                  const EventReader& reader)
 {
     switch (operand.source) {
     case Source::Literal:
@@ -186,7 +196,7 @@ const Variant& WhereClause::value(Operand operand, const RaisedEvent& event,
     case Source::Field:
         break;
     }
-    return fields_[operand.index].value_in_filter(event, space, parts_[operand.index]);
+    return fields_[operand.index].value_in_filter(event, reader, parts_[operand.index]);
 }
 
 } // namespace busbar::server::detail

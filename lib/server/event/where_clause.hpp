@@ -26,7 +26,9 @@ public:
                                const EventFilterLimits& limits, ContentFilterResult& result);
 
     /// True if the first element is, or if there is none; NULL is not.
-    [[nodiscard]] bool matches(const RaisedEvent& event, const model::AddressSpace& space);
+    [[nodiscard]] bool matches(const RaisedEvent& event, const EventReader& reader);
+    /// See FieldOperand; true if a field has guards.
+    bool take_guards(EventFields& fields);
 
 private:
     enum class Source : std::uint8_t { Literal, Element, Field };
@@ -47,7 +49,7 @@ private:
 
     void mark_needed();
     [[nodiscard]] const Variant& value(Operand operand, const RaisedEvent& event,
-                                       const model::AddressSpace& space);
+                                       const EventReader& reader);
 
     std::vector<Element> elements_;
     std::vector<Operand> operands_;
