@@ -1,27 +1,24 @@
 #include <busbar/net/server_loop.hpp>
 
 #include <algorithm>
-#include <atomic>
 #include <csignal>
 #include <functional>
 #include <optional>
-#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include <asio/io_context.hpp>
-#include <asio/posix/stream_descriptor.hpp>
 #include <asio/post.hpp>
 #include <asio/signal_set.hpp>
-#include <fcntl.h>
-#include <unistd.h>
 
 #include <busbar/channel/endpoint_url.hpp>
 #include <busbar/core/detail/guarded.hpp>
 
 #include "discovery_registration.hpp"
-#include "link.hpp"
 #include "listener.hpp"
+#include "pipe_waker.hpp"
 #include "reverse_dialer.hpp"
+#include "served_server.hpp"
 #include "turn_away.hpp"
 
 namespace busbar::net {
@@ -33,76 +30,28 @@ using asio::ip::tcp;
 /// Peers that are being told that there is no place for them.
 constexpr std::size_t most_turned_away = 16;
 
-/// Else a link would read on from a peer whose requests wait for their turn.
-static_assert(requires(const server::Connection& connection) { connection.has_enough(); });
-
-/// A pipe to oneself: writing one byte neither blocks nor allocates.
-class PipeWaker final : public server::Waker {
-public:
-    explicit PipeWaker(asio::io_context& context) : reader_{context}
-    {
-        int ends[2] = {-1, -1};
-        if (::pipe2(ends, O_NONBLOCK | O_CLOEXEC) == 0) {
-            reader_.assign(ends[0]);
-            writer_ = ends[1];
-        }
-    }
-    ~PipeWaker() override
-    {
-        if (writer_ >= 0) {
-            ::close(writer_);
-        }
-    }
-    void wake() override
-    {
-        if (!is_awake_.exchange(true)) {
-            const char byte = 0;
-            static_cast<void>(!::write(writer_, &byte, 1));
-        }
-    }
-    /// Calls `on_wake` on the loop's thread each time. Nothing happens if that is so already.
-    template <typename OnWake>
-    void wait(OnWake on_wake)
-    {
-        if (is_waiting_) {
-            return;
-        }
-        reader_.async_read_some(asio::buffer(buffer_),
-                                [this, on_wake](std::error_code error, std::size_t) {
-                                    is_waiting_ = false;
-                                    if (!error) {
-                                        is_awake_ = false;
-                                        wait(on_wake);
-                                        on_wake();
-                                    }
-                                });
-        is_waiting_ = true;
-    }
-
-private:
-    asio::posix::stream_descriptor reader_;
-    int writer_{-1};
-    std::atomic<bool> is_awake_{false};
-    bool is_waiting_{false};
-    char buffer_[64]{};
-};
-
 } // namespace
 
 struct ServerLoop::Impl {
-    using ConnectionLink = detail::SocketLink<server::Connection>;
-    struct Client {
-        std::unique_ptr<server::Connection> connection;
-        std::shared_ptr<ConnectionLink> link;
-    };
+    using ServedServer = detail::ServedServer;
 
     explicit Impl(LogSink& l)
         : log{l}, waker{context}, timer{context.get_executor()}, signals{context}, hangup{context}
     {
+        events.on_activity = [this] { after_activity(); };
+        events.on_opened = [this](std::uint64_t id) {
+            for (const auto& dialer : dialers) {
+                dialer->opened(id);
+            }
+        };
+        events.on_ended = [this](std::uint64_t id) {
+            for (const auto& dialer : dialers) {
+                dialer->ended(id);
+            }
+        };
     }
 
-    enum class Direction : std::uint8_t { FromClient, ToClient };
-    std::optional<std::uint64_t> adopt(tcp::socket socket, Direction direction);
+    std::optional<std::uint64_t> adopt(tcp::socket socket, ServedServer::Direction direction);
     /// Calls `work`, which may throw, and looks after what it gave others to do.
     template <typename Work>
     void guard(std::string_view name, Work work)
@@ -110,8 +59,16 @@ struct ServerLoop::Impl {
         busbar::detail::guarded(log, name, work);
         after_activity();
     }
-    void drain(server::Connection& connection);
-    void drop(std::uint64_t id);
+    /// Calls `work` with each server. There may be more of them afterwards.
+    template <typename Work>
+    void for_each(Work work)
+    {
+        for (std::size_t i = 0; i < served.size(); ++i) {
+            work(*served[i]);
+        }
+    }
+    void serve(server::Server& server);
+    void retire();
     void after_activity();
     void await_deadline();
     void begin_stop();
@@ -122,7 +79,7 @@ struct ServerLoop::Impl {
 
     busbar::detail::SafeLog log;
     asio::io_context context;
-    PipeWaker waker;
+    detail::PipeWaker waker;
     detail::DeadlineTimer timer;
     asio::signal_set signals;
     asio::signal_set hangup;
@@ -132,81 +89,55 @@ struct ServerLoop::Impl {
     ReverseConnectConfig reverse_connect;
     std::vector<std::unique_ptr<detail::ReverseDialer>> dialers;
     std::vector<std::unique_ptr<detail::DiscoveryRegistration>> registrations;
-    std::unordered_map<std::uint64_t, Client> clients;
-    server::Server* server{nullptr};
+    detail::ServedEvents events;
+    /// The last one serves, those before end. None before run().
+    std::vector<std::unique_ptr<ServedServer>> served;
+    std::uint64_t last_connection{0};
     bool is_stopping{false};
 };
 
 /// The connection's id, unless it is refused or gone already.
-std::optional<std::uint64_t> ServerLoop::Impl::adopt(tcp::socket socket, Direction direction)
+std::optional<std::uint64_t> ServerLoop::Impl::adopt(tcp::socket socket,
+                                                     ServedServer::Direction direction)
 {
-    std::error_code error;
-    const auto peer = socket.remote_endpoint(error);
-    if (error) {
-        return std::nullopt;
+    const std::uint64_t id = ++last_connection;
+    const auto adopted = served.back()->adopt(socket, direction, id);
+    if (adopted) {
+        return id;
     }
-    auto connection = server->connect(peer.address().to_string(), detail::now());
-    if (!connection) {
-        // The log has said why.
-        if (direction == Direction::FromClient) {
-            turn_away(std::move(socket), connection.error(), "no place for a connection");
-        }
-        return std::nullopt;
+    if (direction == ServedServer::Direction::FromClient &&
+        adopted.error() != status::Bad_CommunicationError) {
+        turn_away(std::move(socket), adopted.error(), "no place for a connection");
     }
-    auto owned = std::make_unique<server::Connection>(*std::move(connection));
-    if (direction == Direction::ToClient && !owned->reverse_hello(server->config().endpoint_url)) {
-        return std::nullopt;
-    }
-    const std::uint64_t id = owned->id();
-    auto link = std::make_shared<ConnectionLink>(
-        std::move(socket), *owned,
-        [this](ConnectionLink& changed) {
-            drain(changed.engine());
-            after_activity();
-        },
-        [this, id](ConnectionLink&) { asio::post(context, [this, id] { drop(id); }); });
-    clients.emplace(id, Client{std::move(owned), link});
-    link->start();
-    after_activity();
-    return id;
-}
-
-/// The server itself logs what became of a connection.
-void ServerLoop::Impl::drain(server::Connection& connection)
-{
-    while (const auto event = connection.next_event()) {
-        if (event->kind == server::ConnectionEvent::Kind::Opened) {
-            for (const auto& dialer : dialers) {
-                dialer->opened(connection.id());
-            }
-        }
-    }
-}
-
-void ServerLoop::Impl::drop(std::uint64_t id)
-{
-    clients.erase(id);
-    for (const auto& dialer : dialers) {
-        dialer->ended(id);
-    }
-    after_activity();
+    return std::nullopt;
 }
 
 /// What one connection did may have given others something to send.
 void ServerLoop::Impl::after_activity()
 {
-    while (const auto id = server->next_changed()) {
-        const auto found = clients.find(*id);
-        if (found != clients.end()) {
-            const auto link = found->second.link;
-            link->pump();
-        }
-    }
+    for_each([](ServedServer& each) { each.pump(); });
+    retire();
     if (has_stopped()) {
         context.stop();
         return;
     }
     await_deadline();
+}
+
+/// Lets go of servers that went and have nobody any more; nothing of theirs is being called then.
+void ServerLoop::Impl::retire()
+{
+    for (std::size_t i = 0; i + 1 < served.size();) {
+        if (!served[i]->is_over()) {
+            ++i;
+            continue;
+        }
+        const auto released = std::move(served[i]->released);
+        served.erase(served.begin() + static_cast<std::ptrdiff_t>(i));
+        if (released) {
+            busbar::detail::guarded(log, "Handover::released", released);
+        }
+    }
 }
 
 /// After an exception that may have kept anything from waiting for what comes next.
@@ -224,21 +155,42 @@ void ServerLoop::Impl::resume()
 void ServerLoop::Impl::await_wake()
 {
     waker.wait([this] {
-        guard("Server::handle_completions", [this] { server->handle_completions(detail::now()); });
+        for_each([this](ServedServer& each) {
+            busbar::detail::guarded(log, "Server::handle_completions",
+                                    [&each] { each.server().handle_completions(detail::now()); });
+        });
+        after_activity();
     });
 }
 
+/// Clients of servers that went were told; nobody waits for them longer than for those of this one.
 bool ServerLoop::Impl::has_stopped() const
 {
-    return is_stopping && server->is_stopped() && clients.empty() &&
+    return is_stopping && served.back()->is_over() &&
            std::ranges::all_of(registrations, [](const auto& one) { return one->is_stopped(); });
 }
 
 void ServerLoop::Impl::await_deadline()
 {
-    timer.await(server->next_deadline(), [this] {
-        guard("Server::handle_deadline", [this] { server->handle_deadline(detail::now()); });
+    TimePoint deadline = no_deadline;
+    for_each(
+        [&](ServedServer& each) { deadline = std::min(deadline, each.server().next_deadline()); });
+    timer.await(deadline, [this] {
+        const TimePoint now = detail::now();
+        for_each([this, now](ServedServer& each) {
+            if (each.server().next_deadline() <= now) {
+                busbar::detail::guarded(log, "Server::handle_deadline",
+                                        [&] { each.server().handle_deadline(now); });
+            }
+        });
+        after_activity();
     });
+}
+
+void ServerLoop::Impl::serve(server::Server& server)
+{
+    served.push_back(std::make_unique<ServedServer>(server, context.get_executor(), events));
+    server.start(detail::now());
 }
 
 void ServerLoop::Impl::begin_stop()
@@ -255,7 +207,7 @@ void ServerLoop::Impl::begin_stop()
     for (const auto& registration : registrations) {
         registration->stop([this] { after_activity(); });
     }
-    server->begin_shutdown(detail::now(), "the server is being stopped");
+    served.back()->server().begin_shutdown(detail::now(), "the server is being stopped");
     after_activity();
 }
 
@@ -293,7 +245,7 @@ Result<void> ServerLoop::connect_to_clients(ReverseConnectConfig config)
         impl_->dialers.push_back(std::make_unique<detail::ReverseDialer>(
             impl_->context.get_executor(), impl_->log, std::move(url), impl_->reverse_connect,
             [impl = impl_.get()](tcp::socket socket) {
-                return impl->adopt(std::move(socket), Impl::Direction::ToClient);
+                return impl->adopt(std::move(socket), detail::ServedServer::Direction::ToClient);
             }));
     }
     return {};
@@ -343,11 +295,10 @@ void ServerLoop::Impl::await_hangup()
 
 void ServerLoop::run(server::Server& server)
 {
-    impl_->server = &server;
-    server.start(detail::now());
+    impl_->serve(server);
     for (const auto& listener : impl_->listeners) {
         listener->start([impl = impl_.get()](tcp::socket socket) {
-            impl->adopt(std::move(socket), Impl::Direction::FromClient);
+            impl->adopt(std::move(socket), detail::ServedServer::Direction::FromClient);
         });
     }
     for (const auto& dialer : impl_->dialers) {
@@ -365,7 +316,8 @@ void ServerLoop::run(server::Server& server)
             impl_->resume();
         }
     }
-    impl_->clients.clear();
+    impl_->for_each([](detail::ServedServer& each) { each.drop_all(); });
+    impl_->served.clear();
     impl_->registrations.clear();
 }
 

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <unordered_map>
+
+#include <asio/any_io_executor.hpp>
+#include <asio/ip/tcp.hpp>
+
+#include <busbar/core/result.hpp>
+#include <busbar/server/server.hpp>
+
+#include "link.hpp"
+
+namespace busbar::net::detail {
+
+/// What a ServedServer tells. `connection` is unique among all connections of the loop.
+struct ServedEvents {
+    std::function<void()> on_activity;
+    std::function<void(std::uint64_t connection)> on_opened;
+    std::function<void(std::uint64_t connection)> on_ended;
+};
+
+/// One Server and the sockets of its connections. All calls on the executor, which must not run
+/// handlers any more when the object is destroyed, unless is_over().
+class ServedServer {
+public:
+    enum class Direction : std::uint8_t { FromClient, ToClient };
+
+    /// `server` and `events` must outlive the object.
+    ServedServer(server::Server& server, const asio::any_io_executor& executor,
+                 const ServedEvents& events)
+        : server_{&server}, executor_{executor}, events_{&events}
+    {
+    }
+
+    /// Gives the server a connection, which is called `id`. The error is that of Server::connect,
+    /// with the socket left as it was; Bad_CommunicationError if the peer is gone already.
+    [[nodiscard]] Result<void> adopt(asio::ip::tcp::socket& socket, Direction direction,
+                                     std::uint64_t id);
+    /// Sends what the server has changed for others than the one who caused it.
+    void pump();
+    /// Its clients were told, and their connections are closed.
+    [[nodiscard]] bool is_over() const { return server_->is_stopped() && clients_.empty(); }
+    [[nodiscard]] server::Server& server() const { return *server_; }
+    void drop_all() { clients_.clear(); }
+
+    /// Called once, when the loop does not use the server any more.
+    std::function<void()> released;
+
+private:
+    using ConnectionLink = SocketLink<server::Connection>;
+    struct Client {
+        std::uint64_t id;
+        std::unique_ptr<server::Connection> connection;
+        std::shared_ptr<ConnectionLink> link;
+    };
+
+    void drain(server::Connection& connection, std::uint64_t id);
+    void drop(std::uint64_t key);
+
+    server::Server* server_;
+    asio::any_io_executor executor_;
+    const ServedEvents* events_;
+    /// By the server's own ids, which another server may have too.
+    std::unordered_map<std::uint64_t, Client> clients_;
+};
+
+} // namespace busbar::net::detail
