@@ -13,6 +13,8 @@
 
 #include <busbar/channel/endpoint_url.hpp>
 #include <busbar/core/detail/guarded.hpp>
+#include <busbar/net/system.hpp>
+#include <busbar/server/running_server.hpp>
 
 #include "discovery_registration.hpp"
 #include "listener.hpp"
@@ -29,6 +31,8 @@ using asio::ip::tcp;
 
 /// Peers that are being told that there is no place for them.
 constexpr std::size_t most_turned_away = 16;
+
+constexpr std::chrono::hours longest_delay{24};
 
 } // namespace
 
@@ -68,6 +72,9 @@ struct ServerLoop::Impl {
         }
     }
     void serve(server::Server& server);
+    [[nodiscard]] Configured<void> check(const server::Server& next,
+                                         const Handover& handover) const;
+    [[nodiscard]] Configured<void> check_next(const server::Server& next) const;
     void retire();
     void after_activity();
     void await_deadline();
@@ -293,6 +300,58 @@ void ServerLoop::Impl::await_hangup()
     });
 }
 
+Configured<void> ServerLoop::Impl::check(const server::Server& next, const Handover& handover) const
+{
+    if (served.empty() || is_stopping) {
+        return misconfigured("loop", "it does not run, or is being stopped",
+                             status::Bad_InvalidState);
+    }
+    if (handover.reason.empty()) {
+        return misconfigured("reason", "is empty: clients are to know why");
+    }
+    if (handover.delay < std::chrono::seconds{0} || handover.delay > longest_delay) {
+        return misconfigured("delay", "is not from no time to a day", status::Bad_OutOfRange);
+    }
+    return check_next(next);
+}
+
+Configured<void> ServerLoop::Impl::check_next(const server::Server& next) const
+{
+    if (std::ranges::any_of(served, [&](const auto& one) { return &one->server() == &next; })) {
+        return misconfigured("next", "it is served already");
+    }
+    // One that was shut down and has no connections has stopped.
+    if (next.connection_count() != 0 || next.is_stopped()) {
+        return misconfigured("next", "it was used already, and is to be a new one");
+    }
+    if (!registrations.empty() &&
+        next.config().application_uri != served.back()->server().config().application_uri) {
+        return misconfigured("application_uri",
+                             "is another one than is registered with a discovery server");
+    }
+    return {};
+}
+
+Configured<void> ServerLoop::hand_over(server::Server& next, Handover handover)
+{
+    if (auto checked = impl_->check(next, handover); !checked) {
+        return checked;
+    }
+    const TimePoint now = detail::now();
+    detail::ServedServer& before = *impl_->served.back();
+    impl_->serve(next);
+    before.released = std::move(handover.released);
+    if (handover.return_time == DateTime{}) {
+        handover.return_time = SystemWallClock{}.now();
+        handover.return_time.ticks += handover.delay.count() * DateTime::ticks_per_second;
+    }
+    before.server().handle_deadline(now); // it counts the delay from the time that it knows
+    server::RunningServer{before.server()}.begin_shutdown(handover.reason, handover.delay,
+                                                          handover.return_time);
+    impl_->after_activity();
+    return {};
+}
+
 void ServerLoop::run(server::Server& server)
 {
     impl_->serve(server);
@@ -319,6 +378,12 @@ void ServerLoop::run(server::Server& server)
     impl_->for_each([](detail::ServedServer& each) { each.drop_all(); });
     impl_->served.clear();
     impl_->registrations.clear();
+}
+
+void ServerLoop::post(std::function<void()> work)
+{
+    asio::post(impl_->context,
+               [this, work = std::move(work)] { impl_->guard("posted work", work); });
 }
 
 void ServerLoop::stop()
