@@ -40,37 +40,73 @@ SimpleAttributeOperand operand(std::string_view field)
     return operand;
 }
 
-EventFilter filter_of(const std::vector<std::string>& fields, std::uint16_t severity)
+ExtensionObject literal(Variant value)
+{
+    LiteralOperand operand;
+    operand.value = std::move(value);
+    return ExtensionObject::from(std::move(operand));
+}
+
+ExtensionObject element(std::uint32_t index)
+{
+    ElementOperand operand;
+    operand.index = index;
+    return ExtensionObject::from(operand);
+}
+
+ContentFilterElement condition(FilterOperator filter_operator,
+                               std::initializer_list<ExtensionObject> operands)
+{
+    ContentFilterElement condition;
+    condition.filter_operator = filter_operator;
+    condition.filter_operands = operands;
+    return condition;
+}
+
+/// Up to two conditions, which all have to hold (Part 4, 7.7.3).
+ContentFilter where_clause(const EventChoice& choice)
+{
+    ContentFilter filter;
+    const bool has_severity = choice.severity > 0;
+    const bool has_type = !choice.type.is_null();
+    if (has_severity && has_type) { // the first of all elements is evaluated
+        filter.elements.push_back(condition(FilterOperator::And, {element(1), element(2)}));
+    }
+    if (has_severity) {
+        filter.elements.push_back(condition(
+            FilterOperator::GreaterThanOrEqual,
+            {ExtensionObject::from(operand("Severity")), literal(Variant{choice.severity})}));
+    }
+    if (has_type) {
+        filter.elements.push_back(
+            condition(FilterOperator::OfType, {literal(Variant{choice.type})}));
+    }
+    return filter;
+}
+
+EventFilter filter_of(const EventChoice& choice)
 {
     EventFilter filter;
     for (const std::string_view field : standard_event_fields) {
         filter.select_clauses.push_back(operand(field));
     }
-    for (const std::string& field : fields) {
+    for (const std::string& field : choice.fields) {
         filter.select_clauses.push_back(operand(field));
     }
-    if (severity > 0) {
-        ContentFilterElement& element = filter.where_clause.elements.emplace_back();
-        element.filter_operator = FilterOperator::GreaterThanOrEqual;
-        element.filter_operands.push_back(ExtensionObject::from(operand("Severity")));
-        LiteralOperand least;
-        least.value = Variant{severity};
-        element.filter_operands.push_back(ExtensionObject::from(least));
-    }
+    filter.where_clause = where_clause(choice);
     return filter;
 }
 
 } // namespace
 
-client::ItemSettings event_item(client::NodeAddress node, const std::vector<std::string>& fields,
-                                std::uint16_t severity)
+client::ItemSettings event_item(client::NodeAddress node, const EventChoice& choice)
 {
     client::ItemSettings item;
     item.node = std::move(node);
     item.attribute = AttributeId::EventNotifier;
     item.sampling_interval = decltype(item.sampling_interval){0};
     item.queue_size = 1'000;
-    item.filter = ExtensionObject::from(filter_of(fields, severity));
+    item.filter = ExtensionObject::from(filter_of(choice));
     return item;
 }
 

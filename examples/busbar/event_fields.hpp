@@ -16,11 +16,18 @@ namespace busbar::cli {
 inline constexpr std::array<std::string_view, 6> standard_event_fields{
     "Time", "Severity", "SourceName", "Message", "EventType", "EventId"};
 
-/// Asks `node` for its events from `severity` on, with the standard fields and those that the user
-/// names: "2:Press/Force".
+/// Which events, and what of them.
+struct EventChoice {
+    /// The user's own, behind the standard ones: "2:Press/Force".
+    std::vector<std::string> fields{};
+    /// Only from this one on.
+    std::uint16_t severity{0};
+    /// Only of this type and its subtypes; null for all.
+    NodeId type{};
+};
+/// Asks `node` for its events.
 [[nodiscard]] client::ItemSettings event_item(client::NodeAddress node,
-                                              const std::vector<std::string>& fields = {},
-                                              std::uint16_t severity = 0);
+                                              const EventChoice& choice = {});
 /// A field on one line, without quotes if it is a text; "-" for none.
 [[nodiscard]] std::string plain_text(const Variant& field);
 /// Severities are in thirds: low, medium, high.

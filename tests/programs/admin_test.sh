@@ -20,6 +20,7 @@ hash=$("$controller" --hash-password < chief)
 cat > controller.toml << EOF
 [server]
 port = 0
+auditing = true
 [certificates]
 folder = "pki"
 [[endpoint]]
@@ -65,6 +66,28 @@ as_admin 0 admin user disable "$url" pat
 run 4 --user pat --password-file pat --trust read "$url" i=2259
 as_admin 0 admin user enable "$url" pat
 run 0 --user pat --password-file pat --trust read "$url" i=2259
+
+# Who did what, to the screen of an administrator and to nobody else's.
+follow() {
+    timeout 60 "$busbar" --user chief --password-file chief --trust "$@" > audit 2>&1 &
+    follower=$!
+}
+refused() {
+    run 4 --user chief --password-file pat --trust read "$url" i=2259
+    grep -q -s -e "$1" audit
+}
+follow admin audit "$url" --count 6
+await refused 'ActivateSession .* no .*Bad_'
+await refused 'OpenSecureChannel .* yes'
+for _ in 1 2; do refused x; done # or it would wait for more
+wait "$follower" || fail "the one who follows ends with $?"
+[ "$(wc -l < audit)" -eq 7 ] || fail "there are not a title and six events: $(cat audit)"
+follow --json admin audit "$url" --count 1
+await refused '"EventType":.*"ClientUserId":.*"SessionId":.*"StatusCodeId":'
+wait "$follower" || fail "the one who follows ends with $?"
+run 4 --user pat --password-file pat --trust admin audit "$url" --duration 5
+says "this user may not receive audit events"
+
 as_admin 1 admin user remove "$url" pat # nobody says yes
 as_admin 0 admin user remove "$url" pat --yes
 as_admin 0 --json admin user list "$url"

@@ -2,6 +2,7 @@
 
 #include <busbar/core/status_codes.hpp>
 
+#include "admin/audit_line.hpp"
 #include "display_text.hpp"
 #include "failure.hpp"
 #include "json_writer.hpp"
@@ -200,4 +201,58 @@ TEST_CASE("a matrix has a line for each row")
                                     "    [0]   9\n"
                                     "    [1]  10\n"
                                     "    [2]  11");
+}
+
+TEST_CASE("types of audit events are named without what all of them say")
+{
+    CHECK(admin::short_name("AuditOpenSecureChannelEventType") == "OpenSecureChannel");
+    CHECK(admin::short_name("TrustListUpdatedAuditEventType") == "TrustListUpdated");
+    CHECK(admin::short_name("AuditEventType") == "Audit");
+    CHECK(admin::short_name("ValveOpened") == "ValveOpened");
+    CHECK(admin::short_name("EventType") == "EventType");
+    CHECK(admin::short_name("").empty());
+}
+
+namespace {
+
+/// What a server says of a login; the user's name and the outcome are the test's.
+EventFields login(const char* user, StatusCode status)
+{
+    return {Variant{DateTime::from_unix_seconds(0)},
+            Variant{std::uint16_t{600}},
+            Variant{String{"Session/ActivateSession"}},
+            Variant{LocalizedText{"en", "a login"}},
+            Variant{},
+            Variant{},
+            Variant{String{user}},
+            Variant{NodeId{1, 7}},
+            Variant{!status.is_bad()},
+            Variant{status},
+            Variant{String{"4"}}};
+}
+
+} // namespace
+
+TEST_CASE("an audit event is a line that fits")
+{
+    const Output out{stdout};
+    REQUIRE(login("pat", status::Good).size() ==
+            standard_event_fields.size() + admin::audit_fields().size());
+    CHECK(admin::audit_line(out, "ActivateSession", login("pat", status::Good), SIZE_MAX) ==
+          "00:00:00.000  ActivateSession     pat           yes   a login  Session/ActivateSession"
+          "  session ns=1;i=7");
+    const EventFields refused = login("\x1b[2J", status::Bad_UserAccessDenied);
+    const std::string whole = admin::audit_line(out, "ActivateSession", refused, SIZE_MAX);
+    CHECK(whole.find("\\x1B[2J") != std::string::npos);
+    CHECK(whole.find("no    a login  Bad_UserAccessDenied") != std::string::npos);
+    for (const std::size_t columns : {80U, 100U}) {
+        CHECK(display_width(admin::audit_line(out, "\xE6\x95\xB0", refused, columns)) == columns);
+    }
+    CHECK(display_width(admin::audit_line(out, "x", refused, 10)) == 54 + 12); // a word at least
+    const std::string nobody =
+        admin::audit_line(out, "OpenSecureChannel",
+                          {Variant{}, Variant{}, Variant{}, Variant{}, Variant{}, Variant{},
+                           Variant{String{""}}, Variant{}, Variant{}, Variant{}, Variant{}},
+                          SIZE_MAX);
+    CHECK(nobody == "-             OpenSecureChannel   -             yes   -  -");
 }

@@ -109,6 +109,9 @@ constexpr Mistake mistakes[] = {
     {"value that looks like an option (E13)",
      "busbar write $OPEN 'ns=2;s=Mode' --insecure -- -40000", 2,
      "expected a Byte, 0 to 255, found \"-40000\""},
+    {"audit events of a server that raises none", "busbar admin audit $OPEN --insecure", 1,
+     "the server raises no audit events, as its Auditing is false hint: have it raise them: a "
+     "busbar-controller does after `busbar admin setting set server.auditing true`"},
     {"node that may only be read", "busbar write $OPEN 'ns=2;s=Serial' x --insecure", 1,
      "the value may not be written"},
     {"attribute that does not exist", "busbar read $OPEN i=2258 -a Valeu --insecure", 2,

@@ -22,26 +22,27 @@ Group::Group(CLI::App& parent, Run& run, const char* name, const char* text)
 }
 
 CLI::App* Group::add(const char* name, const char* text, std::size_t words, const char* word_names,
-                     Action action)
+                     Action action, Connection::Endurance endurance)
 {
-    return add(name, text, word_names, words, action);
+    return add(name, text, word_names, std::optional{words}, action, endurance);
 }
 
 CLI::App* Group::add_any(const char* name, const char* text, const char* word_names, Action action)
 {
-    return add(name, text, word_names, std::nullopt, action);
+    return add(name, text, word_names, std::nullopt, action, Connection::Endurance::Short);
 }
 
 CLI::App* Group::add(const char* name, const char* text, const char* word_names,
-                     std::optional<std::size_t> words, Action action)
+                     std::optional<std::size_t> words, Action action,
+                     Connection::Endurance endurance)
 {
     auto* command = app_->add_subcommand(name, text);
     command->fallthrough();
     command->add_option(word_names, arguments_->words,
                         words == 0 ? "[URL]" : "[URL] before the others");
-    command->callback([run = run_, arguments = arguments_, words, action,
+    command->callback([run = run_, arguments = arguments_, words, action, endurance,
                        names = std::string{word_names}] {
-        *run = [arguments, words, action, names](Context& context) {
+        *run = [arguments, words, action, endurance, names](Context& context) {
             take_url(arguments->words, context.options, words.value_or(0));
             if (words && arguments->words.size() != *words) {
                 throw Failure{Exit::Usage,
@@ -49,7 +50,7 @@ CLI::App* Group::add(const char* name, const char* text, const char* word_names,
                                   std::to_string(*words),
                               "expected " + (words == 0 ? std::string{"none but a URL"} : names)};
             }
-            Connection connection{context};
+            Connection connection{context, endurance};
             return action(context, connection, *arguments);
         };
     });

@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "connection.hpp"
+#include "stream.hpp"
 
 /// The subcommands of `busbar admin`, one file for each subject.
 namespace busbar::cli::admin {
@@ -28,6 +29,7 @@ struct Arguments {
     unsigned days{365};
     unsigned seconds{2};
     std::string reason;
+    StreamEnd end;
 };
 
 /// Carries a subcommand out; throws Failure.
@@ -40,14 +42,14 @@ public:
 
     /// `words`: how many it needs besides the URL, and what they are called: "NAME ROLE".
     CLI::App* add(const char* name, const char* text, std::size_t words, const char* word_names,
-                  Action action);
+                  Action action, Connection::Endurance endurance = Connection::Endurance::Short);
     /// The same for one that takes any number of words and sees for itself whether they are enough.
     CLI::App* add_any(const char* name, const char* text, const char* word_names, Action action);
     [[nodiscard]] Arguments& arguments() { return *arguments_; }
 
 private:
     CLI::App* add(const char* name, const char* text, const char* word_names,
-                  std::optional<std::size_t> words, Action action);
+                  std::optional<std::size_t> words, Action action, Connection::Endurance endurance);
 
     CLI::App* app_;
     Run* run_;
@@ -61,6 +63,7 @@ void add_roles(CLI::App& admin, Run& run);
 void add_own(CLI::App& admin, Run& run);
 void add_settings(CLI::App& admin, Run& run);
 void add_files(CLI::App& admin, Run& run);
+void add_audit(CLI::App& admin, Run& run);
 void add_setup(CLI::App& admin, Run& run);
 void add_shutdown(CLI::App& admin, Run& run);
 
