@@ -6,7 +6,6 @@
 
 #include <busbar/types/ids.hpp>
 
-#include "method_arguments.hpp"
 #include "node_table.hpp"
 #include "permissions.hpp"
 
@@ -20,20 +19,7 @@ constexpr std::string_view files_prefix = "Files/";
 /// Of Objects, and of Methods: those that change something are for writers alone.
 model::NodeAccess access_of_files(const FileSystem& files, PermissionType permissions, bool changes)
 {
-    model::NodeAccess access;
-    access.restrictions = static_cast<std::uint16_t>(AccessRestrictionType::EncryptionRequired);
-    access.role_permissions.clear(); // not null: nobody, if there are no roles
-    for (const NodeId& role : files.writers) {
-        access.role_permissions.push_back({role, permissions});
-    }
-    for (const NodeId& role : files.readers) {
-        const bool is_there =
-            std::find(files.writers.begin(), files.writers.end(), role) != files.writers.end();
-        if (!changes && !is_there) {
-            access.role_permissions.push_back({role, permissions});
-        }
-    }
-    return access;
+    return access_of_roles(files.readers, files.writers, permissions, changes);
 }
 
 /// The entry point of all folders (Part 20, 4.3.2), whose own Methods are for nobody: it is no
@@ -191,33 +177,16 @@ Configured<void> FileNodes::add_methods()
 Result<model::NodeIndex> FileNodes::add_method(std::uint32_t declaration, Method method,
                                                bool changes)
 {
-    const model::NodeIndex type = space_.find(declaration);
-    if (type == model::no_node) {
-        return fail(status::Bad_NotSupported);
-    }
-    model::NewNode node;
-    node.browse_name = space_.browse_name(type);
-    node.parent = space_.find(declaration < id::FileDirectoryType ? file_type_ : node_id(""));
-    node.id = NodeId{namespace_, String{space_.node_id(node.parent).string().str() + "//" +
-                                        node.browse_name.name.str()}};
-    model::NewMethod facts;
-    facts.input_arguments = declared_arguments(space_, type, "InputArguments");
-    facts.output_arguments = declared_arguments(space_, type, "OutputArguments");
-    facts.source = index();
-    facts.handle = methods_.size();
-    const auto added = space_.add_method(node, facts);
-    if (!added) {
-        return added;
-    }
-    methods_.push_back(method);
-    space_.set_node_access(
-        *added,
-        access_of_files(files_, together(PermissionType::Browse, PermissionType::Call), changes));
-    for (const char* arguments : {"InputArguments", "OutputArguments"}) {
-        if (const model::NodeIndex property = child_of(space_, *added, arguments);
-            property != model::no_node) {
-            space_.set_node_access(property, access_of_files(files_, may_see, changes));
-        }
+    auto added = add_declared_method(
+        space_,
+        {.declaration = declaration,
+         .parent = space_.find(declaration < id::FileDirectoryType ? file_type_ : node_id("")),
+         .source = index(),
+         .handle = methods_.size()},
+        access_of_files(files_, together(PermissionType::Browse, PermissionType::Call), changes),
+        access_of_files(files_, may_see, changes));
+    if (added) {
+        methods_.push_back(method);
     }
     return added;
 }
@@ -237,41 +206,10 @@ Result<model::NodeIndex> FileNodes::add_directory(const model::NewNode& node)
 
 Result<void> FileNodes::add_file(const model::NewNode& node, std::uint32_t number)
 {
-    struct Property {
-        const char* name;
-        std::uint32_t type;
-        Aspect aspect;
-    };
-    constexpr std::array properties{
-        Property{"Size", id::UInt64, Aspect::Size},
-        Property{"Writable", id::Boolean, Aspect::Writable},
-        Property{"UserWritable", id::Boolean, Aspect::UserWritable},
-        Property{"OpenCount", id::UInt16, Aspect::OpenCount},
-        Property{"MaxByteStringLength", id::UInt32, Aspect::MaxByteStringLength},
-        Property{"LastModifiedTime", id::DateTime, Aspect::LastModifiedTime},
-    };
-    model::NewObject object;
-    object.type_definition = file_type_;
-    const auto added = space_.add_object(node, object);
+    const auto added = add_file_object(space_, node, {file_type_, index(), number},
+                                       access_of_files(files_, may_see, false));
     if (!added) {
         return fail(added.error());
-    }
-    space_.set_node_access(*added, access_of_files(files_, may_see, false));
-    for (const Property& each : properties) {
-        model::NewNode property;
-        property.id = NodeId{namespace_, String{node.id.string().str() + "//" + each.name}};
-        property.browse_name = QualifiedName{0, each.name};
-        property.parent = *added;
-        model::NewVariable variable;
-        variable.data_type = NodeId{0, each.type};
-        variable.source = index();
-        variable.handle = number * static_cast<std::uint64_t>(Aspect::Count) +
-                          static_cast<std::uint64_t>(each.aspect);
-        const auto made = space_.add_property(property, std::move(variable));
-        if (!made) {
-            return fail(made.error());
-        }
-        space_.set_node_access(*made, access_of_files(files_, may_see, false));
     }
     for (const model::NodeIndex method : file_methods_) {
         static_cast<void>(space_.add_reference(*added, NodeId{0, id::HasComponent}, method));

@@ -13,6 +13,7 @@
 #include <busbar/server/method_table.hpp>
 #include <busbar/server/server.hpp>
 
+#include "file_objects.hpp"
 #include "open_files.hpp"
 
 namespace busbar::administration::detail {
@@ -36,16 +37,7 @@ public:
     void call(server::CallBatch batch) override;
 
 private:
-    /// What a Variable's handle says besides the entry's number.
-    enum class Aspect : std::uint8_t {
-        Size,
-        Writable,
-        UserWritable,
-        OpenCount,
-        MaxByteStringLength,
-        LastModifiedTime,
-        Count
-    };
+    using Aspect = FileAspect;
     struct Entry {
         StorageEntry::Kind kind{StorageEntry::Kind::File};
         std::uint32_t number{0};

@@ -17,4 +17,23 @@ bool may_call(const model::AddressSpace& space, model::NodeIndex method,
            });
 }
 
+model::NodeAccess access_of_roles(const std::vector<NodeId>& readers,
+                                  const std::vector<NodeId>& writers, PermissionType permissions,
+                                  bool changes)
+{
+    model::NodeAccess access;
+    access.restrictions = static_cast<std::uint16_t>(AccessRestrictionType::EncryptionRequired);
+    access.role_permissions.clear(); // not null: nobody, if there are no roles
+    for (const NodeId& role : writers) {
+        access.role_permissions.push_back({role, permissions});
+    }
+    for (const NodeId& role : readers) {
+        const bool is_there = std::find(writers.begin(), writers.end(), role) != writers.end();
+        if (!changes && !is_there) {
+            access.role_permissions.push_back({role, permissions});
+        }
+    }
+    return access;
+}
+
 } // namespace busbar::administration::detail

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include <busbar/model/address_space.hpp>
 #include <busbar/server/access_control.hpp>
@@ -25,5 +26,11 @@ inline constexpr PermissionType may_act = together(PermissionType::Write, Permis
 /// Whether one of the user's roles may call the Method, where namespace 0 has all roles.
 [[nodiscard]] bool may_call(const model::AddressSpace& space, model::NodeIndex method,
                             const server::UserIdentity& user);
+
+/// These permissions for readers and writers, or for writers alone where something `changes`; over
+/// encrypted channels.
+[[nodiscard]] model::NodeAccess access_of_roles(const std::vector<NodeId>& readers,
+                                                const std::vector<NodeId>& writers,
+                                                PermissionType permissions, bool changes);
 
 } // namespace busbar::administration::detail
