@@ -1,0 +1,83 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <busbar/core/api.hpp>
+#include <busbar/core/named_fields.hpp>
+#include <busbar/core/node_id.hpp>
+#include <busbar/core/result.hpp>
+#include <busbar/core/status_codes.hpp>
+#include <busbar/core/variant.hpp>
+#include <busbar/server/access_control.hpp>
+
+namespace busbar::administration {
+
+/// What clients may hold and make by one TemporaryFileTransfer, all sessions together.
+struct TransferLimits {
+    /// Bytes of one file, which is in memory until it is closed.
+    std::size_t max_file_size{16U << 20U};
+    /// Bytes of all files.
+    std::size_t max_held{32U << 20U};
+    std::size_t max_open{8};
+    std::size_t max_open_of_session{2};
+};
+
+/// What a client wants: whatever it gave as generateOptions, of any type or null, and who it is.
+/// Valid as long as the call.
+struct TransferRequest {
+    const Variant& options;
+    const server::UserIdentity& user;
+};
+
+/// The program on the other side of a TemporaryFileTransfer: it makes files and takes them. On the
+/// server's thread, which everybody waits for meanwhile. Bad statuses go to the client as they are.
+class BUSBAR_API TransferOwner {
+public:
+    TransferOwner() = default;
+    TransferOwner(const TransferOwner&) = delete;
+    TransferOwner& operator=(const TransferOwner&) = delete;
+    virtual ~TransferOwner() = default;
+
+    /// The bytes of a file, at most `max_size`: what is larger is refused, with
+    /// Bad_EncodingLimitsExceeded. Bad_InvalidArgument for options that are none of this owner's.
+    [[nodiscard]] virtual Result<std::vector<std::byte>> generate(const TransferRequest& request,
+                                                                  std::size_t max_size);
+    /// Whether a file with these options would be taken, asked before the client sends it.
+    [[nodiscard]] virtual StatusCode may_take(const TransferRequest& request);
+    /// Takes the file as a whole, or not at all. The options are those of may_take. After a bad
+    /// status the client has it still, and may try again.
+    [[nodiscard]] virtual StatusCode take(const TransferRequest& request,
+                                          std::span<const std::byte> bytes);
+};
+
+/// An Object of TemporaryFileTransferType (Part 20, 4.4) below Objects: clients read what a program
+/// makes for them and send it what it takes, such as backups and projects.
+///
+/// A file is there for the session that asked for it, and for nobody else: nobody can browse down
+/// to its Object or guess its NodeId, and its handle is void in other sessions. Users with the same
+/// roles who list all instances of FileType see that there is one, and its size. It goes when it is
+/// closed, when CloseAndCommit has handed it over, with its session, or when the client lets
+/// `client_processing_timeout` pass between two Methods; what the last two leave is removed at the
+/// next Method that anybody calls. All is done before a Method answers: completionStateMachine is
+/// null.
+struct TemporaryFileTransfer {
+    [[no_unique_address]] NamedFields named_fields{};
+
+    /// BrowseName, and a part of all NodeIds: "Transfers/backup".
+    std::string name;
+    /// Must outlive the Administration.
+    TransferOwner* owner{nullptr};
+    TransferLimits limits{};
+    /// ClientProcessingTimeout.
+    std::chrono::milliseconds client_processing_timeout{60'000};
+    /// Roles that get files, over encrypted channels.
+    std::vector<NodeId> readers{};
+    /// Those that get and send them.
+    std::vector<NodeId> writers{};
+};
+
+} // namespace busbar::administration

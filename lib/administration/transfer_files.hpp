@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <busbar/administration/file_transfer.hpp>
+#include <busbar/core/clock.hpp>
+#include <busbar/core/date_time.hpp>
+#include <busbar/core/function_ref.hpp>
+#include <busbar/core/node_id.hpp>
+#include <busbar/core/result.hpp>
+
+namespace busbar::administration::detail {
+
+/// One temporary file. `position` is never behind its end.
+struct TransferFile {
+    std::uint32_t handle{0};
+    /// What its Object is called.
+    std::string name{};
+    NodeId session{};
+    /// Written by the client; else read.
+    bool is_written{false};
+    Variant options{};
+    std::vector<std::byte> bytes{};
+    std::size_t position{0};
+    TimePoint deadline{};
+    DateTime modified{};
+};
+
+/// The temporary files of one TemporaryFileTransfer, without nodes. A file that is found has its
+/// time begin anew.
+class TransferFiles {
+public:
+    explicit TransferFiles(const TemporaryFileTransfer& transfer)
+        : limits_{transfer.limits}, timeout_{transfer.client_processing_timeout}
+    {
+    }
+
+    /// Bytes that one more file of the session may have. Bad_TooManyOperations or Bad_OutOfMemory
+    /// where there can be none.
+    [[nodiscard]] Result<std::size_t> room(const NodeId& session) const;
+    /// Keeps it under a handle of its own. There must be room.
+    const TransferFile& add(TransferFile file, TimePoint now);
+    /// The session's file with this handle; null if it has none. Also with this name, where one is
+    /// given.
+    [[nodiscard]] TransferFile* find(std::uint32_t handle, const NodeId& session, TimePoint now);
+    [[nodiscard]] TransferFile* find(std::uint32_t handle, const NodeId& session,
+                                     std::string_view name, TimePoint now);
+    /// At most `length` bytes, none at the end (Part 20, 4.2.4). Bad_InvalidState for a file that
+    /// is written, Bad_InvalidArgument for a negative length.
+    [[nodiscard]] static Result<std::vector<std::byte>> read(TransferFile& file,
+                                                             std::int32_t length);
+    /// Bad_InvalidState for a file that is read, Bad_EncodingLimitsExceeded and Bad_OutOfMemory
+    /// where it would grow too large.
+    [[nodiscard]] StatusCode write(TransferFile& file, std::span<const std::byte> bytes) const;
+    /// At most the end of the file (Part 20, 4.2.7).
+    static void set_position(TransferFile& file, std::uint64_t position);
+    void remove(const TransferFile& file);
+
+    /// By the name of its Object; null for none, or one whose time is over.
+    [[nodiscard]] const TransferFile* find(std::string_view name, TimePoint now) const;
+    /// Removes files of sessions that are gone, and those whose time is over; their names.
+    std::vector<std::string> expire(TimePoint now, FunctionRef<bool(const NodeId&)> has_session);
+
+private:
+    [[nodiscard]] std::size_t held() const;
+
+    TransferLimits limits_;
+    Duration timeout_;
+    std::vector<TransferFile> files_;
+    std::uint32_t last_handle_{0};
+};
+
+} // namespace busbar::administration::detail
