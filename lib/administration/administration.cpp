@@ -13,6 +13,7 @@
 #include "server_control.hpp"
 #include "server_reset.hpp"
 #include "setting_nodes.hpp"
+#include "transfer_nodes.hpp"
 #include "user_management.hpp"
 
 namespace busbar::administration {
@@ -32,9 +33,12 @@ struct Administration::Impl {
     std::optional<detail::ServerReset> server_reset;
     std::optional<detail::SettingNodes> setting_nodes;
     std::deque<detail::FileNodes> file_nodes;
+    std::deque<detail::TransferNodes> transfer_nodes;
 
     [[nodiscard]] Configured<void> check() const;
+    [[nodiscard]] Configured<void> check_files() const;
     [[nodiscard]] Configured<void> attach(server::Server& server);
+    [[nodiscard]] Configured<void> attach_files(server::Server& server);
     [[nodiscard]] Configured<void> attach_certificates(server::Server& server);
 };
 
@@ -60,14 +64,27 @@ Configured<void> Administration::Impl::check() const
     if ((parts.settings != nullptr) != (parts.setting_owner != nullptr)) {
         return misconfigured("settings", "are there without their owner, or it without them");
     }
+    if ((parts.certificates != nullptr || !parts.file_transfers.empty()) &&
+        parts.random == nullptr) {
+        return misconfigured("random", "is missing");
+    }
+    return check_files();
+}
+
+Configured<void> Administration::Impl::check_files() const
+{
     for (const FileSystem& files : parts.file_systems) {
         if (files.storage == nullptr || !detail::is_file_name(files.name)) {
             return misconfigured("files \"" + files.name + "\"",
                                  "have no storage, or a name that is no part of a path");
         }
     }
-    if (parts.certificates != nullptr && parts.random == nullptr) {
-        return misconfigured("random", "is missing");
+    for (const TemporaryFileTransfer& transfer : parts.file_transfers) {
+        if (transfer.owner == nullptr || !detail::is_file_name(transfer.name) ||
+            transfer.client_processing_timeout <= std::chrono::milliseconds{0}) {
+            return misconfigured("transfer \"" + transfer.name + "\"",
+                                 "has no owner, no timeout, or a name that is no part of a path");
+        }
     }
     return {};
 }
@@ -95,13 +112,28 @@ Configured<void> Administration::Impl::attach(server::Server& server)
             return attached;
         }
     }
+    if (auto attached = attach_files(server); !attached) {
+        return attached;
+    }
+    return parts.certificates != nullptr ? attach_certificates(server) : Configured<void>{};
+}
+
+Configured<void> Administration::Impl::attach_files(server::Server& server)
+{
     for (const FileSystem& files : parts.file_systems) {
         if (auto attached = file_nodes.emplace_back(server, files, *parts.wall_clock).add_nodes();
             !attached) {
             return attached;
         }
     }
-    return parts.certificates != nullptr ? attach_certificates(server) : Configured<void>{};
+    for (const TemporaryFileTransfer& transfer : parts.file_transfers) {
+        auto& nodes = transfer_nodes.emplace_back(
+            detail::TransferNodes::Needs{server, transfer, *parts.random, *parts.wall_clock});
+        if (auto attached = nodes.add_nodes(); !attached) {
+            return attached;
+        }
+    }
+    return {};
 }
 
 Configured<void> Administration::Impl::attach_certificates(server::Server& server)

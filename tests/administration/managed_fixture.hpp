@@ -71,6 +71,43 @@ struct PlainOwner final : administration::SettingOwner {
     administration::SettingValues applied;
 };
 
+/// Gives `made` for null options, as many bytes as the options say for a number, and takes what it
+/// is given unless it was told an answer.
+struct PlainTransfers final : administration::TransferOwner {
+    [[nodiscard]] Result<std::vector<std::byte>>
+    generate(const administration::TransferRequest& request, std::size_t max_size) override
+    {
+        last_max_size = max_size;
+        if (const auto* const size = request.options.get_if<std::uint32_t>()) {
+            return std::vector<std::byte>(*size);
+        }
+        return request.options.is_null() ? Result<std::vector<std::byte>>{made}
+                                         : fail(status::Bad_InvalidArgument);
+    }
+    [[nodiscard]] StatusCode may_take(const administration::TransferRequest& request) override
+    {
+        return request.options.get_if<bool>() != nullptr ? status::Bad_InvalidArgument
+                                                         : status::Good;
+    }
+    [[nodiscard]] StatusCode take(const administration::TransferRequest& request,
+                                  std::span<const std::byte> bytes) override
+    {
+        if (answer.is_good()) {
+            taken.emplace_back(bytes.begin(), bytes.end());
+            options = request.options;
+            user = request.user.name;
+        }
+        return answer;
+    }
+
+    std::vector<std::byte> made;
+    std::size_t last_max_size{0};
+    StatusCode answer;
+    std::vector<std::vector<std::byte>> taken;
+    Variant options;
+    std::string user;
+};
+
 /// A server whose certificates and users are managed, in memory and in virtual time. Trusts the
 /// client of the tests; "admin" is SecurityAdmin.
 struct ManagedFixture {
@@ -120,6 +157,7 @@ struct ManagedFixture {
                                                 .settings = &settings,
                                                 .setting_owner = &owner,
                                                 .file_systems = {files},
+                                                .file_transfers = {transfer},
                                                 .authorities = authorities,
                                                 .changed = [this] { ++changes; }});
         REQUIRE(administration->attach(server));
@@ -222,6 +260,17 @@ struct ManagedFixture {
                                      .limits = {.max_entries = 12, .max_depth = 3},
                                      .readers = {NodeId{0, id::WellKnownRole_Operator}},
                                      .writers = {NodeId{0, id::WellKnownRole_Engineer}}};
+    PlainTransfers transfers;
+    administration::TemporaryFileTransfer transfer{
+        .name = "backup",
+        .owner = &transfers,
+        .limits = {.max_file_size = 100'000,
+                   .max_held = 150'000,
+                   .max_open = 3,
+                   .max_open_of_session = 2},
+        .client_processing_timeout = std::chrono::seconds{20},
+        .readers = {NodeId{0, id::WellKnownRole_Operator}},
+        .writers = {NodeId{0, id::WellKnownRole_Engineer}}};
     server::Worker* worker;
     administration::Authorities authorities;
     bool can_restart;

@@ -6,6 +6,7 @@
 
 #include <busbar/administration/authorities.hpp>
 #include <busbar/administration/file_system.hpp>
+#include <busbar/administration/file_transfer.hpp>
 #include <busbar/administration/managed_certificates.hpp>
 #include <busbar/administration/role_list.hpp>
 #include <busbar/administration/setting_list.hpp>
@@ -36,7 +37,8 @@ struct AdministrationParts {
     UserList* users{nullptr};
     /// ServerConfiguration (Part 12, 7.10). Null: certificates are not managed.
     const ManagedCertificates* certificates{nullptr};
-    /// For hashes of passwords and for keys; required with `users` or `certificates`.
+    /// For hashes of passwords, for keys and for names that nobody guesses; required with `users`,
+    /// `certificates` or `file_transfers`.
     crypto::Random* random{nullptr};
     /// Where passwords are hashed and keys are made; it is to end before the Administration. Null:
     /// the server's thread, which everybody waits for then.
@@ -60,6 +62,9 @@ struct AdministrationParts {
     /// What clients see as files, each with a name of its own; they are read when this is attached
     /// and whenever a client makes, moves or removes one.
     std::vector<FileSystem> file_systems{};
+    /// Files that the program makes for clients or takes from them, each with a name of its own;
+    /// not without `random`.
+    std::vector<TemporaryFileTransfer> file_transfers{};
     Authorities authorities{Authorities::Standard};
     /// Called on the server's thread after users or roles have changed. May be empty.
     std::function<void()> changed{};

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include <busbar/core/api.hpp>
+#include <busbar/core/clock.hpp>
 #include <busbar/core/function_ref.hpp>
 #include <busbar/server/server.hpp>
 #include <busbar/types/enumerations.hpp>
@@ -58,6 +59,8 @@ public:
     /// already.
     bool begin_shutdown(std::string_view reason, std::chrono::seconds delay,
                         DateTime return_time) const;
+    /// The latest time that the server was told.
+    [[nodiscard]] TimePoint latest_time() const;
     /// False once it is over.
     [[nodiscard]] bool has_session(const NodeId& session_id) const;
 

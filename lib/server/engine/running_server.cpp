@@ -164,6 +164,11 @@ void RunningServer::roles_changed() const
     impl_->sweep();
 }
 
+TimePoint RunningServer::latest_time() const
+{
+    return impl_->latest;
+}
+
 bool RunningServer::has_session(const NodeId& session_id) const
 {
     const auto& all = impl_->sessions.all();

@@ -1,0 +1,222 @@
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include <busbar/core/status_codes.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "method_arguments.hpp"
+#include "open_files.hpp"
+#include "transfer_nodes.hpp"
+
+// What the Methods of a TemporaryFileTransferType and of its files do (Part 20, 4.2 and 4.4).
+
+namespace busbar::administration::detail {
+
+using server::MethodCall;
+
+const std::array<TransferNodes::Declared, 9> TransferNodes::declared{{
+    {id::TemporaryFileTransferType_GenerateFileForRead, &TransferNodes::generate_for_read, false},
+    {id::TemporaryFileTransferType_GenerateFileForWrite, &TransferNodes::generate_for_write, true},
+    {id::TemporaryFileTransferType_CloseAndCommit, &TransferNodes::close_and_commit, true},
+    {id::FileType_Open, &TransferNodes::open, false},
+    {id::FileType_Close, &TransferNodes::close, false},
+    {id::FileType_Read, &TransferNodes::read_file, false},
+    {id::FileType_Write, &TransferNodes::write_file, true},
+    {id::FileType_GetPosition, &TransferNodes::get_position, false},
+    {id::FileType_SetPosition, &TransferNodes::set_position, false},
+}};
+
+std::string_view TransferNodes::name_of(const NodeId& object) const
+{
+    if (object.namespace_index() != namespace_ || object.id_type() != IdType::String) {
+        return {};
+    }
+    const std::string_view text = object.string().view();
+    return text.substr(std::min(text.size(), text.rfind('/') + 1));
+}
+
+/// The one that the Object and the handle name, if it is the session's.
+TransferFile* TransferNodes::file_of(const MethodCall& call)
+{
+    const std::string_view name = name_of(call.object_id());
+    TransferFile* const file =
+        files_.find(call.input<std::uint32_t>(0), call.session_id(), name, now());
+    return file != nullptr && call.object_id() == node_id(name) ? file : nullptr;
+}
+
+void TransferNodes::call(server::CallBatch batch)
+{
+    const auto shared = std::make_shared<server::CallBatch>(std::move(batch));
+    expire();
+    for (std::size_t i = 0; i < shared->size(); ++i) {
+        MethodCall call{shared, i};
+        const auto which = static_cast<std::size_t>(shared->items()[i].handle);
+        if (which >= declared.size()) {
+            call.fail(status::Bad_MethodInvalid);
+            continue;
+        }
+        (this->*declared[which].method)(call);
+    }
+}
+
+void TransferNodes::generate_for_read(MethodCall& call)
+{
+    const auto room = files_.room(call.session_id());
+    if (!room) {
+        return call.fail(room.error());
+    }
+    auto bytes = transfer_.owner->generate({call.inputs()[0], call.user()}, *room);
+    if (!bytes) {
+        return call.fail(bytes.error());
+    }
+    if (bytes->size() > *room) {
+        return call.fail(status::Bad_EncodingLimitsExceeded);
+    }
+    const auto kept = keep({.session = call.session_id(), .bytes = *std::move(bytes)});
+    if (!kept) {
+        return call.fail(kept.error());
+    }
+    Array<Variant> outputs;
+    outputs.push_back(Variant{node_id((*kept)->name)});
+    outputs.push_back(Variant{(*kept)->handle});
+    outputs.push_back(Variant{NodeId{}}); // it is complete
+    call.succeed(std::move(outputs));
+}
+
+void TransferNodes::generate_for_write(MethodCall& call)
+{
+    if (const auto room = files_.room(call.session_id()); !room) {
+        return call.fail(room.error());
+    }
+    const Variant& options = call.inputs()[0];
+    if (const StatusCode may = transfer_.owner->may_take({options, call.user()}); may.is_bad()) {
+        return call.fail(may);
+    }
+    const auto kept = keep({.session = call.session_id(), .is_written = true, .options = options});
+    if (!kept) {
+        return call.fail(kept.error());
+    }
+    Array<Variant> outputs;
+    outputs.push_back(Variant{node_id((*kept)->name)});
+    outputs.push_back(Variant{(*kept)->handle});
+    call.succeed(std::move(outputs));
+}
+
+void TransferNodes::close_and_commit(MethodCall& call)
+{
+    const TransferFile* const file =
+        files_.find(call.input<std::uint32_t>(0), call.session_id(), now());
+    if (file == nullptr) {
+        return call.fail(status::Bad_InvalidArgument);
+    }
+    if (!file->is_written) {
+        return call.fail(status::Bad_InvalidState);
+    }
+    const StatusCode taken = transfer_.owner->take({file->options, call.user()}, file->bytes);
+    if (taken.is_bad()) {
+        return call.fail(taken); // the client has it still
+    }
+    drop(*file);
+    call.succeed(one_output(Variant{NodeId{}}));
+}
+
+/// It is open already, for who asked for it (Part 20, 4.4.3).
+void TransferNodes::open(MethodCall& call)
+{
+    call.fail(status::Bad_InvalidState);
+}
+
+/// Without CloseAndCommit nothing of it is kept.
+void TransferNodes::close(MethodCall& call)
+{
+    const TransferFile* const file = file_of(call);
+    if (file == nullptr) {
+        return call.fail(status::Bad_InvalidArgument);
+    }
+    drop(*file);
+    call.succeed();
+}
+
+void TransferNodes::read_file(MethodCall& call)
+{
+    TransferFile* const file = file_of(call);
+    if (file == nullptr) {
+        return call.fail(status::Bad_InvalidArgument);
+    }
+    const auto bytes = TransferFiles::read(*file, call.input<std::int32_t>(1));
+    if (!bytes) {
+        return call.fail(bytes.error());
+    }
+    call.succeed(one_output(Variant{ByteString{*bytes}}));
+}
+
+void TransferNodes::write_file(MethodCall& call)
+{
+    TransferFile* const file = file_of(call);
+    if (file == nullptr) {
+        return call.fail(status::Bad_InvalidArgument);
+    }
+    if (const StatusCode written = files_.write(*file, bytes_input(call, 1)); written.is_bad()) {
+        return call.fail(written);
+    }
+    file->modified = clock_.now();
+    call.succeed();
+}
+
+void TransferNodes::get_position(MethodCall& call)
+{
+    const TransferFile* const file = file_of(call);
+    if (file == nullptr) {
+        return call.fail(status::Bad_InvalidArgument);
+    }
+    call.succeed(one_output(Variant{std::uint64_t{file->position}}));
+}
+
+void TransferNodes::set_position(MethodCall& call)
+{
+    TransferFile* const file = file_of(call);
+    if (file == nullptr) {
+        return call.fail(status::Bad_InvalidArgument);
+    }
+    TransferFiles::set_position(*file, call.input<std::uint64_t>(1));
+    call.succeed();
+}
+
+DataValue TransferNodes::value_of(const TransferFile& file, FileAspect aspect) const
+{
+    switch (aspect) {
+    case FileAspect::Size:
+        return DataValue{Variant{std::uint64_t{file.bytes.size()}}};
+    case FileAspect::OpenCount:
+        return DataValue{Variant{std::uint16_t{1}}};
+    case FileAspect::MaxByteStringLength:
+        return DataValue{Variant{static_cast<std::uint32_t>(max_read_size)}};
+    case FileAspect::LastModifiedTime:
+        return DataValue{Variant{file.modified}};
+    default:
+        return DataValue{Variant{file.is_written}};
+    }
+}
+
+void TransferNodes::read(server::ReadBatch batch)
+{
+    const TimePoint time = now();
+    constexpr auto count = static_cast<std::uint64_t>(FileAspect::Count);
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+        const std::uint64_t handle = batch.items()[i].handle;
+        const auto number = static_cast<std::size_t>(handle / count);
+        const TransferFile* const file = number < numbers_.size() && !numbers_[number].empty()
+                                             ? files_.find(numbers_[number], time)
+                                             : nullptr;
+        DataValue value{status::Bad_NodeIdUnknown};
+        if (file != nullptr) {
+            value = value_of(*file, static_cast<FileAspect>(handle % count));
+            value.source_timestamp = clock_.now();
+        }
+        batch.results()[i] = std::move(value);
+    }
+    batch.complete();
+}
+
+} // namespace busbar::administration::detail

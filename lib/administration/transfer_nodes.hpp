@@ -1,0 +1,95 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/administration/file_transfer.hpp>
+#include <busbar/core/clock.hpp>
+#include <busbar/core/problem.hpp>
+#include <busbar/crypto/random.hpp>
+#include <busbar/server/data_source.hpp>
+#include <busbar/server/method_table.hpp>
+#include <busbar/server/server.hpp>
+
+#include "file_objects.hpp"
+#include "transfer_files.hpp"
+
+namespace busbar::administration::detail {
+
+/// The Object of one TemporaryFileTransfer and the Objects of its files. Each file has Methods of
+/// its own: those that several share would lead from one session's file to another's.
+class TransferNodes final : public server::DataSource {
+public:
+    /// All must outlive the object.
+    struct Needs {
+        server::Server& server;
+        const TemporaryFileTransfer& transfer;
+        crypto::Random& random;
+        const WallClock& clock;
+    };
+
+    explicit TransferNodes(const Needs& needs);
+
+    /// The problem is one of the namespace, which is too small, or of nodes that are there already.
+    [[nodiscard]] Configured<void> add_nodes();
+
+    void read(server::ReadBatch batch) override;
+    void call(server::CallBatch batch) override;
+
+private:
+    using Method = void (TransferNodes::*)(server::MethodCall& call);
+    struct Declared {
+        std::uint32_t declaration;
+        Method method;
+        bool changes;
+    };
+    /// By the handles of the Methods; those of the transfer, then those of its files.
+    static const std::array<Declared, 9> declared;
+    static constexpr std::size_t methods_of_transfer = 3;
+
+    [[nodiscard]] Result<void> add_objects();
+    [[nodiscard]] Result<void> add_method(std::size_t which, model::NodeIndex parent);
+    [[nodiscard]] Result<void> add_timeout(model::NodeIndex transfer);
+    [[nodiscard]] model::NodeAccess access(PermissionType permissions, bool changes) const;
+    [[nodiscard]] NodeId node_id(std::string_view below) const;
+    /// A name that nobody can guess.
+    [[nodiscard]] Result<std::string> new_name();
+    /// What the Object of the call is called; empty if it is none of our files.
+    [[nodiscard]] std::string_view name_of(const NodeId& object) const;
+    [[nodiscard]] TransferFile* file_of(const server::MethodCall& call);
+    [[nodiscard]] TimePoint now() const;
+    void expire();
+    void drop(const TransferFile& file);
+    void remove_nodes(const std::string& name);
+    /// Keeps the file and adds its Object.
+    [[nodiscard]] Result<const TransferFile*> keep(TransferFile file);
+    [[nodiscard]] Result<void> add_file(const std::string& name);
+    [[nodiscard]] DataValue value_of(const TransferFile& file, FileAspect aspect) const;
+
+    void generate_for_read(server::MethodCall& call);
+    void generate_for_write(server::MethodCall& call);
+    void close_and_commit(server::MethodCall& call);
+    void open(server::MethodCall& call);
+    void close(server::MethodCall& call);
+    void read_file(server::MethodCall& call);
+    void write_file(server::MethodCall& call);
+    void get_position(server::MethodCall& call);
+    void set_position(server::MethodCall& call);
+
+    server::Server& server_;
+    model::AddressSpace& space_;
+    const TemporaryFileTransfer& transfer_;
+    crypto::Random& random_;
+    const WallClock& clock_;
+    TransferFiles files_;
+    std::uint16_t namespace_{0};
+    /// Below it are the Objects of files; nobody sees it.
+    model::NodeIndex container_{model::no_node};
+    /// The names of the files by their numbers, which are in the handles of Variables.
+    std::vector<std::string> numbers_;
+};
+
+} // namespace busbar::administration::detail
