@@ -40,6 +40,25 @@ public:
     [[nodiscard]] bool run(std::function<void()>) override { return false; }
 };
 
+/// Makes as many bytes as it is told, and takes everything.
+class Transfers final : public administration::TransferOwner {
+public:
+    [[nodiscard]] Result<std::vector<std::byte>>
+    generate(const administration::TransferRequest& request, std::size_t) override
+    {
+        return std::vector<std::byte>(request.options.value_or<std::uint32_t>(0));
+    }
+    [[nodiscard]] StatusCode may_take(const administration::TransferRequest&) override
+    {
+        return status::Good;
+    }
+    [[nodiscard]] StatusCode take(const administration::TransferRequest&,
+                                  std::span<const std::byte> bytes) override
+    {
+        return bytes.size() % 2 == 0 ? status::Good : status::Bad_InvalidState;
+    }
+};
+
 struct Backend {
     Users users;
     NoWorker worker;
@@ -61,6 +80,14 @@ struct Backend {
                                                   .max_depth = 3},
                                        .readers = {},
                                        .writers = {NodeId{0, id::WellKnownRole_SecurityAdmin}}};
+    Transfers transfers;
+    administration::TemporaryFileTransfer backup{
+        .name = "backup",
+        .owner = &transfers,
+        .limits = {.max_file_size = 200, .max_held = 300, .max_open = 4, .max_open_of_session = 3},
+        .client_processing_timeout = std::chrono::seconds{100},
+        .readers = {},
+        .writers = {NodeId{0, id::WellKnownRole_SecurityAdmin}}};
     server::PasswordUsers passwords;
     administration::RoleList roles{files, "roles.json"};
     administration::UserList user_list{files, "users.json", {}, passwords};
@@ -77,7 +104,8 @@ struct Backend {
                                                    .random = &system_random,
                                                    .worker = &worker,
                                                    .stop = [] {},
-                                                   .file_systems = {recipes}}};
+                                                   .file_systems = {recipes},
+                                                   .file_transfers = {backup}}};
 };
 
 /// A Method and the Object that has it.
@@ -111,6 +139,11 @@ struct Fixture : Backend, fuzz::ServerSession {
         for (const char* path : {"", "/d", "/a", "/d/a", "/x"}) { // the last is made by others
             add_file_methods(path);
         }
+        for (const char* method :
+             {"GenerateFileForRead", "GenerateFileForWrite", "CloseAndCommit"}) {
+            add(space.find(NodeId{1, "Transfers/backup"}), method);
+        }
+        lasting_targets = targets.size();
         log_in();
     }
     void add_file_methods(const std::string& path)
@@ -128,6 +161,27 @@ struct Fixture : Backend, fuzz::ServerSession {
         }
         if (const model::NodeIndex node = space.find(object); node != model::no_node) {
             space.set_node_access(node, {});
+        }
+    }
+    /// Temporary files come and go.
+    void follow_transfers()
+    {
+        auto& space = server.address_space();
+        std::vector<model::NodeIndex> files;
+        const model::NodeIndex type = space.find(id::FileType);
+        space.for_each_below(space.find(NodeId{1, "Transfers/backup/files"}),
+                             [&](model::NodeIndex node) {
+                                 if (space.type_definition(node) == type) {
+                                     files.push_back(node);
+                                 }
+                                 return true;
+                             });
+        targets.erase(targets.begin() + static_cast<std::ptrdiff_t>(lasting_targets),
+                      targets.end());
+        for (const model::NodeIndex file : files) {
+            for (const char* method : file_methods) {
+                add(file, method);
+            }
         }
     }
     void add(model::NodeIndex object, const char* name)
@@ -188,6 +242,8 @@ struct Fixture : Backend, fuzz::ServerSession {
                                         "RemoveEndpoint",
                                         "RequestServerStateChange"};
     std::vector<Target> targets;
+    /// Those of temporary files are behind them.
+    std::size_t lasting_targets{0};
 };
 
 ByteString bytes_of(fuzz::Script& script)
@@ -316,6 +372,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             request.methods_to_call[0].input_arguments.push_back(value_of(argument, script));
         }
         fixture.send(std::move(request));
+        fixture.follow_transfers();
     }
     return 0;
 }
