@@ -23,9 +23,9 @@ std::string_view name(RecordKind kind)
         "ServerShutDown",      "ServerHalted",          "ServerSystemError",
         "VariablesCounted",    "VariablePublished",     "VariableNotPublished",
         "ExecutionLogLost",    "SecurityCleared",       "PublishingLimitExceeded",
-        "InstructionFailed",   "ExecutionLogSaved",     "ShutdownRefused",
+        "InstructionFailed",   "ExecutionLogSaved",
     };
-    static_assert(names.size() == static_cast<std::size_t>(RecordKind::ShutdownRefused) + 1);
+    static_assert(names.size() == static_cast<std::size_t>(RecordKind::ExecutionLogSaved) + 1);
     return names[static_cast<std::size_t>(kind)];
 }
 

@@ -78,12 +78,11 @@ enum class RecordKind : std::uint8_t {
     SecurityCleared,
     /// [Limit: "MaxVariables", "MaxValues", "MaxDataTypes"]: not everything is published.
     PublishingLimitExceeded,
-    /// [Code, Instruction]: an instruction of the controller's program failed; the code is UInt16
-    /// and, after 5401, the event's code (seed 000, 9-2-2).
+    /// [Code, Instruction, and as far as it is known Location, Line, Instance]: an instruction of the
+    /// controller's program failed; the code is UInt16 and, after 5401, the event's code
+    /// (seed 000, 9-2-2).
     InstructionFailed,
     ExecutionLogSaved, // again, after ExecutionLogLost
-    /// [ErrorId: 0x5000 to 0x5002, Location, Line, Instance]: by OPCUA_Shutdown (seed 000, A-2).
-    ShutdownRefused,
 };
 
 /// "SessionCreated".

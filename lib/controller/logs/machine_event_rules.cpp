@@ -157,9 +157,9 @@ AllTold told_cleared(const Record&, DateTime)
     return {{0x95D40000}};
 }
 
-AllTold told_shutdown_refused(const Record& record, DateTime)
+AllTold told_instruction(const Record& record, DateTime)
 {
-    const auto error = static_cast<std::uint32_t>(number_field(record, "ErrorId") & 0xFFFFU);
+    const auto error = static_cast<std::uint32_t>(number_field(record, "Code") & 0xFFFFU);
     Attached attached{attached_text(text_field(record, "Location")),
                       std::to_string(number_field(record, "Line")),
                       attached_text(text_field(record, "Instance"))};
@@ -201,7 +201,7 @@ constexpr std::array event_rules{
     EventRule{RecordKind::VariableNotPublished, told_nothing},
     EventRule{RecordKind::VariablesCounted, told_nothing},
     EventRule{RecordKind::SecurityCleared, told_cleared},
-    EventRule{RecordKind::ShutdownRefused, told_shutdown_refused},
+    EventRule{RecordKind::InstructionFailed, told_instruction},
 };
 
 const EventRule* event_rule_of(RecordKind kind)

@@ -343,8 +343,8 @@ TEST_CASE_METHOD(EventWorld, "What is no error is told and does not stand (9-2-2
 TEST_CASE_METHOD(EventWorld, "An instruction that fails is told with its place (9-2-2, 54015000)")
 {
     const auto refuse = [&](std::uint16_t error) {
-        return happen(Happening{RecordKind::ShutdownRefused,
-                                {{"ErrorId", Variant{error}},
+        return happen(Happening{RecordKind::InstructionFailed,
+                                {{"Code", Variant{error}},
                                  text("Location", "Program0"),
                                  number("Line", 12),
                                  text("Instance", "Stop1")}});
