@@ -1,6 +1,8 @@
 #include "file_objects.hpp"
 
 #include <array>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include <busbar/core/status_codes.hpp>

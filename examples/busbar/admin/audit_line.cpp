@@ -1,6 +1,7 @@
 #include "audit_line.hpp"
 
 #include <array>
+#include <cstdint>
 
 #include "display_text.hpp"
 #include "value.hpp"
