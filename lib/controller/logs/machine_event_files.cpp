@@ -121,15 +121,18 @@ Stored<void> MachineEventFiles::read_into(std::deque<MachineEvent>& events, cons
         return is_none ? Stored<void>{} : not_stored(bytes.error());
     }
     std::string_view text{reinterpret_cast<const char*>(bytes->data()), bytes->size()};
-    for (std::size_t end = 0; (end = text.find("\r\n")) != std::string_view::npos;) {
-        auto event = parse_machine_event(text.substr(0, end));
+    // As LineFile has it, a line feed ends a line.
+    for (std::size_t end = 0; (end = text.find('\n')) != std::string_view::npos;) {
+        const std::string_view line = text.substr(0, end);
+        auto event =
+            line.ends_with('\r') ? parse_machine_event(line.substr(0, end - 1)) : std::nullopt;
         if (event && (events.empty() || events.back().number < event->number)) {
             events.push_back(*std::move(event));
         }
         if (events.size() > max_entries_) {
             events.pop_front();
         }
-        text.remove_prefix(end + 2);
+        text.remove_prefix(end + 1);
     }
     return {};
 }

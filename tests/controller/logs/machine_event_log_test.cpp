@@ -459,7 +459,8 @@ TEST_CASE_METHOD(EventWorld, "Lines of an event file that are none do no harm (9
                               "8\tno time\t95D00000\tInformation\r\n"
                               "8\t2017-10-17T14:52:50Z\t00000001\tInformation\r\n"
                               "8\t2017-10-17T14:52:50Z\t95D00000\tSomewhat\r\n" +
-                              good + "9\t2017-10-17T14:52:50Z\t95D00000\tInformation\tcut off";
+                              good + "a line feed alone\n" +
+                              "9\t2017-10-17T14:52:50Z\t95D00000\tInformation\tcut off";
     REQUIRE(storage.make_folder("events", FileAccess::Everyone));
     REQUIRE(storage.replace("events/events.log", std::as_bytes(std::span{lines}),
                             FileAccess::Everyone));
