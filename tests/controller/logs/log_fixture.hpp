@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <busbar/controller/execution_log_record.hpp>
+#include <busbar/core/status_codes.hpp>
 #include <busbar/crypto/private_key.hpp>
 #include <busbar/crypto/self_signed.hpp>
 
@@ -75,6 +76,11 @@ inline Happening published(std::string name, std::uint32_t size, std::uint32_t v
     return Happening{RecordKind::VariablePublished,
                      {text("Name", std::move(name)), number("Size", size), number("Values", values),
                       number("Members", members)}};
+}
+
+inline Happening refused_client()
+{
+    return Happening{RecordKind::CertificateRefused}.with(status::Bad_CertificateUntrusted);
 }
 
 /// Made once: keys take their time.
