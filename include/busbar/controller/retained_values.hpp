@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <busbar/controller/program_image.hpp>
+#include <busbar/core/api.hpp>
+#include <busbar/core/clock.hpp>
+#include <busbar/core/storage.hpp>
+
+namespace busbar::controller {
+
+struct RetainedOptions {
+    /// In a folder that is there.
+    std::string file{"retained"};
+    /// How often it is looked whether a value has changed.
+    Duration interval{std::chrono::minutes{1}};
+};
+
+/// What came of restoring.
+struct RetainedRestore {
+    std::size_t restored{0};
+    /// Why others were not: the file cannot be read, or a variable has another type than it had.
+    std::vector<Problem> problems;
+};
+
+/// Keeps the values of a program's RETAIN variables, as far as they are in its image, over restarts
+/// and power cuts. They lie in one file, which is replaced as a whole: after a power cut it has
+/// what the last save() that succeeded has written, or what the one that was cut was to write.
+///
+/// In the file each value stands with its variable's name and a print of its type, all of it under
+/// a checksum. A variable whose type has changed begins as declared, the others get their values. A
+/// file that cannot be used is moved to `file` + ".kept" before another takes its place.
+///
+/// Not for the task's thread, but for one thread at a time, since it waits for the medium;
+/// restore() before the task starts.
+class BUSBAR_API RetainedValues {
+public:
+    /// `storage` must outlive it; `types` has made the image and is not needed afterwards.
+    RetainedValues(Storage& storage, const ProgramTypes& types, const ProgramImage& image,
+                   RetainedOptions options = {});
+
+    /// How many variables are kept.
+    [[nodiscard]] std::size_t size() const { return variables_.size(); }
+    /// Puts what the file has into the image's memory. Without a file nothing is restored and all
+    /// is well.
+    [[nodiscard]] RetainedRestore restore();
+    /// Writes the values of the latest scan, if they are not what the file has; for power that is
+    /// going, and before a stop. Success without any scan, with the file as it is. If the image has
+    /// no pin to give it is Failed, to be tried again.
+    [[nodiscard]] Stored<void> save();
+
+    /// When to call handle_deadline(); at once until the first call.
+    [[nodiscard]] TimePoint next_deadline() const { return deadline_; }
+    /// save(), and again an interval later.
+    [[nodiscard]] Stored<void> handle_deadline(TimePoint now);
+
+private:
+    struct Variable {
+        std::string name;
+        std::uint32_t handle;
+        std::uint64_t type_print;
+    };
+
+    [[nodiscard]] std::vector<std::byte> content(const server::ImagePin& pin) const;
+    void restore_from(std::span<const std::byte> file, RetainedRestore& result);
+    [[nodiscard]] Stored<void> keep_old_file();
+
+    Storage* storage_;
+    RetainedOptions options_;
+    std::shared_ptr<server::ProcessImage> image_;
+    std::vector<Variable> variables_;
+    /// By the name in lower case: the index in variables_.
+    std::unordered_map<std::string, std::size_t> by_name_;
+    /// What the file has, as far as is known.
+    std::vector<std::byte> saved_;
+    bool has_unusable_file_{false};
+    TimePoint deadline_{};
+};
+
+} // namespace busbar::controller

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/binary/reader.hpp>
+#include <busbar/binary/writer.hpp>
+
+namespace busbar::controller::detail {
+
+// The file of retained values, little-endian: "BBRV", the version, the number of values, the
+// values, and the CRC-32 of all of it. A value is the length of a name, the name, the type's print,
+// the length and the bytes of the variable as they lie in an image.
+
+struct RetainedValue {
+    std::string_view name;
+    std::uint64_t type_print;
+    std::span<const std::byte> bytes;
+};
+
+class RetainedWriter {
+public:
+    explicit RetainedWriter(std::size_t count);
+    void add(const RetainedValue& value);
+    /// The file.
+    [[nodiscard]] std::vector<std::byte> take();
+
+private:
+    binary::VectorSink sink_;
+    binary::Writer writer_;
+};
+
+class RetainedReader {
+public:
+    /// `file` must outlive it and what it gives.
+    explicit RetainedReader(std::span<const std::byte> file);
+
+    /// Empty: it can be read to its end. Else why not.
+    [[nodiscard]] const std::string& problem() const { return problem_; }
+    /// None behind the last.
+    [[nodiscard]] std::optional<RetainedValue> next();
+
+private:
+    binary::Reader reader_;
+    std::uint32_t left_{0};
+    std::string problem_;
+};
+
+} // namespace busbar::controller::detail
