@@ -376,3 +376,28 @@ TEST_CASE_METHOD(ImageFixture, "scans of a suspended server's task are not told"
     server.handle_completions(now);
     CHECK(next_values() == std::vector<Variant>{1, 1});
 }
+
+TEST_CASE_METHOD(ImageFixture, "what was added is sampled from its first scan on")
+{
+    scan();
+    server::ImageLayout more;
+    static_cast<void>(more.add({BuiltInType::Int32}));
+    const auto added =
+        image->add_variables(more, [](server::ImageMemory&) { return StatusCode{}; });
+    REQUIRE(added);
+    add(source->index(), added->first_handle, id::Int32, -1);
+    monitor(added->first_handle, 0);
+    auto values = next();
+    REQUIRE(values.size() == 1);
+    CHECK(values[0].status == status::Bad_WaitingForInitialData);
+    scan();
+    server.handle_completions(now);
+    CHECK(next_values() == std::vector<Variant>{0});
+    scan();
+    server.handle_completions(now);
+    CHECK(next().empty());
+    added->memory->value<std::int32_t>(0) = 4;
+    scan();
+    server.handle_completions(now);
+    CHECK(next_values() == std::vector<Variant>{4});
+}

@@ -16,7 +16,9 @@ namespace busbar::server {
 
 namespace detail {
 class ImageBuffer;
+class ImageCopy;
 class ImagePool;
+class ImageSegments;
 class ImageWrites;
 class StructureValues;
 } // namespace detail
@@ -37,6 +39,17 @@ struct ImageOptions {
     /// more, they are applied at several edges, each call at one.
     std::uint32_t max_changes_per_scan{32'768};
     std::uint32_t max_bytes_per_scan{1U << 20U};
+    /// How often variables may be added while the task runs.
+    std::uint32_t max_additions{64};
+};
+
+/// Variables that were added to an image.
+struct ImageAddition {
+    /// Theirs are this and the next ones.
+    std::uint32_t first_handle{0};
+    /// What the task works in; its handles are those of the layout, from 0. It lives as long as the
+    /// image.
+    ImageMemory* memory{nullptr};
 };
 
 class ProcessImage;
@@ -68,17 +81,24 @@ public:
     [[nodiscard]] std::uint64_t scan() const;
     /// Puts a variable's value into the slot, with the scan's time. True if the slot points into
     /// the scan or the pin, so that the pin has to be kept as long as the slot is used. `handle`
-    /// must exist. The pin keeps what structures are on the wire, of each variable once.
+    /// must exist; Bad_WaitingForInitialData for one that was added after the scan. The pin keeps
+    /// what structures are on the wire, of each variable once.
     bool read(std::uint32_t handle, ReadSlot& slot) const;
     /// No slot that was filled is used any more: what the pin keeps of structures may go.
     void recycle() const;
     /// A copy of a variable's value.
     [[nodiscard]] Variant value(std::uint32_t handle) const;
-    /// A variable's bytes, as ImageMemory has them.
-    [[nodiscard]] const std::byte* bytes(const ImagePlace& place) const;
+    /// A variable's bytes, as ImageMemory has them; null for one that was added after the scan.
+    [[nodiscard]] const std::byte* bytes(std::uint32_t handle) const;
 
 private:
     friend class ProcessImage;
+    /// A variable's place, and what the scan has of its layout; null if that is nothing.
+    struct Found {
+        const ImagePlace* place;
+        const detail::ImageCopy* copy;
+    };
+    [[nodiscard]] Found find(std::uint32_t handle) const;
     ImagePin(std::shared_ptr<const ProcessImage> image, detail::ImageBuffer& buffer)
         : image_{std::move(image)}, buffer_{&buffer}
     {
@@ -111,6 +131,7 @@ public:
     ProcessImage& operator=(const ProcessImage&) = delete;
     ~ProcessImage();
 
+    /// Of the variables that it was made with; those that were added have the next handles.
     [[nodiscard]] const ImageLayout& layout() const { return layout_; }
     [[nodiscard]] const ImageOptions& options() const { return options_; }
 
@@ -131,8 +152,27 @@ public:
     /// state.
     void halt();
 
+    // From a thread of the user's that is not the task's, one at a time.
+
+    /// Puts the initial values of variables into the memory they will have.
+    using FillMemory = FunctionRef<StatusCode(ImageMemory& memory)>;
+
+    /// Adds variables while the task runs (seed 000, 6-2-2: online edit). They are made and filled
+    /// here; the task takes them in at its next publish(), without waiting or allocating, and each
+    /// scan has all of them or none. References into other variables stay valid, and what was added
+    /// is never taken away. Until then Reads answer Bad_WaitingForInitialData.
+    ///
+    /// Bad_TooManyOperations after max_additions, Bad_OutOfMemory if the image would be larger than
+    /// an ImageLayout may be, Bad_OutOfRange for a variable of more bytes than max_bytes_per_scan,
+    /// and what `fill` gives; nothing was added then.
+    [[nodiscard]] Result<ImageAddition> add_variables(ImageLayout layout, FillMemory fill);
+
     // From any thread.
 
+    /// How many variables there are; their handles are smaller.
+    [[nodiscard]] std::uint32_t size() const;
+    /// Where a variable lies; `handle` must exist. Lives as long as the image.
+    [[nodiscard]] const ImagePlace& place(std::uint32_t handle) const;
     /// True from the first publish() until halt().
     [[nodiscard]] bool is_running() const { return running_.load(std::memory_order_acquire); }
     /// The latest scan; empty if there is none yet, or if as many pins are held as are allowed.
@@ -158,6 +198,7 @@ private:
     ImageLayout layout_;
     ImageOptions options_;
     ImageMemory memory_;
+    std::unique_ptr<detail::ImageSegments> segments_;
     std::unique_ptr<detail::ImagePool> pool_;
     std::unique_ptr<detail::ImageWrites> writes_;
     std::atomic<bool> running_{false};

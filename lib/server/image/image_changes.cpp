@@ -56,8 +56,8 @@ bool fits(const busbar::detail::Box& box, const Variant& value, std::size_t elem
 
 } // namespace
 
-ImageChanges::ImageChanges(WriteBatch batch, const ImageLayout& layout)
-    : batch_{std::move(batch)}, layout_{&layout}
+ImageChanges::ImageChanges(WriteBatch batch, const ImageSegments& variables)
+    : batch_{std::move(batch)}, variables_{&variables}
 {
 }
 
@@ -102,15 +102,15 @@ StatusCode ImageChanges::add(const WriteItem& item)
 
 StatusCode ImageChanges::add_checked(const WriteItem& item)
 {
-    if (item.handle >= layout_->size()) {
+    const ImagePlace* const place = variables_->find(item.handle);
+    if (place == nullptr) {
         return status::Bad_NodeIdUnknown;
     }
     if (item.data->status != StatusCode{} || !item.data->source_timestamp.is_null()) {
         return status::Bad_WriteNotSupported; // an image has them per scan, not per value
     }
-    const ImagePlace& place = (*layout_)[static_cast<std::size_t>(item.handle)];
-    return item.range == nullptr ? add_whole(place, item.data->value)
-                                 : add_range(place, *item.range, item.data->value);
+    return item.range == nullptr ? add_whole(*place, item.data->value)
+                                 : add_range(*place, *item.range, item.data->value);
 }
 
 StatusCode ImageChanges::add_whole(const ImagePlace& place, const Variant& value)
@@ -226,9 +226,9 @@ std::byte* ImageChanges::grow(std::size_t to, std::size_t size)
     return bytes_.data() + from;
 }
 
-void ImageChanges::copy(ImageMemory& memory, const Item& item) const
+void ImageChanges::copy(const Item& item) const
 {
-    std::byte* const variable = memory.bytes((*layout_)[item.handle]);
+    std::byte* const variable = variables_->bytes_of(item.handle);
     for (std::uint32_t i = item.first; i < item.first + item.count; ++i) {
         const Change& change = changes_[i];
         std::memcpy(variable + change.to, bytes_.data() + change.from, change.size);

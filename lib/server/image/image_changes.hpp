@@ -5,7 +5,8 @@
 #include <vector>
 
 #include <busbar/server/data_source.hpp>
-#include <busbar/server/image_memory.hpp>
+
+#include "image_segments.hpp"
 
 namespace busbar::server::detail {
 
@@ -15,7 +16,7 @@ namespace busbar::server::detail {
 /// and never touches the batch.
 class ImageChanges {
 public:
-    ImageChanges(WriteBatch batch, const ImageLayout& layout);
+    ImageChanges(WriteBatch batch, const ImageSegments& variables);
 
     /// Checks all items and takes them in. False, and nothing may be applied, if they are more
     /// than `max_changes` runs or `max_bytes`.
@@ -31,12 +32,12 @@ public:
 
     /// The task: for each item `guard(handle)`, and if that is Good, the item's bytes.
     template <typename Guard>
-    void apply(ImageMemory& memory, Guard&& guard)
+    void apply(Guard&& guard)
     {
         for (Item& item : items_) {
             item.result = guard(item.handle);
             if (item.result.is_good()) {
-                copy(memory, item);
+                copy(item);
             }
         }
     }
@@ -86,11 +87,11 @@ private:
     /// So many bytes to be filled in, for what lies `to` bytes behind the variable's first; they
     /// belong to the change before if they follow it.
     std::byte* grow(std::size_t to, std::size_t size);
-    void copy(ImageMemory& memory, const Item& item) const;
+    void copy(const Item& item) const;
     [[nodiscard]] bool is_too_much() const;
 
     WriteBatch batch_;
-    const ImageLayout* layout_;
+    const ImageSegments* variables_;
     std::size_t max_changes_{0};
     std::size_t max_bytes_{0};
     std::size_t first_of_item_{0};

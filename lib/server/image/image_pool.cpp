@@ -1,60 +1,14 @@
 #include "image_pool.hpp"
 
-#include <algorithm>
-#include <cstring>
-
-#include "image_types.hpp"
-
 namespace busbar::server::detail {
 
-namespace {
-
-/// An array of zeros, as the place has it, and where its elements lie.
-template <typename T>
-Variant make_array(const ImagePlace& place, std::byte*& elements)
+void ImageBuffer::fill(const ImageMemory& memory, const ImageSegments& segments, DateTime time,
+                       std::uint64_t scan)
 {
-    Variant array = Variant::matrix(Array<T>(std::size_t{place.elements}),
-                                    Array<std::uint32_t>{place.dimensions});
-    elements = std::as_writable_bytes(array.array_if<T>()->span()).data();
-    return array;
-}
-
-} // namespace
-
-ImageBuffer::ImageBuffer(const ImageLayout& layout)
-    : plain_{std::make_unique<std::byte[]>(layout.plain_bytes())}, plain_bytes_{
-                                                                       layout.plain_bytes()}
-{
-    arrays_.reserve(layout.array_count());
-    copies_.reserve(layout.array_count());
-    for (const ImagePlace& place : layout.places()) {
-        if (!place.in_arrays) {
-            continue;
-        }
-        std::byte* to = nullptr;
-        arrays_.push_back(visit_image_type(
-            place.type,
-            [&](auto tag) {
-                using T = typename decltype(tag)::type;
-                if constexpr (is_image_text<T>) {
-                    return Variant{};
-                } else {
-                    return make_array<T>(place, to);
-                }
-            },
-            [] { return Variant{}; }));
-        copies_.push_back({&place, nullptr});
-        copies_.back().to = to;
-    }
-}
-
-void ImageBuffer::fill(const ImageMemory& memory, DateTime time, std::uint64_t scan)
-{
-    if (plain_bytes_ != 0) {
-        std::memcpy(plain_.get(), memory.plain(), plain_bytes_);
-    }
-    for (const ArrayCopy& copy : copies_) {
-        std::memcpy(copy.to, memory.bytes(*copy.from), copy.from->bytes());
+    copy_.fill(memory);
+    segments_ = segments.count();
+    for (std::uint32_t i = 0; i < segments_; ++i) {
+        segments[i].copies[index_].fill(segments[i].memory);
     }
     time_ = time;
     scan_ = scan;
@@ -64,7 +18,7 @@ ImagePool::ImagePool(const ImageLayout& layout, std::uint32_t max_pins, std::uin
     : max_pins_{max_pins}, queue_(max_queued)
 {
     for (std::uint32_t i = 0; i < max_pins + max_queued + 3; ++i) {
-        buffers_.push_back(std::make_unique<ImageBuffer>(layout));
+        buffers_.push_back(std::make_unique<ImageBuffer>(layout, i));
     }
 }
 
@@ -84,13 +38,13 @@ std::uint64_t ImagePool::find_free() const
     return no_buffer;
 }
 
-bool ImagePool::publish(const ImageMemory& memory, DateTime time)
+bool ImagePool::publish(const ImageMemory& memory, const ImageSegments& segments, DateTime time)
 {
     const std::uint64_t next = find_free();
     if (next == no_buffer) {
         return false; // the class comment says why this does not happen
     }
-    at(next).fill(memory, time, ++scans_);
+    at(next).fill(memory, segments, time, ++scans_);
     const std::uint64_t end = queue_end_.load(std::memory_order_relaxed);
     // acquire: the follower has given back what it took out before.
     const bool is_queued = is_followed_.load(std::memory_order_acquire) &&

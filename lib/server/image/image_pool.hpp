@@ -5,40 +5,35 @@
 #include <memory>
 #include <vector>
 
-#include <busbar/server/image_memory.hpp>
+#include <busbar/core/date_time.hpp>
+
+#include "image_segments.hpp"
 
 namespace busbar::server::detail {
 
-/// One scan as readers see it: scalars and texts as bytes, arrays as Variants.
+/// One scan as readers see it.
 class ImageBuffer { // NOLINT(*-optin.performance.Padding): a line of cache for each thread
 public:
-    explicit ImageBuffer(const ImageLayout& layout);
+    ImageBuffer(const ImageLayout& layout, std::uint32_t index) : copy_{layout}, index_{index} {}
 
-    void fill(const ImageMemory& memory, DateTime time, std::uint64_t scan);
+    /// With the segments that are there by now.
+    void fill(const ImageMemory& memory, const ImageSegments& segments, DateTime time,
+              std::uint64_t scan);
 
     [[nodiscard]] DateTime time() const { return time_; }
     [[nodiscard]] std::uint64_t scan() const { return scan_; }
-    [[nodiscard]] const std::byte* plain(const ImagePlace& place) const
-    {
-        return plain_.get() + place.offset;
-    }
-    [[nodiscard]] const Variant& array(const ImagePlace& place) const
-    {
-        return arrays_[place.array];
-    }
+    /// Of the variables that the image was made with.
+    [[nodiscard]] const ImageCopy& copy() const { return copy_; }
+    /// So many segments are part of the scan; their copies for this buffer have this index.
+    [[nodiscard]] std::uint32_t segments() const { return segments_; }
+    [[nodiscard]] std::uint32_t index() const { return index_; }
 
 private:
     friend class ImagePool;
 
-    struct ArrayCopy {
-        const ImagePlace* from;
-        std::byte* to;
-    };
-
-    std::unique_ptr<std::byte[]> plain_;
-    std::size_t plain_bytes_;
-    std::vector<Variant> arrays_;
-    std::vector<ArrayCopy> copies_;
+    ImageCopy copy_;
+    std::uint32_t index_;
+    std::uint32_t segments_{0};
     DateTime time_;
     std::uint64_t scan_{0};
     /// Pins that were taken while this was the latest buffer, known to the task when it no longer
@@ -71,10 +66,11 @@ public:
     // The task's thread.
 
     /// True if the scan was queued for the follower.
-    bool publish(const ImageMemory& memory, DateTime time);
+    bool publish(const ImageMemory& memory, const ImageSegments& segments, DateTime time);
 
     // Any thread.
 
+    [[nodiscard]] std::size_t size() const { return buffers_.size(); }
     /// Null if nothing was published or too many pins are held.
     [[nodiscard]] ImageBuffer* pin();
     void unpin(ImageBuffer& buffer);

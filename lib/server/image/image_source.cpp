@@ -41,12 +41,14 @@ void ImageSource::read(ReadBatch batch)
         image_->is_running() ? status::Good : status::Uncertain_LastUsableValue;
     bool is_borrowed = false;
     for (std::size_t i = 0; i < items.size(); ++i) {
-        if (items[i].handle >= image_->layout().size()) {
+        if (items[i].handle >= image_->size()) {
             slots[i].status = status::Bad_NodeIdUnknown;
             continue;
         }
         is_borrowed |= pin.read(static_cast<std::uint32_t>(items[i].handle), slots[i]);
-        slots[i].status = quality;
+        if (!slots[i].status.is_bad()) {
+            slots[i].status = quality;
+        }
     }
     if (is_borrowed) {
         batch.keep_alive(std::make_shared<const ImagePin>(std::move(pin)));
@@ -58,7 +60,7 @@ void ImageSource::write(WriteBatch batch)
 {
     handle_completions();
     const ImageOptions& options = image_->options();
-    auto call = std::make_unique<detail::ImageChanges>(std::move(batch), image_->layout());
+    auto call = std::make_unique<detail::ImageChanges>(std::move(batch), *image_->segments_);
     if (!image_->is_running()) {
         return call->fail(status::Bad_NoCommunication);
     }

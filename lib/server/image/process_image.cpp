@@ -6,6 +6,7 @@
 #include <busbar/core/detail/guarded.hpp>
 
 #include "image_pool.hpp"
+#include "image_segments.hpp"
 #include "image_types.hpp"
 #include "image_writes.hpp"
 #include "structure_values.hpp"
@@ -72,24 +73,41 @@ std::uint64_t ImagePin::scan() const
     return buffer_->scan();
 }
 
+ImagePin::Found ImagePin::find(std::uint32_t handle) const
+{
+    if (handle < image_->layout_.size()) {
+        return {&image_->layout_[handle], &buffer_->copy()};
+    }
+    const std::uint32_t index = image_->segments_->segment_of(handle);
+    const detail::ImageSegment& segment = (*image_->segments_)[index];
+    return {&segment.layout[handle - segment.first],
+            index < buffer_->segments() ? &segment.copies[buffer_->index()] : nullptr};
+}
+
 bool ImagePin::read(std::uint32_t handle, ReadSlot& slot) const
 {
-    const ImagePlace& place = image_->layout_[handle];
+    const auto [found, copy] = find(handle);
+    if (copy == nullptr) {
+        slot = status::Bad_WaitingForInitialData;
+        slot.shared = nullptr;
+        return false;
+    }
+    const ImagePlace& place = *found;
     slot.status = status::Good;
     slot.source_timestamp = buffer_->time();
     if (place.in_arrays) {
-        slot.shared = &buffer_->array(place);
+        slot.shared = &copy->array(place);
         return true;
     }
     if (place.is_structure()) {
         if (structures_ == nullptr) {
             structures_ = std::make_shared<detail::StructureValues>();
         }
-        slot.shared = &structures_->value(handle, place, buffer_->plain(place));
+        slot.shared = &structures_->value(handle, place, copy->plain(place));
         return true;
     }
     slot.shared = nullptr;
-    slot.value = scalar(place, buffer_->plain(place));
+    slot.value = scalar(place, copy->plain(place));
     return place.is_text();
 }
 
@@ -101,10 +119,10 @@ Variant ImagePin::value(std::uint32_t handle) const
     return Variant{value};
 }
 
-const std::byte* ImagePin::bytes(const ImagePlace& place) const
+const std::byte* ImagePin::bytes(std::uint32_t handle) const
 {
-    return place.in_arrays ? detail::number_bytes(buffer_->array(place)).data()
-                           : buffer_->plain(place);
+    const auto [place, copy] = find(handle);
+    return copy != nullptr ? copy->bytes(*place) : nullptr;
 }
 
 void ImagePin::recycle() const
@@ -130,6 +148,7 @@ std::shared_ptr<ProcessImage> ProcessImage::create(ImageLayout layout, ImageOpti
 
 ProcessImage::ProcessImage(Key, ImageLayout layout, ImageOptions options)
     : layout_{std::move(layout)}, options_{checked(options, layout_)}, memory_{layout_},
+      segments_{std::make_unique<detail::ImageSegments>(layout_, memory_, options_.max_additions)},
       pool_{std::make_unique<detail::ImagePool>(layout_, options_.max_pins,
                                                 options_.max_queued_scans)},
       writes_{std::make_unique<detail::ImageWrites>(options_.max_waiting_writes,
@@ -159,7 +178,7 @@ void ProcessImage::begin_scan(WriteGuard guard)
         } else if (changes > options_.max_changes_per_scan || bytes > options_.max_bytes_per_scan) {
             break; // the next edge's; a call alone is never too much
         } else {
-            call->apply(memory_, guard);
+            call->apply(guard);
         }
         writes_->begin();
     }
@@ -167,7 +186,7 @@ void ProcessImage::begin_scan(WriteGuard guard)
 
 void ProcessImage::publish(DateTime time)
 {
-    const bool is_queued = pool_->publish(memory_, time);
+    const bool is_queued = pool_->publish(memory_, *segments_, time);
     running_.store(true, std::memory_order_release);
     if (writes_->finish() || is_queued) {
         wake();
@@ -201,6 +220,44 @@ ImagePin ProcessImage::pin() const
 {
     detail::ImageBuffer* const buffer = pool_->pin();
     return buffer != nullptr ? ImagePin{shared_from_this(), *buffer} : ImagePin{};
+}
+
+Result<ImageAddition> ProcessImage::add_variables(ImageLayout layout, FillMemory fill)
+{
+    if (segments_->is_full()) {
+        return busbar::fail(status::Bad_TooManyOperations);
+    }
+    const std::size_t added = layout.plain_bytes() + layout.array_bytes();
+    if (added > ImageLayout::max_bytes - std::min(ImageLayout::max_bytes, segments_->bytes()) ||
+        layout.size() > ImageLayout::max_variables - size()) {
+        return busbar::fail(status::Bad_OutOfMemory);
+    }
+    for (const ImagePlace& one : layout.places()) {
+        if (one.bytes() > options_.max_bytes_per_scan) {
+            return busbar::fail(status::Bad_OutOfRange);
+        }
+    }
+    auto segment = std::make_unique<detail::ImageSegment>(std::move(layout), size());
+    if (const StatusCode filled = fill(segment->memory); !filled.is_good()) {
+        return busbar::fail(filled);
+    }
+    segment->copies.reserve(pool_->size());
+    while (segment->copies.size() < pool_->size()) {
+        segment->copies.emplace_back(segment->layout);
+    }
+    const ImageAddition addition{segment->first, &segment->memory};
+    segments_->add(std::move(segment));
+    return addition;
+}
+
+std::uint32_t ProcessImage::size() const
+{
+    return segments_->size();
+}
+
+const ImagePlace& ProcessImage::place(std::uint32_t handle) const
+{
+    return *segments_->find(handle);
 }
 
 bool ProcessImage::has_scan() const

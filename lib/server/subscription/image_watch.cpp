@@ -32,7 +32,7 @@ std::uint32_t ImageWatch::variable_of(std::uint32_t handle)
     if (found != known_.end()) {
         return found->second;
     }
-    const std::size_t size = (*layout_)[handle].bytes();
+    const std::size_t size = image_->place(handle).bytes();
     const std::size_t cost = size + sizeof(Variable) + 8 * sizeof(void*);
     const bool is_kept = account_->charge(cost);
     charged_ += is_kept ? cost : 0;
@@ -58,7 +58,7 @@ void ImageWatch::remove(std::size_t place)
     ++holes_;
     const Variable& variable = variables_[entry.variable];
     if (--variables_[entry.variable].users == 0 && variable.is_kept) {
-        unused_bytes_ += (*layout_)[variable.handle].bytes();
+        unused_bytes_ += image_->place(variable.handle).bytes();
     }
 }
 
@@ -85,12 +85,15 @@ bool ImageWatch::has_changed(Variable& variable, const Sample& sample)
         return variable.has_changed = true;
     }
     variable.is_fresh = false;
-    const ImagePlace& in_image = (*layout_)[variable.handle];
-    const std::byte* const now = sample.pin.bytes(in_image);
+    const std::size_t size = image_->place(variable.handle).bytes();
+    const std::byte* const now = sample.pin.bytes(variable.handle);
+    if (now == nullptr) { // it was added after the scan
+        return variable.has_changed = true;
+    }
     std::byte* const seen = seen_.data() + variable.seen;
-    variable.has_changed = !is_same(now, seen, in_image.bytes());
+    variable.has_changed = !is_same(now, seen, size);
     if (variable.has_changed) {
-        std::memcpy(seen, now, in_image.bytes());
+        std::memcpy(seen, now, size);
     }
     return variable.has_changed;
 }
@@ -109,7 +112,9 @@ void ImageWatch::report(Entry& entry, const Sample& sample)
     if (sample.pin) {
         sample.pin.recycle();
     }
-    entry.is_always = !entry.item->ignores_equal();
+    // The first value of what was added may be what nobody has seen yet begins with.
+    entry.is_always =
+        !entry.item->ignores_equal() || slot.status == status::Bad_WaitingForInitialData;
     entry.is_new = false;
 }
 

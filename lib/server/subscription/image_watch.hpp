@@ -16,10 +16,10 @@ namespace busbar::server::detail {
 /// that what stands still costs a comparison in memory that lies in one piece.
 class ImageWatch {
 public:
-    /// `account` pays for the bytes that are kept. Items of a variable that it cannot pay for are
-    /// looked at each time. Both must outlive this.
-    ImageWatch(const ImageLayout& layout, MemoryAccount& account)
-        : layout_{&layout}, account_{&account}
+    /// Both must outlive this. `account` pays for the bytes that are kept. Items of a variable that
+    /// it cannot pay for are looked at each time.
+    ImageWatch(const ProcessImage& image, MemoryAccount& account)
+        : image_{&image}, account_{&account}
     {
     }
     ImageWatch(const ImageWatch&) = delete;
@@ -73,7 +73,7 @@ private:
     void report(Entry& entry, const Sample& sample);
     [[nodiscard]] bool has_changed(Variable& variable, const Sample& sample);
 
-    const ImageLayout* layout_;
+    const ProcessImage* image_;
     MemoryAccount* account_;
     std::size_t charged_{0};
     std::vector<Entry> entries_;

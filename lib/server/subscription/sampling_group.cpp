@@ -158,7 +158,7 @@ void SamplingGroup::bind_one(std::size_t index)
     space.journal().watch(node, model::NodeAspect::Binding, item);
     sampler_.watch_roles(node);
     ProcessImage* const image = plan.source->process_image();
-    if (image != nullptr && plan.handle < image->layout().size()) {
+    if (image != nullptr && plan.handle < image->size()) {
         item.place_ =
             images_.add(item, *image, *plan.source, static_cast<std::uint32_t>(plan.handle));
         member.item = nullptr;

@@ -10,8 +10,8 @@ std::size_t WatchedImages::find_or_add(ProcessImage& image, const SourceEntry& s
         return known.image.get() == &image && known.source == &source;
     });
     if (found == images_.end()) {
-        images_.push_back({image.shared_from_this(), &source,
-                           std::make_unique<ImageWatch>(image.layout(), memory_)});
+        images_.push_back(
+            {image.shared_from_this(), &source, std::make_unique<ImageWatch>(image, memory_)});
         return images_.size() - 1;
     }
     return static_cast<std::size_t>(found - images_.begin());

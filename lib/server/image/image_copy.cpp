@@ -1,0 +1,65 @@
+#include "image_copy.hpp"
+
+#include <cstring>
+
+#include "image_types.hpp"
+
+namespace busbar::server::detail {
+
+namespace {
+
+/// An array of zeros, as the place has it, and where its elements lie.
+template <typename T>
+Variant make_array(const ImagePlace& place, std::byte*& elements)
+{
+    Variant array = Variant::matrix(Array<T>(std::size_t{place.elements}),
+                                    Array<std::uint32_t>{place.dimensions});
+    elements = std::as_writable_bytes(array.array_if<T>()->span()).data();
+    return array;
+}
+
+} // namespace
+
+ImageCopy::ImageCopy(const ImageLayout& layout)
+    : plain_{std::make_unique<std::byte[]>(layout.plain_bytes())}, plain_bytes_{
+                                                                       layout.plain_bytes()}
+{
+    arrays_.reserve(layout.array_count());
+    copies_.reserve(layout.array_count());
+    for (const ImagePlace& place : layout.places()) {
+        if (!place.in_arrays) {
+            continue;
+        }
+        std::byte* to = nullptr;
+        arrays_.push_back(visit_image_type(
+            place.type,
+            [&](auto tag) {
+                using T = typename decltype(tag)::type;
+                if constexpr (is_image_text<T>) {
+                    return Variant{};
+                } else {
+                    return make_array<T>(place, to);
+                }
+            },
+            [] { return Variant{}; }));
+        copies_.push_back({&place, nullptr});
+        copies_.back().to = to;
+    }
+}
+
+void ImageCopy::fill(const ImageMemory& memory)
+{
+    if (plain_bytes_ != 0) {
+        std::memcpy(plain_.get(), memory.plain(), plain_bytes_);
+    }
+    for (const ArrayCopy& copy : copies_) {
+        std::memcpy(copy.to, memory.bytes(*copy.from), copy.from->bytes());
+    }
+}
+
+const std::byte* ImageCopy::bytes(const ImagePlace& place) const
+{
+    return place.in_arrays ? number_bytes(array(place)).data() : plain(place);
+}
+
+} // namespace busbar::server::detail

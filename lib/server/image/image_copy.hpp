@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include <busbar/server/image_memory.hpp>
+
+namespace busbar::server::detail {
+
+/// The variables of one layout as readers see them: scalars, texts and structures as bytes, arrays
+/// of numbers as Variants.
+class ImageCopy {
+public:
+    explicit ImageCopy(const ImageLayout& layout);
+
+    void fill(const ImageMemory& memory);
+
+    [[nodiscard]] const std::byte* plain(const ImagePlace& place) const
+    {
+        return plain_.get() + place.offset;
+    }
+    [[nodiscard]] const Variant& array(const ImagePlace& place) const
+    {
+        return arrays_[place.array];
+    }
+    /// A variable's bytes, as ImageMemory has them.
+    [[nodiscard]] const std::byte* bytes(const ImagePlace& place) const;
+
+private:
+    struct ArrayCopy {
+        const ImagePlace* from;
+        std::byte* to;
+    };
+
+    std::unique_ptr<std::byte[]> plain_;
+    std::size_t plain_bytes_;
+    std::vector<Variant> arrays_;
+    std::vector<ArrayCopy> copies_;
+};
+
+} // namespace busbar::server::detail
