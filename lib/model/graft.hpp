@@ -8,6 +8,7 @@
 #include "tables.hpp"
 
 #include <busbar/core/api.hpp>
+#include <busbar/model/address_space.hpp>
 
 namespace busbar::model::detail {
 
