@@ -1,3 +1,5 @@
+#include <catch2/catch.hpp>
+
 #include <busbar/server/method_table.hpp>
 #include <busbar/server/running_server.hpp>
 #include <busbar/types/method.hpp>
@@ -21,6 +23,7 @@ struct OwnSource final : server::DataSource {
     }
     void read(server::ReadBatch batch) override
     {
+        batch.results()[0].status = status::Good;
         batch.results()[0].value = Variant{5};
         batch.complete();
     }

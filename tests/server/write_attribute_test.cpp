@@ -67,6 +67,7 @@ struct MaskFixture : Deciding, ServerFixture {
         variable.value = 7;
         level = space().add_variable(named("Level"), variable).value();
         press = space().add_object(named("Press")).value();
+        REQUIRE(open.activate(TestClient::anonymous()) == status::Good); // who may write now
     }
     [[nodiscard]] model::AddressSpace& space() { return server.address_space(); }
     [[nodiscard]] model::NewNode named(const char* name)
