@@ -14,6 +14,15 @@ namespace busbar::controller::detail {
 
 namespace {
 
+/// An IPv4 address as people write it, also where the socket is one of IPv6.
+std::string_view plain_address(std::string_view address)
+{
+    constexpr std::string_view mapped = "::ffff:";
+    return address.starts_with(mapped) && address.find('.') != std::string_view::npos
+               ? address.substr(mapped.size())
+               : address;
+}
+
 constexpr std::size_t max_logged_file_name = 65;
 
 using Items = std::vector<LogDetails>;
@@ -164,8 +173,9 @@ Items log_activated(const Record& record, DateTime)
     const std::string session = session_text(record);
     Items items{{"User", tabbed({"Success", session, user_text(record)})}};
     if (flag_field(record, "IsFirst", true)) {
-        items.push_back({"Application", tabbed({"OPEN", session, logged_name(record.actor.address),
-                                                host_text(record)})});
+        items.push_back({"Application",
+                         tabbed({"OPEN", session, logged_name(plain_address(record.actor.address)),
+                                 host_text(record)})});
     }
     return items;
 }

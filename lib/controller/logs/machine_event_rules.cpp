@@ -211,19 +211,6 @@ const EventRule* event_rule_of(RecordKind kind)
     return found == event_rules.end() ? nullptr : &*found;
 }
 
-struct ReasonBit {
-    std::string_view reason;
-    unsigned bit;
-};
-
-/// Attached information of 35D40000, by the reasons of 7-1-6, one of which is misspelt there.
-constexpr std::array reason_bits{
-    ReasonBit{"NestedStructre", 2}, ReasonBit{"NestedStructure", 2},
-    ReasonBit{"Union", 3},          ReasonBit{"SubscriptOfArray", 4},
-    ReasonBit{"MaxSize", 5},        ReasonBit{"MaxArrayElements", 6},
-    ReasonBit{"MaxMembers", 7},
-};
-
 } // namespace
 
 bool MachineEventRules::wants(RecordKind kind)
@@ -303,14 +290,7 @@ void MachineEventRules::end_one(std::uint32_t code)
 
 void MachineEventRules::note_not_published(const Record& record)
 {
-    const std::string_view reason = text_field(record, "Reason");
-    if (reason == "MultiDimensionalArray") {
-        // An array of structures, or a structure with such a member.
-        not_published_ |= flag_field(record, "IsMember", false) ? 2U : 1U;
-    }
-    for (const ReasonBit& each : reason_bits) {
-        not_published_ |= each.reason == reason ? 1U << each.bit : 0U;
-    }
+    not_published_ |= static_cast<unsigned>(number_field(record, "ErrorDetails") & 0xFFU);
 }
 
 /// Preparing something anew may find the same again, which is told again.

@@ -1,3 +1,5 @@
+#include <map>
+
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -102,8 +104,18 @@ Happening refused_login(std::string_view user, StatusCode status)
 
 Happening not_published(std::string reason, bool is_member = false)
 {
+    static const std::map<std::string, std::uint16_t, std::less<>> bits{
+        {"MultiDimensionalArray", 0},
+        {"NestedStructre", 2},
+        {"Union", 3},
+        {"SubscriptOfArray", 4},
+        {"MaxSize", 5},
+        {"MaxArrayElements", 6},
+        {"MaxMembers", 7}};
+    const auto bit = static_cast<unsigned>(bits.at(reason)) + (is_member ? 1U : 0U);
     return Happening{RecordKind::VariableNotPublished,
-                     {text("Reason", std::move(reason)), {"IsMember", Variant{is_member}}}};
+                     {text("Reason", std::move(reason)),
+                      {"ErrorDetails", Variant{static_cast<std::uint16_t>(1U << bit)}}}};
 }
 
 } // namespace
