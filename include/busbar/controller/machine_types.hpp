@@ -69,6 +69,9 @@ public:
 
     /// Of `type`'s elements, if it is an array. Null ids for a type without a node.
     [[nodiscard]] MachineDataType of(const ResolvedType& type) const;
+    /// The encoding that a structure or union has once it has a node, whether or not that is there:
+    /// for images that are made before nodes are.
+    [[nodiscard]] static NodeId encoding_of(std::uint16_t namespace_index, const DerivedType& type);
     /// The choice that counts.
     [[nodiscard]] ElementaryTypes elementary() const { return options_.elementary; }
 

@@ -16,6 +16,9 @@
 
 namespace busbar::controller {
 
+class ProgramImage;
+class ProgramTypes;
+
 namespace detail {
 class PlcStep;
 class PlcWatch;
@@ -32,6 +35,11 @@ public:
     /// "programs[0].target", "events[1].limit".
     [[nodiscard]] static Configured<std::unique_ptr<Plc>> create(const PlcConfig& config,
                                                                  server::ImageOptions options = {});
+    /// With the variables of a program, which are those of `image`, instead of the configuration's,
+    /// of which there is none then. Programs and events may name what is in them: "Press.Speed",
+    /// "Stations[2].Count".
+    [[nodiscard]] static Configured<std::unique_ptr<Plc>>
+    create(const PlcConfig& config, const ProgramTypes& types, const ProgramImage& image);
     Plc(const Plc&) = delete;
     Plc& operator=(const Plc&) = delete;
     ~Plc();
@@ -60,6 +68,11 @@ public:
     [[nodiscard]] const std::vector<Variable>& variables() const { return variables_; }
     /// The events of the configuration.
     [[nodiscard]] const std::vector<PlcEvent>& events() const { return events_; }
+    /// The variable that an event is about, or in which that lies.
+    [[nodiscard]] std::uint32_t event_handle(std::size_t event) const
+    {
+        return event_handles_[event];
+    }
     /// The handle of a variable.
     [[nodiscard]] std::optional<std::uint32_t> find(std::string_view name) const;
 
@@ -71,6 +84,7 @@ private:
     std::vector<std::uint32_t> by_name_;
     std::vector<detail::PlcStep> steps_;
     std::vector<PlcEvent> events_;
+    std::vector<std::uint32_t> event_handles_;
     /// One for each event.
     std::vector<detail::PlcWatch> watches_;
     /// Has room for all events.

@@ -14,9 +14,9 @@ namespace busbar::controller {
 /// variable; it has the configuration's severity and message, and the scan's time.
 class BUSBAR_API PlcEvents {
 public:
-    /// Makes the folder of publish_variables a notifier below the Server object and the variables
-    /// that are watched its event sources (Part 3, 7.17 and 7.18). Errors are those of
-    /// AddressSpace. `plc` must outlive the result.
+    /// Makes the folder of publish_variables, or that of a machine, a notifier below the Server
+    /// object and the variables that are watched its event sources (Part 3, 7.17 and 7.18). Errors
+    /// are those of AddressSpace. `plc` must outlive the result.
     [[nodiscard]] static Result<PlcEvents> create(model::AddressSpace& address_space,
                                                   model::NodeIndex folder, const Plc& plc,
                                                   std::shared_ptr<server::EventQueue> queue);

@@ -16,6 +16,12 @@ Configured<std::unique_ptr<Plc>> Plc::create(const PlcConfig& config, server::Im
     return PlcBuilder{config}.build(options);
 }
 
+Configured<std::unique_ptr<Plc>> Plc::create(const PlcConfig& config, const ProgramTypes& types,
+                                             const ProgramImage& image)
+{
+    return PlcBuilder{config}.build(types, image);
+}
+
 void Plc::scan(DateTime now, Duration elapsed)
 {
     image_->begin_scan([this](std::uint32_t handle) -> StatusCode {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <busbar/core/text.hpp>
 
@@ -68,9 +69,36 @@ Configured<std::unique_ptr<Plc>> PlcBuilder::build(server::ImageOptions options)
         plc_->image_ = server::ProcessImage::create(layout_, options);
         checked = set_values();
     }
-    if (checked) {
-        checked = add_programs();
+    if (!checked) {
+        return tl::unexpected{std::move(checked).error()};
     }
+    finder_ = [this](std::string_view name) { return find(name); };
+    return finish();
+}
+
+Configured<std::unique_ptr<Plc>> PlcBuilder::build(const ProgramTypes& types,
+                                                   const ProgramImage& image)
+{
+    if (!config_->variables.empty()) {
+        return wrong_variable(0, "name", "found a variable besides those of the program");
+    }
+    for (const std::size_t index : image.variables()) {
+        const GlobalVariable& variable = types.program().variables[index];
+        plc_->variables_.push_back({variable.name, !variable.is_constant});
+    }
+    if (auto checked = check_names(); !checked) {
+        return tl::unexpected{std::move(checked).error()};
+    }
+    plc_->image_ = image.image();
+    finder_ = [names = detail::ProgramNames{types, image}](std::string_view name) {
+        return names.find(name);
+    };
+    return finish();
+}
+
+Configured<std::unique_ptr<Plc>> PlcBuilder::finish()
+{
+    Configured<void> checked = add_programs();
     if (checked) {
         checked = add_events();
     }
@@ -165,24 +193,24 @@ Configured<void> PlcBuilder::set_values()
     return {};
 }
 
-std::optional<PlcBuilder::Group> PlcBuilder::find(std::string_view name) const
+std::vector<detail::PlcPlace> PlcBuilder::find(std::string_view name) const
 {
+    std::optional<Group> group;
     if (const auto handle = plc_->find(name)) {
-        return Group{*handle, 1};
+        group = Group{*handle, 1};
     }
-    for (std::size_t i = 0; i < groups_.size(); ++i) {
+    for (std::size_t i = 0; !group && i < groups_.size(); ++i) {
         if (config_->variables[i].name == name) {
-            return groups_[i];
+            group = groups_[i];
         }
     }
-    return std::nullopt;
-}
-
-detail::PlcTarget PlcBuilder::target_of(std::uint32_t handle)
-{
-    server::ImageMemory& memory = plc_->image_->memory();
-    const server::ImagePlace& place = memory.layout()[handle];
-    return {place, memory.bytes(place)};
+    std::vector<detail::PlcPlace> places;
+    for (std::uint32_t i = 0; group && i < group->count; ++i) {
+        server::ImageMemory& memory = plc_->image_->memory();
+        const server::ImagePlace& place = memory.layout()[group->first + i];
+        places.push_back({&place, memory.bytes(place), group->first + i});
+    }
+    return places;
 }
 
 Configured<void> PlcBuilder::add_programs()
@@ -198,12 +226,12 @@ Configured<void> PlcBuilder::add_programs()
 Configured<void> PlcBuilder::add_program(std::size_t index)
 {
     const PlcProgram& program = config_->programs[index];
-    const auto target = find(program.target);
-    if (!target) {
+    const auto targets = finder_(program.target);
+    if (targets.empty()) {
         return wrong_program(index, "target",
                              "found " + quoted(program.target) + ", expected a variable's name");
     }
-    const BuiltInType type = layout_[target->first].type;
+    const BuiltInType type = targets.front().place->type;
     if (!detail::PlcStep::accepts(program.kind, type)) {
         return wrong_program(index, "target",
                              "found a variable of " + std::string{name(type)} + ", which " +
@@ -226,34 +254,36 @@ Configured<void> PlcBuilder::add_program(std::size_t index)
                                  std::string{name(type)});
     }
     if (program.kind == PlcProgramKind::Copy) {
-        return check_copy(index, *target);
+        return add_copy(index, targets);
     }
-    for (std::uint32_t i = 0; i < target->count; ++i) {
-        plc_->steps_.emplace_back(program, target_of(target->first + i));
+    for (const detail::PlcPlace& target : targets) {
+        plc_->steps_.emplace_back(program, target.target());
     }
     return {};
 }
 
-Configured<void> PlcBuilder::check_copy(std::size_t index, const Group& target)
+Configured<void> PlcBuilder::add_copy(std::size_t index,
+                                      const std::vector<detail::PlcPlace>& targets)
 {
     const PlcProgram& program = config_->programs[index];
-    const auto source = find(program.source);
-    if (!source) {
+    const auto sources = finder_(program.source);
+    if (sources.empty()) {
         return wrong_program(index, "source",
                              "found " + quoted(program.source) + ", expected a variable's name");
     }
-    const server::ImagePlace& from = layout_[source->first];
-    const server::ImagePlace& to = layout_[target.first];
+    const server::ImagePlace& from = *sources.front().place;
+    const server::ImagePlace& to = *targets.front().place;
     if (from.type != to.type || from.dimensions != to.dimensions || from.capacity > to.capacity ||
-        (source->count != 1 && source->count != target.count)) {
+        from.structure != to.structure ||
+        (sources.size() != 1 && sources.size() != targets.size())) {
         return wrong_program(index, "source",
                              "found " + quoted(program.source) +
                                  ", expected a variable of the type and size of " +
                                  quoted(program.target));
     }
-    for (std::uint32_t i = 0; i < target.count; ++i) {
-        plc_->steps_.emplace_back(program, target_of(target.first + i),
-                                  target_of(source->first + (source->count == 1 ? 0 : i)));
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+        plc_->steps_.emplace_back(program, targets[i].target(),
+                                  sources[sources.size() == 1 ? 0 : i].target());
     }
     return {};
 }
@@ -265,7 +295,9 @@ Configured<void> PlcBuilder::add_events()
             return checked;
         }
         const PlcEvent& event = config_->events[i];
-        plc_->watches_.emplace_back(target_of(*plc_->find(event.variable)), event.limit);
+        const auto places = finder_(event.variable);
+        plc_->watches_.emplace_back(places.front().target(), event.limit);
+        plc_->event_handles_.push_back(places.front().handle);
     }
     plc_->events_ = config_->events;
     plc_->occurrences_.reserve(config_->events.size());
@@ -275,12 +307,12 @@ Configured<void> PlcBuilder::add_events()
 Configured<void> PlcBuilder::check_event(std::size_t index) const
 {
     const PlcEvent& event = config_->events[index];
-    const auto handle = plc_->find(event.variable);
-    if (!handle) {
+    const auto places = finder_(event.variable);
+    if (places.size() != 1) {
         return wrong_event(index, "variable",
                            "found " + quoted(event.variable) + ", expected a variable's name");
     }
-    const server::ImagePlace& place = layout_[*handle];
+    const server::ImagePlace& place = *places.front().place;
     if (place.is_array() || !detail::PlcWatch::accepts(place.type)) {
         return wrong_event(index, "variable",
                            "found " + quoted(event.variable) +

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 
 #include <busbar/controller/plc.hpp>
 #include <busbar/core/problem.hpp>
 
+#include "plc_names.hpp"
 #include "plc_step.hpp"
 
 namespace busbar::controller {
@@ -17,6 +17,9 @@ public:
     explicit PlcBuilder(const PlcConfig& config) : config_{&config}, plc_{new Plc} {}
 
     [[nodiscard]] Configured<std::unique_ptr<Plc>> build(server::ImageOptions options);
+    /// With the variables of a program instead of the configuration's.
+    [[nodiscard]] Configured<std::unique_ptr<Plc>> build(const ProgramTypes& types,
+                                                         const ProgramImage& image);
 
 private:
     /// The variables of one PlcVariable.
@@ -33,14 +36,16 @@ private:
     [[nodiscard]] Configured<void> add_program(std::size_t index);
     [[nodiscard]] Configured<void> add_events();
     [[nodiscard]] Configured<void> check_event(std::size_t index) const;
-    [[nodiscard]] Configured<void> check_copy(std::size_t index, const Group& target);
-    [[nodiscard]] std::optional<Group> find(std::string_view name) const;
-    [[nodiscard]] detail::PlcTarget target_of(std::uint32_t handle);
+    [[nodiscard]] Configured<void> add_copy(std::size_t index,
+                                            const std::vector<detail::PlcPlace>& targets);
+    [[nodiscard]] Configured<std::unique_ptr<Plc>> finish();
+    [[nodiscard]] std::vector<detail::PlcPlace> find(std::string_view name) const;
 
     const PlcConfig* config_;
     std::unique_ptr<Plc> plc_;
     server::ImageLayout layout_;
     std::vector<Group> groups_;
+    detail::PlcFinder finder_;
 };
 
 } // namespace busbar::controller

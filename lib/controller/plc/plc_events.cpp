@@ -28,9 +28,10 @@ Result<PlcEvents> PlcEvents::create(model::AddressSpace& address_space, model::N
         return fail(made.error());
     }
     const std::uint16_t namespace_index = address_space.node_id(folder).namespace_index();
-    for (const PlcEvent& configured : plc.events()) {
+    for (std::size_t i = 0; i < plc.events().size(); ++i) {
+        const PlcEvent& configured = plc.events()[i];
         server::Event event;
-        event.source_node = NodeId{namespace_index, configured.variable};
+        event.source_node = NodeId{namespace_index, plc.variables()[plc.event_handle(i)].name};
         event.source_name = configured.variable;
         event.message = LocalizedText{configured.message};
         event.severity = configured.severity;

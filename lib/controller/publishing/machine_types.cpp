@@ -68,6 +68,9 @@ Problem type_problem(const ProgramTypes& program, const DerivedType& type, Statu
             "cannot be made a DataType"};
 }
 
+/// What the NodeIds of types begin with.
+const std::string type_id = "Types/";
+
 } // namespace
 
 MachineTypeOptions nj501_types()
@@ -145,12 +148,16 @@ bool MachineTypes::needs_node(const ResolvedType& type) const
 
 MachineDataType MachineTypes::future_type(const DerivedType& type) const
 {
-    const std::string id = "Types/" + type.name;
+    const NodeId id{namespace_index_, String{type_id + type.name}};
     if (type.kind == DerivedType::Kind::Enumeration) {
-        return {NodeId{namespace_index_, String{id}}, BuiltInType::Int32};
+        return {id, BuiltInType::Int32};
     }
-    return {NodeId{namespace_index_, String{id}}, BuiltInType::ExtensionObject,
-            NodeId{namespace_index_, String{id + "/Default Binary"}}};
+    return {id, BuiltInType::ExtensionObject, encoding_of(namespace_index_, type)};
+}
+
+NodeId MachineTypes::encoding_of(std::uint16_t namespace_index, const DerivedType& type)
+{
+    return NodeId{namespace_index, String{type_id + type.name + "/Default Binary"}};
 }
 
 /// Notes what has no node yet. Goes down as deep as ProgramLimits::max_depth allows types to lie in
