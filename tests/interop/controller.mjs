@@ -78,6 +78,21 @@ ${roles ? `roles = ${JSON.stringify(roles)}` : ""}
 `;
 }
 
+function machineSection(folder, { declarations, programs = "" }) {
+  const file = join(folder, "machine.st");
+  writeFileSync(file, declarations);
+  return `
+[machine]
+program = "${file}"
+name = "Press 4"
+state = "${join(folder, "state")}"
+medium = "${join(folder, "medium")}"
+execution_log = true
+[plc]
+scan_ms = 20
+${programs}`;
+}
+
 const endpoint = ([policy, mode]) => `
 [[endpoint]]
 policy = "${policy}"
@@ -93,10 +108,11 @@ export const openHouse = {
 
 /**
  * A running controller: its port, its endpoint and stop(), which resolves to the exit code. `prepare` may
- * fill the folder of the certificates before it starts.
+ * fill the folder of the certificates before it starts. With a `machine` (declarations) its variables are
+ * served instead of the simple ones, with an execution log.
  */
 export async function startController({ endpoints, trustsAll = false, users, prepare, nodesets = [],
-  reverseUrls = [], discoveryUrl = "", address = "", accounts = [] } = openHouse) {
+  reverseUrls = [], discoveryUrl = "", address = "", accounts = [], machine, args = [] } = openHouse) {
   const program = process.env.BUSBAR_CONTROLLER;
   const folder = mkdtempSync(join(tmpdir(), "busbar-interop-"));
   const certificates = join(folder, "pki");
@@ -121,8 +137,8 @@ ${endpoints.map(endpoint).join("")}
 [users]
 ${users}
 ${[user, ...accounts].map((each) => account(program, each)).join("")}
-${plc}`);
-  const child = spawn(program, ["--config", config], { stdio: ["ignore", "pipe", "pipe"] });
+${machine ? machineSection(folder, machine) : plc}`);
+  const child = spawn(program, ["--config", config, ...args], { stdio: ["ignore", "pipe", "pipe"] });
   let output = "";
   const exited = new Promise((resolve) => child.on("exit", (code, signal) => resolve(code ?? signal)));
   await new Promise((resolve, reject) => {
