@@ -92,8 +92,11 @@ Configured<void> Administered::reset()
 
 void Administered::attach(const ToAdminister& what)
 {
-    administration::AdministrationParts parts{
-        .wall_clock = &clock_, .log = &audit_, .roles = &roles_, .stop = what.stop};
+    administration::AdministrationParts parts{.wall_clock = &clock_,
+                                              .log = &audit_,
+                                              .roles = &roles_,
+                                              .stop = what.stop,
+                                              .restart = what.restart};
     parts.authorities = what.config.users.authorities;
     parts.file_systems = file_systems_.all();
     parts.settings = &what.settings.list();

@@ -29,8 +29,9 @@ struct ToAdminister {
     ControllerConfig& config;
     Settings& settings;
     server::Worker& worker;
-    /// Ends the program.
+    /// Ends the program, for good and to start again.
     std::function<void()> stop;
+    std::function<void()> restart;
     /// Called on the server's thread when other kinds of user may log in than before.
     std::function<void()> offer_changed;
 };

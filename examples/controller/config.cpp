@@ -15,6 +15,7 @@
 #include "endpoint_section.hpp"
 #include "files_section.hpp"
 #include "limits_section.hpp"
+#include "machine_section.hpp"
 #include "plc_section.hpp"
 #include "security_section.hpp"
 
@@ -145,7 +146,7 @@ std::vector<server::NetworkServer> read_network_servers(const TomlTable& table)
 ControllerConfig read_root(const TomlTable& root)
 {
     root.allow({"server", "reverse_connect", "discovery", "certificates", "endpoint", "security",
-                "users", "files", "limits", "plc"});
+                "users", "files", "limits", "machine", "plc"});
     ControllerConfig config;
     read_preset(root.table("limits"), config);
     read_server(root.table("server"), config);
@@ -157,6 +158,7 @@ ControllerConfig read_root(const TomlTable& root)
     read_limits(root, config);
     read_users(root.table("users"), config);
     read_endpoints(root, config);
+    read_machine(root.table("machine"), config);
     read_plc(root.table("plc"), config);
     return config;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,7 +10,10 @@
 
 #include <busbar/administration/authorities.hpp>
 #include <busbar/administration/file_system.hpp>
+#include <busbar/controller/machine_nodes.hpp>
+#include <busbar/controller/machine_settings.hpp>
 #include <busbar/controller/plc_config.hpp>
+#include <busbar/controller/published_program.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
 #include <busbar/crypto/jwt.hpp>
 #include <busbar/crypto/store_limits.hpp>
@@ -87,6 +91,24 @@ struct FilesConfig {
     administration::FileLimits limits;
 };
 
+/// A controller that publishes the variables of its program by itself (seed 000).
+struct MachineConfig {
+    /// Null: there is none.
+    std::shared_ptr<const controller::Program> program;
+    std::string program_file;
+    /// Of the folder that has everything; empty: the server's name.
+    std::string name;
+    controller::MachineMode mode{controller::MachineMode::Run};
+    /// Where events are kept.
+    std::string state_folder{"busbar-machine"};
+    /// The memory card: where the execution log is.
+    std::string medium_folder{"busbar-medium"};
+    controller::ExecutionLogSettings execution_log;
+    // As the preset has them.
+    controller::PublishingLimits publishing;
+    controller::MachineTypeOptions types{.elementary = controller::ElementaryTypes::BuiltIn};
+};
+
 /// Everything a configuration file says.
 struct ControllerConfig {
     server::ServerConfig server;
@@ -110,6 +132,8 @@ struct ControllerConfig {
     /// Of the PLC's task, 1 to 99; 0 is none.
     int realtime_priority{0};
     server::ImageOptions image;
+    MachineConfig machine;
+    /// Without variables where the machine has a program.
     controller::PlcConfig plc;
 };
 

@@ -218,6 +218,8 @@ void read_preset(const TomlTable& table, ControllerConfig& config)
     config.server.limits = preset->limits;
     config.certificates.limits = preset->store;
     config.users.password_rules = preset->passwords;
+    config.machine.publishing = preset->publishing;
+    config.machine.types = preset->types;
 }
 
 void read_limits(const TomlTable& root, ControllerConfig& config)

@@ -11,9 +11,6 @@
 #include <unistd.h>
 
 #include <busbar/controller/plc.hpp>
-#include <busbar/controller/plc_events.hpp>
-#include <busbar/controller/plc_methods.hpp>
-#include <busbar/controller/plc_nodes.hpp>
 #include <busbar/controller/plc_task.hpp>
 #include <busbar/crypto/password_hash.hpp>
 #include <busbar/net/server_loop.hpp>
@@ -24,7 +21,6 @@
 #endif
 #include <busbar/server/password_rules.hpp>
 #include <busbar/server/password_users.hpp>
-#include <busbar/server/process_image.hpp>
 
 #include "administered.hpp"
 #include "admission.hpp"
@@ -32,7 +28,7 @@
 #include "default_config.hpp"
 #include "identity.hpp"
 #include "live_config.hpp"
-#include "models.hpp"
+#include "plant.hpp"
 #include "prints.hpp"
 #include "reload.hpp"
 #include "settings.hpp"
@@ -174,47 +170,45 @@ void welcome(const ControllerConfig& config, const controller::Plc& plc,
     std::fflush(stdout);
 }
 
-/// The PLC's variables, events and Methods, and information models beside them; the events are
-/// raised by what is returned.
-controller::PlcEvents publish(server::Server& server, controller::Plc& plc,
-                              const ControllerConfig& config, server::ImageSource& source,
-                              server::MethodTable& methods, LogSink& log)
+void end(controller::PlcTask& task, example::Plant& plant, bool restarts)
 {
-    controller::PlcNodesOptions nodes;
-    nodes.source = server.add_source(source);
-    nodes.cycle = config.scan;
-    const auto folder =
-        expect(controller::publish_variables(server.address_space(), plc, nodes), "the variables");
-    example::load_models(server, config.nodesets, log);
-    auto events = expect(
-        controller::PlcEvents::create(server.address_space(), folder, plc, server.event_queue()),
-        "the events");
-    expect(controller::publish_methods(server.address_space(), folder, plc, methods,
-                                       server.add_source(methods)),
-           "the methods");
-    return events;
+    task.stop();
+    plant.end();
+    print_statistics(task.statistics());
+    std::puts(restarts ? "starting again" : "stopped");
+    std::fflush(stdout);
 }
 
-/// `file` is where `config` is from; empty for the built-in one.
-int serve(ControllerConfig config, example::Settings& settings, const std::string& file)
+/// For clients that come, and those that wait to be connected to. The port.
+std::uint16_t listen(net::ServerLoop& loop, const ControllerConfig& config, example::Plant& plant)
+{
+    const auto port = loop.listen(config.address, config.port);
+    if (!port) {
+        plant.cannot_start("it cannot listen on port " + std::to_string(config.port));
+        throw ConfigError{Problem{port.error(), "listening", "failed"}};
+    }
+    net::ReverseConnectConfig reverse;
+    reverse.client_urls = config.reverse_urls;
+    expect(loop.connect_to_clients(reverse), "connecting to clients");
+    return *port;
+}
+
+/// `file` is where `config` is from; empty for the built-in one. True if an administrator wants the
+/// controller to start again.
+bool serve(ControllerConfig config, example::Settings& settings, const std::string& file)
 {
     net::StderrLog log{LogLevel::Debug};
     net::SystemWallClock wall_clock;
     crypto::SystemRandom random;
     net::ServerLoop loop{log};
 
-    const std::uint16_t port = expect(loop.listen(config.address, config.port), "listening");
-    net::ReverseConnectConfig reverse;
-    reverse.client_urls = config.reverse_urls;
-    expect(loop.connect_to_clients(reverse), "connecting to clients");
+    example::Plant plant{config, wall_clock, log};
+    const std::uint16_t port = listen(loop, config, plant);
     example::set_names(config);
     example::set_endpoint(config, port, wall_clock.now());
-    example::Administered administered{config, wall_clock, log};
+    example::Administered administered{config, wall_clock, plant.log()};
     example::Admission admission{config, administered.log()};
     administered.add_users(admission, config);
-    const auto plc = example::expect(controller::Plc::create(config.plc, config.image));
-    server::ImageSource source{plc->image()};
-    server::MethodTable methods;
 
     server::ServerEnvironment environment{.random = &random,
                                           .wall_clock = &wall_clock,
@@ -240,30 +234,65 @@ int serve(ControllerConfig config, example::Settings& settings, const std::strin
     auto server = make_server(config.server, environment, file);
     net::WorkerThread worker{64, &log};
     const example::LiveConfig live{server, administered, config, administered.log()};
+    bool restarts = false;
     const example::ToAdminister what{.server = server,
                                      .admission = admission,
                                      .config = config,
                                      .settings = settings,
                                      .worker = worker,
                                      .stop = [&loop] { loop.stop(); },
+                                     .restart =
+                                         [&loop, &restarts] {
+                                             restarts = true;
+                                             loop.stop();
+                                         },
                                      .offer_changed = [&] { live.apply(settings.config()); }};
     administered.attach(what);
     settings.run({.check = [&](const ControllerConfig& next) { return live.check(next); },
                   .apply = [&](const ControllerConfig& next) { live.apply(next); }});
-    const auto events = publish(server, *plc, config, source, methods, log);
+    plant.publish(server, log);
 
     admission.check_passwords_on(worker);
-    controller::PlcTask task{*plc, wall_clock, config.scan, config.realtime_priority};
-    task.after_scan([&events](DateTime time) { events.raise(time); }, &log);
+    controller::PlcTask task{plant.plc(), wall_clock, config.scan, config.realtime_priority};
+    task.after_scan([&plant](DateTime time) { plant.raise(time); }, &log);
     task.start();
     loop.stop_on_signals();
     reload_on_hangup(loop, file, what, administered, log);
-    welcome(config, *plc, administered, wall_clock.now());
+    welcome(config, plant.plc(), administered, wall_clock.now());
+    plant.run(config.server.endpoint_url);
     loop.run(server);
-    task.stop();
-    print_statistics(task.statistics());
-    std::printf("stopped\n");
-    return 0;
+    end(task, plant, restarts);
+    return restarts;
+}
+
+/// What the command line says instead of the configuration.
+struct Overrides {
+    std::optional<std::uint16_t> port;
+    std::string preset;
+};
+
+/// From the configuration as it is now until the end. True if it is to start again.
+bool start(const std::string& file, const Overrides& overrides)
+{
+    example::Settings settings{file, overrides.preset};
+    ControllerConfig config = settings.config();
+    config.port = overrides.port.value_or(config.port);
+    if (file.empty()) {
+        example::add_first_account(config);
+    } else if (example::is_nobody(config.users) && !config.users.has_setup) {
+        throw ConfigError{file, "nobody can log in, expected an account, anonymous, "
+                                "certificates or tokens in [users]: see --print-config"};
+    }
+    try {
+        return serve(std::move(config), settings, file);
+    } catch (const ConfigError& error) {
+        // An address that is not this machine's, a model that is not there any more.
+        if (settings.list().changes().empty()) {
+            throw;
+        }
+        throw ConfigError{error.what(),
+                          "settings were changed online, --forget-changes drops what was"};
+    }
 }
 
 constexpr int usage_exit = 2;
@@ -290,7 +319,7 @@ int end_early(const CLI::App& app, const CLI::ParseError& error)
 int run(int argc, char** argv)
 {
     std::string file;
-    std::optional<std::uint16_t> port;
+    Overrides overrides;
     bool wants_hash = false;
     bool wants_config = false;
     bool wants_certificate = false;
@@ -300,7 +329,12 @@ int run(int argc, char** argv)
         "An OPC UA server in front of a simulated PLC. SIGHUP has it read users, trust lists, "
         "endpoints and limits again."};
     app.add_option("--config", file, "configuration; the built-in one by default");
-    app.add_option("--port", port, "instead of the configuration's; 0 is any that is free");
+    app.add_option("--port", overrides.port,
+                   "instead of the configuration's; 0 is any that is free");
+    app.add_option("--preset", overrides.preset,
+                   "the limits of a product instead of the configuration's: nj501, nx102 or "
+                   "rd81opc96")
+        ->type_name("NAME");
     app.add_flag("--print-config", wants_config, "print the built-in configuration, commented");
     app.add_flag("--hash-password", wants_hash,
                  "read a password from standard input, print what a configuration may store");
@@ -333,28 +367,14 @@ int run(int argc, char** argv)
         example::forget_changes(file);
         return 0;
     }
-    example::Settings settings{file};
-    ControllerConfig config = settings.config();
-    config.port = port.value_or(config.port);
     if (wants_certificate) {
-        return regenerate_certificate(std::move(config));
+        return regenerate_certificate(example::Settings{file, overrides.preset}.config());
     }
-    if (file.empty()) {
-        example::add_first_account(config);
-    } else if (example::is_nobody(config.users) && !config.users.has_setup) {
-        throw ConfigError{file, "nobody can log in, expected an account, anonymous, "
-                                "certificates or tokens in [users]: see --print-config"};
+    bool starts = true;
+    while (starts) {
+        starts = start(file, overrides);
     }
-    try {
-        return serve(std::move(config), settings, file);
-    } catch (const ConfigError& error) {
-        // An address that is not this machine's, a model that is not there any more.
-        if (settings.list().changes().empty()) {
-            throw;
-        }
-        throw ConfigError{error.what(),
-                          "settings were changed online, --forget-changes drops what was"};
-    }
+    return 0;
 }
 
 } // namespace

@@ -13,6 +13,7 @@
 #include <busbar/controller/plc.hpp>
 
 #include "limits_section.hpp"
+#include "machine_section.hpp"
 
 namespace busbar::example {
 
@@ -159,6 +160,18 @@ std::optional<std::pair<TomlTable, std::string>> find_entry(std::string_view whe
     throw ConfigError{problem};
 }
 
+/// Whether there could be such a PLC.
+Configured<std::unique_ptr<controller::Plc>> try_plc(const ControllerConfig& config)
+{
+    if (!config.machine.program) {
+        return controller::Plc::create(config.plc);
+    }
+    const auto program = publish_program(config);
+    const auto image = program->make_image(1, config.image);
+    return image ? controller::Plc::create(config.plc, program->types(), *image)
+                 : tl::unexpected{image.error()};
+}
+
 } // namespace
 
 void read_plc(const TomlTable& table, ControllerConfig& config)
@@ -188,7 +201,7 @@ void read_plc(const TomlTable& table, ControllerConfig& config)
     for (const TomlTable& entry : events) {
         config.plc.events.push_back(read_event(entry));
     }
-    if (const auto plc = controller::Plc::create(config.plc); !plc) {
+    if (const auto plc = try_plc(config); !plc) {
         fail(plc.error(), {{"variables", variables}, {"programs", programs}, {"events", events}});
     }
 }

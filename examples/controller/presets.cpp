@@ -24,6 +24,12 @@ public:
         json_.name(name);
         json_.word(std::to_string(figure));
     }
+    void add(std::string_view name, const std::optional<std::uint64_t>& figure)
+    {
+        if (figure) {
+            add(name, static_cast<std::size_t>(*figure));
+        }
+    }
     void add(std::string_view name, std::chrono::milliseconds time)
     {
         add(name, static_cast<std::size_t>(time.count()));
@@ -78,17 +84,36 @@ void add_users(Figures& figures, const server::PasswordRules& rules)
     figures.add("reserved_names", rules.reserved_names.size());
 }
 
+void add_publishing(Figures& figures, const controller::PublishingLimits& limits)
+{
+    figures.add("published_variables", limits.max_variables);
+    figures.add("published_values", limits.max_values);
+    figures.add("published_data_types", limits.max_data_types);
+    figures.add("variable_size", limits.max_size);
+    figures.add("variable_elements", limits.max_elements);
+    figures.add("structure_members", limits.max_members);
+    figures.add("structure_levels", limits.max_levels);
+}
+
 } // namespace
 
 std::optional<Preset> find_preset(std::string_view name)
 {
     if (name == "nj501") {
-        return Preset{"nj501", server::nj501_limits(), crypto::nj501_store_limits(),
-                      server::nj501_password_rules()};
+        return Preset{"nj501",
+                      server::nj501_limits(),
+                      crypto::nj501_store_limits(),
+                      server::nj501_password_rules(),
+                      controller::nj501_publishing(),
+                      controller::nj501_types()};
     }
     if (name == "nx102") {
-        return Preset{"nx102", server::nx102_limits(), crypto::nx102_store_limits(),
-                      server::nj501_password_rules()};
+        return Preset{"nx102",
+                      server::nx102_limits(),
+                      crypto::nx102_store_limits(),
+                      server::nj501_password_rules(),
+                      controller::nx102_publishing(),
+                      controller::nx102_types()};
     }
     if (name == "rd81opc96") {
         return Preset{"rd81opc96", server::rd81opc96_limits(), crypto::rd81opc96_store_limits(),
@@ -104,6 +129,7 @@ std::string preset_json(const Preset& preset)
     add_services(figures, preset.limits);
     add_subscriptions(figures, preset.limits.subscriptions);
     add_users(figures, preset.passwords);
+    add_publishing(figures, preset.publishing);
     figures.add("trusted_certificates", preset.store.max_certificates);
     figures.add("issuer_certificates", preset.store.max_certificates);
     figures.add("rejected_certificates", preset.store.max_rejected);

@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include <busbar/controller/machine_types.hpp>
+#include <busbar/controller/publishing_limits.hpp>
 #include <busbar/crypto/store_limits.hpp>
 #include <busbar/server/limits.hpp>
 #include <busbar/server/password_rules.hpp>
@@ -16,6 +18,9 @@ struct Preset {
     server::ServerLimits limits;
     crypto::StoreLimits store;
     server::PasswordRules passwords;
+    /// Of a machine's variables; none where the product publishes none by itself.
+    controller::PublishingLimits publishing{};
+    controller::MachineTypeOptions types{.elementary = controller::ElementaryTypes::BuiltIn};
 };
 
 /// "nj501, nx102 or rd81opc96".

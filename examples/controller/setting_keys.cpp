@@ -91,6 +91,20 @@ std::vector<Setting> security_settings()
     };
 }
 
+/// Of the machine (seed 000, 3-2-2).
+std::vector<Setting> machine_settings()
+{
+    return {
+        {.name = "machine.name", .otherwise = Variant{""}},
+        {.name = "machine.mode", .otherwise = Variant{"RUN"}},
+        {.name = "machine.execution_log", .otherwise = Variant{false}},
+        {.name = "machine.execution_log_files", .otherwise = number(24), .range = Range{2, 100}},
+        {.name = "machine.execution_log_records",
+         .otherwise = number(12'000),
+         .range = Range{100, 65'536}},
+    };
+}
+
 std::vector<Setting> plc_settings()
 {
     return {
@@ -133,6 +147,7 @@ std::vector<Setting> controller_settings(const toml::table& file)
     read_preset(TomlTable{file, ""}.table("limits"), preset);
     std::vector<Setting> settings = server_settings();
     append(settings, security_settings());
+    append(settings, machine_settings());
     append(settings, plc_settings());
     for (const LimitKey& key : limit_keys()) {
         Setting setting{.name = setting_name(key), .otherwise = number(key.get(preset))};

@@ -41,13 +41,16 @@ Variant value_of(const toml::table& table, const ControllerConfig& config, const
 
 } // namespace
 
-Settings::Settings(const std::string& path) : Settings{path, read_config_text(path)} {}
+Settings::Settings(const std::string& path, std::string preset)
+    : Settings{path, std::move(preset), read_config_text(path)}
+{
+}
 
-Settings::Settings(const std::string& path, std::string text)
-    : path_{path}, name_{name_of_file(path)}, text_{std::move(text)},
-      folder_{parse_config(text_, name_).certificates.folder}, list_{folder_, settings_file,
-                                                                     controller_settings(
-                                                                         parse_table(text_, name_))}
+Settings::Settings(const std::string& path, std::string preset, std::string text)
+    : path_{path}, preset_{std::move(preset)}, name_{name_of_file(path)}, text_{std::move(text)},
+      folder_{config_of(table_of(text_), name_).certificates.folder}, list_{folder_, settings_file,
+                                                                            controller_settings(
+                                                                                table_of(text_))}
 {
     expect(administration::finish_changes(folder_));
     expect(list_.load());
@@ -60,9 +63,21 @@ Settings::Settings(const std::string& path, std::string text)
     started_ = values_;
 }
 
-Settings::Version Settings::version(const std::string& text, const SettingValues& changes) const
+toml::table Settings::table_of(const std::string& text) const
 {
     toml::table table = parse_table(text, name_);
+    if (!preset_.empty()) {
+        auto& limits = *table.insert("limits", toml::table{}).first;
+        if (toml::table* const entries = limits.second.as_table()) {
+            entries->insert_or_assign("preset", preset_);
+        }
+    }
+    return table;
+}
+
+Settings::Version Settings::version(const std::string& text, const SettingValues& changes) const
+{
+    toml::table table = table_of(text);
     overlay(table, changes);
     Version version{config_of(table, name_), {}};
     for (const Setting& setting : list_.settings()) {

@@ -24,9 +24,10 @@ public:
         std::function<void(const ControllerConfig& config)> apply;
     };
 
-    /// `path` is that of the file, empty for the built-in one. Throws ConfigError, also where what
-    /// was changed does not fit the file any more.
-    explicit Settings(const std::string& path);
+    /// `path` is that of the file, empty for the built-in one; `preset`, unless it is empty, counts
+    /// instead of the file's. Throws ConfigError, also where what was changed does not fit the file
+    /// any more.
+    explicit Settings(const std::string& path, std::string preset = {});
 
     /// The configuration with what was changed.
     [[nodiscard]] const ControllerConfig& config() const { return config_; }
@@ -48,12 +49,14 @@ private:
         administration::SettingValues values;
     };
 
-    Settings(const std::string& path, std::string text);
+    Settings(const std::string& path, std::string preset, std::string text);
+    [[nodiscard]] toml::table table_of(const std::string& text) const;
     [[nodiscard]] Version version(const std::string& text,
                                   const administration::SettingValues& changes) const;
     void take(Version version);
 
     std::string path_;
+    std::string preset_;
     /// How messages call the file.
     std::string name_;
     /// The file's.

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <busbar/controller/execution_log.hpp>
+#include <busbar/controller/life_cycle.hpp>
+#include <busbar/controller/machine_event_log.hpp>
+#include <busbar/controller/machine_event_raiser.hpp>
+#include <busbar/controller/machine_nodes.hpp>
+#include <busbar/controller/plc.hpp>
+#include <busbar/controller/published_program.hpp>
+#include <busbar/core/clock.hpp>
+#include <busbar/server/server.hpp>
+#include <busbar/storage/folder_storage.hpp>
+
+#include "config.hpp"
+#include "machine_saver.hpp"
+
+namespace busbar::example {
+
+/// A machine with a program, whose variables are served, and what the manual of a shipping
+/// controller says of its server's life and logs (seed 000): here the hardware is simulated.
+///
+/// Everything on the server's thread, but for the logs.
+class Machine final : private controller::ServerOperator {
+public:
+    /// `config` has a program. Throws ConfigError. All must outlive it.
+    Machine(const ControllerConfig& config, const WallClock& clock, LogSink& lines);
+    ~Machine() override;
+
+    /// The log that everything goes through.
+    [[nodiscard]] LogSink& log();
+    /// Adds the nodes' namespace to a server that is not served yet, and makes the PLC with the
+    /// program's variables. Throws ConfigError.
+    [[nodiscard]] std::unique_ptr<controller::Plc> make_plc(server::Server& server);
+    /// The nodes of seed 000, 6-2-1; `source` is the index of the PLC's image. Gives the
+    /// controller's folder. Throws ConfigError.
+    model::NodeIndex publish(server::Server& server, std::uint32_t source);
+    /// The server is served from now on.
+    void run(const std::string& endpoint_url);
+    /// It cannot be served: the state is Halt error.
+    void cannot_start(const std::string& why);
+    /// It is not served any more: the state is Shutdown, and logs are saved.
+    void shut_down();
+
+    [[nodiscard]] std::size_t variables() const { return image_->variables().size(); }
+
+private:
+    void initialize() override;
+    void prepare(std::uint32_t number, const controller::ServerSettings& settings) override;
+    void reconfigure(std::uint32_t number, const controller::ServerSettings& settings,
+                     const controller::StopNotice& notice) override;
+    void run() override {}
+    void suspend(const controller::StopNotice&) override {}
+    void stop(const controller::StopNotice& notice) override;
+    void add_variables() override {}
+    void medium_changed(bool is_in) override;
+    void save_now() override;
+
+    [[nodiscard]] controller::MachineNodesOptions node_options(std::uint32_t source) const;
+
+    const ControllerConfig& config_;
+    std::unique_ptr<controller::PublishedProgram> program_;
+    std::optional<controller::ProgramImage> image_;
+    std::optional<controller::MachineNodes> nodes_;
+    storage::FolderStorage state_;
+    storage::FolderStorage medium_;
+    controller::MachineEventRaiser raiser_;
+    std::unique_ptr<controller::MachineEventLog> event_log_;
+    std::unique_ptr<controller::ExecutionLog> execution_log_; // before it
+    std::unique_ptr<controller::LifeCycle> life_;
+    std::uint32_t preparation_{0};
+    std::optional<MachineSaver> saver_;
+};
+
+} // namespace busbar::example

@@ -1,0 +1,84 @@
+#include "plant.hpp"
+
+#include <string>
+
+#include <busbar/controller/plc_methods.hpp>
+#include <busbar/controller/plc_nodes.hpp>
+
+#include "models.hpp"
+#include "toml_reader.hpp"
+
+namespace busbar::example {
+
+namespace {
+
+template <typename T>
+T expect_made(Result<T> result, const std::string& what)
+{
+    if (!result) {
+        throw ConfigError{Problem{result.error(), what, "failed"}};
+    }
+    if constexpr (!std::is_void_v<T>) {
+        return *std::move(result);
+    }
+}
+
+} // namespace
+
+Plant::Plant(const ControllerConfig& config, const WallClock& clock, LogSink& lines)
+    : config_{config}, lines_{lines}
+{
+    if (config.machine.program) {
+        machine_.emplace(config, clock, lines);
+    }
+}
+
+LogSink& Plant::log()
+{
+    return machine_ ? machine_->log() : lines_;
+}
+
+void Plant::publish(server::Server& server, LogSink& log)
+{
+    plc_ = machine_ ? machine_->make_plc(server)
+                    : expect(controller::Plc::create(config_.plc, config_.image));
+    source_.emplace(plc_->image());
+    controller::PlcNodesOptions nodes;
+    nodes.source = server.add_source(*source_);
+    nodes.cycle = config_.scan;
+    model::AddressSpace& space = server.address_space();
+    const auto folder =
+        machine_ ? machine_->publish(server, nodes.source)
+                 : expect_made(controller::publish_variables(space, *plc_, nodes), "the variables");
+    load_models(server, config_.nodesets, log);
+    events_ = expect_made(controller::PlcEvents::create(space, folder, *plc_, server.event_queue()),
+                          "the events");
+    if (!machine_) {
+        expect_made(controller::publish_methods(space, folder, *plc_, methods_,
+                                                server.add_source(methods_)),
+                    "the methods");
+    }
+}
+
+void Plant::run(const std::string& endpoint_url)
+{
+    if (machine_) {
+        machine_->run(endpoint_url);
+    }
+}
+
+void Plant::cannot_start(const std::string& why)
+{
+    if (machine_) {
+        machine_->cannot_start(why);
+    }
+}
+
+void Plant::end()
+{
+    if (machine_) {
+        machine_->shut_down();
+    }
+}
+
+} // namespace busbar::example
