@@ -89,7 +89,7 @@ bool DeclarationParser::read_task_setting(ProgramTask& task)
         if (!cursor_->expect_symbol(":=")) {
             return false;
         }
-        const Token at = cursor_->now();
+        const DeclarationToken at = cursor_->now();
         std::int64_t priority = 0;
         if (!read_whole_number(*cursor_, priority, "a whole number")) {
             return false;
@@ -108,9 +108,9 @@ bool DeclarationParser::read_task_setting(ProgramTask& task)
 
 bool DeclarationParser::read_interval(ProgramTask& task)
 {
-    const Token at = cursor_->now();
+    const DeclarationToken at = cursor_->now();
     InitialValue value;
-    if (at.kind != Token::Kind::Typed || !read_initial_value(*cursor_, value) ||
+    if (at.kind != DeclarationToken::Kind::Typed || !read_initial_value(*cursor_, value) ||
         value.notation != InitialValue::Notation::Duration) {
         return cursor_->fail_at(at, "an interval as T#10ms");
     }
@@ -151,7 +151,7 @@ bool DeclarationParser::skip_connections()
         } else if (depth == 0) {
             return true;
         }
-        if (cursor_->is_end() || cursor_->now().kind == Token::Kind::Wrong) {
+        if (cursor_->is_end() || cursor_->now().kind == DeclarationToken::Kind::Wrong) {
             return cursor_->fail("')'");
         }
         cursor_->take();

@@ -44,12 +44,13 @@ DeclarationCursor::DeclarationCursor(std::string_view text, std::string_view fil
 
 bool DeclarationCursor::is_symbol(std::string_view symbol) const
 {
-    return now_.kind == Token::Kind::Symbol && now_.text == symbol;
+    return now_.kind == DeclarationToken::Kind::Symbol && now_.text == symbol;
 }
 
 bool DeclarationCursor::is_word(std::string_view word) const
 {
-    return now_.kind == Token::Kind::Word && busbar::detail::is_same_ignoring_case(now_.text, word);
+    return now_.kind == DeclarationToken::Kind::Word &&
+           busbar::detail::is_same_ignoring_case(now_.text, word);
 }
 
 ProgramPlace DeclarationCursor::place_at(std::size_t offset) const
@@ -57,10 +58,10 @@ ProgramPlace DeclarationCursor::place_at(std::size_t offset) const
     return places_ != nullptr ? places_->at(offset) : ProgramPlace{};
 }
 
-Token DeclarationCursor::take()
+DeclarationToken DeclarationCursor::take()
 {
-    const Token taken = now_;
-    if (!problem_ && now_.kind != Token::Kind::Wrong) {
+    const DeclarationToken taken = now_;
+    if (!problem_ && now_.kind != DeclarationToken::Kind::Wrong) {
         now_ = lexer_.next();
     }
     return taken;
@@ -96,7 +97,7 @@ bool DeclarationCursor::expect_word(std::string_view word)
 
 bool DeclarationCursor::expect_name(std::string& name, std::string_view what)
 {
-    if (now_.kind != Token::Kind::Word || kind_of_word(now_.text) == WordKind::Keyword ||
+    if (now_.kind != DeclarationToken::Kind::Word || kind_of_word(now_.text) == WordKind::Keyword ||
         kind_of_word(now_.text) == WordKind::ElementaryType) {
         return fail(what);
     }
@@ -115,15 +116,15 @@ bool DeclarationCursor::keep(std::size_t bytes)
                                       " bytes of memory up to here");
 }
 
-bool DeclarationCursor::fail_at(const Token& token, std::string_view what)
+bool DeclarationCursor::fail_at(const DeclarationToken& token, std::string_view what)
 {
-    if (token.kind == Token::Kind::Wrong) {
+    if (token.kind == DeclarationToken::Kind::Wrong) {
         return fail_with(token.offset, std::string{token.text});
     }
-    if (token.kind == Token::Kind::End) {
+    if (token.kind == DeclarationToken::Kind::End) {
         return fail_with(token.offset, "found the end of the text, expected " + std::string{what});
     }
-    if (token.kind == Token::Kind::Pragma) {
+    if (token.kind == DeclarationToken::Kind::Pragma) {
         return fail_with(token.offset, "found a pragma, expected " + std::string{what});
     }
     return fail_with(token.offset, found_expected(token.text, what));

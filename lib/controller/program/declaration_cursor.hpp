@@ -41,8 +41,8 @@ public:
     DeclarationCursor(std::string_view text, std::string_view file_name, const TextPlaces* places,
                       const DeclarationLimits& limits, MemoryBudget& memory);
 
-    [[nodiscard]] const Token& now() const { return now_; }
-    [[nodiscard]] bool is_end() const { return now_.kind == Token::Kind::End; }
+    [[nodiscard]] const DeclarationToken& now() const { return now_; }
+    [[nodiscard]] bool is_end() const { return now_.kind == DeclarationToken::Kind::End; }
     [[nodiscard]] bool is_symbol(std::string_view symbol) const;
     /// In whatever case.
     [[nodiscard]] bool is_word(std::string_view word) const;
@@ -52,7 +52,7 @@ public:
     [[nodiscard]] std::string_view comment() const { return lexer_.comment(); }
     [[nodiscard]] const DeclarationLimits& limits() const { return *limits_; }
 
-    Token take();
+    DeclarationToken take();
     /// True if it was there.
     bool skip_symbol(std::string_view symbol);
     bool skip_word(std::string_view word);
@@ -66,7 +66,7 @@ public:
 
     /// Always false, so that it can be returned: "found 'x', expected `what`".
     bool fail(std::string_view what) { return fail_at(now_, what); }
-    bool fail_at(const Token& token, std::string_view what);
+    bool fail_at(const DeclarationToken& token, std::string_view what);
     bool fail_with(std::size_t offset, std::string text);
     /// There must be one.
     [[nodiscard]] const Problem& problem() const { return *problem_; }
@@ -77,7 +77,7 @@ private:
     const TextPlaces* places_;
     const DeclarationLimits* limits_;
     MemoryBudget* memory_;
-    Token now_{};
+    DeclarationToken now_{};
     std::optional<Problem> problem_{};
 };
 

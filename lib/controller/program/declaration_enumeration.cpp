@@ -21,7 +21,7 @@ bool DeclarationParser::read_enumerator(DerivedType& type, std::optional<Element
     Enumerator one;
     std::int64_t value =
         type.enumerators.empty() ? 0 : std::int64_t{type.enumerators.back().value} + 1;
-    Token at = cursor_->now();
+    DeclarationToken at = cursor_->now();
     if (!cursor_->keep(sizeof one) || !cursor_->expect_name(one.name, "the name of a value")) {
         return false;
     }
@@ -46,10 +46,10 @@ bool DeclarationParser::read_enumerator(DerivedType& type, std::optional<Element
 
 bool DeclarationParser::read_base(const DerivedType& type)
 {
-    if (cursor_->now().kind != Token::Kind::Word) {
+    if (cursor_->now().kind != DeclarationToken::Kind::Word) {
         return true;
     }
-    const Token word = cursor_->take();
+    const DeclarationToken word = cursor_->take();
     const auto base = elementary_type(word.text);
     if (!base || !is_integer(*base)) {
         return cursor_->fail_at(word, "';', ':=' or a type of whole numbers");

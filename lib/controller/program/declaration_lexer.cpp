@@ -49,17 +49,17 @@ std::string_view trimmed_text(std::string_view text)
     return text;
 }
 
-Token DeclarationLexer::next()
+DeclarationToken DeclarationLexer::next()
 {
     comment_ = {};
     has_comment_ = false;
     is_same_line_ = true;
-    if (Token wrong; !skip_blanks(wrong)) {
+    if (DeclarationToken wrong; !skip_blanks(wrong)) {
         at_ = text_.size();
         return wrong;
     }
     if (at_ == text_.size()) {
-        return {Token::Kind::End, {}, at_};
+        return {DeclarationToken::Kind::End, {}, at_};
     }
     const char c = text_[at_];
     if (begins_word(c)) {
@@ -81,7 +81,7 @@ Token DeclarationLexer::next()
     }
 }
 
-bool DeclarationLexer::skip_blanks(Token& wrong)
+bool DeclarationLexer::skip_blanks(DeclarationToken& wrong)
 {
     while (at_ < text_.size()) {
         const char c = text_[at_];
@@ -100,7 +100,7 @@ bool DeclarationLexer::skip_blanks(Token& wrong)
     return true;
 }
 
-bool DeclarationLexer::skip_comment(Token& wrong)
+bool DeclarationLexer::skip_comment(DeclarationToken& wrong)
 {
     constexpr std::size_t mark = 2;
     const bool is_line = text_.substr(at_, mark) == "//";
@@ -109,7 +109,7 @@ bool DeclarationLexer::skip_comment(Token& wrong)
                                : is_round ? block_end("(*", "*)")
                                           : block_end("/*", "*/");
     if (!is_line && behind == std::string_view::npos) {
-        wrong = {Token::Kind::Wrong,
+        wrong = {DeclarationToken::Kind::Wrong,
                  is_round ? "found a comment without an end, expected '*)'"
                           : "found a comment without an end, expected '*/'",
                  at_};
@@ -154,22 +154,22 @@ void DeclarationLexer::keep_comment(std::string_view text)
     }
 }
 
-Token DeclarationLexer::word()
+DeclarationToken DeclarationLexer::word()
 {
     const std::size_t end = skip_while(at_, is_in_word);
     if (at(end) != '#') {
-        return take(Token::Kind::Word, end);
+        return take(DeclarationToken::Kind::Word, end);
     }
     const char first = at(end + 1);
     if (first != '\'' && first != '"') {
-        return take(Token::Kind::Typed, typed_end(end + 1));
+        return take(DeclarationToken::Kind::Typed, typed_end(end + 1));
     }
     const std::size_t behind = quoted_end(end + 1);
     if (behind == std::string_view::npos) {
         at_ = end + 1;
         return quoted();
     }
-    return take(Token::Kind::Typed, behind);
+    return take(DeclarationToken::Kind::Typed, behind);
 }
 
 std::size_t DeclarationLexer::typed_end(std::size_t at_first) const
@@ -192,11 +192,11 @@ std::size_t DeclarationLexer::typed_end(std::size_t at_first) const
     return i;
 }
 
-Token DeclarationLexer::number()
+DeclarationToken DeclarationLexer::number()
 {
     std::size_t end = skip_while(at_, is_in_number);
     if (at(end) == '#') {
-        return take(Token::Kind::Number, skip_while(end + 1, is_in_word));
+        return take(DeclarationToken::Kind::Number, skip_while(end + 1, is_in_word));
     }
     if (at(end) == '.' && is_digit(at(end + 1))) {
         end = skip_while(end + 1, is_in_number);
@@ -208,7 +208,7 @@ Token DeclarationLexer::number()
         }
     }
     // What goes on as a word is one wrong number, and not a number and a word.
-    return take(Token::Kind::Number, skip_while(end, is_in_word));
+    return take(DeclarationToken::Kind::Number, skip_while(end, is_in_word));
 }
 
 std::size_t DeclarationLexer::quoted_end(std::size_t first) const
@@ -225,43 +225,44 @@ std::size_t DeclarationLexer::quoted_end(std::size_t first) const
     return std::string_view::npos;
 }
 
-Token DeclarationLexer::quoted()
+DeclarationToken DeclarationLexer::quoted()
 {
     const std::size_t end = quoted_end(at_);
     if (end != std::string_view::npos) {
-        return take(Token::Kind::Text, end);
+        return take(DeclarationToken::Kind::Text, end);
     }
     const std::size_t begin = at_;
     const bool is_single = text_[begin] == '\'';
     at_ = text_.size();
-    return {Token::Kind::Wrong,
+    return {DeclarationToken::Kind::Wrong,
             is_single ? "found a text without an end in its line, expected \"'\""
                       : "found a text without an end in its line, expected '\"'",
             begin};
 }
 
-Token DeclarationLexer::address()
+DeclarationToken DeclarationLexer::address()
 {
-    return take(Token::Kind::Address, skip_while(at_ + 1, is_in_address));
+    return take(DeclarationToken::Kind::Address, skip_while(at_ + 1, is_in_address));
 }
 
-Token DeclarationLexer::pragma()
+DeclarationToken DeclarationLexer::pragma()
 {
     const std::size_t end = text_.find('}', at_);
     if (end == std::string_view::npos) {
         const std::size_t begin = at_;
         at_ = text_.size();
-        return {Token::Kind::Wrong, "found a pragma without an end, expected '}'", begin};
+        return {DeclarationToken::Kind::Wrong, "found a pragma without an end, expected '}'",
+                begin};
     }
-    Token token = take(Token::Kind::Pragma, end + 1);
+    DeclarationToken token = take(DeclarationToken::Kind::Pragma, end + 1);
     token.text = token.text.substr(1, token.text.size() - 2);
     return token;
 }
 
-Token DeclarationLexer::symbol()
+DeclarationToken DeclarationLexer::symbol()
 {
     const std::string_view two = text_.substr(at_, 2);
-    return take(Token::Kind::Symbol, at_ + (two == ":=" || two == ".." ? 2 : 1));
+    return take(DeclarationToken::Kind::Symbol, at_ + (two == ":=" || two == ".." ? 2 : 1));
 }
 
 std::size_t DeclarationLexer::skip_while(std::size_t first, bool (*belongs)(char)) const
@@ -277,9 +278,9 @@ char DeclarationLexer::at(std::size_t index) const
     return index < text_.size() ? text_[index] : '\0';
 }
 
-Token DeclarationLexer::take(Token::Kind kind, std::size_t end)
+DeclarationToken DeclarationLexer::take(DeclarationToken::Kind kind, std::size_t end)
 {
-    const Token token{kind, text_.substr(at_, end - at_), at_};
+    const DeclarationToken token{kind, text_.substr(at_, end - at_), at_};
     at_ = end;
     return token;
 }

@@ -9,7 +9,7 @@
 namespace busbar::controller::detail {
 
 /// A piece of a text of declarations.
-struct Token {
+struct DeclarationToken {
     enum class Kind : std::uint8_t {
         End,
         /// A word: a name, a keyword, a type.
@@ -43,24 +43,24 @@ public:
     explicit DeclarationLexer(std::string_view text) : text_{text} {}
 
     /// After the last one it is End for ever.
-    [[nodiscard]] Token next();
+    [[nodiscard]] DeclarationToken next();
     /// What the first comment between the last token and the one before says, if it begins in the
     /// line in which that one ends; empty if there is none.
     [[nodiscard]] std::string_view comment() const { return comment_; }
 
 private:
     /// False if there is a comment without an end.
-    [[nodiscard]] bool skip_blanks(Token& wrong);
-    [[nodiscard]] bool skip_comment(Token& wrong);
+    [[nodiscard]] bool skip_blanks(DeclarationToken& wrong);
+    [[nodiscard]] bool skip_comment(DeclarationToken& wrong);
     /// From here on; the end of a comment of this kind, or npos.
     [[nodiscard]] std::size_t block_end(std::string_view open, std::string_view close) const;
     void keep_comment(std::string_view text);
-    [[nodiscard]] Token word();
-    [[nodiscard]] Token number();
-    [[nodiscard]] Token quoted();
-    [[nodiscard]] Token address();
-    [[nodiscard]] Token pragma();
-    [[nodiscard]] Token symbol();
+    [[nodiscard]] DeclarationToken word();
+    [[nodiscard]] DeclarationToken number();
+    [[nodiscard]] DeclarationToken quoted();
+    [[nodiscard]] DeclarationToken address();
+    [[nodiscard]] DeclarationToken pragma();
+    [[nodiscard]] DeclarationToken symbol();
     /// The end of the text that has its first quote at `at`, or npos.
     [[nodiscard]] std::size_t quoted_end(std::size_t at) const;
     /// The end of what is behind a `#`.
@@ -68,7 +68,7 @@ private:
     [[nodiscard]] std::size_t skip_while(std::size_t at, bool (*belongs)(char)) const;
     /// 0 behind the end.
     [[nodiscard]] char at(std::size_t index) const;
-    [[nodiscard]] Token take(Token::Kind kind, std::size_t end);
+    [[nodiscard]] DeclarationToken take(DeclarationToken::Kind kind, std::size_t end);
 
     std::string_view text_;
     std::size_t at_{0};

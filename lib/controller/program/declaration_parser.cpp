@@ -39,8 +39,8 @@ bool DeclarationParser::read_block()
 
 bool DeclarationParser::read_pragmas(std::optional<NetworkPublish>& publish)
 {
-    while (cursor_->now().kind == Token::Kind::Pragma) {
-        const Token token = cursor_->take();
+    while (cursor_->now().kind == DeclarationToken::Kind::Pragma) {
+        const DeclarationToken token = cursor_->take();
         const PublishPragma pragma = read_publish_pragma(token.text);
         if (pragma.is_publish && !pragma.publish) {
             return cursor_->fail_with(

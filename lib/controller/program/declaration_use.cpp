@@ -11,7 +11,7 @@ bool DeclarationParser::read_use(TypeUse& use, DerivedType* declared)
             return false;
         }
     }
-    if (cursor_->now().kind != Token::Kind::Word) {
+    if (cursor_->now().kind != DeclarationToken::Kind::Word) {
         return cursor_->fail("a type");
     }
     switch (kind_of_word(cursor_->now().text)) {
@@ -46,7 +46,7 @@ bool DeclarationParser::read_bounds(TypeUse& use)
 
 bool DeclarationParser::read_range(Bounds& bounds)
 {
-    const Token at = cursor_->now();
+    const DeclarationToken at = cursor_->now();
     if (!read_whole_number(*cursor_, bounds.lower, "a whole number") ||
         !cursor_->expect_symbol("..") ||
         !read_whole_number(*cursor_, bounds.upper, "a whole number")) {
@@ -67,7 +67,8 @@ bool DeclarationParser::read_elementary(TypeUse& use, DerivedType* declared)
     if (!is_integer(use.elementary) || !cursor_->skip_symbol("(")) {
         return true;
     }
-    if (declared != nullptr && use.dimensions.empty() && cursor_->now().kind == Token::Kind::Word) {
+    if (declared != nullptr && use.dimensions.empty() &&
+        cursor_->now().kind == DeclarationToken::Kind::Word) {
         return read_enumerators(*declared, use.elementary);
     }
     Bounds bounds;
@@ -85,7 +86,7 @@ bool DeclarationParser::read_length(TypeUse& use)
         return true;
     }
     cursor_->take();
-    const Token at = cursor_->now();
+    const DeclarationToken at = cursor_->now();
     std::int64_t length = 0;
     if (!read_whole_number(*cursor_, length, "a length")) {
         return false;

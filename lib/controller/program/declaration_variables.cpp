@@ -66,8 +66,8 @@ bool DeclarationParser::read_address(const std::vector<Name>& names, std::string
         return cursor_->fail("':', because an address is for one name");
     }
     cursor_->take();
-    const Token token = cursor_->now();
-    if (token.kind != Token::Kind::Address || !is_direct_address(token.text) ||
+    const DeclarationToken token = cursor_->now();
+    if (token.kind != DeclarationToken::Kind::Address || !is_direct_address(token.text) ||
         token.text.size() > cursor_->limits().max_name_length) {
         return cursor_->fail("an address as %IX0.0");
     }

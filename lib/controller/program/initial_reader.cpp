@@ -8,7 +8,7 @@ namespace busbar::controller::detail {
 
 namespace {
 
-bool set_literal(DeclarationCursor& cursor, const Token& token, LiteralResult literal,
+bool set_literal(DeclarationCursor& cursor, const DeclarationToken& token, LiteralResult literal,
                  InitialValue& value)
 {
     if (!literal) {
@@ -48,11 +48,11 @@ bool read_word_value(DeclarationCursor& cursor, InitialValue& value)
     if (!is_enumerator(cursor.now().text)) {
         return cursor.fail("a value");
     }
-    const Token first = cursor.take();
+    const DeclarationToken first = cursor.take();
     if (!cursor.skip_symbol(".")) {
         return set_enumerator(cursor, {}, first.text, value);
     }
-    if (cursor.now().kind != Token::Kind::Word || !is_enumerator(cursor.now().text)) {
+    if (cursor.now().kind != DeclarationToken::Kind::Word || !is_enumerator(cursor.now().text)) {
         return cursor.fail("the name of a value");
     }
     return set_enumerator(cursor, first.text, cursor.take().text, value);
@@ -60,7 +60,7 @@ bool read_word_value(DeclarationCursor& cursor, InitialValue& value)
 
 bool read_typed_value(DeclarationCursor& cursor, InitialValue& value)
 {
-    const Token token = cursor.take();
+    const DeclarationToken token = cursor.take();
     if (auto literal = read_typed_literal(token.text)) {
         return set_literal(cursor, token, std::move(*literal), value);
     }
@@ -79,22 +79,22 @@ bool read_constant(DeclarationCursor& cursor, InitialValue& value)
     const bool is_negative = cursor.is_symbol("-");
     if (is_negative || cursor.is_symbol("+")) {
         cursor.take();
-        if (cursor.now().kind != Token::Kind::Number) {
+        if (cursor.now().kind != DeclarationToken::Kind::Number) {
             return cursor.fail("a number");
         }
     }
     switch (cursor.now().kind) {
-    case Token::Kind::Number: {
-        const Token token = cursor.take();
+    case DeclarationToken::Kind::Number: {
+        const DeclarationToken token = cursor.take();
         return set_literal(cursor, token, read_number_literal(token.text, is_negative), value);
     }
-    case Token::Kind::Text: {
-        const Token token = cursor.take();
+    case DeclarationToken::Kind::Text: {
+        const DeclarationToken token = cursor.take();
         return set_literal(cursor, token, read_text_literal(token.text), value);
     }
-    case Token::Kind::Typed:
+    case DeclarationToken::Kind::Typed:
         return read_typed_value(cursor, value);
-    case Token::Kind::Word:
+    case DeclarationToken::Kind::Word:
         return read_word_value(cursor, value);
     default:
         return cursor.fail("a value");
@@ -116,7 +116,7 @@ bool read_aggregate(DeclarationCursor& cursor, InitialValue& value, std::size_t 
 }
 
 /// "3(0)" from its parenthesis on.
-bool read_repeated(DeclarationCursor& cursor, const Token& count, InitialValue& part,
+bool read_repeated(DeclarationCursor& cursor, const DeclarationToken& count, InitialValue& part,
                    std::size_t depth)
 {
     const auto number = read_number_literal(count.text, false);
@@ -131,11 +131,11 @@ bool read_repeated(DeclarationCursor& cursor, const Token& count, InitialValue& 
 
 bool read_element(DeclarationCursor& cursor, InitialValue& part, std::size_t depth)
 {
-    if (cursor.now().kind != Token::Kind::Number) {
+    if (cursor.now().kind != DeclarationToken::Kind::Number) {
         return read_initial_value(cursor, part, depth + 1);
     }
     part.place = cursor.place();
-    const Token number = cursor.take();
+    const DeclarationToken number = cursor.take();
     return cursor.skip_symbol("(")
                ? read_repeated(cursor, number, part, depth)
                : set_literal(cursor, number, read_number_literal(number.text, false), part);
@@ -173,10 +173,11 @@ bool read_initial_value(DeclarationCursor& cursor, InitialValue& value, std::siz
 
 bool read_whole_number(DeclarationCursor& cursor, std::int64_t& number, std::string_view what)
 {
-    const Token first = cursor.now();
+    const DeclarationToken first = cursor.now();
     InitialValue value;
-    const bool is_number = first.kind == Token::Kind::Number || first.kind == Token::Kind::Typed ||
-                           cursor.is_symbol("-") || cursor.is_symbol("+");
+    const bool is_number = first.kind == DeclarationToken::Kind::Number ||
+                           first.kind == DeclarationToken::Kind::Typed || cursor.is_symbol("-") ||
+                           cursor.is_symbol("+");
     if (!is_number) {
         return cursor.fail(what);
     }
