@@ -176,4 +176,13 @@ Configured<void> Administration::attach(server::Server& server)
     return attached;
 }
 
+void Administration::refresh_files()
+{
+    impl_->table.post([impl = impl_.get()] {
+        for (detail::FileNodes& files : impl->file_nodes) {
+            files.refresh();
+        }
+    });
+}
+
 } // namespace busbar::administration

@@ -258,6 +258,27 @@ TEST_CASE_METHOD(FilesFixture, "file nodes: how many there may be is limited")
     CHECK(names(client, "1").size() == 2);
 }
 
+TEST_CASE_METHOD(FilesFixture, "file nodes: follow what others than clients do")
+{
+    REQUIRE(file_storage.make_folder("", FileAccess::Owner));
+    auto client = log_in_as("eng");
+    const auto refresh = [&] {
+        administration->refresh_files();
+        complete();
+    };
+    REQUIRE(file_storage.replace("log", {}, FileAccess::Owner));
+    CHECK(names(client).empty());
+    refresh();
+    CHECK(names(client) == Names{"log"});
+    REQUIRE(file_storage.remove("log"));
+    REQUIRE(file_storage.replace("log 2", {}, FileAccess::Owner));
+    refresh();
+    CHECK(names(client) == Names{"log 2"});
+    storage.set_away(true); // what cannot be read now is not gone
+    refresh();
+    CHECK(names(client) == Names{"log 2"});
+}
+
 TEST_CASE_METHOD(FilesFixture, "file nodes: a session that ends writes nothing")
 {
     REQUIRE(file_storage.make_folder("", FileAccess::Owner));

@@ -59,8 +59,8 @@ struct AdministrationParts {
     /// owner, whose functions are called on the server's thread where it may change the server.
     SettingList* settings{nullptr};
     SettingOwner* setting_owner{nullptr};
-    /// What clients see as files, each with a name of its own; they are read when this is attached
-    /// and whenever a client makes, moves or removes one.
+    /// What clients see as files, each with a name of its own; they are read when this is
+    /// attached, whenever a client makes, moves or removes one, and in refresh_files().
     std::vector<FileSystem> file_systems{};
     /// Files that the program makes for clients or takes from them, each with a name of its own;
     /// not without `random`.
@@ -86,6 +86,9 @@ public:
     /// of this build is too small for is left out, and the log says so. The problem is one of nodes
     /// that are there already.
     [[nodiscard]] Configured<void> attach(server::Server& server);
+    /// Somebody else than a client made or removed files of `file_systems`: clients see them as
+    /// they are, soon. Any thread, from attach() on.
+    void refresh_files();
 
 private:
     struct Impl;
