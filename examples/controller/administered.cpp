@@ -99,6 +99,8 @@ void Administered::attach(const ToAdminister& what)
                                               .restart = what.restart};
     parts.authorities = what.config.users.authorities;
     parts.file_systems = file_systems_.all();
+    parts.file_systems.insert(parts.file_systems.end(), what.file_systems.begin(),
+                              what.file_systems.end());
     parts.settings = &what.settings.list();
     parts.setting_owner = &what.settings;
     if (manages_certificates(what.config)) {

@@ -34,6 +34,8 @@ struct ToAdminister {
     std::function<void()> restart;
     /// Called on the server's thread when other kinds of user may log in than before.
     std::function<void()> offer_changed;
+    /// Beside those of the configuration.
+    std::vector<administration::FileSystem> file_systems;
 };
 
 /// What administrators change while the controller runs, kept in the folder of certificates.
@@ -58,6 +60,8 @@ public:
     void read_users();
     /// Once, before clients connect. Throws ConfigError.
     void attach(const ToAdminister& what);
+    /// See Administration; after attach(). Any thread.
+    void refresh_files() { administration_->refresh_files(); }
 
 private:
     void end_setup(server::Server& server);

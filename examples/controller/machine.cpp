@@ -3,6 +3,7 @@
 #include <utility>
 
 #include <busbar/server/namespace_metadata.hpp>
+#include <busbar/types/ids.hpp>
 
 #include "machine_section.hpp"
 
@@ -11,6 +12,8 @@ namespace busbar::example {
 namespace {
 
 constexpr const char* machine_uri = "urn:busbar:machine";
+/// Files of the execution log are at most 100 (seed 000, 7-1-5).
+constexpr std::size_t most_log_entries = 1'000;
 
 template <typename T>
 T expect_done(Result<T> result, const std::string& what)
@@ -34,7 +37,8 @@ void make_root(storage::FolderStorage& folder)
 
 Machine::Machine(const ControllerConfig& config, const WallClock& clock, LogSink& lines)
     : config_{config}, program_{publish_program(config)}, state_{config.machine.state_folder},
-      medium_{config.machine.medium_folder}
+      medium_{config.machine.medium_folder}, log_folder_{medium_,
+                                                         controller::ExecutionLogOptions{}.folder}
 {
     make_root(state_);
     make_root(medium_);
@@ -51,10 +55,7 @@ Machine::Machine(const ControllerConfig& config, const WallClock& clock, LogSink
     }
     life_ = std::make_unique<controller::LifeCycle>(static_cast<controller::ServerOperator&>(*this),
                                                     clock, log());
-    saver_.emplace([this] {
-        const bool is_kept = event_log_->write_pending().has_value();
-        return (!execution_log_ || execution_log_->write_pending().has_value()) && is_kept;
-    });
+    saver_.emplace([this] { return save_pending(); });
     life_->mode_changed(config.machine.mode);
     life_->power_on();
 }
@@ -62,6 +63,61 @@ Machine::Machine(const ControllerConfig& config, const WallClock& clock, LogSink
 Machine::~Machine()
 {
     saver_.reset();
+}
+
+bool Machine::save_pending()
+{
+    const bool is_kept = event_log_->write_pending().has_value();
+    if (!execution_log_) {
+        return is_kept;
+    }
+    const bool is_logged = execution_log_->write_pending().has_value();
+    look_for_log_files();
+    return is_logged && is_kept;
+}
+
+void Machine::look_for_log_files()
+{
+    const auto listing = log_folder_.list("", most_log_entries);
+    if (!listing && listing.error() != StorageError::NotFound) {
+        return; // what cannot be read now is not gone
+    }
+    std::vector<std::string> names;
+    if (listing) {
+        for (const StorageEntry& entry : listing->entries) {
+            names.push_back(entry.name);
+        }
+    }
+    if (names != log_files_) {
+        log_files_ = std::move(names);
+        has_changed_files_ = true;
+    }
+}
+
+std::vector<administration::FileSystem> Machine::file_systems()
+{
+    if (!execution_log_) {
+        return {};
+    }
+    const auto roles = [](std::initializer_list<std::uint32_t> ids) {
+        std::vector<NodeId> nodes;
+        for (const std::uint32_t id : ids) {
+            nodes.emplace_back(std::uint16_t{0}, id);
+        }
+        return nodes;
+    };
+    administration::FileSystem log{.name = "ExecutionLog", .storage = &log_folder_};
+    // Its files may be removed, but what is in them is the controller's alone.
+    log.limits.max_file_size = 0;
+    log.limits.max_written = 0;
+    log.limits.max_entries = most_log_entries;
+    log.limits.max_depth = 1;
+    log.readers =
+        roles({id::WellKnownRole_Operator, id::WellKnownRole_Supervisor, id::WellKnownRole_Engineer,
+               id::WellKnownRole_ConfigureAdmin, id::WellKnownRole_SecurityAdmin});
+    log.writers = roles({id::WellKnownRole_Supervisor, id::WellKnownRole_Engineer,
+                         id::WellKnownRole_SecurityAdmin});
+    return {log};
 }
 
 LogSink& Machine::log()

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include <busbar/administration/file_system.hpp>
 #include <busbar/controller/execution_log.hpp>
 #include <busbar/controller/life_cycle.hpp>
 #include <busbar/controller/machine_event_log.hpp>
@@ -12,6 +15,7 @@
 #include <busbar/controller/plc.hpp>
 #include <busbar/controller/published_program.hpp>
 #include <busbar/core/clock.hpp>
+#include <busbar/core/storage_folder.hpp>
 #include <busbar/server/server.hpp>
 #include <busbar/storage/folder_storage.hpp>
 
@@ -46,6 +50,11 @@ public:
     void shut_down();
 
     [[nodiscard]] std::size_t variables() const { return image_->variables().size(); }
+    /// The execution log, if there is one, as "ExecutionLog": whoever may see it reads its files,
+    /// whoever may clear it removes them (seed 000, 7-2-2 and 8-1).
+    [[nodiscard]] std::vector<administration::FileSystem> file_systems();
+    /// Whether there are other files than at the last call. Any thread; waits for nothing.
+    [[nodiscard]] bool has_changed_files() { return has_changed_files_.exchange(false); }
 
 private:
     void initialize() override;
@@ -59,6 +68,9 @@ private:
     void medium_changed(bool is_in) override;
     void save_now() override;
 
+    /// All is well. The saver's thread.
+    [[nodiscard]] bool save_pending();
+    void look_for_log_files();
     [[nodiscard]] controller::MachineNodesOptions node_options(std::uint32_t source) const;
 
     const ControllerConfig& config_;
@@ -70,6 +82,9 @@ private:
     controller::MachineEventRaiser raiser_;
     std::unique_ptr<controller::MachineEventLog> event_log_;
     std::unique_ptr<controller::ExecutionLog> execution_log_; // before it
+    StorageFolder log_folder_;
+    std::vector<std::string> log_files_; // of the saver's thread
+    std::atomic<bool> has_changed_files_{false};
     std::unique_ptr<controller::LifeCycle> life_;
     std::uint32_t preparation_{0};
     std::optional<MachineSaver> saver_;

@@ -246,7 +246,8 @@ bool serve(ControllerConfig config, example::Settings& settings, const std::stri
                                              restarts = true;
                                              loop.stop();
                                          },
-                                     .offer_changed = [&] { live.apply(settings.config()); }};
+                                     .offer_changed = [&] { live.apply(settings.config()); },
+                                     .file_systems = plant.file_systems()};
     administered.attach(what);
     settings.run({.check = [&](const ControllerConfig& next) { return live.check(next); },
                   .apply = [&](const ControllerConfig& next) { live.apply(next); }});
@@ -254,7 +255,14 @@ bool serve(ControllerConfig config, example::Settings& settings, const std::stri
 
     admission.check_passwords_on(worker);
     controller::PlcTask task{plant.plc(), wall_clock, config.scan, config.realtime_priority};
-    task.after_scan([&plant](DateTime time) { plant.raise(time); }, &log);
+    task.after_scan(
+        [&plant, &administered](DateTime time) {
+            plant.raise(time);
+            if (plant.has_changed_files()) {
+                administered.refresh_files();
+            }
+        },
+        &log);
     task.start();
     loop.stop_on_signals();
     reload_on_hangup(loop, file, what, administered, log);

@@ -60,6 +60,11 @@ void Plant::publish(server::Server& server, LogSink& log)
     }
 }
 
+std::vector<administration::FileSystem> Plant::file_systems()
+{
+    return machine_ ? machine_->file_systems() : std::vector<administration::FileSystem>{};
+}
+
 void Plant::run(const std::string& endpoint_url)
 {
     if (machine_) {

@@ -2,7 +2,9 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
+#include <busbar/administration/file_system.hpp>
 #include <busbar/controller/plc.hpp>
 #include <busbar/controller/plc_events.hpp>
 #include <busbar/server/method_table.hpp>
@@ -35,6 +37,10 @@ public:
     void end();
     /// Tells of the events of a scan, by the thread that scans.
     void raise(DateTime time) const { events_->raise(time); }
+    /// What clients see as files; they refer to this.
+    [[nodiscard]] std::vector<administration::FileSystem> file_systems();
+    /// Whether there are other ones than at the last call. Any thread; waits for nothing.
+    [[nodiscard]] bool has_changed_files() { return machine_ && machine_->has_changed_files(); }
 
 private:
     const ControllerConfig& config_;
