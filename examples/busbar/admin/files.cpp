@@ -13,7 +13,7 @@
 #include "display_text.hpp"
 #include "file.hpp"
 #include "json_writer.hpp"
-#include "remote.hpp"
+#include "remote_files.hpp"
 #include "table.hpp"
 
 namespace busbar::cli::admin {
@@ -21,11 +21,9 @@ namespace busbar::cli::admin {
 namespace files {
 namespace {
 
-/// Bytes of a file on its way, and of one call.
+/// Bytes of a file on its way.
 constexpr std::size_t max_transfer = 256U << 20U;
-constexpr std::size_t transfer_piece = 32'768;
 
-constexpr std::uint8_t open_to_read = 1;
 constexpr std::uint8_t open_to_replace = 6;
 
 /// A file or folder as people call it: "recipes/press/4.csv".
@@ -41,48 +39,19 @@ struct Place {
     }
 };
 
-/// Where the folders of a server are.
-NodeId root_of(Connection& connection)
-{
-    const NodeId system = standard(id::FileSystem);
-    return objects_below(connection, system).empty() ? standard(id::ObjectsFolder) : system;
-}
-
-/// Null if it is not there.
-NodeId look_for(Connection& connection, std::string_view path)
-{
-    NodeId node = root_of(connection);
-    while (!path.empty() && !node.is_null()) {
-        const std::string_view name = path.substr(0, path.find('/'));
-        path.remove_prefix(std::min(path.size(), name.size() + 1));
-        const auto objects = objects_below(connection, node);
-        const auto found =
-            std::find_if(objects.begin(), objects.end(),
-                         [&](const NamedChild& child) { return child.name == name; });
-        node = found == objects.end() ? NodeId{} : found->id;
-    }
-    return node;
-}
-
 Place find_place(Connection& connection, const std::string& path)
 {
-    NodeId node = look_for(connection, path);
+    NodeId node = look_for_file(connection, path);
     if (path.empty() || node.is_null()) {
         throw Failure{status::Bad_NotFound, safe(path), "see `busbar admin file list`"};
     }
     return {path, std::move(node)};
 }
 
-/// The outputs of a Method of the file or folder.
 std::vector<Variant> on(Connection& connection, const Place& place, const char* method,
                         const std::vector<Variant>& inputs)
 {
-    const NodeId found = find_method(connection, place.node, method);
-    if (found.is_null()) {
-        throw Failure{status::Bad_NotFound, safe(place.path) + ": " + method,
-                      "it is no file or folder of that kind, or this user may not do that with it"};
-    }
-    return call(connection, place.node, found, inputs, safe(place.path) + ": " + method);
+    return call_on_file(connection, place.node, place.path, method, inputs);
 }
 
 /// The folder that a new one is made in.
@@ -96,36 +65,21 @@ Place folder_of(Connection& connection, const std::string& path)
     return find_place(connection, place.folder());
 }
 
-void show_progress(Context& context, std::size_t done, std::size_t all)
-{
-    if (context.err.is_terminal() && all > transfer_piece) {
-        context.err.write("\r" + std::to_string(done / 1'024) + " of " +
-                          std::to_string(all / 1'024) + " KiB" + (done >= all ? "\n" : ""));
-    }
-}
-
-/// The value of a Property; null if there is none.
-Variant property(Connection& connection, const NodeId& node, const char* name)
-{
-    const NodeId found = find_child(connection, node, name);
-    return found.is_null() ? Variant{} : read(connection, found);
-}
-
 Exit list(Context& context, Connection& connection, const Arguments& arguments)
 {
     const std::string path = arguments.words.empty() ? std::string{} : arguments.words.front();
-    const NodeId parent = path.empty() ? root_of(connection) : find_place(connection, path).node;
+    const NodeId parent = path.empty() ? file_root(connection) : find_place(connection, path).node;
     JsonWriter json;
     json.open_array();
     Table table{{{"NAME", 16, false, true}, {"BYTES"}, {"CHANGED", 19}}};
     for (const NamedChild& child : objects_below(connection, parent)) {
         const bool is_folder = !find_method(connection, child.id, "CreateDirectory").is_null();
-        const Variant size = is_folder ? Variant{} : property(connection, child.id, "Size");
+        const Variant size = is_folder ? Variant{} : file_property(connection, child.id, "Size");
         if (!is_folder && size.is_null()) {
             continue; // no file
         }
         const DateTime changed =
-            property(connection, child.id, "LastModifiedTime").value_or<DateTime>({});
+            file_property(connection, child.id, "LastModifiedTime").value_or<DateTime>({});
         const std::string bytes =
             is_folder ? std::string{} : std::to_string(size.value_or<std::uint64_t>(0));
         json.open_object().member("name", child.name).member("isFolder", is_folder);
@@ -155,24 +109,10 @@ Exit get(Context& context, Connection& connection, const Arguments& arguments)
         make_sure(context, arguments, "replace " + local + "?");
     }
     const auto all = static_cast<std::size_t>(
-        property(connection, place.node, "Size").value_or<std::uint64_t>(0));
-    const auto opened = on(connection, place, "Open", {Variant{open_to_read}});
-    const Variant handle = opened.empty() ? Variant{} : opened.front();
-    std::string text;
-    for (;;) {
-        const auto piece = on(connection, place, "Read",
-                              {handle, Variant{static_cast<std::int32_t>(transfer_piece)}});
-        const auto* const part = piece.empty() ? nullptr : piece.front().get_if<ByteString>();
-        if (part == nullptr || part->span().empty()) {
-            break;
-        }
-        text.append(reinterpret_cast<const char*>(part->span().data()), part->span().size());
-        if (text.size() > max_transfer) {
-            throw Failure{status::Bad_EncodingLimitsExceeded, safe(place.path)};
-        }
-        show_progress(context, text.size(), all);
-    }
-    on(connection, place, "Close", {handle});
+        file_property(connection, place.node, "Size").value_or<std::uint64_t>(0));
+    const auto progress = [&](std::size_t done) { show_progress(context, done, all); };
+    const std::string text = download(connection, place.node, place.path,
+                                      {.max_size = max_transfer, .progress = progress});
     write_file(local, text);
     return report(context,
                   "got " + safe(place.path) + ": " + std::to_string(text.size()) + " bytes");
@@ -182,7 +122,7 @@ Exit get(Context& context, Connection& connection, const Arguments& arguments)
 Place place_to_write(Context& context, Connection& connection, const Arguments& arguments)
 {
     const std::string& path = arguments.words[1];
-    NodeId node = look_for(connection, path);
+    NodeId node = look_for_file(connection, path);
     if (!node.is_null()) {
         make_sure(context, arguments, "replace " + safe(path) + " of the server?");
         return {path, std::move(node)};
