@@ -3,6 +3,7 @@
 #include <busbar/core/status_codes.hpp>
 
 #include "admin/audit_line.hpp"
+#include "admin/log_line.hpp"
 #include "display_text.hpp"
 #include "failure.hpp"
 #include "json_writer.hpp"
@@ -255,4 +256,47 @@ TEST_CASE("an audit event is a line that fits")
                            Variant{String{""}}, Variant{}, Variant{}, Variant{}, Variant{}},
                           SIZE_MAX);
     CHECK(nobody == "-             OpenSecureChannel   -             yes   -  -");
+}
+
+TEST_CASE("an entry of an execution log is a line that fits, or two")
+{
+    const auto entry = controller::parse_execution_log_record(
+        "8\t2017-10-17\t14:54:11\t822\tAUTH\t0001\tApplication\tERROR\tBadCertificateUntrusted");
+    REQUIRE(entry);
+    const std::string front = "    8  2017/10/17/14:54:11.822  AUTH      0001      Application";
+    const std::string details = "ERROR BadCertificateUntrusted";
+    CHECK(admin::log_title(SIZE_MAX) ==
+          "Entry  Date/Time                Category  Log Code  Log Name           Details");
+    CHECK(admin::log_line(*entry, SIZE_MAX) == front + "        " + details);
+    CHECK(admin::log_line(*entry, 100) == front + "        " + details);
+    CHECK(admin::log_line(*entry, 80) ==
+          "    8  2017/10/17/14:54:11.822  AUTH      0001      Applica...\n       " + details);
+    CHECK(display_width(admin::log_title(80)) <= 80);
+    CHECK_FALSE(admin::log_line(*entry, 1).empty());
+    JsonWriter json;
+    admin::append_entry(json, *entry);
+    CHECK(json.document() ==
+          "{\"entry\":8,\"time\":\"2017-10-17T14:54:11.822\",\"category\":\"AUTH\","
+          "\"code\":\"0001\",\"name\":\"Application\","
+          "\"details\":[\"ERROR\",\"BadCertificateUntrusted\"]}");
+}
+
+TEST_CASE("nothing in an execution log changes what a terminal does")
+{
+    const auto entry = controller::parse_execution_log_record(
+        "8\t2017-10-17\t14:54:11\t822\tAUTH\t0002\tUser\t\xE2\x80\xAE"
+        "txt.exe");
+    REQUIRE(entry);
+    CHECK(admin::log_line(*entry, SIZE_MAX).ends_with("\\u202Etxt.exe"));
+}
+
+TEST_CASE("files of an execution log are known by their names")
+{
+    CHECK(admin::is_log_name("OPCUA_ExecutionLog.log"));
+    CHECK(admin::is_log_name("OPCUA_ExecutionLog_20170724220915040.log"));
+    for (const char* name :
+         {"", ".", "..", "../OPCUA_ExecutionLog.log", "OPCUA_ExecutionLog_2017072422091504.log",
+          "OPCUA_ExecutionLog_2017072422091504/.log", "OPCUA_ExecutionLog_20170724220915040.txt"}) {
+        CHECK_FALSE(admin::is_log_name(name));
+    }
 }

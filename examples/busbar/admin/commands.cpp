@@ -50,7 +50,8 @@ CLI::App* Group::add(const char* name, const char* text, const char* word_names,
                                   std::to_string(*words),
                               "expected " + (words == 0 ? std::string{"none but a URL"} : names)};
             }
-            Connection connection{context, endurance};
+            Connection connection{
+                context, arguments->log.is_followed ? Connection::Endurance::Lasting : endurance};
             return action(context, connection, *arguments);
         };
     });

@@ -13,6 +13,17 @@
 /// The subcommands of `busbar admin`, one file for each subject.
 namespace busbar::cli::admin {
 
+/// What `busbar admin log` shows, or does instead.
+struct LogChoice {
+    std::string category;
+    std::string code;
+    std::string text;
+    std::size_t count{100};
+    bool is_followed{false};
+    bool is_cleared{false};
+    std::string folder;
+};
+
 /// What they take.
 struct Arguments {
     /// [URL] and whatever the subcommand names.
@@ -30,6 +41,7 @@ struct Arguments {
     unsigned seconds{2};
     std::string reason;
     StreamEnd end;
+    LogChoice log;
 };
 
 /// Carries a subcommand out; throws Failure.
@@ -64,6 +76,7 @@ void add_own(CLI::App& admin, Run& run);
 void add_settings(CLI::App& admin, Run& run);
 void add_files(CLI::App& admin, Run& run);
 void add_audit(CLI::App& admin, Run& run);
+void add_log(CLI::App& admin, Run& run);
 void add_setup(CLI::App& admin, Run& run);
 void add_shutdown(CLI::App& admin, Run& run);
 

@@ -1,0 +1,127 @@
+#!/bin/sh
+# The execution log of a machine, as `busbar admin log` shows, follows, saves and clears it (seed
+# 000, 7-2-2 and 8-1).
+# usage: log_test.sh CONTROLLER BUSBAR PROGRAM
+set -u
+controller=$1 busbar=$2 program=$3
+. "$(dirname "$0")/functions.sh"
+
+says() { grep -q -s -e "$1" out || fail "\"$1\" is not in the output of: $last"; }
+says_not() { grep -q -s -e "$1" out && fail "\"$1\" is in the output of: $last"; }
+
+# as USER CODE ARGUMENTS...: all have one password.
+as() {
+    user=$1 wanted=$2
+    shift 2
+    run "$wanted" --user "$user" --password-file password --trust "$@"
+}
+
+account() {
+    printf '[[users.account]]\nname = "%s"\npassword = "%s"\nroles = ["%s"]\n' "$1" "$hash" "$2"
+}
+
+echo "patience is all" > password
+hash=$("$controller" --hash-password < password)
+{
+    cat << EOF
+[server]
+port = 0
+[certificates]
+folder = "pki"
+[machine]
+program = "$program"
+state = "state"
+medium = "medium"
+execution_log = true
+[[endpoint]]
+policy = "Basic256Sha256"
+mode = "SignAndEncrypt"
+EOF
+    account chief SecurityAdmin
+    account op Operator
+    account super Supervisor
+    account looker Observer
+} > controller.toml
+serve --config controller.toml
+run 0 cert create
+as op 4 admin log "$url"
+mv pki/rejected/certs/* pki/trusted/certs/
+
+# Who may see it does, with the columns of the manual, and what to look for.
+has_run() {
+    as op 0 admin log "$url" --text rUN --category server
+    grep -q -e '  SERVER    0005      Run' out
+}
+await has_run
+says '^Entry  Date/Time                Category  Log Code  Log Name           Details$'
+says_not 'AUTH'
+as op 0 admin log "$url" --code 0110
+says 'NumOfVariables'
+says_not 'PublishedVariable'
+as op 0 admin log "$url" --count 1
+says 'there may be older ones'
+[ "$(wc -l < out)" -eq 3 ] || fail "there are not a title, an entry and a hint"
+as op 0 --json admin log "$url" --category AUTH --code 1
+says '^{"entries":\[{"entry":[0-9]*,"time":"20[^"]*","category":"AUTH","code":"0001","name":"Application","details":\["[A-Z]*'
+says '"isCut":false,"damaged":0}$'
+as op 0 admin log "$url" --text "nothing of this kind"
+says '^No entries'
+as op 2 admin log "$url" --code none
+as op 2 admin log "$url" --category HARDWARE
+as op 2 admin log "$url" --count 0
+as op 2 admin log "$url" --follow --clear
+as looker 1 admin log "$url"
+says 'execution_log = true in \[machine\]'
+
+# All of its files, also those that came while it ran.
+folder=medium/packages/OPCUA_Server/ExecutionLog
+as op 0 admin log "$url" --save saved
+[ -s saved/OPCUA_ExecutionLog.log ] || fail "nothing was saved"
+cp saved/OPCUA_ExecutionLog.log "$folder/OPCUA_ExecutionLog_20200101000000000.log"
+echo "no log" > "$folder/other.txt"
+saved_both() {
+    as op 0 admin log "$url" --save saved --yes
+    grep -q -e 'saved 2 files' out
+}
+await saved_both
+cmp -s saved/OPCUA_ExecutionLog_20200101000000000.log \
+    "$folder/OPCUA_ExecutionLog_20200101000000000.log" || fail "what was saved is another one"
+echo mine > saved/OPCUA_ExecutionLog.log
+as op 1 admin log "$url" --save saved # nobody says yes
+[ "$(cat saved/OPCUA_ExecutionLog.log)" = mine ] || fail "it was replaced"
+as op 0 admin log "$url" --code 5 --count 10
+[ "$(grep -c -e ' Run$' out)" -eq 2 ] || fail "the older file is not shown"
+
+# What is new, as it happens; the log may be cleared meanwhile.
+timeout 60 "$busbar" --json --user op --password-file password --trust admin log "$url" --follow \
+    --category AUTH --count 1 --duration 20 > followed 2>&1 &
+follower=$!
+await grep -q -s AUTH followed
+before=$(wc -l < followed)
+as chief 0 read "$url" i=2259
+has_more() { [ "$(wc -l < followed)" -gt "$before" ]; }
+await has_more
+
+# Who may clear it does, after a question, and it goes on.
+as op 1 admin log "$url" --clear --yes
+as super 1 admin log "$url" --clear
+says 'nothing was done'
+as super 0 admin log "$url" --code 5
+says 'Run'
+as super 0 admin log "$url" --clear --yes
+says 'cleared the execution log: 2 files'
+[ -e "$folder/other.txt" ] || fail "what is no log is gone"
+as super 0 admin log "$url" --code 5
+says '^No entries'
+has_login() {
+    as super 0 admin log "$url" --category AUTH
+    grep -q -e 'AUTH' out
+}
+await has_login
+first=$(sed -n '2s/^ *\([0-9]*\) .*/\1/p' out)
+[ "$first" -gt 0 ] || fail "the numbers do not go on"
+before=$(wc -l < followed)
+as chief 0 read "$url" i=2259
+await has_more
+wait "$follower" || fail "the one who follows ends with $?: $(cat followed)"
+exit $((failures > 0))
