@@ -193,6 +193,20 @@ std::uint16_t listen(net::ServerLoop& loop, const ControllerConfig& config, exam
     return *port;
 }
 
+/// What the task does after each scan, on its thread. All must outlive it.
+void follow_scans(controller::PlcTask& task, example::Plant& plant,
+                  example::Administered& administered, LogSink& log)
+{
+    task.after_scan(
+        [&plant, &administered](DateTime time) {
+            plant.raise(time);
+            if (plant.has_changed_files()) {
+                administered.refresh_files();
+            }
+        },
+        &log);
+}
+
 /// `file` is where `config` is from; empty for the built-in one. True if an administrator wants the
 /// controller to start again.
 bool serve(ControllerConfig config, example::Settings& settings, const std::string& file)
@@ -255,14 +269,7 @@ bool serve(ControllerConfig config, example::Settings& settings, const std::stri
 
     admission.check_passwords_on(worker);
     controller::PlcTask task{plant.plc(), wall_clock, config.scan, config.realtime_priority};
-    task.after_scan(
-        [&plant, &administered](DateTime time) {
-            plant.raise(time);
-            if (plant.has_changed_files()) {
-                administered.refresh_files();
-            }
-        },
-        &log);
+    follow_scans(task, plant, administered, log);
     task.start();
     loop.stop_on_signals();
     reload_on_hangup(loop, file, what, administered, log);
