@@ -1,7 +1,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <iostream>
 #include <optional>
 #include <string>
 
@@ -12,20 +11,19 @@
 
 #include <busbar/controller/plc.hpp>
 #include <busbar/controller/plc_task.hpp>
-#include <busbar/crypto/password_hash.hpp>
 #include <busbar/net/server_loop.hpp>
 #include <busbar/net/system.hpp>
 #include <busbar/net/worker_thread.hpp>
 #ifdef BUSBAR_KEY_LOG
 #include <busbar/net/key_log_file.hpp>
 #endif
-#include <busbar/server/password_rules.hpp>
 #include <busbar/server/password_users.hpp>
 
 #include "administered.hpp"
 #include "admission.hpp"
 #include "config.hpp"
 #include "default_config.hpp"
+#include "hash_password.hpp"
 #include "identity.hpp"
 #include "live_config.hpp"
 #include "plant.hpp"
@@ -40,27 +38,6 @@ using example::ConfigError;
 using example::ControllerConfig;
 
 namespace {
-
-int hash_password()
-{
-    std::string password;
-    if (!std::getline(std::cin, password) || password.empty()) {
-        std::fprintf(stderr, "expected a password on standard input\n");
-        return 1;
-    }
-    const auto allowed = server::check_password({}, {}, password);
-    if (!allowed) {
-        std::fprintf(stderr, "%s\n", text(allowed.error()).c_str());
-        return 1;
-    }
-    crypto::SystemRandom random;
-    const auto hash = crypto::hash_password(password, random);
-    if (!hash) {
-        return 1;
-    }
-    std::printf("%s\n", hash->c_str());
-    return 0;
-}
 
 template <typename T>
 T expect(Result<T> result, const std::string& what)
@@ -368,7 +345,7 @@ int run(int argc, char** argv)
         return 0;
     }
     if (wants_hash) {
-        return hash_password();
+        return example::hash_password();
     }
     if (const auto end = prints.run(file)) {
         return *end;

@@ -78,8 +78,8 @@ enum class RecordKind : std::uint8_t {
     SecurityCleared,
     /// [Limit: "MaxVariables", "MaxValues", "MaxDataTypes"]: not everything is published.
     PublishingLimitExceeded,
-    /// [Code, Instruction, and as far as it is known Location, Line, Instance]: an instruction of the
-    /// controller's program failed; the code is UInt16 and, after 5401, the event's code
+    /// [Code, Instruction, and as far as it is known Location, Line, Instance]: an instruction of
+    /// the controller's program failed; the code is UInt16 and, after 5401, the event's code
     /// (seed 000, 9-2-2).
     InstructionFailed,
     ExecutionLogSaved, // again, after ExecutionLogLost

@@ -97,8 +97,7 @@ public:
     void set_namespace_restrictions(std::uint16_t index, std::uint16_t restrictions);
     void set_namespace_permissions(std::uint16_t index, Array<RolePermissionType> permissions);
     void set_executable(NodeIndex node, bool executable);
-    /// Of a dynamic Variable, in milliseconds; -1 if it is not known (Part 3, 5.6.2).
-    void set_minimum_sampling_interval(NodeIndex node, double interval);
+    void set_minimum_sampling_interval(NodeIndex node, double ms); // if it is dynamic; -1: unknown
     void set_display_name(NodeIndex node, LocalizedText text);
     void set_description(NodeIndex node, LocalizedText text);
     /// Adds or replaces a LocalizedText in one locale; an empty one removes it (Part 4, 5.11.4.1).

@@ -20,8 +20,7 @@ namespace busbar::model {
 struct BoundValue;
 } // namespace busbar::model
 
-/// What a PLC backend implements to give the server its values. `memory_source.hpp` is a complete
-/// one to start from.
+/// What a PLC backend implements to give the server its values; `memory_source.hpp` is a whole one.
 namespace busbar::server {
 
 namespace detail {
@@ -68,7 +67,6 @@ struct WriteItem {
 
 /// The values that one service call wants of one source: all of them should be from one point in
 /// time if the source has such a thing.
-///
 /// It owns its memory together with the server: items, slots and what keep_alive was given are
 /// valid until the batch is completed or destroyed, even if client, session and server are long
 /// gone. Complete it once, inline in DataSource::read or later, on any thread, but on one at a
@@ -115,7 +113,6 @@ private:
 
 /// The values that one Write call has for one source, to be applied together if the source can do
 /// that. A later item wins over an earlier one with the same handle.
-///
 /// In everything else like ReadBatch: a result that was never set answers Bad_NoCommunication.
 class BUSBAR_API WriteBatch {
 public:
@@ -171,8 +168,7 @@ struct DataSourceOptions {
     /// have timed out. What comes on top answers Bad_TooManyOperations.
     std::size_t max_batches{256};
     std::size_t max_items{1'000'000};
-    /// Belongs to the server and not to what it is in front of: goes on being called while the
-    /// server is Suspended or has Failed, see RunningServer::change_state.
+    /// The server's own: is called while that is Suspended or has Failed (RunningServer), too.
     bool is_always_in_service{false};
 };
 
