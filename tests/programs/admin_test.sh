@@ -72,8 +72,10 @@ follow() {
     timeout 60 "$busbar" --user chief --password-file chief --trust "$@" > audit 2>&1 &
     follower=$!
 }
-refused() {
-    run 4 --user chief --password-file pat --trust read "$url" i=2259
+strangers=0
+refused() { # a stranger of its own each time: whoever guesses has to wait longer and longer
+    strangers=$((strangers + 1))
+    run 4 --user stranger$strangers --password-file pat --trust read "$url" i=2259
     grep -q -s -e "$1" audit
 }
 follow admin audit "$url" --count 6
