@@ -70,7 +70,7 @@ private:
     [[nodiscard]] bool read_qualifiers(Block& block);
     [[nodiscard]] bool read_declaration(const Block& block);
     [[nodiscard]] bool read_address(const std::vector<Name>& names, std::string& address);
-    [[nodiscard]] bool add_variables(std::vector<Name> names, GlobalVariable variable);
+    [[nodiscard]] bool add_variables(std::vector<Name> names, const GlobalVariable& variable);
 
     // declaration_configuration.cpp
     [[nodiscard]] bool read_configuration();

@@ -54,7 +54,7 @@ bool DeclarationParser::read_declaration(const Block& block)
     variable.publish = publish.value_or(block.publish);
     variable.is_constant = block.is_constant;
     variable.is_retained = block.is_retained;
-    return add_variables(std::move(names), std::move(variable));
+    return add_variables(std::move(names), variable);
 }
 
 bool DeclarationParser::read_address(const std::vector<Name>& names, std::string& address)
@@ -75,7 +75,7 @@ bool DeclarationParser::read_address(const std::vector<Name>& names, std::string
     return true;
 }
 
-bool DeclarationParser::add_variables(std::vector<Name> names, GlobalVariable variable)
+bool DeclarationParser::add_variables(std::vector<Name> names, const GlobalVariable& variable)
 {
     const std::size_t memory = sizeof variable + memory_of(variable.type) +
                                memory_of(variable.initial) + variable.comment.size() +
@@ -84,13 +84,9 @@ bool DeclarationParser::add_variables(std::vector<Name> names, GlobalVariable va
         if (!cursor_->keep(memory)) {
             return false;
         }
-        variable.name = std::move(name.text);
-        variable.place = name.place;
-        if (&name == &names.back()) {
-            program_.variables.push_back(std::move(variable));
-        } else {
-            program_.variables.push_back(variable);
-        }
+        GlobalVariable& added = program_.variables.emplace_back(variable);
+        added.name = std::move(name.text);
+        added.place = name.place;
     }
     return true;
 }

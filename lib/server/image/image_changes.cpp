@@ -113,6 +113,18 @@ StatusCode ImageChanges::add_checked(const WriteItem& item)
                                  : add_range(*place, *item.range, item.data->value);
 }
 
+// Before its first use: clang 14 makes none of it for a generic lambda otherwise.
+template <typename T>
+StatusCode ImageChanges::add_each(const ImagePlace& place, std::span<const T> values)
+{
+    for (std::size_t i = 0; i < values.size() && !is_too_much(); ++i) {
+        if (const StatusCode added = add_element(place, i, values[i]); !added.is_good()) {
+            return added;
+        }
+    }
+    return status::Good;
+}
+
 StatusCode ImageChanges::add_whole(const ImagePlace& place, const Variant& value)
 {
     if (const StatusCode checked = check_value(place, value); !checked.is_good()) {
@@ -136,17 +148,6 @@ StatusCode ImageChanges::add_whole(const ImagePlace& place, const Variant& value
             return status::Good;
         },
         [] { return StatusCode{status::Bad_TypeMismatch}; });
-}
-
-template <typename T>
-StatusCode ImageChanges::add_each(const ImagePlace& place, std::span<const T> values)
-{
-    for (std::size_t i = 0; i < values.size() && !is_too_much(); ++i) {
-        if (const StatusCode added = add_element(place, i, values[i]); !added.is_good()) {
-            return added;
-        }
-    }
-    return status::Good;
 }
 
 StatusCode ImageChanges::add_range(const ImagePlace& place, const NumericRange& range,
