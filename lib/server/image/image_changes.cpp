@@ -113,7 +113,31 @@ StatusCode ImageChanges::add_checked(const WriteItem& item)
                                  : add_range(*place, *item.range, item.data->value);
 }
 
-// Before its first use: clang 14 makes none of it for a generic lambda otherwise.
+// These stand before their users: of what only a generic lambda uses, clang 14 makes nothing if it
+// comes later.
+
+template <typename T>
+StatusCode ImageChanges::add_element(const ImagePlace& place, std::size_t element, const T& value)
+{
+    if constexpr (std::same_as<T, ExtensionObject>) {
+        return decode_structure(*place.structure, value,
+                                grow(element * place.stride, place.stride));
+    } else if constexpr (is_image_text<T>) {
+        const auto text = text_of(value);
+        const ImageText head{text ? static_cast<std::uint32_t>(text->size())
+                                  : ImageText::null_size};
+        const std::size_t size = text ? text->size() : 0;
+        std::byte* const to = grow(element * place.stride, sizeof head + size);
+        std::memcpy(to, &head, sizeof head);
+        if (size != 0) {
+            std::memcpy(to + sizeof head, text->data(), size);
+        }
+    } else {
+        std::memcpy(grow(element * place.stride, sizeof(T)), &value, sizeof(T));
+    }
+    return status::Good;
+}
+
 template <typename T>
 StatusCode ImageChanges::add_each(const ImagePlace& place, std::span<const T> values)
 {
@@ -123,6 +147,32 @@ StatusCode ImageChanges::add_each(const ImagePlace& place, std::span<const T> va
         }
     }
     return status::Good;
+}
+
+template <typename T>
+StatusCode ImageChanges::add_elements(const ImagePlace& place, const NumericRange& range,
+                                      const Variant& value)
+{
+    busbar::detail::Box box;
+    if (const StatusCode found = find_box(place, range, box); !found.is_good()) {
+        return found;
+    }
+    const std::span<const T> values = elements_of<T>(value);
+    if (!fits(box, value, values.size())) {
+        return status::Bad_IndexRangeDataMismatch;
+    }
+    if constexpr (is_image_text<T>) {
+        if (std::ranges::any_of(values, [&](const T& t) { return t.size() > place.capacity; })) {
+            return status::Bad_OutOfRange;
+        }
+    }
+    std::size_t next = 0;
+    StatusCode status;
+    busbar::detail::walk(box, [&](std::size_t index) {
+        status = add_element(place, index, values[next++]);
+        return status.is_good() && !is_too_much();
+    });
+    return status;
 }
 
 StatusCode ImageChanges::add_whole(const ImagePlace& place, const Variant& value)
@@ -163,54 +213,6 @@ StatusCode ImageChanges::add_range(const ImagePlace& place, const NumericRange& 
         place.type,
         [&](auto tag) { return add_elements<typename decltype(tag)::type>(place, range, value); },
         [] { return StatusCode{status::Bad_TypeMismatch}; });
-}
-
-template <typename T>
-StatusCode ImageChanges::add_elements(const ImagePlace& place, const NumericRange& range,
-                                      const Variant& value)
-{
-    busbar::detail::Box box;
-    if (const StatusCode found = find_box(place, range, box); !found.is_good()) {
-        return found;
-    }
-    const std::span<const T> values = elements_of<T>(value);
-    if (!fits(box, value, values.size())) {
-        return status::Bad_IndexRangeDataMismatch;
-    }
-    if constexpr (is_image_text<T>) {
-        if (std::ranges::any_of(values, [&](const T& t) { return t.size() > place.capacity; })) {
-            return status::Bad_OutOfRange;
-        }
-    }
-    std::size_t next = 0;
-    StatusCode status;
-    busbar::detail::walk(box, [&](std::size_t index) {
-        status = add_element(place, index, values[next++]);
-        return status.is_good() && !is_too_much();
-    });
-    return status;
-}
-
-template <typename T>
-StatusCode ImageChanges::add_element(const ImagePlace& place, std::size_t element, const T& value)
-{
-    if constexpr (std::same_as<T, ExtensionObject>) {
-        return decode_structure(*place.structure, value,
-                                grow(element * place.stride, place.stride));
-    } else if constexpr (is_image_text<T>) {
-        const auto text = text_of(value);
-        const ImageText head{text ? static_cast<std::uint32_t>(text->size())
-                                  : ImageText::null_size};
-        const std::size_t size = text ? text->size() : 0;
-        std::byte* const to = grow(element * place.stride, sizeof head + size);
-        std::memcpy(to, &head, sizeof head);
-        if (size != 0) {
-            std::memcpy(to + sizeof head, text->data(), size);
-        }
-    } else {
-        std::memcpy(grow(element * place.stride, sizeof(T)), &value, sizeof(T));
-    }
-    return status::Good;
 }
 
 std::byte* ImageChanges::grow(std::size_t to, std::size_t size)
