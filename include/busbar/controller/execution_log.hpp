@@ -19,8 +19,13 @@ namespace busbar::controller {
 
 namespace detail {
 class ExecutionLogFiles;
-struct WaitingLogItem;
 class OncePerCertificate;
+
+struct WaitingLogItem {
+    DateTime time;
+    TimeZone zone;
+    ExecutionLogItem item;
+};
 } // namespace detail
 
 /// Settings of the execution log (seed 000, 7-1-3). Whether there is one at all is the embedder's:

@@ -27,12 +27,6 @@ inline constexpr std::string_view log_control_name = "OPCUA_ExecutionLog.fjc";
 /// Bytes that a file of so many records may have, with some for lines that were mended.
 [[nodiscard]] std::size_t max_log_size(std::size_t max_records);
 
-struct WaitingLogItem {
-    DateTime time;
-    TimeZone zone;
-    ExecutionLogItem item;
-};
-
 /// The files of an execution log. Files tell where it stands; the control file is asked only for
 /// what they do not say. One thread at a time; blocks on the medium.
 class ExecutionLogFiles {
