@@ -67,8 +67,8 @@ toml::table Settings::table_of(const std::string& text) const
 {
     toml::table table = parse_table(text, name_);
     if (!preset_.empty()) {
-        auto& limits = *table.insert("limits", toml::table{}).first;
-        if (toml::table* const entries = limits.second.as_table()) {
+        table.insert("limits", toml::table{});
+        if (toml::table* const entries = table["limits"].as_table()) {
             entries->insert_or_assign("preset", preset_);
         }
     }
