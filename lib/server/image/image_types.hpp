@@ -4,6 +4,7 @@
 #include <optional>
 #include <string_view>
 
+#include <busbar/core/api.hpp>
 #include <busbar/server/image_layout.hpp>
 
 namespace busbar::server::detail {
@@ -42,11 +43,11 @@ auto visit_image_type(BuiltInType type, Visit&& visit, Otherwise&& otherwise)
 }
 
 /// The bytes of a text that lies at `from`; none if it is null.
-[[nodiscard]] std::optional<std::string_view> text_at(const std::byte* from);
+[[nodiscard]] BUSBAR_API std::optional<std::string_view> text_at(const std::byte* from);
 
 /// Puts a text, which must not be longer than there is room at `to`. It may be the one that lies
 /// there.
-void put_text(std::byte* to, std::optional<std::string_view> text);
+BUSBAR_API void put_text(std::byte* to, std::optional<std::string_view> text);
 
 /// A String, ByteString or XmlElement that points at the text at `from`.
 template <typename T>
