@@ -21,7 +21,7 @@ Result<std::uint16_t> AddressSpace::add_namespace(std::string_view uri)
     if (namespace_count() > UINT16_MAX) {
         return fail(status::Bad_TooManyOperations);
     }
-    tables_->namespaces.emplace_back(uri);
+    tables_->namespaces.add(uri);
     return static_cast<std::uint16_t>(namespace_count() - 1);
 }
 

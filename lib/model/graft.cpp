@@ -222,7 +222,7 @@ void Graft::take_back()
     for (auto node = created_.rbegin(); node != created_.rend(); ++node) {
         tables_.destroy(*node);
     }
-    tables_.namespaces.resize(namespace_count_);
+    tables_.namespaces.shrink(namespace_count_);
 }
 
 } // namespace busbar::model::detail

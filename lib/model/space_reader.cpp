@@ -1,6 +1,5 @@
 #include <busbar/model/space_reader.hpp>
 
-#include <algorithm>
 
 #include "tables.hpp"
 
@@ -18,18 +17,12 @@ std::size_t SpaceReader::namespace_count() const
 
 std::string_view SpaceReader::namespace_uri(std::uint16_t index) const
 {
-    return index < namespace_count() ? std::string_view{tables_->namespaces[index]}
-                                     : std::string_view{};
+    return index < namespace_count() ? tables_->namespaces.uri(index) : std::string_view{};
 }
 
 std::optional<std::uint16_t> SpaceReader::namespace_index(std::string_view uri) const
 {
-    const auto& uris = tables_->namespaces;
-    const auto found = std::find(uris.begin(), uris.end(), uri);
-    if (found == uris.end()) {
-        return std::nullopt;
-    }
-    return static_cast<std::uint16_t>(found - uris.begin());
+    return tables_->namespaces.find(uri);
 }
 
 NodeIndex SpaceReader::find(const NodeId& id) const

@@ -21,7 +21,7 @@ Tables::Tables(const StaticNodes& nodes)
       has_subtype{find_constant(id_has_subtype)}, has_property{find_constant(id_has_property)}
 {
     for (const StaticText& uri : nodes.namespaces) {
-        namespaces.emplace_back(text(uri));
+        namespaces.add(text(uri));
     }
     share_access(nodes);
 }

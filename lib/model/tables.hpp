@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string>
 #include <unordered_map>
 #include <vector>
 
@@ -12,6 +11,7 @@
 
 #include "index_table.hpp"
 #include "journal.hpp"
+#include "namespace_table.hpp"
 #include "node_access_table.hpp"
 #include "record.hpp"
 #include "translations.hpp"
@@ -49,7 +49,7 @@ struct Tables {
 
     const StaticNodes* constants;
     std::uint32_t constant_count;
-    std::vector<std::string> namespaces;
+    NamespaceTable namespaces;
     std::vector<Block> blocks;
     std::uint32_t record_count{0};
     std::vector<std::uint32_t> free_records;
