@@ -58,7 +58,8 @@ Files restarted(MemoryFixture& machine)
 
 } // namespace
 
-TEST_CASE("A restore or clearing is whole or not done after a power cut (9-2-2, 35D00000)")
+TEST_CASE("A restore or clearing is whole or not done after a power cut (9-2-2, 35D00000)",
+          "[power_cut][restore]")
 {
     for (const auto& [what, change] : memory_changes) {
         INFO(what);
@@ -88,7 +89,8 @@ TEST_CASE("A restore or clearing is whole or not done after a power cut (9-2-2, 
     }
 }
 
-TEST_CASE("A power cut while a power cut is mended is mended, too (9-2-2, 35D00000)")
+TEST_CASE("A power cut while a power cut is mended is mended, too (9-2-2, 35D00000)",
+          "[power_cut][restore]")
 {
     const Files before = test::second_machine();
     const Change& change = memory_changes.at("restore");
@@ -124,7 +126,8 @@ TEST_CASE("A power cut while a power cut is mended is mended, too (9-2-2, 35D000
     CHECK(mended > 100);
 }
 
-TEST_CASE("A medium that is full, protected or away changes nothing (8-2-2)")
+TEST_CASE("A medium that is full, protected or away changes nothing (8-2-2)",
+          "[power_cut][restore]")
 {
     using Fault = std::function<void(storage::MemoryStorage&, bool)>;
     const std::map<std::string, Fault> faults{
@@ -148,7 +151,7 @@ TEST_CASE("A medium that is full, protected or away changes nothing (8-2-2)")
     }
 }
 
-TEST_CASE("A step that fails once leaves nothing half done (8-2-2)")
+TEST_CASE("A step that fails once leaves nothing half done (8-2-2)", "[power_cut][restore]")
 {
     const Change& change = memory_changes.at("restore");
     const Files expected = after(change);

@@ -227,7 +227,8 @@ TEST_CASE_METHOD(SettingsWorld, "A file of settings of another version is an err
     CHECK(text(loaded.error()).find("version: found 2, expected 1") != std::string::npos);
 }
 
-TEST_CASE("Settings are the old or the new ones after a power cut (9-2-2, 35D00000)")
+TEST_CASE("Settings are the old or the new ones after a power cut (9-2-2, 35D00000)",
+          "[power_cut][settings]")
 {
     const bool is_new = GENERATE(true, false);
     bool is_done = false;
@@ -252,7 +253,8 @@ TEST_CASE("Settings are the old or the new ones after a power cut (9-2-2, 35D000
     CHECK(step > 100);
 }
 
-TEST_CASE("A medium that is full, protected or away refuses a transfer whole (9-2-2, 35D00000)")
+TEST_CASE("A medium that is full, protected or away refuses a transfer whole (9-2-2, 35D00000)",
+          "[power_cut][settings]")
 {
     using Fault = std::function<void(storage::MemoryStorage&, bool)>;
     const std::map<std::string, Fault> faults{
@@ -261,13 +263,21 @@ TEST_CASE("A medium that is full, protected or away refuses a transfer whole (9-
         {"away", [](auto& storage, bool is_on) { storage.set_away(is_on); }},
     };
     for (const auto& [name, set] : faults) {
-        INFO(name);
-        SettingsWorld world;
-        set(world.storage, true);
-        CHECK_FALSE(world.settings.transfer(machine_server(), MachineMode::Program));
-        CHECK(world.settings.server() == ServerSettings{});
-        set(world.storage, false);
-        CHECK(world.settings.load());
-        CHECK(world.settings.server() == ServerSettings{});
+        for (const std::uint32_t port : {4'840U, 5'000U}) {
+            INFO(name << " after " << port);
+            SettingsWorld world;
+            const ServerSettings before{.port = port}; // the first is that of a new controller
+            REQUIRE((port == 4'840 || world.settings.transfer(before, MachineMode::Program)));
+            set(world.storage, true);
+            CHECK_FALSE(world.settings.transfer(machine_server(), MachineMode::Program));
+            CHECK(world.settings.server() == before);
+            set(world.storage, false);
+            CHECK(world.settings.load());
+            CHECK(world.settings.server() == before);
+            CHECK(world.settings.transfer(machine_server(), MachineMode::Program));
+            MachineSettings later = world.restarted();
+            CHECK(later.load());
+            CHECK(later.server() == machine_server());
+        }
     }
 }

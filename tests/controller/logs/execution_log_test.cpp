@@ -315,7 +315,8 @@ TEST_CASE_METHOD(LogWorld, "A file too large for the log is put aside (7-1-5)")
     CHECK(file() == line_of(0).replace(line_of(0).find("\tv\t"), 3, "\tv0\t"));
 }
 
-TEST_CASE("Whatever the power cuts, lines are whole and what was saved stays (7-1-5)")
+TEST_CASE("Whatever the power cuts, lines are whole and what was saved stays (7-1-5)",
+          "[power_cut][logs]")
 {
     bool is_through = false;
     for (std::size_t steps = 0; !is_through; ++steps) {
@@ -340,7 +341,7 @@ TEST_CASE("Whatever the power cuts, lines are whole and what was saved stays (7-
     }
 }
 
-TEST_CASE("Whatever fails on the medium, each record is saved once (7-1-1)")
+TEST_CASE("Whatever fails on the medium, each record is saved once (7-1-1)", "[power_cut][logs]")
 {
     for (const StorageError error :
          {StorageError::Away, StorageError::Full, StorageError::Protected, StorageError::Failed}) {
@@ -382,7 +383,8 @@ TEST_CASE_METHOD(LogWorld,
     }
 }
 
-TEST_CASE("Why records are not saved is told once, and that they are again (9-2-2, 15000000)")
+TEST_CASE("Why records are not saved is told once, and that they are again (9-2-2, 15000000)",
+          "[power_cut][logs]")
 {
     LogWorld world;
     const auto fail_by = [&](auto set, std::uint16_t code) {

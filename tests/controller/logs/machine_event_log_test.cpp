@@ -428,7 +428,8 @@ TEST_CASE("At most so many events are kept, and two files of them (9-2-2)")
     CHECK(short_events(world.log->events()).back() == "85600000 01,user139");
 }
 
-TEST_CASE("Whatever the power cuts or the storage fails, events stay and come once (9-2-2)")
+TEST_CASE("Whatever the power cuts or the storage fails, events stay and come once (9-2-2)",
+          "[power_cut][logs]")
 {
     for (const bool is_cut : {true, false}) {
         bool is_through = false;

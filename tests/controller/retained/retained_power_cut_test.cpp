@@ -6,7 +6,7 @@ using namespace busbar;
 using namespace busbar::controller;
 using namespace busbar::test;
 
-TEST_CASE("Retained values survive a power cut at every byte (6-2-2)")
+TEST_CASE("Retained values survive a power cut at every byte (6-2-2)", "[power_cut][retained]")
 {
     bool has_ended = false;
     for (std::size_t steps = 0; !has_ended; ++steps) {
@@ -34,7 +34,8 @@ TEST_CASE("Retained values survive a power cut at every byte (6-2-2)")
     }
 }
 
-TEST_CASE("A damaged file is kept through a power cut at every byte (6-2-2)")
+TEST_CASE("A damaged file is kept through a power cut at every byte (6-2-2)",
+          "[power_cut][retained]")
 {
     bool has_ended = false;
     for (std::size_t steps = 0; !has_ended; ++steps) {
@@ -54,7 +55,7 @@ TEST_CASE("A damaged file is kept through a power cut at every byte (6-2-2)")
     }
 }
 
-TEST_CASE("A medium that is full, protected or away loses nothing (6-2-2)")
+TEST_CASE("A medium that is full, protected or away loses nothing (6-2-2)", "[power_cut][retained]")
 {
     storage::MemoryStorage storage;
     RetainingController plc{storage};
@@ -89,7 +90,8 @@ TEST_CASE("A medium that is full, protected or away loses nothing (6-2-2)")
     CHECK(RetainingController{storage}.number() == 2);
 }
 
-TEST_CASE("A medium that is away at the start is no reason not to start (6-2-2)")
+TEST_CASE("A medium that is away at the start is no reason not to start (6-2-2)",
+          "[power_cut][retained]")
 {
     storage::MemoryStorage storage;
     RetainingController first{storage};
