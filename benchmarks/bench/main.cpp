@@ -9,6 +9,7 @@
 #include "load.hpp"
 #include "own_server.hpp"
 #include "report.hpp"
+#include "startup_run.hpp"
 
 using namespace busbar;
 
@@ -81,6 +82,18 @@ int run_growth(const bench::GrowthOptions& growth, bool json)
         return 1;
     }
     bench::print(*series, json);
+    return 0;
+}
+
+/// Nor does this: it starts machines in this process.
+int run_startup(const bench::StartupOptions& startup, bool json)
+{
+    const auto points = bench::measure_startup(startup);
+    if (!points) {
+        std::fprintf(stderr, "busbar-bench: startup: %s\n", text(points.error()).c_str());
+        return 1;
+    }
+    bench::print(*points, json);
     return 0;
 }
 
@@ -162,6 +175,23 @@ CLI::App* add_growth(CLI::App& app, bench::GrowthOptions& options)
     return growth;
 }
 
+CLI::App* add_startup(CLI::App& app, bench::StartupOptions& options)
+{
+    CLI::App* const startup = app.add_subcommand(
+        "startup", "How long a machine takes from its declarations to Running, with its execution "
+                   "log, with ever more published variables.");
+    startup->fallthrough();
+    startup
+        ->add_option("--limited", options.limited, "how many with the limits of NJ501, ascending")
+        ->delimiter(',');
+    startup->add_option("--open", options.open, "and how many without limits, ascending")
+        ->delimiter(',');
+    startup->add_option("--rounds", options.rounds, "starts of each, of which the fastest counts")
+        ->check(CLI::Range(1, 1'000))
+        ->capture_default_str();
+    return startup;
+}
+
 } // namespace
 
 int main(int argc, char** argv)
@@ -169,12 +199,14 @@ int main(int argc, char** argv)
     bench::Options options;
     bench::HostileOptions hostile_options;
     bench::GrowthOptions growth_options;
+    bench::StartupOptions startup_options;
     CLI::App app{"Measures an OPC UA server: connect, read and write of N values, requests in "
                  "flight."};
     add_server(app, options);
     add_loads(app, options);
     const CLI::App* const hostile = add_hostile(app, hostile_options);
     const CLI::App* const growth = add_growth(app, growth_options);
+    const CLI::App* const startup = add_startup(app, startup_options);
     CLI11_PARSE(app, argc, argv);
     options.subscribe.seconds = options.seconds;
     hostile_options.seconds = options.seconds;
@@ -185,6 +217,9 @@ int main(int argc, char** argv)
     ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
     if (hostile->parsed()) {
         return run_hostile(options, hostile_options, app.get_option("url")->count() != 0);
+    }
+    if (startup->parsed()) {
+        return run_startup(startup_options, options.json);
     }
     return growth->parsed() ? run_growth(growth_options, options.json) : run_loads(options);
 }

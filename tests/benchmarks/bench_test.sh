@@ -41,8 +41,25 @@ has "step" growth.txt
 is_json growth.json
 has '"of": "items", "count": 10, ' growth.json
 
+"$bench" startup --limited 3,30 --open 60 --rounds 1 > startup.txt
+has "^3 *nj501 " startup.txt
+has "^30 *nj501 " startup.txt
+has "^60 *none " startup.txt
+has "growth" startup.txt
+"$bench" startup --limited 3,30 --open 60 --rounds 1 --json > startup.json
+is_json startup.json
+has '"count": 3, "published": 3, "limits": "nj501", "declarations_ms": ' startup.json
+has '"count": 60, "published": 60, "limits": null, ' startup.json
+has '"running_ms": .*, "growth": null}' startup.json
+# What the preset does not publish is started, too.
+"$bench" startup --limited 10001 --open 10002 --rounds 1 --json > startup.json
+has '"count": 10001, "published": 10000, ' startup.json
+has '"count": 10002, "published": 10002, ' startup.json
+
 # A server that is not there, and sizes that do not grow.
 refuses "$bench" hostile opc.tcp://127.0.0.1:1
 has "opc.tcp://127.0.0.1:1: Bad_" refused.txt
 refuses "$bench" growth --sessions 2,2
 has "growth: Bad_InvalidArgument" refused.txt
+refuses "$bench" startup --limited 20 --open 20
+has "startup: .* do not grow" refused.txt
