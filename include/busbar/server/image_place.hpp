@@ -23,6 +23,8 @@ struct ImageVariable {
     std::uint32_t capacity{0};
     /// Of an ExtensionObject; null for other types.
     std::shared_ptr<const ImageStructure> structure{};
+    /// Clients cannot write it. Means nothing for a member.
+    bool is_read_only{false};
 };
 
 namespace detail {
@@ -49,6 +51,7 @@ concept ImageNumber = BuiltIn<T> && std::is_trivially_copyable_v<T> && !std::is_
 struct ImagePlace {
     BuiltInType type{BuiltInType::Null};
     bool in_arrays{false};
+    bool is_read_only{false};
     /// The index among the arrays in the block of arrays.
     std::uint32_t array{0};
     /// From the start of its block, or of the structure, in bytes.

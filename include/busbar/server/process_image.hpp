@@ -209,8 +209,9 @@ private:
 /// Serves a process image to a server; the handles are the layout's.
 ///
 /// Every Read call's values come from one scan. A Write call's items are checked here and applied
-/// together at a scan's edge; an array must have all its elements. Without any scan reads and
-/// writes answer Bad_NoCommunication, with too many pins or waiting writes Bad_TooManyOperations.
+/// together at a scan's edge; an array must have all its elements, and what is read-only answers
+/// Bad_NotWritable. Without any scan reads and writes answer Bad_NoCommunication, with too many
+/// pins or waiting writes Bad_TooManyOperations.
 ///
 /// Lives on the server's thread. An image must not have two sources at the same time.
 class BUSBAR_API ImageSource final : public DataSource {

@@ -24,10 +24,7 @@ Configured<std::unique_ptr<Plc>> Plc::create(const PlcConfig& config, const Prog
 
 void Plc::scan(DateTime now, Duration elapsed)
 {
-    image_->begin_scan([this](std::uint32_t handle) -> StatusCode {
-        // The server refuses such a Write by itself; a backend does not rely on that.
-        return variables_[handle].is_writable ? status::Good : status::Bad_NotWritable;
-    });
+    image_->begin_scan();
     const bool is_reset = is_reset_requested_.exchange(false);
     for (detail::PlcStep& step : steps_) {
         if (is_reset && step.is_counter()) {

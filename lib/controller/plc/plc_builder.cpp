@@ -126,7 +126,10 @@ Configured<void> PlcBuilder::add_variable(std::size_t index)
     }
     const Group group{static_cast<std::uint32_t>(layout_.size()), std::max(variable.count, 1U)};
     for (std::uint32_t i = 0; i < group.count; ++i) {
-        const auto added = layout_.add({variable.type, variable.dimensions, variable.capacity});
+        const auto added = layout_.add({.type = variable.type,
+                                        .dimensions = variable.dimensions,
+                                        .capacity = variable.capacity,
+                                        .is_read_only = !variable.is_writable});
         if (!added && added.error() == status::Bad_DataTypeIdUnknown) {
             return wrong_variable(
                 index, "type",

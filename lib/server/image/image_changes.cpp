@@ -106,6 +106,9 @@ StatusCode ImageChanges::add_checked(const WriteItem& item)
     if (place == nullptr) {
         return status::Bad_NodeIdUnknown;
     }
+    if (place->is_read_only) {
+        return status::Bad_NotWritable;
+    }
     if (item.data->status != StatusCode{} || !item.data->source_timestamp.is_null()) {
         return status::Bad_WriteNotSupported; // an image has them per scan, not per value
     }

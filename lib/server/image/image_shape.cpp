@@ -65,6 +65,7 @@ Result<ImagePlace> shape_of(const ImageVariable& variable, std::size_t room)
     }
     ImagePlace place;
     place.type = variable.type;
+    place.is_read_only = variable.is_read_only;
     place.stride = static_cast<std::uint32_t>(stride);
     place.elements = static_cast<std::uint32_t>(count);
     place.dimensions = variable.dimensions;
