@@ -16,6 +16,17 @@
 
 namespace busbar::controller {
 
+/// Variables that were added to a ProgramImage together.
+struct ProgramImageAddition {
+    /// Theirs are this and the next ones.
+    std::uint32_t first_handle{0};
+    /// By handle from there: the index among the variables of the program that they are of.
+    std::vector<std::size_t> variables{};
+    /// What the task works in, with handles from 0; lives as long as the image. Null if there are
+    /// none.
+    server::ImageMemory* memory{nullptr};
+};
+
 /// The variables of a program that are published, in a process image: each as seed 000, 6-2-2 has
 /// it, with the value that it begins with.
 ///
@@ -23,7 +34,10 @@ namespace busbar::controller {
 /// nothing as 0, the first name of an enumeration, the lower end of a subrange without 0, or an
 /// empty text. A structure's members in the image are those of its DerivedType, in their order.
 ///
-/// Movable. create() may run in any thread; for the rest see ProcessImage.
+/// Clients can write all of them but CONSTANT ones.
+///
+/// Movable. create() may run in any thread, add() in one at a time that is not the task's; for the
+/// rest see ProcessImage.
 class BUSBAR_API ProgramImage {
 public:
     /// The "Default Binary" encoding of the DataType that a structure is published as.
@@ -38,8 +52,19 @@ public:
                                                          EncodingOf encoding_of,
                                                          const server::ImageOptions& options = {});
 
+    /// Adds variables while the task runs (seed 000, 4-2-5: online edit), as create() has them:
+    /// indices into the variables of `types`' program, which may be another one and is not needed
+    /// afterwards. No scan waits for it; each has all of them or none, from the task's next
+    /// publish() on. Adding none is no addition.
+    ///
+    /// Problems are those of create(); besides, with an empty `where`, Bad_TooManyOperations after
+    /// ImageOptions::max_additions and Bad_OutOfMemory if the image would get too large. Nothing
+    /// was added then.
+    [[nodiscard]] Configured<ProgramImageAddition>
+    add(const ProgramTypes& types, std::span<const std::size_t> variables, EncodingOf encoding_of);
+
     [[nodiscard]] const std::shared_ptr<server::ProcessImage>& image() const { return image_; }
-    /// By handle: the index among the program's variables.
+    /// By handle: the index among the program's variables, of those that it was made with.
     [[nodiscard]] std::span<const std::size_t> variables() const { return variables_; }
 
 private:

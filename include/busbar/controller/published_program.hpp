@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <busbar/controller/program_image.hpp>
 #include <busbar/controller/program_types.hpp>
@@ -12,6 +13,16 @@
 #include <busbar/core/problem.hpp>
 
 namespace busbar::controller {
+
+/// What an online edit has brought.
+struct ProgramAddition {
+    /// What became of the new variables; see tell().
+    PublicationGroup group{};
+    /// Those that are published. The first one's handle is group.first_published.
+    ProgramImageAddition image{};
+    /// Of the edited program. Lives as long as the PublishedProgram.
+    const ProgramTypes* types{nullptr};
+};
 
 /// A program with what of it is published, as one object that stays where it is. Made in any
 /// thread, then of the server's.
@@ -22,21 +33,45 @@ public:
     /// The problem is that of ProgramTypes or of an initial value that does not fit.
     [[nodiscard]] static Configured<std::unique_ptr<PublishedProgram>>
     create(Program program, const PublishingLimits& limits);
-    PublishedProgram(Key, Program program) : program_{std::move(program)} {}
+    explicit PublishedProgram(Key) {}
     PublishedProgram(const PublishedProgram&) = delete;
     PublishedProgram& operator=(const PublishedProgram&) = delete;
 
-    [[nodiscard]] const Program& program() const { return program_; }
-    [[nodiscard]] const ProgramTypes& types() const { return *types_; }
+    /// The program that it was made with, without what was added.
+    [[nodiscard]] const Program& program() const { return editions_.front()->program; }
+    [[nodiscard]] const ProgramTypes& types() const { return *editions_.front()->types; }
     [[nodiscard]] const Publication& publication() const { return *publication_; }
     /// The image of the published variables, in the order of their handles. `namespace_index` is
     /// that of MachineNodes.
     [[nodiscard]] Configured<ProgramImage> make_image(std::uint16_t namespace_index,
                                                       const server::ImageOptions& options) const;
 
+    /// Takes in what was added by an online edit (seed 000, 4-2-5 and 6-2-2): the variables of
+    /// `edited` whose names are new and their types. `edited` may be the whole program or the new
+    /// variables with all types they need; what it no longer has stays. `image` is the one of
+    /// make_image(), and gets those that are published; its task may run, and waits for nothing.
+    ///
+    /// After it come RetainedValues::add and MachineNodes::add_variables, which is given
+    /// publication() again; should that fail, the variables are without nodes until a later call of
+    /// it, and nothing else is wrong.
+    ///
+    /// The problem is one that create() or ProgramImage::add has, or that a type or a variable is
+    /// there already and is another one than in `edited`, which takes a download. Nothing was added
+    /// then.
+    [[nodiscard]] Configured<ProgramAddition> add(Program edited, std::uint16_t namespace_index,
+                                                  ProgramImage& image);
+
 private:
-    Program program_;
-    std::optional<ProgramTypes> types_;
+    /// A program as it came, whose types look at it.
+    struct Edition {
+        Program program;
+        std::optional<ProgramTypes> types{};
+    };
+
+    [[nodiscard]] static Configured<std::unique_ptr<const Edition>> checked(Program program);
+
+    /// The first one is what it was made with.
+    std::vector<std::unique_ptr<const Edition>> editions_;
     std::optional<Publication> publication_;
 };
 

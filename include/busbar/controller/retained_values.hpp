@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -37,12 +38,17 @@ struct RetainedRestore {
 /// file that cannot be used is moved to `file` + ".kept" before another takes its place.
 ///
 /// Not for the task's thread, but for one thread at a time, since it waits for the medium;
-/// restore() before the task starts.
+/// restore() before the task starts and before variables are added.
 class BUSBAR_API RetainedValues {
 public:
     /// `storage` must outlive it; `types` has made the image and is not needed afterwards.
     RetainedValues(Storage& storage, const ProgramTypes& types, const ProgramImage& image,
                    RetainedOptions options = {});
+
+    /// Keeps also the RETAIN variables that were added to the image while the task runs: `types` is
+    /// what they were added from, and not needed afterwards. They are as they begin; a restart
+    /// restores them, if its program has them.
+    void add(const ProgramTypes& types, const ProgramImageAddition& added);
 
     /// How many variables are kept.
     [[nodiscard]] std::size_t size() const { return variables_.size(); }
@@ -66,6 +72,8 @@ private:
         std::uint64_t type_print;
     };
 
+    void take_in(const ProgramTypes& types, std::span<const std::size_t> indices,
+                 std::uint32_t first_handle);
     [[nodiscard]] std::vector<std::byte> content(const server::ImagePin& pin) const;
     void restore_from(std::span<const std::byte> file, RetainedRestore& result);
     [[nodiscard]] Stored<void> keep_old_file();

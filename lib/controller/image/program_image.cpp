@@ -26,12 +26,41 @@ Configured<server::ImageLayout> lay_out(const ProgramTypes& types,
         if (!variable) {
             return problem_of_variable(program, index, std::move(variable.error()));
         }
+        variable->is_read_only = program.variables[index].is_constant;
         if (const auto added = layout.add(*variable); !added) {
             return problem_of_variable(program, index,
                                        {added.error(), "", "does not fit into the process image"});
         }
     }
     return layout;
+}
+
+/// Gives variables what they begin with; `memory` has them alone.
+Configured<void> fill_in(const ProgramTypes& types, std::span<const std::size_t> variables,
+                         server::ImageMemory& memory)
+{
+    const detail::InitialValues initial{types};
+    for (std::uint32_t handle = 0; handle < variables.size(); ++handle) {
+        const GlobalVariable& variable = types.program().variables[variables[handle]];
+        const server::ImagePlace& place = memory.layout()[handle];
+        if (auto problem =
+                initial.store(variable.type, variable.initial, place, memory.bytes(place))) {
+            return problem_of_variable(types.program(), variables[handle], std::move(*problem));
+        }
+    }
+    return {};
+}
+
+/// Why ProcessImage::add_variables refuses.
+std::string text_of_refused_addition(StatusCode status)
+{
+    if (status == status::Bad_TooManyOperations) {
+        return "variables were added to the process image as often as it allows";
+    }
+    if (status == status::Bad_OutOfRange) {
+        return "a variable takes more bytes than are written at the edge of a scan";
+    }
+    return "the process image has no room for more variables";
 }
 
 } // namespace
@@ -46,16 +75,37 @@ Configured<ProgramImage> ProgramImage::create(const ProgramTypes& types,
         return tl::unexpected<Problem>{std::move(layout.error())};
     }
     auto image = server::ProcessImage::create(std::move(*layout), options);
-    const detail::InitialValues initial{types};
-    for (std::uint32_t handle = 0; handle < variables.size(); ++handle) {
-        const GlobalVariable& variable = types.program().variables[variables[handle]];
-        const server::ImagePlace& place = image->layout()[handle];
-        if (auto problem = initial.store(variable.type, variable.initial, place,
-                                         image->memory().bytes(place))) {
-            return problem_of_variable(types.program(), variables[handle], std::move(*problem));
-        }
+    if (auto filled = fill_in(types, variables, image->memory()); !filled) {
+        return tl::unexpected<Problem>{std::move(filled.error())};
     }
     return ProgramImage{std::move(image), variables};
+}
+
+Configured<ProgramImageAddition> ProgramImage::add(const ProgramTypes& types,
+                                                   std::span<const std::size_t> variables,
+                                                   EncodingOf encoding_of)
+{
+    if (variables.empty()) {
+        return ProgramImageAddition{image_->size(), {}, nullptr};
+    }
+    auto layout = lay_out(types, variables, encoding_of);
+    if (!layout) {
+        return tl::unexpected<Problem>{std::move(layout.error())};
+    }
+    Configured<void> filled;
+    const auto added =
+        image_->add_variables(std::move(*layout), [&](server::ImageMemory& memory) -> StatusCode {
+            filled = fill_in(types, variables, memory);
+            return filled ? StatusCode{} : filled.error().status;
+        });
+    if (!filled) {
+        return tl::unexpected<Problem>{std::move(filled.error())};
+    }
+    if (!added) {
+        return misconfigured("", text_of_refused_addition(added.error()), added.error());
+    }
+    return ProgramImageAddition{
+        added->first_handle, {variables.begin(), variables.end()}, added->memory};
 }
 
 } // namespace busbar::controller

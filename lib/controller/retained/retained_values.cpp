@@ -50,13 +50,23 @@ RetainedValues::RetainedValues(Storage& storage, const ProgramTypes& types,
                                const ProgramImage& image, RetainedOptions options)
     : storage_{&storage}, options_{std::move(options)}, image_{image.image()}
 {
+    take_in(types, image.variables(), 0);
+}
+
+void RetainedValues::add(const ProgramTypes& types, const ProgramImageAddition& added)
+{
+    take_in(types, added.variables, added.first_handle);
+}
+
+void RetainedValues::take_in(const ProgramTypes& types, std::span<const std::size_t> indices,
+                             std::uint32_t first_handle)
+{
     detail::TypePrints prints{types};
-    const auto indices = image.variables();
-    for (std::uint32_t handle = 0; handle < indices.size(); ++handle) {
-        const GlobalVariable& variable = types.program().variables[indices[handle]];
+    for (std::uint32_t i = 0; i < indices.size(); ++i) {
+        const GlobalVariable& variable = types.program().variables[indices[i]];
         if (variable.is_retained && !variable.is_constant) {
             by_name_.emplace(fold_name(variable.name), variables_.size());
-            variables_.push_back({variable.name, handle, prints.print(variable.type)});
+            variables_.push_back({variable.name, first_handle + i, prints.print(variable.type)});
         }
     }
 }
@@ -89,6 +99,9 @@ void RetainedValues::restore_from(std::span<const std::byte> file, RetainedResto
             continue; // it is no longer there, or no longer retained
         }
         const Variable& variable = variables_[found->second];
+        if (variable.handle >= image_->layout().size()) {
+            continue; // it was added, and the task has it already
+        }
         const server::ImagePlace& place = image_->place(variable.handle);
         if (value->type_print != variable.type_print || value->bytes.size() != place.bytes() ||
             !is_value(place, value->bytes.data())) {
@@ -104,11 +117,19 @@ void RetainedValues::restore_from(std::span<const std::byte> file, RetainedResto
 
 std::vector<std::byte> RetainedValues::content(const server::ImagePin& pin) const
 {
-    detail::RetainedWriter writer{variables_.size()};
+    std::vector<detail::RetainedValue> values;
+    values.reserve(variables_.size());
     for (const Variable& variable : variables_) {
-        writer.add({variable.name,
-                    variable.type_print,
-                    {pin.bytes(variable.handle), image_->place(variable.handle).bytes()}});
+        // Null if it was added after the scan, and has no value yet.
+        if (const std::byte* const bytes = pin.bytes(variable.handle)) {
+            values.push_back({variable.name,
+                              variable.type_print,
+                              {bytes, image_->place(variable.handle).bytes()}});
+        }
+    }
+    detail::RetainedWriter writer{values.size()};
+    for (const detail::RetainedValue& value : values) {
+        writer.add(value);
     }
     return writer.take();
 }

@@ -1,0 +1,64 @@
+#include "online_edit.hpp"
+
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include "controller/program/program_problem.hpp"
+#include "controller/retained/type_print.hpp"
+
+namespace busbar::controller::detail {
+
+namespace {
+
+tl::unexpected<Problem> changed_online(std::string where, const ProgramPlace& place,
+                                       std::string what)
+{
+    return tl::unexpected<Problem>{problem_at(std::move(where), place,
+                                              "is there already and " + std::move(what) +
+                                                  "; that takes a download, no online edit")};
+}
+
+TypeUse use_of(const DerivedType& type)
+{
+    return {.type_name = type.name};
+}
+
+} // namespace
+
+Configured<void> check_unchanged(const ProgramTypes& before, const ProgramTypes& edited)
+{
+    TypePrints old_prints{before};
+    TypePrints new_prints{edited};
+    const auto& types = edited.program().types;
+    for (std::size_t i = 0; i < types.size(); ++i) {
+        const DerivedType* const old = before.find(types[i].name);
+        if (old != nullptr &&
+            old_prints.print(use_of(*old)) != new_prints.print(use_of(types[i]))) {
+            return changed_online(place_in("types", i, types[i].name), types[i].place,
+                                  "was another type");
+        }
+    }
+    std::unordered_map<std::string, const GlobalVariable*> known;
+    for (const GlobalVariable& variable : before.program().variables) {
+        known.emplace(fold_name(variable.name), &variable);
+    }
+    const auto& variables = edited.program().variables;
+    for (std::size_t i = 0; i < variables.size(); ++i) {
+        const auto old = known.find(fold_name(variables[i].name));
+        if (old == known.end()) {
+            continue;
+        }
+        const std::string where = place_in("variables", i, variables[i].name);
+        if (old->second->is_constant != variables[i].is_constant) {
+            return changed_online(where, variables[i].place,
+                                  variables[i].is_constant ? "was no constant" : "was a constant");
+        }
+        if (old_prints.print(old->second->type) != new_prints.print(variables[i].type)) {
+            return changed_online(where, variables[i].place, "had another type");
+        }
+    }
+    return {};
+}
+
+} // namespace busbar::controller::detail
