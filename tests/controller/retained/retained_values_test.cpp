@@ -127,6 +127,41 @@ TEST_CASE("Values are written at an interval, if they have changed (6-2-2)")
     CHECK(storage.steps() == after);
 }
 
+TEST_CASE("Retained variables of an online edit are kept too (4-2-5)")
+{
+    storage::MemoryStorage storage;
+    Program edited = retaining_program();
+    edited.variables.push_back({.name = "Added",
+                                .type = {.elementary = ElementaryType::Dint},
+                                .initial = {.value = std::int64_t{5}},
+                                .is_retained = true});
+    edited.variables.push_back({.name = "Fleeting", .type = {.elementary = ElementaryType::Dint}});
+    {
+        RetainingController first{storage};
+        first.work(42);
+        const auto types = ProgramTypes::create(edited).value();
+        const auto encoding = [](const DerivedType&) { return NodeId{1, 1}; };
+        const std::vector<std::size_t> indices{5, 4};
+        const auto added = first.made->add(types, indices, encoding).value();
+        first.retained->add(types, added);
+        CHECK(first.retained->size() == 4);
+        CHECK(first.retained->save()); // of a scan without it
+        CHECK(RetainingController{storage}.restored.restored == 3);
+        added.memory->value<std::int32_t>(0) = 8;
+        added.memory->value<std::int32_t>(1) += 1;
+        first.scan();
+        CHECK(first.retained->save());
+        CHECK(first.retained->restore().restored == 3); // those that the task began with
+        CHECK(added.memory->value<std::int32_t>(1) == 6);
+    }
+    RetainingController second{storage, edited};
+    CHECK(second.restored.restored == 4);
+    CHECK(second.restored.problems.empty());
+    CHECK(second.number() == 42);
+    CHECK(second.memory().value<std::int32_t>(4) == 6);
+    CHECK(second.memory().value<std::int32_t>(5) == 0);
+}
+
 TEST_CASE("A damaged file is told of and kept; the start goes on (6-2-2)")
 {
     storage::MemoryStorage storage;
