@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -93,6 +94,20 @@ std::unique_ptr<Plc> make_plc(std::uint32_t variable_count)
     return std::move(Plc::create(config, options).value());
 }
 
+/// Of variables that stay in a runtime's memory, all `step` numbers.
+std::shared_ptr<server::ProcessImage> make_gathered(std::span<std::int16_t> memory,
+                                                    std::size_t step)
+{
+    server::ImageLayout layout;
+    for (std::size_t i = 0; i < memory.size(); i += step) {
+        static_cast<void>(layout.add(
+            {.type = BuiltInType::Int16, .runtime = std::as_writable_bytes(memory.subspan(i, 1))}));
+    }
+    server::ImageOptions options;
+    options.max_pins = 16;
+    return server::ProcessImage::create(std::move(layout), options);
+}
+
 std::vector<Duration> time_scans(server::ProcessImage& image)
 {
     std::vector<Duration> times(20'000);
@@ -162,6 +177,12 @@ int main(int argc, char** argv)
     for (const unsigned readers : {0U, 1U, 10U}) {
         measure_publish(*plc->image(), readers);
     }
+
+    std::vector<std::int16_t> memory(std::size_t{2} * variable_count);
+    std::printf("\nGathered from a runtime's memory, the variables side by side\n");
+    measure_publish(*make_gathered(std::span{memory}.first(variable_count), 1), 0);
+    std::printf("\nGathered, each variable by itself\n");
+    measure_publish(*make_gathered(memory, 2), 0);
 
     std::printf("\nA task with a cycle of 1 ms, 5 s each\n%8s %10s %10s %10s %12s %12s\n",
                 "readers", "priority", "scans", "missed", "late us", "scan us");

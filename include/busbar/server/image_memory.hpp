@@ -12,14 +12,18 @@
 
 namespace busbar::server {
 
-/// The memory that a PLC task works in, laid out flat as an ImageLayout says. The layout must
-/// outlive it.
+namespace detail {
+class ImageGather;
+} // namespace detail
+
+/// The memory that a PLC task works in, laid out flat as an ImageLayout says; variables that stay
+/// in a runtime's memory are used there. The layout must outlive it.
 ///
 /// References and spans stay valid as long as the object, so that a task can keep them from scan to
 /// scan. Only store() and load() allocate. Belongs to one thread.
 class BUSBAR_API ImageMemory {
 public:
-    /// All numbers are 0, all texts null, in structures too.
+    /// All numbers are 0, all texts null, in structures too; what a runtime has is left as it is.
     explicit ImageMemory(const ImageLayout& layout);
 
     [[nodiscard]] const ImageLayout& layout() const { return *layout_; }
@@ -60,15 +64,21 @@ public:
     /// The bytes of a variable as the layout has them.
     [[nodiscard]] std::byte* bytes(const ImagePlace& place)
     {
-        return (place.in_arrays ? arrays_.get() : plain_.get()) + place.offset;
+        return place.runtime != nullptr
+                   ? place.runtime
+                   : (place.in_arrays ? arrays_.get() : plain_.get()) + place.offset;
     }
     [[nodiscard]] const std::byte* bytes(const ImagePlace& place) const
     {
-        return (place.in_arrays ? arrays_.get() : plain_.get()) + place.offset;
+        return place.runtime != nullptr
+                   ? place.runtime
+                   : (place.in_arrays ? arrays_.get() : plain_.get()) + place.offset;
     }
 
-    /// The block of everything that is not an array of numbers.
+    /// The block of everything that is not an array of numbers and lies here.
     [[nodiscard]] const std::byte* plain() const { return plain_.get(); }
+    /// Copies what a runtime has and is not an array of numbers, to ImageLayout::gathered_bytes().
+    void gather(std::byte* to) const;
 
 private:
     template <typename T>
@@ -80,6 +90,7 @@ private:
     const ImageLayout* layout_;
     std::unique_ptr<std::byte[]> plain_;
     std::unique_ptr<std::byte[]> arrays_;
+    std::shared_ptr<const detail::ImageGather> gather_;
 };
 
 } // namespace busbar::server

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include <busbar/core/variant.hpp>
@@ -25,6 +26,15 @@ struct ImageVariable {
     std::shared_ptr<const ImageStructure> structure{};
     /// Clients cannot write it. Means nothing for a member.
     bool is_read_only{false};
+    /// The memory of a runtime in which the variable stays, laid out as the image would; none: it
+    /// lies in the image's own. Means nothing for a member.
+    ///
+    /// As ImageStructure says it: numbers and elements one behind another, texts as their length
+    /// and room. Aligned as that. The image touches it within begin_scan() and publish() only, in
+    /// the task's thread, so that the runtime may use it there at any other time; it must be there
+    /// as long as the task scans and no longer, and variables may share it. What is no value in it,
+    /// as a text longer than it may be, is null in what readers see, any BOOL but 0 is true.
+    std::span<std::byte> runtime{};
 };
 
 namespace detail {
@@ -62,6 +72,8 @@ struct ImagePlace {
     std::uint32_t capacity{0};
     std::vector<std::uint32_t> dimensions{};
     std::shared_ptr<const ImageStructure> structure{};
+    /// Where it stays in a runtime's memory; null if it lies in the image's own.
+    std::byte* runtime{nullptr};
 
     [[nodiscard]] bool is_array() const { return !dimensions.empty(); }
     [[nodiscard]] bool is_text() const

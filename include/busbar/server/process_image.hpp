@@ -117,6 +117,9 @@ private:
 /// locks, allocates or frees: whatever readers do, a scan's begin_scan() and publish() take a
 /// bounded number of steps, which grows with the image's size and with ImageOptions only.
 ///
+/// Variables may stay in memory of the runtime's own (ImageVariable::runtime): publish() gathers
+/// them from there, and begin_scan() puts there what clients wrote.
+///
 /// Made by create() and shared by the task and by everyone who reads; whoever drops it last frees
 /// it, which should not be the task.
 class BUSBAR_API ProcessImage : public std::enable_shared_from_this<ProcessImage> {
@@ -154,7 +157,8 @@ public:
 
     // From a thread of the user's that is not the task's, one at a time.
 
-    /// Puts the initial values of variables into the memory they will have.
+    /// Puts the initial values of variables into the memory they will have. What stays in a
+    /// runtime's memory is best left to the runtime, which may be using it.
     using FillMemory = FunctionRef<StatusCode(ImageMemory& memory)>;
 
     /// Adds variables while the task runs (seed 000, 6-2-2: online edit). They are made and filled

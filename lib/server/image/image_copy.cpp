@@ -2,6 +2,7 @@
 
 #include <cstring>
 
+#include "image_gather.hpp"
 #include "image_types.hpp"
 
 namespace busbar::server::detail {
@@ -21,8 +22,9 @@ Variant make_array(const ImagePlace& place, std::byte*& elements)
 } // namespace
 
 ImageCopy::ImageCopy(const ImageLayout& layout)
-    : plain_{std::make_unique<std::byte[]>(layout.plain_bytes())}, plain_bytes_{
-                                                                       layout.plain_bytes()}
+    : plain_{std::make_unique<std::byte[]>(layout.plain_bytes())},
+      plain_bytes_{layout.plain_bytes()}, gathered_{std::make_unique<std::byte[]>(
+                                              layout.gathered_bytes())}
 {
     arrays_.reserve(layout.array_count());
     copies_.reserve(layout.array_count());
@@ -42,8 +44,8 @@ ImageCopy::ImageCopy(const ImageLayout& layout)
                 }
             },
             [] { return Variant{}; }));
-        copies_.push_back({&place, nullptr});
-        copies_.back().to = to;
+        const bool is_repaired = place.runtime != nullptr && place.type == BuiltInType::Boolean;
+        copies_.push_back({&place, to, is_repaired});
     }
 }
 
@@ -52,8 +54,12 @@ void ImageCopy::fill(const ImageMemory& memory)
     if (plain_bytes_ != 0) {
         std::memcpy(plain_.get(), memory.plain(), plain_bytes_);
     }
+    memory.gather(gathered_.get());
     for (const ArrayCopy& copy : copies_) {
         std::memcpy(copy.to, memory.bytes(*copy.from), copy.from->bytes());
+        if (copy.is_repaired) {
+            repair_booleans(copy.to, copy.from->bytes());
+        }
     }
 }
 

@@ -18,7 +18,7 @@ public:
 
     [[nodiscard]] const std::byte* plain(const ImagePlace& place) const
     {
-        return plain_.get() + place.offset;
+        return (place.runtime != nullptr ? gathered_ : plain_).get() + place.offset;
     }
     [[nodiscard]] const Variant& array(const ImagePlace& place) const
     {
@@ -31,10 +31,13 @@ private:
     struct ArrayCopy {
         const ImagePlace* from;
         std::byte* to;
+        /// A runtime's truth values may be any bytes.
+        bool is_repaired;
     };
 
     std::unique_ptr<std::byte[]> plain_;
     std::size_t plain_bytes_;
+    std::unique_ptr<std::byte[]> gathered_;
     std::vector<Variant> arrays_;
     std::vector<ArrayCopy> copies_;
 };

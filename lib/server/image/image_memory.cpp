@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "image_gather.hpp"
 #include "image_types.hpp"
 #include "structure_codec.hpp"
 
@@ -9,11 +10,11 @@ namespace busbar::server {
 
 namespace detail {
 
-std::optional<std::string_view> text_at(const std::byte* from)
+std::optional<std::string_view> text_at(const std::byte* from, std::uint32_t capacity)
 {
     ImageText head{};
     std::memcpy(&head, from, sizeof head);
-    if (head.size == ImageText::null_size) {
+    if (head.size == ImageText::null_size || head.size > capacity) {
         return std::nullopt;
     }
     return std::string_view{reinterpret_cast<const char*>(from + sizeof head), head.size};
@@ -114,13 +115,14 @@ template <typename T>
 Variant load_texts(const ImagePlace& place, const std::byte* from)
 {
     if (!place.is_array()) {
-        const T borrowed = detail::borrow_text<T>(from);
+        const T borrowed = detail::borrow_text<T>(from, place.capacity);
         return Variant{T(borrowed)};
     }
     Array<T> values;
     values.reserve(place.elements);
     for (std::uint32_t i = 0; i < place.elements; ++i) {
-        const T borrowed = detail::borrow_text<T>(from + std::size_t{i} * place.stride);
+        const T borrowed =
+            detail::borrow_text<T>(from + std::size_t{i} * place.stride, place.capacity);
         values.push_back(borrowed);
     }
     return Variant::matrix(std::move(values), Array<std::uint32_t>{place.dimensions});
@@ -164,17 +166,25 @@ Variant load_structures(const ImagePlace& place, const std::byte* from)
 
 ImageMemory::ImageMemory(const ImageLayout& layout)
     : layout_{&layout}, plain_{std::make_unique<std::byte[]>(layout.plain_bytes())},
-      arrays_{std::make_unique<std::byte[]>(layout.array_bytes())}
+      arrays_{std::make_unique<std::byte[]>(layout.array_bytes())},
+      gather_{std::make_shared<const detail::ImageGather>(layout)}
 {
     for (const ImagePlace& place : layout.places()) {
-        detail::clear_texts(place, bytes(place));
+        if (place.runtime == nullptr) {
+            detail::clear_texts(place, bytes(place));
+        }
     }
+}
+
+void ImageMemory::gather(std::byte* to) const
+{
+    gather_->copy(to);
 }
 
 std::optional<std::string_view> ImageMemory::text(std::uint32_t handle, std::uint32_t element) const
 {
     const ImagePlace& place = (*layout_)[handle];
-    return detail::text_at(bytes(place) + std::size_t{element} * place.stride);
+    return detail::text_at(bytes(place) + std::size_t{element} * place.stride, place.capacity);
 }
 
 bool ImageMemory::set_text(std::uint32_t handle, std::optional<std::string_view> text,
@@ -190,7 +200,7 @@ bool ImageMemory::set_text(std::uint32_t handle, std::optional<std::string_view>
 
 std::optional<std::string_view> StructureView::text(std::size_t member, std::uint32_t element) const
 {
-    return detail::text_at(address(member, element));
+    return detail::text_at(address(member, element), structure_->members()[member].capacity);
 }
 
 bool StructureView::set_text(std::size_t member, std::optional<std::string_view> text,

@@ -45,9 +45,9 @@ const ImagePlace* ImageSegments::find(std::uint64_t handle) const
 
 std::size_t ImageSegments::bytes() const
 {
-    std::size_t sum = layout_->plain_bytes() + layout_->array_bytes();
+    std::size_t sum = layout_->bytes();
     for (std::uint32_t i = 0; i < count(); ++i) {
-        sum += segments_[i]->layout.plain_bytes() + segments_[i]->layout.array_bytes();
+        sum += segments_[i]->layout.bytes();
     }
     return sum;
 }

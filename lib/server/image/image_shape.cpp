@@ -76,4 +76,13 @@ Result<ImagePlace> shape_of(const ImageVariable& variable, std::size_t room)
     return place;
 }
 
+std::uint32_t alignment_of(const ImagePlace& place)
+{
+    if (place.is_structure()) {
+        return place.structure->alignment();
+    }
+    constexpr std::uint32_t of_text = alignof(ImageText);
+    return place.is_text() || place.type == BuiltInType::Guid ? of_text : place.stride;
+}
+
 } // namespace busbar::server::detail

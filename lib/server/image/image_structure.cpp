@@ -13,15 +13,6 @@ namespace busbar::server {
 
 namespace {
 
-std::uint32_t alignment_of(const ImagePlace& place)
-{
-    if (place.is_structure()) {
-        return place.structure->alignment();
-    }
-    constexpr std::uint32_t of_text = alignof(detail::ImageText);
-    return place.is_text() || place.type == BuiltInType::Guid ? of_text : place.stride;
-}
-
 /// The most bytes of one element on the wire (Part 6, 5.2.2).
 std::uint64_t wire_size_of_one(const ImagePlace& place)
 {
@@ -76,7 +67,7 @@ StatusCode ImageStructure::add(const ImageVariable& member)
         return status::Bad_OutOfRange;
     }
     has_texts_ |= place->is_text();
-    const std::uint32_t unit = alignment_of(*place);
+    const std::uint32_t unit = detail::alignment_of(*place);
     alignment_ = std::max(alignment_, unit);
     place->offset = static_cast<std::uint32_t>(detail::round_up(size_, unit));
     size_ = place->offset + place->bytes();

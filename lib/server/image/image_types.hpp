@@ -42,8 +42,10 @@ auto visit_image_type(BuiltInType type, Visit&& visit, Otherwise&& otherwise)
     // clang-format on
 }
 
-/// The bytes of a text that lies at `from`; none if it is null.
-[[nodiscard]] BUSBAR_API std::optional<std::string_view> text_at(const std::byte* from);
+/// The bytes of a text that lies at `from`; none if it is null, or longer than `capacity`, as only
+/// who writes to the memory by himself can make it.
+[[nodiscard]] BUSBAR_API std::optional<std::string_view> text_at(const std::byte* from,
+                                                                 std::uint32_t capacity);
 
 /// Puts a text, which must not be longer than there is room at `to`. It may be the one that lies
 /// there.
@@ -51,9 +53,9 @@ BUSBAR_API void put_text(std::byte* to, std::optional<std::string_view> text);
 
 /// A String, ByteString or XmlElement that points at the text at `from`.
 template <typename T>
-[[nodiscard]] T borrow_text(const std::byte* from)
+[[nodiscard]] T borrow_text(const std::byte* from, std::uint32_t capacity)
 {
-    const auto text = text_at(from);
+    const auto text = text_at(from, capacity);
     if (!text) {
         return T{};
     }

@@ -24,9 +24,8 @@ ImageOptions checked(ImageOptions options, const ImageLayout& layout)
     options.max_waiting_writes = std::max(options.max_waiting_writes, 1U);
     options.max_changes_per_scan = std::max(options.max_changes_per_scan, 1U);
     // Each variable can be written, be it as large as the image.
-    const std::size_t all = layout.plain_bytes() + layout.array_bytes();
     options.max_bytes_per_scan =
-        std::max(options.max_bytes_per_scan, static_cast<std::uint32_t>(all));
+        std::max(options.max_bytes_per_scan, static_cast<std::uint32_t>(layout.bytes()));
     return options;
 }
 
@@ -34,12 +33,13 @@ template <typename T>
 Variant borrowed_texts(const ImagePlace& place, const std::byte* from)
 {
     if (!place.is_array()) {
-        return Variant{detail::borrow_text<T>(from)};
+        return Variant{detail::borrow_text<T>(from, place.capacity)};
     }
     Array<T> texts;
     texts.reserve(place.elements);
     for (std::uint32_t i = 0; i < place.elements; ++i) {
-        texts.push_back(detail::borrow_text<T>(from + std::size_t{i} * place.stride));
+        texts.push_back(
+            detail::borrow_text<T>(from + std::size_t{i} * place.stride, place.capacity));
     }
     return Variant::matrix(std::move(texts), Array<std::uint32_t>{place.dimensions});
 }
@@ -227,8 +227,8 @@ Result<ImageAddition> ProcessImage::add_variables(ImageLayout layout, FillMemory
     if (segments_->is_full()) {
         return busbar::fail(status::Bad_TooManyOperations);
     }
-    const std::size_t added = layout.plain_bytes() + layout.array_bytes();
-    if (added > ImageLayout::max_bytes - std::min(ImageLayout::max_bytes, segments_->bytes()) ||
+    if (layout.bytes() >
+            ImageLayout::max_bytes - std::min(ImageLayout::max_bytes, segments_->bytes()) ||
         layout.size() > ImageLayout::max_variables - size()) {
         return busbar::fail(status::Bad_OutOfMemory);
     }

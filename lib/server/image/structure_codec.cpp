@@ -19,7 +19,7 @@ void encode_elements(binary::Writer& writer, const ImagePlace& place, const std:
 {
     for (std::uint32_t i = 0; i < place.elements; ++i, from += place.stride) {
         if constexpr (is_image_text<T>) {
-            encode(writer, borrow_text<T>(from));
+            encode(writer, borrow_text<T>(from, place.capacity));
         } else {
             T value{};
             std::memcpy(&value, from, sizeof value);
