@@ -132,7 +132,10 @@ std::unique_ptr<controller::Plc> Machine::make_plc(server::Server& server)
 {
     const std::uint16_t index =
         expect_done(server.address_space().add_namespace(machine_uri), "the machine's namespace");
-    image_ = expect(program_->make_image(index, config_.image));
+    image_ =
+        expect(program_->make_image(index, {.image = config_.image,
+                                            .elementary = controller::MachineTypes::elementary_in(
+                                                server.address_space(), config_.machine.types)}));
     return expect(controller::Plc::create(config_.plc, program_->types(), *image_));
 }
 

@@ -167,7 +167,7 @@ Configured<std::unique_ptr<controller::Plc>> try_plc(const ControllerConfig& con
         return controller::Plc::create(config.plc);
     }
     const auto program = publish_program(config);
-    const auto image = program->make_image(1, config.image);
+    const auto image = program->make_image(1, {.image = config.image});
     return image ? controller::Plc::create(config.plc, program->types(), *image)
                  : tl::unexpected{image.error()};
 }

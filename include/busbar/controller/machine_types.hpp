@@ -15,16 +15,6 @@
 /// The DataTypes of the variables that a program publishes.
 namespace busbar::controller {
 
-/// Which DataTypes elementary types have.
-enum class ElementaryTypes : std::uint8_t {
-    /// Those of OPC 30000 in its version 1.02 for the types that have one there: BYTE, WORD, DWORD,
-    /// LWORD, TIME (Int64), DATE, TIME_OF_DAY (UInt32), DATE_AND_TIME and STRING.
-    Plcopen,
-    /// Those of OPC UA itself alone, as seed 000, 6-2-2 has them: TIME is Double, TIME_OF_DAY and
-    /// the dates are DateTime, bit strings the unsigned integers.
-    BuiltIn,
-};
-
 struct MachineTypeOptions {
     /// BuiltIn counts if the AddressSpace has no nodes of PLCopen.
     ElementaryTypes elementary{ElementaryTypes::Plcopen};
@@ -72,7 +62,10 @@ public:
     /// The encoding that a structure or union has once it has a node, whether or not that is there:
     /// for images that are made before nodes are.
     [[nodiscard]] static NodeId encoding_of(std::uint16_t namespace_index, const DerivedType& type);
-    /// The choice that counts.
+    /// The choice that counts: `options` as far as `space` has the nodes. So an image is told of it
+    /// before there are nodes of the program.
+    [[nodiscard]] static ElementaryTypes elementary_in(const model::SpaceReader& space,
+                                                       const MachineTypeOptions& options);
     [[nodiscard]] ElementaryTypes elementary() const { return options_.elementary; }
 
 private:

@@ -2,9 +2,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <busbar/controller/program_types.hpp>
@@ -15,6 +17,15 @@
 #include <busbar/server/process_image.hpp>
 
 namespace busbar::controller {
+
+struct ProgramImageOptions {
+    server::ImageOptions image{};
+    /// As the nodes have it, which MachineTypes::elementary_in tells.
+    ElementaryTypes elementary{ElementaryTypes::BuiltIn};
+    /// Where the runtime has a variable, as ImageVariable::runtime says; nothing: the variable lies
+    /// in the image, as all do without this. What the runtime has begins as it is there.
+    std::function<std::span<std::byte>(const GlobalVariable& variable)> runtime_of{};
+};
 
 /// Variables that were added to a ProgramImage together.
 struct ProgramImageAddition {
@@ -46,11 +57,12 @@ public:
     /// `variables` are indices into the program's variables, in the order in which they get their
     /// handles: 0, 1, 2... `types` and its program are not needed afterwards. The Problem is that
     /// of the first variable that an image cannot have, as a union, or whose initial value does not
-    /// fit it; `where` is as ProgramTypes::create has it, with the members and elements behind.
+    /// fit it, or that cannot lie where the runtime has it; `where` is as ProgramTypes::create has
+    /// it, with the members and elements behind.
     [[nodiscard]] static Configured<ProgramImage> create(const ProgramTypes& types,
                                                          std::span<const std::size_t> variables,
                                                          EncodingOf encoding_of,
-                                                         const server::ImageOptions& options = {});
+                                                         const ProgramImageOptions& options = {});
 
     /// Adds variables while the task runs (seed 000, 4-2-5: online edit), as create() has them:
     /// indices into the variables of `types`' program, which may be another one and is not needed
@@ -58,24 +70,27 @@ public:
     /// publish() on. Adding none is no addition.
     ///
     /// Problems are those of create(); besides, with an empty `where`, Bad_TooManyOperations after
-    /// ImageOptions::max_additions and Bad_OutOfMemory if the image would get too large. Nothing
-    /// was added then.
+    /// ImageOptions::max_additions, Bad_OutOfMemory if the image would get too large, Bad_OutOfRange
+    /// for a variable of more bytes than max_bytes_per_scan. Nothing was added then.
     [[nodiscard]] Configured<ProgramImageAddition>
     add(const ProgramTypes& types, std::span<const std::size_t> variables, EncodingOf encoding_of);
 
     [[nodiscard]] const std::shared_ptr<server::ProcessImage>& image() const { return image_; }
     /// By handle: the index among the program's variables, of those that it was made with.
     [[nodiscard]] std::span<const std::size_t> variables() const { return variables_; }
+    [[nodiscard]] ElementaryTypes elementary() const { return options_.elementary; }
 
 private:
     ProgramImage(std::shared_ptr<server::ProcessImage> image,
-                 std::span<const std::size_t> variables)
-        : image_{std::move(image)}, variables_(variables.begin(), variables.end())
+                 std::span<const std::size_t> variables, ProgramImageOptions options)
+        : image_{std::move(image)},
+          variables_(variables.begin(), variables.end()), options_{std::move(options)}
     {
     }
 
     std::shared_ptr<server::ProcessImage> image_;
     std::vector<std::size_t> variables_;
+    ProgramImageOptions options_;
 };
 
 } // namespace busbar::controller

@@ -90,9 +90,22 @@ private:
 
 /// Bytes of one, but for String.
 [[nodiscard]] BUSBAR_API std::uint32_t size_of(ElementaryType type);
-/// As which it is published (seed 000, 6-2-2): TIME as a Double of milliseconds, dates and times of
-/// day as DateTime, bit strings as unsigned integers. Enumerations are Int32.
-[[nodiscard]] BUSBAR_API BuiltInType built_in_type_of(ElementaryType type);
+/// Which DataTypes elementary types have.
+enum class ElementaryTypes : std::uint8_t {
+    /// Those of OPC 30000 in its version 1.02 for the types that have one there: BYTE, WORD, DWORD,
+    /// LWORD, TIME (Int64), DATE, TIME_OF_DAY (UInt32), DATE_AND_TIME and STRING.
+    Plcopen,
+    /// Those of OPC UA itself alone, as seed 000, 6-2-2 has them: TIME is Double, TIME_OF_DAY and
+    /// the dates are DateTime, bit strings the unsigned integers.
+    BuiltIn,
+};
+
+/// As which it is published: TIME as a Double of milliseconds, dates and times of day as DateTime,
+/// bit strings as unsigned integers (seed 000, 6-2-2); but with Plcopen TIME as an Int64 of
+/// milliseconds, TIME_OF_DAY as an UInt32 of milliseconds since midnight (OPC 30000, 9.2).
+/// Enumerations are Int32.
+[[nodiscard]] BUSBAR_API BuiltInType
+built_in_type_of(ElementaryType type, ElementaryTypes choice = ElementaryTypes::BuiltIn);
 /// "INT".
 [[nodiscard]] BUSBAR_API std::string_view name(ElementaryType type);
 

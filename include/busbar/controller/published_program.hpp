@@ -43,8 +43,8 @@ public:
     [[nodiscard]] const Publication& publication() const { return *publication_; }
     /// The image of the published variables, in the order of their handles. `namespace_index` is
     /// that of MachineNodes.
-    [[nodiscard]] Configured<ProgramImage> make_image(std::uint16_t namespace_index,
-                                                      const server::ImageOptions& options) const;
+    [[nodiscard]] Configured<ProgramImage>
+    make_image(std::uint16_t namespace_index, const ProgramImageOptions& options = {}) const;
 
     /// Takes in what was added by an online edit (seed 000, 4-2-5 and 6-2-2): the variables of
     /// `edited` whose names are new and their types. `edited` may be the whole program or the new

@@ -81,6 +81,7 @@ private:
     Storage* storage_;
     RetainedOptions options_;
     std::shared_ptr<server::ProcessImage> image_;
+    ElementaryTypes elementary_;
     std::vector<Variable> variables_;
     /// By the name in lower case: the index in variables_.
     std::unordered_map<std::string, std::size_t> by_name_;

@@ -80,6 +80,27 @@ bool put_initial_number(BuiltInType type, const Variant& value, std::byte* to)
         [] { return false; });
 }
 
+Variant as_published(ElementaryType type, BuiltInType built_in, const Variant& value)
+{
+    constexpr std::int64_t ticks_per_millisecond = 10'000;
+    constexpr std::int64_t milliseconds_per_day = 86'400'000;
+    if (type == ElementaryType::Time && built_in == BuiltInType::Int64) {
+        const double* const milliseconds = value.get_if<double>();
+        constexpr double most = 9e18;
+        return milliseconds != nullptr && std::abs(*milliseconds) < most
+                   ? Variant{std::int64_t{std::llround(*milliseconds)}}
+                   : Variant{value};
+    }
+    if (type == ElementaryType::TimeOfDay && built_in == BuiltInType::UInt32) {
+        const DateTime* const time = value.get_if<DateTime>();
+        return time != nullptr && time->ticks >= 0 &&
+                       time->ticks / ticks_per_millisecond < milliseconds_per_day
+                   ? Variant{time->ticks / ticks_per_millisecond}
+                   : Variant{value};
+    }
+    return Variant{value};
+}
+
 bool is_in_subrange(const Variant& value, const std::optional<Bounds>& subrange)
 {
     if (!subrange) {

@@ -175,7 +175,8 @@ std::optional<Problem> InitialValues::apply_one(const Target& target,
         return {};
     }
     const bool is_allowed = is_in_subrange(value.value, target.type.subrange);
-    if (!is_allowed || !put_initial_number(target.place.type, value.value, target.to)) {
+    const Variant published = as_published(target.type.elementary, target.place.type, value.value);
+    if (!is_allowed || !put_initial_number(target.place.type, published, target.to)) {
         return wrong_initial("has an initial value that is no " +
                              std::string{name(target.type.elementary)} +
                              (is_allowed ? "" : " within its subrange"));

@@ -14,12 +14,20 @@ tl::unexpected<Problem> problem_of_variable(const Program& program, std::size_t 
     return tl::unexpected<Problem>{std::move(problem)};
 }
 
+std::string text_of_refused_place(StatusCode status)
+{
+    return status == status::Bad_InvalidArgument
+               ? "has another size or alignment in the image than in the runtime's memory"
+               : "does not fit into the process image";
+}
+
 Configured<server::ImageLayout> lay_out(const ProgramTypes& types,
                                         std::span<const std::size_t> variables,
-                                        ProgramImage::EncodingOf encoding_of)
+                                        ProgramImage::EncodingOf encoding_of,
+                                        const ProgramImageOptions& options)
 {
     const Program& program = types.program();
-    detail::ProgramLayout made{types, encoding_of};
+    detail::ProgramLayout made{types, encoding_of, options.elementary};
     server::ImageLayout layout;
     for (const std::size_t index : variables) {
         auto variable = made.variable(program.variables[index].type);
@@ -27,9 +35,12 @@ Configured<server::ImageLayout> lay_out(const ProgramTypes& types,
             return problem_of_variable(program, index, std::move(variable.error()));
         }
         variable->is_read_only = program.variables[index].is_constant;
+        if (options.runtime_of) {
+            variable->runtime = options.runtime_of(program.variables[index]);
+        }
         if (const auto added = layout.add(*variable); !added) {
             return problem_of_variable(program, index,
-                                       {added.error(), "", "does not fit into the process image"});
+                                       {added.error(), "", text_of_refused_place(added.error())});
         }
     }
     return layout;
@@ -43,6 +54,9 @@ Configured<void> fill_in(const ProgramTypes& types, std::span<const std::size_t>
     for (std::uint32_t handle = 0; handle < variables.size(); ++handle) {
         const GlobalVariable& variable = types.program().variables[variables[handle]];
         const server::ImagePlace& place = memory.layout()[handle];
+        if (place.runtime != nullptr) {
+            continue; // it is in use there
+        }
         if (auto problem =
                 initial.store(variable.type, variable.initial, place, memory.bytes(place))) {
             return problem_of_variable(types.program(), variables[handle], std::move(*problem));
@@ -68,17 +82,17 @@ std::string text_of_refused_addition(StatusCode status)
 Configured<ProgramImage> ProgramImage::create(const ProgramTypes& types,
                                               std::span<const std::size_t> variables,
                                               EncodingOf encoding_of,
-                                              const server::ImageOptions& options)
+                                              const ProgramImageOptions& options)
 {
-    auto layout = lay_out(types, variables, encoding_of);
+    auto layout = lay_out(types, variables, encoding_of, options);
     if (!layout) {
         return tl::unexpected<Problem>{std::move(layout.error())};
     }
-    auto image = server::ProcessImage::create(std::move(*layout), options);
+    auto image = server::ProcessImage::create(std::move(*layout), options.image);
     if (auto filled = fill_in(types, variables, image->memory()); !filled) {
         return tl::unexpected<Problem>{std::move(filled.error())};
     }
-    return ProgramImage{std::move(image), variables};
+    return ProgramImage{std::move(image), variables, options};
 }
 
 Configured<ProgramImageAddition> ProgramImage::add(const ProgramTypes& types,
@@ -88,7 +102,7 @@ Configured<ProgramImageAddition> ProgramImage::add(const ProgramTypes& types,
     if (variables.empty()) {
         return ProgramImageAddition{image_->size(), {}, nullptr};
     }
-    auto layout = lay_out(types, variables, encoding_of);
+    auto layout = lay_out(types, variables, encoding_of, options_);
     if (!layout) {
         return tl::unexpected<Problem>{std::move(layout.error())};
     }

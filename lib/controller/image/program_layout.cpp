@@ -43,7 +43,7 @@ Configured<server::ImageVariable> ProgramLayout::variable(const TypeUse& use)
         break;
     }
     default:
-        made.type = built_in_type_of(type.elementary);
+        made.type = built_in_type_of(type.elementary, elementary_);
         made.capacity = type.string_length;
     }
     return made;

@@ -12,8 +12,9 @@ namespace busbar::controller::detail {
 /// What an image has to have for a program's variables. Makes each structure once.
 class ProgramLayout {
 public:
-    ProgramLayout(const ProgramTypes& types, ProgramImage::EncodingOf encoding_of)
-        : types_{&types}, encoding_of_{encoding_of}
+    ProgramLayout(const ProgramTypes& types, ProgramImage::EncodingOf encoding_of,
+                  ElementaryTypes elementary)
+        : types_{&types}, encoding_of_{encoding_of}, elementary_{elementary}
     {
     }
 
@@ -27,6 +28,7 @@ private:
 
     const ProgramTypes* types_;
     ProgramImage::EncodingOf encoding_of_;
+    ElementaryTypes elementary_;
     std::unordered_map<const DerivedType*, Structure> structures_;
 };
 

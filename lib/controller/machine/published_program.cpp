@@ -55,7 +55,7 @@ PublishedProgram::create(Program program, const PublishingLimits& limits)
 }
 
 Configured<ProgramImage> PublishedProgram::make_image(std::uint16_t namespace_index,
-                                                      const server::ImageOptions& options) const
+                                                      const ProgramImageOptions& options) const
 {
     return ProgramImage::create(
         types(), indices_of(publication_->published(), program()),

@@ -156,8 +156,14 @@ std::uint32_t size_of(ElementaryType type)
     return elementary_rows[static_cast<std::size_t>(type)].size;
 }
 
-BuiltInType built_in_type_of(ElementaryType type)
+BuiltInType built_in_type_of(ElementaryType type, ElementaryTypes choice)
 {
+    if (choice == ElementaryTypes::Plcopen && type == ElementaryType::Time) {
+        return BuiltInType::Int64;
+    }
+    if (choice == ElementaryTypes::Plcopen && type == ElementaryType::TimeOfDay) {
+        return BuiltInType::UInt32;
+    }
     return elementary_rows[static_cast<std::size_t>(type)].built_in;
 }
 

@@ -1,6 +1,5 @@
 #include <busbar/controller/machine_types.hpp>
 
-#include <array>
 #include <utility>
 
 #include <busbar/core/text.hpp>
@@ -14,37 +13,32 @@ namespace busbar::controller {
 
 namespace {
 
-struct DataTypeRow {
-    BuiltInType built_in;
-    /// The DataType of OPC 30000 and how its values are encoded; 0: none.
-    std::uint32_t plcopen{0};
-    BuiltInType plcopen_built_in{BuiltInType::Null};
-};
-
-/// In the order of ElementaryType.
-constexpr std::array data_type_rows{
-    DataTypeRow{BuiltInType::Boolean},
-    DataTypeRow{BuiltInType::SByte},
-    DataTypeRow{BuiltInType::Int16},
-    DataTypeRow{BuiltInType::Int32},
-    DataTypeRow{BuiltInType::Int64},
-    DataTypeRow{BuiltInType::Byte},
-    DataTypeRow{BuiltInType::UInt16},
-    DataTypeRow{BuiltInType::UInt32},
-    DataTypeRow{BuiltInType::UInt64},
-    DataTypeRow{BuiltInType::Byte, 3001, BuiltInType::Byte},     // BYTE
-    DataTypeRow{BuiltInType::UInt16, 3002, BuiltInType::UInt16}, // WORD
-    DataTypeRow{BuiltInType::UInt32, 3003, BuiltInType::UInt32}, // DWORD
-    DataTypeRow{BuiltInType::UInt64, 3004, BuiltInType::UInt64}, // LWORD
-    DataTypeRow{BuiltInType::Float},
-    DataTypeRow{BuiltInType::Double},
-    DataTypeRow{BuiltInType::Double, 3005, BuiltInType::Int64},      // TIME
-    DataTypeRow{BuiltInType::DateTime, 3007, BuiltInType::DateTime}, // DATE
-    DataTypeRow{BuiltInType::DateTime, 3008, BuiltInType::UInt32},   // TIME_OF_DAY
-    DataTypeRow{BuiltInType::DateTime, 3010, BuiltInType::DateTime}, // DATE_AND_TIME
-    DataTypeRow{BuiltInType::String, 3013, BuiltInType::String},     // STRING
-};
-static_assert(data_type_rows.size() == static_cast<std::size_t>(ElementaryType::String) + 1);
+/// The DataType of OPC 30000 that an elementary type has; 0: none of its own.
+constexpr std::uint32_t plcopen_type(ElementaryType type)
+{
+    switch (type) {
+    case ElementaryType::Byte:
+        return 3001;
+    case ElementaryType::Word:
+        return 3002;
+    case ElementaryType::Dword:
+        return 3003;
+    case ElementaryType::Lword:
+        return 3004;
+    case ElementaryType::Time:
+        return 3005;
+    case ElementaryType::Date:
+        return 3007;
+    case ElementaryType::TimeOfDay:
+        return 3008;
+    case ElementaryType::DateAndTime:
+        return 3010;
+    case ElementaryType::String:
+        return 3013;
+    default:
+        return 0;
+    }
+}
 
 constexpr std::uint32_t plcopen_byte = 3001;
 
@@ -86,23 +80,30 @@ MachineTypeOptions nx102_types()
 MachineDataType data_type_of(ElementaryType type, ElementaryTypes choice,
                              std::uint16_t plcopen_namespace)
 {
-    const DataTypeRow& row = data_type_rows[static_cast<std::size_t>(type)];
-    if (choice == ElementaryTypes::Plcopen && row.plcopen != 0) {
-        return {NodeId{plcopen_namespace, row.plcopen}, row.plcopen_built_in};
+    const BuiltInType built_in = built_in_type_of(type, choice);
+    const std::uint32_t plcopen = plcopen_type(type);
+    if (choice == ElementaryTypes::Plcopen && plcopen != 0) {
+        return {NodeId{plcopen_namespace, plcopen}, built_in};
     }
     // A built-in type's DataType has the type's own number (Part 6, 5.1.2).
-    return {NodeId{0, static_cast<std::uint32_t>(row.built_in)}, row.built_in};
+    return {NodeId{0, static_cast<std::uint32_t>(built_in)}, built_in};
 }
 
 MachineTypes::MachineTypes(const model::SpaceReader& space, std::uint16_t namespace_index,
                            const MachineTypeOptions& options)
     : options_{options}, namespace_index_{namespace_index}
 {
-    if (model::find_plcopen(space, plcopen_byte) == model::no_node) {
-        options_.elementary = ElementaryTypes::BuiltIn;
-    } else {
+    options_.elementary = elementary_in(space, options);
+    if (options_.elementary == ElementaryTypes::Plcopen) {
         plcopen_namespace_ = *space.namespace_index(model::plcopen_uri);
     }
+}
+
+ElementaryTypes MachineTypes::elementary_in(const model::SpaceReader& space,
+                                            const MachineTypeOptions& options)
+{
+    const bool has_plcopen = model::find_plcopen(space, plcopen_byte) != model::no_node;
+    return has_plcopen ? options.elementary : ElementaryTypes::BuiltIn;
 }
 
 Configured<void> MachineTypes::add(model::AddressSpace& space,

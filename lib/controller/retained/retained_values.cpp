@@ -48,7 +48,8 @@ bool is_value(const server::ImagePlace& place, const std::byte* from)
 
 RetainedValues::RetainedValues(Storage& storage, const ProgramTypes& types,
                                const ProgramImage& image, RetainedOptions options)
-    : storage_{&storage}, options_{std::move(options)}, image_{image.image()}
+    : storage_{&storage}, options_{std::move(options)}, image_{image.image()},
+      elementary_{image.elementary()}
 {
     take_in(types, image.variables(), 0);
 }
@@ -61,7 +62,7 @@ void RetainedValues::add(const ProgramTypes& types, const ProgramImageAddition& 
 void RetainedValues::take_in(const ProgramTypes& types, std::span<const std::size_t> indices,
                              std::uint32_t first_handle)
 {
-    detail::TypePrints prints{types};
+    detail::TypePrints prints{types, elementary_};
     for (std::uint32_t i = 0; i < indices.size(); ++i) {
         const GlobalVariable& variable = types.program().variables[indices[i]];
         if (variable.is_retained && !variable.is_constant) {

@@ -51,6 +51,10 @@ std::uint64_t TypePrints::print(const TypeUse& use)
     }
     if (type.kind == ResolvedType::Kind::Elementary) {
         made.add(static_cast<std::uint64_t>(type.elementary));
+        const BuiltInType built_in = built_in_type_of(type.elementary, elementary_);
+        if (built_in != built_in_type_of(type.elementary)) {
+            made.add(static_cast<std::uint64_t>(built_in));
+        }
         made.add(std::uint64_t{type.string_length});
         made.add(type.subrange.value_or(Bounds{INT64_MIN, INT64_MAX}));
     } else {

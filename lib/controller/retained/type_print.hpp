@@ -12,7 +12,11 @@ namespace busbar::controller::detail {
 /// of members and enumerators do.
 class TypePrints {
 public:
-    explicit TypePrints(const ProgramTypes& types) : types_{&types} {}
+    explicit TypePrints(const ProgramTypes& types,
+                        ElementaryTypes elementary = ElementaryTypes::BuiltIn)
+        : types_{&types}, elementary_{elementary}
+    {
+    }
 
     [[nodiscard]] std::uint64_t print(const TypeUse& use);
 
@@ -21,6 +25,7 @@ private:
     [[nodiscard]] std::uint64_t print_of(const DerivedType& type);
 
     const ProgramTypes* types_;
+    ElementaryTypes elementary_;
     std::unordered_map<const DerivedType*, std::uint64_t> known_;
 };
 

@@ -50,7 +50,7 @@ struct EditedMachine {
     explicit EditedMachine(const server::ImageOptions& options = {},
                            const PublishingLimits& limits = nj501_publishing())
         : program{PublishedProgram::create(first_program(), limits).value()},
-          made{program->make_image(machine_namespace, options).value()}
+          made{program->make_image(machine_namespace, {.image = options}).value()}
     {
         scan();
     }

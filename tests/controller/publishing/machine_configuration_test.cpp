@@ -65,6 +65,9 @@ TEST_CASE("Variables and members have the types of PLCopen by default (6-2-2)")
     const Machine machine{machine_program(), companion_space(), machine_options({})};
     const std::uint16_t ns = machine.space.namespace_index(model::plcopen_uri).value();
     CHECK(machine.nodes.types().elementary() == ElementaryTypes::Plcopen);
+    CHECK(MachineTypes::elementary_in(machine.space, {}) == ElementaryTypes::Plcopen);
+    CHECK(MachineTypes::elementary_in(machine.space, nj501_types()) == ElementaryTypes::BuiltIn);
+    CHECK(MachineTypes::elementary_in(model::AddressSpace{}, {}) == ElementaryTypes::BuiltIn);
     CHECK(machine.space.data_type_id(machine.find("Limit")) == NodeId{ns, plcopen::id::WORD});
     model::DataTypes data_types;
     const auto& types = data_types.of(machine.space);
