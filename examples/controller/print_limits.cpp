@@ -4,12 +4,17 @@
 #include <array>
 #include <cstdio>
 #include <limits>
+#include <memory>
 #include <string_view>
 #include <vector>
 
+#include <busbar/controller/published_program.hpp>
+#include <busbar/server/process_image.hpp>
 #include <busbar/server/worst_case_memory.hpp>
 
 #include "limits_section.hpp"
+#include "machine_section.hpp"
+#include "toml_reader.hpp"
 
 namespace busbar::example {
 
@@ -64,6 +69,16 @@ std::vector<Line> lines_of(const server::WorstCaseMemory& all)
     return lines;
 }
 
+/// The image of the machine's program; null without one.
+std::shared_ptr<const server::ProcessImage> program_image(const ControllerConfig& config)
+{
+    if (!config.machine.program) {
+        return nullptr;
+    }
+    const auto program = publish_program(config);
+    return expect(program->make_image(1, {.image = config.image})).image();
+}
+
 /// Numbers to the right, texts to the left, nothing behind the last.
 std::string in_columns(const std::vector<Line>& lines)
 {
@@ -114,9 +129,12 @@ std::string describe_limits(const ControllerConfig& config)
     image.max_batches =
         std::max(image.max_batches, std::size_t{config.image.max_waiting_writes} + 2);
     const bool has_passwords = !config.users.accounts.empty();
+    const auto machine = program_image(config);
+    const server::ProcessImage* const images[] = {machine.get()};
     server::WorstCaseMemory all =
         server::worst_case_memory(config.server.limits, {.password_checks = has_passwords ? 1U : 0U,
-                                                         .slow_sources = {&image, 1}});
+                                                         .slow_sources = {&image, 1},
+                                                         .images = {images, machine ? 1U : 0U}});
     add_own(config, all.rows);
     return in_columns(lines_of(all));
 }

@@ -3,6 +3,8 @@
 #include <optional>
 #include <string>
 
+#include <busbar/server/image_structure.hpp>
+#include <busbar/server/process_image.hpp>
 #include <busbar/types/view.hpp>
 
 #include "management_fixture.hpp"
@@ -310,4 +312,68 @@ TEST_CASE("memory of references that clients add")
     CHECK(count == limits.max_client_references);
     CHECK(growth.now() >= count * 100);
     CHECK(growth.now() <= rows(limits, {"max_client_references"}) + of_client);
+}
+
+TEST_CASE("memory of structures in scans that are held")
+{
+    using server::ImageVariable;
+    const auto structure = [](const std::vector<ImageVariable>& members) {
+        return server::ImageStructure::create(NodeId{1, "Types/Point"}, members).value();
+    };
+    const auto point = structure({{BuiltInType::Int16}, {BuiltInType::Double}});
+    const auto recipe = structure({{BuiltInType::String, {20}, 500}, {BuiltInType::Int32, {300}}});
+    server::ImageLayout layout;
+    for (int i = 0; i < 50; ++i) {
+        REQUIRE(layout.add({BuiltInType::ExtensionObject, {}, 0, point}));
+    }
+    REQUIRE(layout.add({BuiltInType::ExtensionObject, {200}, 0, point}));
+    REQUIRE(layout.add({BuiltInType::ExtensionObject, {3, 2}, 0, recipe}));
+    server::ImageOptions options;
+    options.max_pins = 3;
+    const auto image = server::ProcessImage::create(std::move(layout), options);
+    for (std::uint32_t i = 0; i < 6 * 20; ++i) { // as long as they may be
+        REQUIRE(image->memory().structure(51, i / 20).set_text(0, std::string(500, 't'), i % 20));
+    }
+    image->follow_scans(true);
+    image->publish(DateTime{1});
+
+    const server::ProcessImage* const images[] = {image.get()};
+    const auto all =
+        server::worst_case_memory(server::small_controller_limits(), {.images = images});
+    const server::MemoryRow row = all.rows.back();
+    CHECK(row.limit == "ImageOptions::max_pins");
+    CHECK(row.value == options.max_pins);
+    CHECK(row.count == options.max_pins + 1);
+    CHECK(all.total() - server::worst_case_memory(server::small_controller_limits()).total() ==
+          row.bytes());
+
+    std::vector<server::ImagePin> pins;
+    pins.reserve(row.count);
+    const Growth growth;
+    for (std::uint32_t i = 0; i < options.max_pins; ++i) {
+        pins.push_back(image->pin());
+    }
+    CHECK_FALSE(image->pin());
+    pins.push_back(image->next_scan());
+    for (const server::ImagePin& pin : pins) {
+        REQUIRE(pin);
+        for (std::uint32_t handle = 0; handle < image->size(); ++handle) {
+            server::ReadSlot slot;
+            CHECK(pin.read(handle, slot));
+        }
+    }
+    CHECK(growth.now() >= row.count * 6 * 20 * 500);
+    CHECK(growth.now() <= row.bytes());
+}
+
+TEST_CASE("an image without structures holds none")
+{
+    server::ImageLayout layout;
+    REQUIRE(layout.add({BuiltInType::String, {4}, 10}));
+    const auto image = server::ProcessImage::create(std::move(layout));
+    const server::ProcessImage* const images[] = {image.get()};
+    const server::MemoryRow row = server::worst_case_memory({}, {.images = images}).rows.back();
+    CHECK(row.limit == "ImageOptions::max_pins");
+    CHECK(row.bytes() == 0);
+    CHECK(row.held.empty());
 }

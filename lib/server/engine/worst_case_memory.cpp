@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <busbar/crypto/password_hash.hpp>
+#include <busbar/server/process_image.hpp>
 #include <busbar/server/server.hpp>
 #include <busbar/types/monitored_item.hpp>
 #include <busbar/types/node_management.hpp>
@@ -13,6 +14,7 @@
 #include "peer_link.hpp"
 #include "server/attribute/read_job.hpp"
 #include "server/attribute/write_job.hpp"
+#include "server/image/structure_values.hpp"
 #include "server/method/call_job.hpp"
 #include "server/session/session.hpp"
 #include "server/subscription/subscription.hpp"
@@ -335,6 +337,23 @@ void add_sources(Rows& rows, const ServerLimits& limits, const MemoryAssumptions
     }
 }
 
+void add_images(Rows& rows, const MemoryAssumptions& other)
+{
+    for (const ProcessImage* const image : other.images) {
+        Number each = 0;
+        for (std::uint32_t handle = 0; handle < image->size(); ++handle) {
+            each = plus(each, detail::StructureValues::max_bytes(image->place(handle)));
+        }
+        rows.count("ImageOptions::max_pins", image->options().max_pins);
+        if (each != 0) {
+            // And the scan that items are sampled from.
+            rows.holds(Number{image->options().max_pins} + 1,
+                       plus(each, detail::StructureValues::usual_block),
+                       "structures on the wire, of scans that Reads and sampling hold");
+        }
+    }
+}
+
 } // namespace
 
 std::uint64_t MemoryRow::bytes() const
@@ -366,6 +385,7 @@ WorstCaseMemory worst_case_memory(const ServerLimits& limits, const MemoryAssump
     add_publishing(rows, limits);
     add_logins(rows, limits, other);
     add_sources(rows, limits, other);
+    add_images(rows, other);
     return all;
 }
 

@@ -2,15 +2,26 @@
 
 #include <algorithm>
 
+#include <busbar/core/extension_object.hpp>
+#include <busbar/server/image_structure.hpp>
+
 #include "structure_codec.hpp"
 
 namespace busbar::server::detail {
 
-namespace {
-
-constexpr std::size_t usual_block = 16U << 10U;
-
-} // namespace
+std::uint64_t StructureValues::max_bytes(const ImagePlace& place)
+{
+    // What is noted of a value, and of a block while their list grows.
+    constexpr std::uint64_t of_value = 256;
+    constexpr std::uint64_t of_block = 4 * sizeof(Block);
+    if (!place.is_structure()) {
+        return 0;
+    }
+    // A block ends where the next value might not fit: no more of it is lost than that is long.
+    const std::uint64_t of_element =
+        2 * place.structure->max_wire_size() + sizeof(ExtensionObject) + of_block;
+    return of_value + place.elements * of_element;
+}
 
 const Variant& StructureValues::value(std::uint32_t handle, const ImagePlace& place,
                                       const std::byte* from)

@@ -15,6 +15,12 @@ namespace busbar::server::detail {
 /// however often it is asked for, the bodies in a few blocks of memory. One thread.
 class StructureValues {
 public:
+    static constexpr std::size_t usual_block = 16U << 10U;
+
+    /// What it holds of one variable at most, besides a usual_block for all of them; 0 if that is
+    /// no structure.
+    [[nodiscard]] static std::uint64_t max_bytes(const ImagePlace& place);
+
     /// The value of the variable `handle`, which lies at `from`. Valid until recycle().
     [[nodiscard]] const Variant& value(std::uint32_t handle, const ImagePlace& place,
                                        const std::byte* from);
