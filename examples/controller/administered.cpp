@@ -109,8 +109,12 @@ void Administered::attach(const ToAdminister& what)
         certificates_.users = what.admission.user_store();
         certificates_.users_folder = "users";
         certificates_.key_bits = what.config.certificates.key_bits;
-        certificates_.renewed = [&config = what.config](const crypto::OwnCertificate& own) {
+        certificates_.renewed = [&config = what.config,
+                                 renewed = what.renewed](const crypto::OwnCertificate& own) {
             config.server.identity = channel::ApplicationIdentity{own.certificates, own.key};
+            if (renewed) {
+                renewed();
+            }
         };
         parts.reset = [this] { return reset(); };
         parts.users = &*users_;

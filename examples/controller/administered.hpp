@@ -34,6 +34,8 @@ struct ToAdminister {
     std::function<void()> restart;
     /// Called on the server's thread when other kinds of user may log in than before.
     std::function<void()> offer_changed;
+    /// Called on the server's thread when `config` was told of another certificate. May be empty.
+    std::function<void()> renewed;
     /// Beside those of the configuration.
     std::vector<administration::FileSystem> file_systems;
 };

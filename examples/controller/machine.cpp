@@ -2,28 +2,22 @@
 
 #include <utility>
 
-#include <busbar/server/namespace_metadata.hpp>
 #include <busbar/types/ids.hpp>
-
-#include "machine_section.hpp"
 
 namespace busbar::example {
 
 namespace {
 
-constexpr const char* machine_uri = "urn:busbar:machine";
 /// Files of the execution log are at most 100 (seed 000, 7-1-5).
 constexpr std::size_t most_log_entries = 1'000;
 
-template <typename T>
-T expect_done(Result<T> result, const std::string& what)
+controller::ServerSettings settings_of(const ControllerConfig& config)
 {
-    if (!result) {
-        throw ConfigError{Problem{result.error(), what, "failed"}};
-    }
-    if constexpr (!std::is_void_v<T>) {
-        return *std::move(result);
-    }
+    controller::ServerSettings settings;
+    settings.is_used = true;
+    settings.port = config.port;
+    settings.execution_log = config.machine.execution_log;
+    return settings;
 }
 
 void make_root(storage::FolderStorage& folder)
@@ -36,20 +30,20 @@ void make_root(storage::FolderStorage& folder)
 } // namespace
 
 Machine::Machine(const ControllerConfig& config, const WallClock& clock, LogSink& lines)
-    : config_{config}, program_{publish_program(config)}, state_{config.machine.state_folder},
+    : settings_{settings_of(config)}, state_{config.machine.state_folder},
       medium_{config.machine.medium_folder}, log_folder_{medium_,
                                                          controller::ExecutionLogOptions{}.folder}
 {
     make_root(state_);
     make_root(medium_);
     // The event log comes behind the execution log, which tells it what cannot be saved.
-    event_log_ = expect(controller::MachineEventLog::create(state_, clock, lines, &raiser_));
+    event_log_ = expect(controller::MachineEventLog::create(state_, clock, lines, &events_));
     if (config.machine.execution_log.is_recorded) {
         controller::ExecutionLogOptions options;
         options.max_files = config.machine.execution_log.files;
         options.max_records = config.machine.execution_log.records;
         // One whole Preparing waits, as large as this one is.
-        options.max_waiting += program_->program().variables.size();
+        options.max_waiting += config.machine.program->variables.size();
         execution_log_ =
             expect(controller::ExecutionLog::create(medium_, clock, *event_log_, options));
     }
@@ -128,46 +122,10 @@ LogSink& Machine::log()
     return *event_log_;
 }
 
-std::unique_ptr<controller::Plc> Machine::make_plc(server::Server& server)
+void Machine::run(MachineProgram& program, const std::string& endpoint_url)
 {
-    const std::uint16_t index =
-        expect_done(server.address_space().add_namespace(machine_uri), "the machine's namespace");
-    image_ =
-        expect(program_->make_image(index, {.image = config_.image,
-                                            .elementary = controller::MachineTypes::elementary_in(
-                                                server.address_space(), config_.machine.types)}));
-    return expect(controller::Plc::create(config_.plc, program_->types(), *image_));
-}
-
-controller::MachineNodesOptions Machine::node_options(std::uint32_t source) const
-{
-    controller::MachineNodesOptions options;
-    options.namespace_uri = machine_uri;
-    options.controller_name =
-        config_.machine.name.empty() ? config_.server.application_name : config_.machine.name;
-    options.types = config_.machine.types;
-    options.source = source;
-    options.cycle = config_.scan;
-    options.has_events = true;
-    return options;
-}
-
-model::NodeIndex Machine::publish(server::Server& server, std::uint32_t source)
-{
-    model::AddressSpace& space = server.address_space();
-    nodes_ = expect(controller::MachineNodes::create(
-        space, program_->program(), program_->publication(), node_options(source)));
-    nodes_->set_mode(space, config_.machine.mode == controller::MachineMode::Run
-                                ? controller::OperatingMode::Run
-                                : controller::OperatingMode::Program);
-    const model::NodeIndex folder = space.resolve(nodes_->folder());
-    expect_done(raiser_.attach(space, folder, server.event_queue()), "the machine's events");
-    tell(log(), program_->publication());
-    return folder;
-}
-
-void Machine::run(const std::string& endpoint_url)
-{
+    events_.tell(&program.events());
+    tell(log(), program.publication());
     life_->prepared(preparation_, endpoint_url);
 }
 
@@ -180,15 +138,12 @@ void Machine::cannot_start(const std::string& why)
 void Machine::shut_down()
 {
     static_cast<void>(life_->shut_down("the controller ends"));
+    events_.tell(nullptr);
 }
 
 void Machine::initialize()
 {
-    controller::ServerSettings settings;
-    settings.is_used = true;
-    settings.port = config_.port;
-    settings.execution_log = config_.machine.execution_log;
-    life_->initialized(settings);
+    life_->initialized(settings_);
 }
 
 void Machine::prepare(std::uint32_t number, const controller::ServerSettings&)

@@ -10,46 +10,38 @@
 #include <busbar/controller/execution_log.hpp>
 #include <busbar/controller/life_cycle.hpp>
 #include <busbar/controller/machine_event_log.hpp>
-#include <busbar/controller/machine_event_raiser.hpp>
-#include <busbar/controller/machine_nodes.hpp>
-#include <busbar/controller/plc.hpp>
-#include <busbar/controller/published_program.hpp>
+#include <busbar/controller/publishing.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/storage_folder.hpp>
-#include <busbar/server/server.hpp>
 #include <busbar/storage/folder_storage.hpp>
 
 #include "config.hpp"
+#include "machine_events.hpp"
+#include "machine_program.hpp"
 #include "machine_saver.hpp"
 
 namespace busbar::example {
 
-/// A machine with a program, whose variables are served, and what the manual of a shipping
-/// controller says of its server's life and logs (seed 000): here the hardware is simulated.
+/// What the manual of a shipping controller says of its server's life and logs (seed 000): here the
+/// hardware is simulated. Outlives servers, each of which publishes a MachineProgram.
 ///
-/// Everything on the server's thread, but for the logs.
+/// Everything on the servers' thread, but for the logs.
 class Machine final : private controller::ServerOperator {
 public:
-    /// `config` has a program. Throws ConfigError. All must outlive it.
+    /// `config` has a program. Throws ConfigError. The others must outlive it.
     Machine(const ControllerConfig& config, const WallClock& clock, LogSink& lines);
     ~Machine() override;
 
     /// The log that everything goes through.
     [[nodiscard]] LogSink& log();
-    /// Adds the nodes' namespace to a server that is not served yet, and makes the PLC with the
-    /// program's variables. Throws ConfigError.
-    [[nodiscard]] std::unique_ptr<controller::Plc> make_plc(server::Server& server);
-    /// The nodes of seed 000, 6-2-1; `source` is the index of the PLC's image. Gives the
-    /// controller's folder. Throws ConfigError.
-    model::NodeIndex publish(server::Server& server, std::uint32_t source);
-    /// The server is served from now on.
-    void run(const std::string& endpoint_url);
+    /// The server with this program is served from now on, at this URL. `program` must outlive it,
+    /// or shut_down().
+    void run(MachineProgram& program, const std::string& endpoint_url);
     /// It cannot be served: the state is Halt error.
     void cannot_start(const std::string& why);
     /// It is not served any more: the state is Shutdown, and logs are saved.
     void shut_down();
 
-    [[nodiscard]] std::size_t variables() const { return image_->variables().size(); }
     /// The execution log, if there is one, as "ExecutionLog": whoever may see it reads its files,
     /// whoever may clear it removes them (seed 000, 7-2-2 and 8-1).
     [[nodiscard]] std::vector<administration::FileSystem> file_systems();
@@ -71,15 +63,11 @@ private:
     /// All is well. The saver's thread.
     [[nodiscard]] bool save_pending();
     void look_for_log_files();
-    [[nodiscard]] controller::MachineNodesOptions node_options(std::uint32_t source) const;
 
-    const ControllerConfig& config_;
-    std::unique_ptr<controller::PublishedProgram> program_;
-    std::optional<controller::ProgramImage> image_;
-    std::optional<controller::MachineNodes> nodes_;
+    controller::ServerSettings settings_;
     storage::FolderStorage state_;
     storage::FolderStorage medium_;
-    controller::MachineEventRaiser raiser_;
+    MachineEvents events_;
     std::unique_ptr<controller::MachineEventLog> event_log_;
     std::unique_ptr<controller::ExecutionLog> execution_log_; // before it
     StorageFolder log_folder_;

@@ -25,22 +25,16 @@ T expect_made(Result<T> result, const std::string& what)
 
 } // namespace
 
-Plant::Plant(const ControllerConfig& config, const WallClock& clock, LogSink& lines)
-    : config_{config}, lines_{lines}
+Plant::Plant(const ControllerConfig& config) : config_{config}
 {
     if (config.machine.program) {
-        machine_.emplace(config, clock, lines);
+        program_.emplace(config);
     }
-}
-
-LogSink& Plant::log()
-{
-    return machine_ ? machine_->log() : lines_;
 }
 
 void Plant::publish(server::Server& server, LogSink& log)
 {
-    plc_ = machine_ ? machine_->make_plc(server)
+    plc_ = program_ ? program_->make_plc(server)
                     : expect(controller::Plc::create(config_.plc, config_.image));
     source_.emplace(plc_->image());
     controller::PlcNodesOptions nodes;
@@ -48,41 +42,15 @@ void Plant::publish(server::Server& server, LogSink& log)
     nodes.cycle = config_.scan;
     model::AddressSpace& space = server.address_space();
     const auto folder =
-        machine_ ? machine_->publish(server, nodes.source)
+        program_ ? program_->publish(server, nodes.source)
                  : expect_made(controller::publish_variables(space, *plc_, nodes), "the variables");
     load_models(server, config_.nodesets, log);
     events_ = expect_made(controller::PlcEvents::create(space, folder, *plc_, server.event_queue()),
                           "the events");
-    if (!machine_) {
+    if (!program_) {
         expect_made(controller::publish_methods(space, folder, *plc_, methods_,
                                                 server.add_source(methods_)),
                     "the methods");
-    }
-}
-
-std::vector<administration::FileSystem> Plant::file_systems()
-{
-    return machine_ ? machine_->file_systems() : std::vector<administration::FileSystem>{};
-}
-
-void Plant::run(const std::string& endpoint_url)
-{
-    if (machine_) {
-        machine_->run(endpoint_url);
-    }
-}
-
-void Plant::cannot_start(const std::string& why)
-{
-    if (machine_) {
-        machine_->cannot_start(why);
-    }
-}
-
-void Plant::end()
-{
-    if (machine_) {
-        machine_->shut_down();
     }
 }
 

@@ -1,0 +1,129 @@
+#include "generation.hpp"
+
+#include <chrono>
+#include <cstdio>
+#include <utility>
+
+#include "reload.hpp"
+#include "startup.hpp"
+#include "welcome.hpp"
+
+namespace busbar::example {
+
+namespace {
+
+ControllerConfig complete(ControllerConfig config, const Surroundings& around)
+{
+    set_names(config);
+    set_endpoint(config, around.port, around.environment.wall_clock->now());
+    return config;
+}
+
+LogSink& log_of(const Surroundings& around)
+{
+    return around.machine != nullptr ? around.machine->log() : around.lines;
+}
+
+/// What the task does after each scan, on its thread. All must outlive it.
+void follow_scans(controller::PlcTask& task, Plant& plant, Administered& administered,
+                  Machine* machine, LogSink& log)
+{
+    task.after_scan(
+        [&plant, &administered, machine](DateTime time) {
+            plant.raise(time);
+            if (machine != nullptr && machine->has_changed_files()) {
+                administered.refresh_files();
+            }
+        },
+        &log);
+}
+
+} // namespace
+
+Generation::Generation(const Origin& origin, Reading reading, const Surroundings& around,
+                       const Requests& requests)
+    : origin_{origin}, around_{around}, settings_{std::move(reading.settings)},
+      config_{complete(std::move(reading.config), around)}, plant_{config_},
+      administered_{config_, *around.environment.wall_clock, log_of(around)},
+      admission_{config_, administered_.log()}, server_{make_server()}, worker_{64, &around.lines},
+      live_{server_, administered_, config_, administered_.log()}
+{
+    attach(requests);
+    plant_.publish(server_, around.lines);
+    admission_.check_passwords_on(worker_);
+    task_.emplace(plant_.plc(), *around.environment.wall_clock, config_.scan,
+                  config_.realtime_priority);
+    follow_scans(*task_, plant_, administered_, around.machine, around.lines);
+}
+
+/// A problem names the file where the configuration is from.
+server::Server Generation::make_server()
+{
+    administered_.add_users(admission_, config_);
+    server::ServerEnvironment environment = around_.environment;
+    environment.log = &administered_.log();
+    environment.validator = &administered_.clients();
+    environment.users = &admission_.users();
+    environment.roles = &administered_.roles();
+    return expect(
+        server::Server::create(config_.server, environment).map_error([this](Problem problem) {
+            problem.where =
+                (origin_.file.empty() ? "the server" : origin_.file) + ": " + problem.where;
+            return problem;
+        }));
+}
+
+void Generation::attach(const Requests& requests)
+{
+    const auto files = around_.machine != nullptr ? around_.machine->file_systems()
+                                                  : std::vector<administration::FileSystem>{};
+    administered_.attach({.server = server_,
+                          .admission = admission_,
+                          .config = config_,
+                          .settings = *settings_,
+                          .worker = worker_,
+                          .stop = requests.stop,
+                          .restart = requests.restart,
+                          .offer_changed = [this] { live_.apply(settings_->config()); },
+                          .renewed = requests.renewed,
+                          .file_systems = files});
+    settings_->run({.check = [this](const ControllerConfig& next) { return live_.check(next); },
+                    .apply = [this](const ControllerConfig& next) { live_.apply(next); }});
+}
+
+void Generation::print_welcome() const
+{
+    if (const auto& code = administered_.new_code()) {
+        std::printf("setup: log in as \"setup\" with the code %.*s, which is shown this once\n",
+                    static_cast<int>(code->size()), code->text().data());
+    }
+    const std::string text = welcome_text(config_, plant_.plc().variables().size(),
+                                          around_.environment.wall_clock->now());
+    std::fputs(text.c_str(), stdout);
+    std::fflush(stdout);
+}
+
+void Generation::print_statistics() const
+{
+    const auto microseconds = [](Duration time) {
+        return static_cast<long long>(
+            std::chrono::duration_cast<std::chrono::microseconds>(time).count());
+    };
+    const controller::PlcTask::Statistics statistics = task_->statistics();
+    std::printf("PLC task: %llu scans, %llu missed, begun at most %lld us late, at most %lld us "
+                "long\n",
+                static_cast<unsigned long long>(statistics.scans),
+                static_cast<unsigned long long>(statistics.missed_cycles),
+                microseconds(statistics.worst_lateness), microseconds(statistics.worst_scan));
+}
+
+std::string Generation::reload()
+{
+    std::string found = example::reload(origin_.file, *settings_, admission_,
+                                        around_.environment.wall_clock->now());
+    administered_.read_users();
+    server_.announce_access_change(std::chrono::steady_clock::now());
+    return found;
+}
+
+} // namespace busbar::example

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include <busbar/administration/administration.hpp>
+#include <busbar/controller/plc_task.hpp>
+#include <busbar/net/worker_thread.hpp>
+#include <busbar/server/server.hpp>
+
+#include "administered.hpp"
+#include "admission.hpp"
+#include "live_config.hpp"
+#include "machine.hpp"
+#include "plant.hpp"
+#include "reading.hpp"
+
+namespace busbar::example {
+
+/// What outlives a Generation.
+struct Surroundings {
+    /// Without log, validator, users and roles, which are the generation's own.
+    server::ServerEnvironment environment;
+    LogSink& lines;
+    /// Null if there is none.
+    Machine* machine;
+    /// Where it listens.
+    std::uint16_t port;
+};
+
+/// What administrators have the controller do. Called on the server's thread.
+struct Requests {
+    std::function<void()> stop;
+    std::function<void()> restart;
+    /// The certificate is another one.
+    std::function<void()> renewed;
+};
+
+/// Everything that is made of one reading of the configuration: a server with its users and
+/// certificates, and the PLC that it shows. Another one may take its place while clients find the
+/// same port open (net::ServerLoop::hand_over); for a while there are both then.
+///
+/// On the server's thread.
+class Generation {
+public:
+    /// Ready to be served, with a PLC that does not scan yet. `origin` is for messages. Throws
+    /// ConfigError.
+    Generation(const Origin& origin, Reading reading, const Surroundings& around,
+               const Requests& requests);
+    Generation(const Generation&) = delete;
+    Generation& operator=(const Generation&) = delete;
+
+    [[nodiscard]] server::Server& server() { return server_; }
+    [[nodiscard]] const ControllerConfig& config() const { return config_; }
+    [[nodiscard]] crypto::CertificateValidator& clients() { return administered_.clients(); }
+    [[nodiscard]] Plant& plant() { return plant_; }
+
+    /// The PLC scans from now on.
+    void start() { task_->start(); }
+    /// The PLC stops; start() has it go on.
+    void halt() { task_->stop(); }
+    /// How to reach it and what is left to do, for people.
+    void print_welcome() const;
+    /// What the PLC did, for people.
+    void print_statistics() const;
+    /// Reads users, trust lists and settings again and puts in force what can be. What it found,
+    /// for the log; a ConfigError changes nothing.
+    [[nodiscard]] std::string reload();
+
+private:
+    [[nodiscard]] server::Server make_server();
+    void attach(const Requests& requests);
+
+    Origin origin_;
+    Surroundings around_;
+    std::unique_ptr<Settings> settings_;
+    ControllerConfig config_;
+    Plant plant_;
+    Administered administered_;
+    Admission admission_;
+    server::Server server_;
+    net::WorkerThread worker_;
+    LiveConfig live_;
+    std::optional<controller::PlcTask> task_;
+};
+
+} // namespace busbar::example

@@ -1,0 +1,68 @@
+#include "machine_program.hpp"
+
+#include <utility>
+
+#include "machine_section.hpp"
+
+namespace busbar::example {
+
+namespace {
+
+constexpr const char* machine_uri = "urn:busbar:machine";
+
+template <typename T>
+T expect_published(Result<T> result, const std::string& what)
+{
+    if (!result) {
+        throw ConfigError{Problem{result.error(), what, "failed"}};
+    }
+    if constexpr (!std::is_void_v<T>) {
+        return *std::move(result);
+    }
+}
+
+} // namespace
+
+MachineProgram::MachineProgram(const ControllerConfig& config)
+    : config_{config}, program_{publish_program(config)}
+{
+}
+
+std::unique_ptr<controller::Plc> MachineProgram::make_plc(server::Server& server)
+{
+    const std::uint16_t index = expect_published(server.address_space().add_namespace(machine_uri),
+                                                 "the machine's namespace");
+    image_ =
+        expect(program_->make_image(index, {.image = config_.image,
+                                            .elementary = controller::MachineTypes::elementary_in(
+                                                server.address_space(), config_.machine.types)}));
+    return expect(controller::Plc::create(config_.plc, program_->types(), *image_));
+}
+
+controller::MachineNodesOptions MachineProgram::node_options(std::uint32_t source) const
+{
+    controller::MachineNodesOptions options;
+    options.namespace_uri = machine_uri;
+    options.controller_name =
+        config_.machine.name.empty() ? config_.server.application_name : config_.machine.name;
+    options.types = config_.machine.types;
+    options.source = source;
+    options.cycle = config_.scan;
+    options.has_events = true;
+    return options;
+}
+
+model::NodeIndex MachineProgram::publish(server::Server& server, std::uint32_t source)
+{
+    model::AddressSpace& space = server.address_space();
+    nodes_ = expect(controller::MachineNodes::create(
+        space, program_->program(), program_->publication(), node_options(source)));
+    nodes_->set_mode(space, config_.machine.mode == controller::MachineMode::Run
+                                ? controller::OperatingMode::Run
+                                : controller::OperatingMode::Program);
+    const model::NodeIndex folder = space.resolve(nodes_->folder());
+    expect_published(raiser_.attach(space, folder, server.event_queue()), "the machine's events");
+    return folder;
+}
+
+} // namespace busbar::example

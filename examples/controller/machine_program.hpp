@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include <busbar/controller/machine_event_raiser.hpp>
+#include <busbar/controller/machine_nodes.hpp>
+#include <busbar/controller/plc.hpp>
+#include <busbar/controller/published_program.hpp>
+#include <busbar/server/server.hpp>
+
+#include "config.hpp"
+
+namespace busbar::example {
+
+/// A machine's program as one server publishes it (seed 000, 6-2). Outlives that server, on whose
+/// thread it is.
+class MachineProgram {
+public:
+    /// `config` has a program and must outlive it. Throws ConfigError.
+    explicit MachineProgram(const ControllerConfig& config);
+
+    /// Adds the nodes' namespace to a server that is not served yet, and makes the PLC with the
+    /// program's variables. Throws ConfigError.
+    [[nodiscard]] std::unique_ptr<controller::Plc> make_plc(server::Server& server);
+    /// The nodes of seed 000, 6-2-1, after make_plc(); `source` is the index of the PLC's image.
+    /// Gives the controller's folder. Throws ConfigError.
+    model::NodeIndex publish(server::Server& server, std::uint32_t source);
+
+    [[nodiscard]] const controller::Publication& publication() const
+    {
+        return program_->publication();
+    }
+    [[nodiscard]] const controller::ProgramTypes& types() const { return program_->types(); }
+    /// From make_plc() on.
+    [[nodiscard]] const controller::ProgramImage& image() const { return *image_; }
+    /// Makes the server's events of the machine's.
+    [[nodiscard]] controller::MachineEventListener& events() { return raiser_; }
+
+private:
+    [[nodiscard]] controller::MachineNodesOptions node_options(std::uint32_t source) const;
+
+    const ControllerConfig& config_;
+    std::unique_ptr<controller::PublishedProgram> program_;
+    std::optional<controller::ProgramImage> image_;
+    std::optional<controller::MachineNodes> nodes_;
+    controller::MachineEventRaiser raiser_;
+};
+
+} // namespace busbar::example

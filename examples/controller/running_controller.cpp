@@ -1,0 +1,155 @@
+#include "running_controller.hpp"
+
+#include <cstdio>
+#include <utility>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <busbar/client/registration.hpp>
+
+namespace busbar::example {
+
+namespace {
+
+template <typename T>
+T expect_started(Result<T> result, const std::string& what)
+{
+    if (!result) {
+        throw ConfigError{Problem{result.error(), what, "failed"}};
+    }
+    if constexpr (!std::is_void_v<T>) {
+        return *std::move(result);
+    }
+}
+
+bool has_terminal()
+{
+    const int terminal = ::open("/dev/tty", O_RDWR | O_NOCTTY | O_CLOEXEC);
+    return terminal >= 0 && ::close(terminal) == 0;
+}
+
+} // namespace
+
+RunningController::RunningController(Origin origin, Reading reading)
+    : origin_{std::move(origin)}, has_terminal_{has_terminal()}
+{
+    const ControllerConfig config = reading.config;
+    if (config.machine.program) {
+        machine_.emplace(config, clock_, log_);
+    }
+#ifdef BUSBAR_KEY_LOG
+    if (!config.key_log.empty()) {
+        key_log_ = expect_started(net::KeyLogFile::open(config.key_log, log_), config.key_log);
+    }
+#endif
+    listen(config);
+    current_ =
+        std::make_unique<Generation>(origin_, std::move(reading), surroundings(), requests());
+    clients_.use(current_->clients());
+    identity_ = current_->config().server.identity;
+    register_with_discovery_server(current_->config());
+}
+
+/// For clients that come, and those that wait to be connected to.
+void RunningController::listen(const ControllerConfig& config)
+{
+    const auto port = loop_.listen(config.address, config.port);
+    if (!port) {
+        if (machine_) {
+            machine_->cannot_start("it cannot listen on port " + std::to_string(config.port));
+        }
+        throw ConfigError{Problem{port.error(), "listening", "failed"}};
+    }
+    port_ = *port;
+    net::ReverseConnectConfig reverse;
+    reverse.client_urls = config.reverse_urls;
+    expect_started(loop_.connect_to_clients(reverse), "connecting to clients");
+}
+
+void RunningController::register_with_discovery_server(const ControllerConfig& config)
+{
+    if (config.discovery.url.empty()) {
+        return;
+    }
+    client::SecurityWishes wishes;
+    wishes.min_mode = MessageSecurityMode::Sign;
+    wishes.allows_none = config.discovery.allows_none;
+    net::DiscoveryRegistrationConfig registration;
+    registration.client = client::registration_client(
+        config.discovery.url, wishes, config.server.application_uri, identity_.has_value());
+    registration.settings = net::registration_of(config.server, {config.server.endpoint_url});
+    registration.settings.interval = config.discovery.interval;
+    const channel::ChannelEnvironment environment{.random = &random_,
+                                                  .wall_clock = &clock_,
+                                                  .log = &log_,
+                                                  .validator = &clients_,
+                                                  .identity = identity_ ? &*identity_ : nullptr};
+    expect_started(loop_.register_with(std::move(registration), environment),
+                   "registering with " + config.discovery.url);
+}
+
+Surroundings RunningController::surroundings()
+{
+    server::ServerEnvironment environment{
+        .random = &random_, .wall_clock = &clock_, .waker = &loop_.waker()};
+#ifdef BUSBAR_KEY_LOG
+    environment.key_log = key_log_.get();
+#endif
+    return {environment, log_, machine_ ? &*machine_ : nullptr, port_};
+}
+
+Requests RunningController::requests()
+{
+    return {.stop = [this] { loop_.stop(); },
+            .restart =
+                [this] {
+                    starts_again_ = true;
+                    loop_.stop();
+                },
+            .renewed = [this] { renewed(); }};
+}
+
+/// Not to a generation that is being left: nobody can ask it any more.
+void RunningController::renewed()
+{
+    identity_ = current_->config().server.identity;
+}
+
+/// What fails changes nothing: the reason goes to the log. A signal because the terminal was closed
+/// ends the controller, as it does other programs in a terminal.
+void RunningController::hang_up()
+{
+    if (has_terminal_ && !has_terminal()) {
+        loop_.stop();
+        return;
+    }
+    try {
+        log_.write(LogLevel::Info, "controller", current_->reload());
+    } catch (const ConfigError& error) {
+        log_.write(LogLevel::Error, "controller",
+                   std::string{error.what()} + "; nothing was changed");
+    }
+}
+
+bool RunningController::run()
+{
+    current_->start();
+    loop_.stop_on_signals();
+    loop_.on_hangup([this] { hang_up(); });
+    current_->print_welcome();
+    if (machine_) {
+        machine_->run(*current_->plant().program(), current_->config().server.endpoint_url);
+    }
+    loop_.run(current_->server());
+    current_->halt();
+    if (machine_) {
+        machine_->shut_down();
+    }
+    current_->print_statistics();
+    std::puts(starts_again_ ? "starting again" : "stopped");
+    std::fflush(stdout);
+    return starts_again_;
+}
+
+} // namespace busbar::example
