@@ -96,7 +96,7 @@ void Administered::attach(const ToAdminister& what)
                                               .log = &audit_,
                                               .roles = &roles_,
                                               .stop = what.stop,
-                                              .restart = what.restart};
+                                              .replace = what.restart};
     parts.authorities = what.config.users.authorities;
     parts.file_systems = file_systems_.all();
     parts.file_systems.insert(parts.file_systems.end(), what.file_systems.begin(),

@@ -29,9 +29,10 @@ struct ToAdminister {
     ControllerConfig& config;
     Settings& settings;
     server::Worker& worker;
-    /// Ends the program, for good and to start again.
+    /// Ends the program.
     std::function<void()> stop;
-    std::function<void()> restart;
+    /// Has another server take over, soon.
+    std::function<void(const administration::RestartWish& wish)> restart;
     /// Called on the server's thread when other kinds of user may log in than before.
     std::function<void()> offer_changed;
     /// Called on the server's thread when `config` was told of another certificate. May be empty.

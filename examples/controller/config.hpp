@@ -79,6 +79,8 @@ struct DiscoveryConfig {
     std::chrono::seconds interval{300};
     /// A discovery server without security will do.
     bool allows_none{false};
+
+    friend bool operator==(const DiscoveryConfig&, const DiscoveryConfig&) = default;
 };
 
 /// A folder whose files clients see.

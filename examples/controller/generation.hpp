@@ -33,7 +33,7 @@ struct Surroundings {
 /// What administrators have the controller do. Called on the server's thread.
 struct Requests {
     std::function<void()> stop;
-    std::function<void()> restart;
+    std::function<void(const administration::RestartWish& wish)> restart;
     /// The certificate is another one.
     std::function<void()> renewed;
 };

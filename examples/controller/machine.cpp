@@ -1,5 +1,6 @@
 #include "machine.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include <busbar/types/ids.hpp>
@@ -10,6 +11,8 @@ namespace {
 
 /// Files of the execution log are at most 100 (seed 000, 7-1-5).
 constexpr std::size_t most_log_entries = 1'000;
+/// Programs whose Preparing the execution log has room for anyway (seed 000, 1-2-2).
+constexpr std::size_t usual_variables = 10'000;
 
 controller::ServerSettings settings_of(const ControllerConfig& config)
 {
@@ -30,7 +33,9 @@ void make_root(storage::FolderStorage& folder)
 } // namespace
 
 Machine::Machine(const ControllerConfig& config, const WallClock& clock, LogSink& lines)
-    : settings_{settings_of(config)}, state_{config.machine.state_folder},
+    : config_{config.machine}, max_variables_{std::max(usual_variables,
+                                                       config.machine.program->variables.size())},
+      settings_{settings_of(config)}, state_{config.machine.state_folder},
       medium_{config.machine.medium_folder}, log_folder_{medium_,
                                                          controller::ExecutionLogOptions{}.folder}
 {
@@ -43,7 +48,7 @@ Machine::Machine(const ControllerConfig& config, const WallClock& clock, LogSink
         options.max_files = config.machine.execution_log.files;
         options.max_records = config.machine.execution_log.records;
         // One whole Preparing waits, as large as this one is.
-        options.max_waiting += config.machine.program->variables.size();
+        options.max_waiting += max_variables_;
         execution_log_ =
             expect(controller::ExecutionLog::create(medium_, clock, *event_log_, options));
     }
@@ -127,6 +132,28 @@ void Machine::run(MachineProgram& program, const std::string& endpoint_url)
     events_.tell(&program.events());
     tell(log(), program.publication());
     life_->prepared(preparation_, endpoint_url);
+}
+
+bool Machine::fits(const ControllerConfig& config) const
+{
+    // The program's size counts for how many records wait while it is prepared.
+    return config.machine.program && config.machine.state_folder == config_.state_folder &&
+           config.machine.medium_folder == config_.medium_folder &&
+           config.machine.execution_log == config_.execution_log &&
+           config.machine.program->variables.size() <= max_variables_;
+}
+
+void Machine::replace(Cause cause, MachineProgram& program, const ControllerConfig& config)
+{
+    settings_ = settings_of(config);
+    life_->mode_changed(config.machine.mode);
+    if (cause == Cause::Download) {
+        life_->download_begins();
+        life_->download_done(settings_);
+    } else {
+        life_->reset();
+    }
+    run(program, config.server.endpoint_url);
 }
 
 void Machine::cannot_start(const std::string& why)

@@ -26,8 +26,13 @@ namespace busbar::example {
 /// hardware is simulated. Outlives servers, each of which publishes a MachineProgram.
 ///
 /// Everything on the servers' thread, but for the logs.
+///
+/// All it knows of a configuration is where it keeps what, and its program's size: see fits().
 class Machine final : private controller::ServerOperator {
 public:
+    /// Why there is another server.
+    enum class Cause : std::uint8_t { Restart, Download };
+
     /// `config` has a program. Throws ConfigError. The others must outlive it.
     Machine(const ControllerConfig& config, const WallClock& clock, LogSink& lines);
     ~Machine() override;
@@ -37,6 +42,11 @@ public:
     /// The server with this program is served from now on, at this URL. `program` must outlive it,
     /// or shut_down().
     void run(MachineProgram& program, const std::string& endpoint_url);
+    /// Whether this is still the machine that `config` would make.
+    [[nodiscard]] bool fits(const ControllerConfig& config) const;
+    /// A server with this program, which was made with `config`, has taken the place of another
+    /// one; as run(), and the life goes through the states between (seed 000, 4-2-4).
+    void replace(Cause cause, MachineProgram& program, const ControllerConfig& config);
     /// It cannot be served: the state is Halt error.
     void cannot_start(const std::string& why);
     /// It is not served any more: the state is Shutdown, and logs are saved.
@@ -64,6 +74,8 @@ private:
     [[nodiscard]] bool save_pending();
     void look_for_log_files();
 
+    MachineConfig config_; // that it was made with
+    std::size_t max_variables_;
     controller::ServerSettings settings_;
     storage::FolderStorage state_;
     storage::FolderStorage medium_;

@@ -7,6 +7,9 @@
 #include <unistd.h>
 
 #include <busbar/client/registration.hpp>
+#include <busbar/server/running_server.hpp>
+
+#include "startup.hpp"
 
 namespace busbar::example {
 
@@ -29,6 +32,18 @@ bool has_terminal()
     return terminal >= 0 && ::close(terminal) == 0;
 }
 
+Standing standing_of(const ControllerConfig& config)
+{
+    Standing standing{config.address,   config.port, config.reverse_urls,
+                      config.discovery, {},          config.key_log};
+    if (!config.discovery.url.empty()) {
+        ControllerConfig named = config;
+        set_names(named);
+        standing.application_uri = named.server.application_uri;
+    }
+    return standing;
+}
+
 } // namespace
 
 RunningController::RunningController(Origin origin, Reading reading)
@@ -43,6 +58,7 @@ RunningController::RunningController(Origin origin, Reading reading)
         key_log_ = expect_started(net::KeyLogFile::open(config.key_log, log_), config.key_log);
     }
 #endif
+    standing_ = standing_of(config);
     listen(config);
     current_ =
         std::make_unique<Generation>(origin_, std::move(reading), surroundings(), requests());
@@ -102,18 +118,89 @@ Surroundings RunningController::surroundings()
 Requests RunningController::requests()
 {
     return {.stop = [this] { loop_.stop(); },
-            .restart =
-                [this] {
-                    starts_again_ = true;
-                    loop_.stop();
-                },
+            .restart = [this](const administration::RestartWish& wish) { restart(wish); },
             .renewed = [this] { renewed(); }};
 }
 
 /// Not to a generation that is being left: nobody can ask it any more.
 void RunningController::renewed()
 {
-    identity_ = current_->config().server.identity;
+    const auto& identity = current_->config().server.identity;
+    if (identity_ && identity) { // a registration refers to it
+        identity_ = identity;
+    }
+}
+
+void RunningController::try_to(FunctionRef<void()> change)
+{
+    try {
+        change();
+    } catch (const ConfigError& error) {
+        log_.write(LogLevel::Error, "controller",
+                   std::string{error.what()} + "; nothing was changed");
+    }
+}
+
+void RunningController::restart(const administration::RestartWish& wish)
+{
+    loop_.post([this, wish] {
+        try_to([&] {
+            replace(Machine::Cause::Restart, read(origin_),
+                    {.reason = wish.reason, .delay = wish.delay, .return_time = wish.return_time});
+        });
+    });
+}
+
+void RunningController::replace(Machine::Cause cause, Reading reading, net::Handover handover)
+{
+    const bool has_fitting_machine =
+        machine_ ? machine_->fits(reading.config) : reading.config.machine.program == nullptr;
+    if (!has_fitting_machine || !(standing_of(reading.config) == standing_)) {
+        return start_again(handover);
+    }
+    take_over(std::make_unique<Generation>(origin_, std::move(reading), surroundings(), requests()),
+              std::move(handover));
+    if (machine_) {
+        machine_->replace(cause, *current_->plant().program(), current_->config());
+    }
+    clients_.use(current_->clients());
+    renewed();
+    leaving_.back()->print_statistics();
+    current_->print_welcome();
+}
+
+void RunningController::take_over(std::unique_ptr<Generation> next, net::Handover handover)
+{
+    current_->halt();
+    next->start();
+    handover.released = [this, gone = current_.get()] { release(gone); };
+    leaving_.push_back(std::exchange(current_, std::move(next)));
+    if (auto done = loop_.hand_over(current_->server(), std::move(handover)); !done) {
+        current_->halt();
+        current_ = std::move(leaving_.back());
+        leaving_.pop_back();
+        current_->start();
+        throw ConfigError{std::move(done).error()};
+    }
+}
+
+/// With other listeners, or another machine, which has to let go of its logs first.
+void RunningController::start_again(const net::Handover& handover)
+{
+    const bool begins = server::RunningServer{current_->server()}.begin_shutdown(
+        handover.reason, handover.delay, handover.return_time);
+    if (begins) {
+        starts_again_ = true;
+        loop_.stop();
+    }
+}
+
+/// Nobody can be connected: then this is called while it is being handed over.
+void RunningController::release(const Generation* gone)
+{
+    loop_.post([this, gone] {
+        std::erase_if(leaving_, [gone](const auto& one) { return one.get() == gone; });
+    });
 }
 
 /// What fails changes nothing: the reason goes to the log. A signal because the terminal was closed
@@ -124,12 +211,7 @@ void RunningController::hang_up()
         loop_.stop();
         return;
     }
-    try {
-        log_.write(LogLevel::Info, "controller", current_->reload());
-    } catch (const ConfigError& error) {
-        log_.write(LogLevel::Error, "controller",
-                   std::string{error.what()} + "; nothing was changed");
-    }
+    try_to([this] { log_.write(LogLevel::Info, "controller", current_->reload()); });
 }
 
 bool RunningController::run()

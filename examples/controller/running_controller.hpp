@@ -3,7 +3,10 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
+#include <busbar/core/function_ref.hpp>
 #include <busbar/net/server_loop.hpp>
 #include <busbar/net/system.hpp>
 #ifdef BUSBAR_KEY_LOG
@@ -17,8 +20,21 @@
 
 namespace busbar::example {
 
+/// What of a configuration stays while servers come and go, beside the machine.
+struct Standing {
+    std::string address;
+    std::uint16_t port;
+    std::vector<std::string> reverse_urls;
+    DiscoveryConfig discovery;
+    /// Under which it is registered with a discovery server; empty without one.
+    std::string application_uri;
+    std::string key_log;
+
+    friend bool operator==(const Standing&, const Standing&) = default;
+};
+
 /// A controller while it runs: its listeners, its machine with life and logs, and the Generation
-/// that serves.
+/// that serves, of which another one takes the place at a restart and a download.
 class RunningController {
 public:
     /// Listens, and makes the first generation. Throws ConfigError.
@@ -36,6 +52,16 @@ private:
     [[nodiscard]] Requests requests();
     void hang_up();
     void renewed();
+    /// Soon, and not at all if there is nothing to replace the server with: the log says why.
+    void restart(const administration::RestartWish& wish);
+    /// Makes another generation, which takes over. Throws ConfigError, and all is as it was. What
+    /// stands may be other than it is: then the controller ends, and starts again.
+    void replace(Machine::Cause cause, Reading reading, net::Handover handover);
+    void take_over(std::unique_ptr<Generation> next, net::Handover handover);
+    void start_again(const net::Handover& handover);
+    void release(const Generation* gone);
+    /// `change` may throw a ConfigError, which goes to the log.
+    void try_to(FunctionRef<void()> change);
 
     Origin origin_;
     net::StderrLog log_{LogLevel::Debug};
@@ -50,6 +76,9 @@ private:
     CurrentValidator clients_;
     /// The current generation's, for the discovery server.
     std::optional<channel::ApplicationIdentity> identity_;
+    Standing standing_;
+    /// Those before the current one, which clients have not left yet.
+    std::vector<std::unique_ptr<Generation>> leaving_;
     std::unique_ptr<Generation> current_;
     bool has_terminal_;
     bool starts_again_{false};

@@ -53,7 +53,7 @@ StatusCode ServerControl::check(const Wish& wish) const
     switch (wish.state) {
     case ServerState::Running:
     case ServerState::Shutdown:
-        if (wish.restarts && !needs_.restart) {
+        if (wish.restarts && !needs_.restart && !needs_.replace) {
             return status::Bad_InvalidState;
         }
         break;
@@ -97,6 +97,9 @@ void ServerControl::carry_out(const Wish& wish) const
     const server::RunningServer running{needs_.server};
     if (!wish.ends_server()) {
         static_cast<void>(running.change_state(wish.state, wish.reason, wish.return_time));
+    } else if (wish.restarts && needs_.replace) {
+        needs_.replace(
+            {wish.reason, std::chrono::seconds{wish.seconds_till_shutdown}, wish.return_time});
     } else if (running.begin_shutdown(wish.reason, std::chrono::seconds{wish.seconds_till_shutdown},
                                       wish.return_time)) {
         wish.restarts ? needs_.restart() : needs_.stop();

@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include <busbar/administration/administration.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/server/server.hpp>
 #include <busbar/types/enumerations.hpp>
@@ -27,6 +28,7 @@ public:
         /// What ends what serves, for good and to start again, see AdministrationParts.
         const std::function<void()>& stop;
         const std::function<void()>& restart;
+        const std::function<void(const RestartWish&)>& replace;
     };
 
     explicit ServerControl(const Needs& needs) : needs_{needs} {}

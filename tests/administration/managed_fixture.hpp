@@ -111,10 +111,13 @@ struct PlainTransfers final : administration::TransferOwner {
 /// A server whose certificates and users are managed, in memory and in virtual time. Trusts the
 /// client of the tests; "admin" is SecurityAdmin.
 struct ManagedFixture {
+    /// How the program starts its server again.
+    enum class Restart : std::uint8_t { Not, ByEnding, ByReplacing };
+
     explicit ManagedFixture(server::Worker* w = nullptr,
                             administration::Authorities of = administration::Authorities::Standard,
-                            bool restarts_itself = true)
-        : worker{w}, authorities{of}, can_restart{restarts_itself}
+                            Restart how = Restart::ByEnding)
+        : worker{w}, authorities{of}, restart_how{how}
     {
         REQUIRE(applications.create());
         REQUIRE(user_certificates.create());
@@ -139,8 +142,12 @@ struct ManagedFixture {
     void attach()
     {
         std::function<void()> restart;
-        if (can_restart) {
+        std::function<void(const administration::RestartWish&)> replace;
+        if (restart_how != Restart::Not) {
             restart = [this] { ++restarts; };
+        }
+        if (restart_how == Restart::ByReplacing) {
+            replace = [this](const administration::RestartWish& asked) { wish = asked; };
         }
         administration = std::make_unique<administration::Administration>(
             administration::AdministrationParts{.wall_clock = &wall_clock,
@@ -152,6 +159,7 @@ struct ManagedFixture {
                                                 .worker = worker,
                                                 .stop = [this] { ++stops; },
                                                 .restart = std::move(restart),
+                                                .replace = std::move(replace),
                                                 .reset = [this] { return reset(); },
                                                 .is_in_setup = [this] { return changes == 0; },
                                                 .settings = &settings,
@@ -273,9 +281,10 @@ struct ManagedFixture {
         .writers = {NodeId{0, id::WellKnownRole_Engineer}}};
     server::Worker* worker;
     administration::Authorities authorities;
-    bool can_restart;
+    Restart restart_how;
     int stops{0};
     int restarts{0};
+    std::optional<administration::RestartWish> wish;
     /// Of users and roles.
     int changes{0};
     NoteWaker waker;

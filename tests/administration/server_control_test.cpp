@@ -11,8 +11,8 @@ using namespace std::chrono_literals;
 namespace {
 
 struct Control : ManagedFixture {
-    explicit Control(bool can_restart_itself = true)
-        : ManagedFixture{nullptr, administration::Authorities::Standard, can_restart_itself}
+    explicit Control(Restart how = Restart::ByEnding)
+        : ManagedFixture{nullptr, administration::Authorities::Standard, how}
     {
     }
     std::string_view request(TestClient& client, ServerState state, std::uint32_t seconds = 10,
@@ -28,7 +28,11 @@ struct Control : ManagedFixture {
 };
 
 struct WithoutRestart : Control {
-    WithoutRestart() : Control{false} {}
+    WithoutRestart() : Control{Restart::Not} {}
+};
+
+struct Replacing : Control {
+    Replacing() : Control{Restart::ByReplacing} {}
 };
 
 } // namespace
@@ -118,5 +122,24 @@ TEST_CASE_METHOD(WithoutRestart, "server control: no restart where the program h
     CHECK(request(admin, ServerState::Running, 0, true) == "Bad_InvalidState");
     CHECK(request(admin, ServerState::Shutdown, 0, true) == "Bad_InvalidState");
     CHECK(request(admin, ServerState::Shutdown, 0) == "Good");
+    CHECK(stops == 1);
+}
+
+TEST_CASE_METHOD(Replacing, "server control: who has another server take over ends this one itself")
+{
+    auto admin = log_in();
+    const ServerState wanted = GENERATE(ServerState::Running, ServerState::Shutdown);
+    CHECK(request(admin, wanted, 86'401, true) == "Bad_OutOfRange");
+    CHECK_FALSE(wish);
+    CHECK(request(admin, wanted, 5, true) == "Good");
+    REQUIRE(wish);
+    CHECK(wish->reason == "maintenance");
+    CHECK(wish->delay == 5s);
+    CHECK(wish->return_time > today);
+    CHECK(restarts + stops == 0);
+    CHECK(read(admin, id::Server_ServerStatus_State).value == Variant{ServerState::Running});
+    advance(5s);
+    CHECK_FALSE(admin.is_closed());
+    CHECK(request(admin, ServerState::Shutdown) == "Good");
     CHECK(stops == 1);
 }

@@ -40,6 +40,7 @@ struct Arguments {
     unsigned days{365};
     unsigned seconds{2};
     std::string reason;
+    bool restarts{false};
     StreamEnd end;
     LogChoice log;
 };

@@ -72,13 +72,16 @@ Exit status_of(Context& context, Connection& connection, const Arguments&)
 
 Exit shut_down(Context& context, Connection& connection, const Arguments& arguments)
 {
-    make_sure(context, arguments, "Stop the server?");
+    const bool restarts = arguments.restarts;
+    make_sure(context, arguments, restarts ? "Restart the server?" : "Stop the server?");
     call(connection, standard(id::Server), standard(id::Server_RequestServerStateChange),
-         {Variant{static_cast<std::int32_t>(ServerState::Shutdown)}, Variant{DateTime{}},
-          Variant{static_cast<std::uint32_t>(arguments.seconds)},
-          Variant{LocalizedText{"", arguments.reason}}, Variant{false}},
-         "stopping the server");
-    return report(context, "the server stops in " + std::to_string(arguments.seconds) + " s");
+         {Variant{
+              static_cast<std::int32_t>(restarts ? ServerState::Running : ServerState::Shutdown)},
+          Variant{DateTime{}}, Variant{static_cast<std::uint32_t>(arguments.seconds)},
+          Variant{LocalizedText{"", arguments.reason}}, Variant{restarts}},
+         restarts ? "restarting the server" : "stopping the server");
+    return report(context, std::string{"the server "} + (restarts ? "restarts" : "stops") + " in " +
+                               std::to_string(arguments.seconds) + " s");
 }
 
 Exit reset(Context& context, Connection& connection, const Arguments& arguments)
@@ -109,6 +112,7 @@ void add_shutdown(CLI::App& admin, Run& run)
         ->check(CLI::Range(0U, max_seconds))
         ->capture_default_str();
     command->add_option("--reason", arguments.reason, "what clients are told");
+    command->add_flag("--restart", arguments.restarts, "have it start again, with its settings");
     command->add_flag("--yes", arguments.is_sure, "do not ask");
     group
         .add("reset", "Forgets certificates, users, roles and settings, and stops the server.", 0,

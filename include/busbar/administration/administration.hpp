@@ -1,7 +1,9 @@
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <busbar/administration/authorities.hpp>
@@ -13,6 +15,7 @@
 #include <busbar/administration/user_list.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
+#include <busbar/core/date_time.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/named_fields.hpp>
 #include <busbar/core/problem.hpp>
@@ -21,6 +24,16 @@
 #include <busbar/server/worker.hpp>
 
 namespace busbar::administration {
+
+/// What an administrator asks for who wants the server to start again (Part 5, 9.4).
+struct RestartWish {
+    /// For clients; not empty.
+    std::string reason;
+    /// How long they are told before their connections are closed; a day at most.
+    std::chrono::seconds delay{0};
+    /// EstimatedReturnTime; may be null.
+    DateTime return_time{};
+};
 
 /// What an Administration is made of. All must outlive it.
 struct AdministrationParts {
@@ -49,6 +62,10 @@ struct AdministrationParts {
     /// The same for a restart: the program that serves ends and starts again. Empty: clients cannot
     /// ask for one.
     std::function<void()> restart{};
+    /// Instead of `restart`, for a program that has another server take the place of this one (see
+    /// net::ServerLoop::hand_over): the shutdown has not begun when this is called, in a callback
+    /// of the server's, and if there is none after all the server goes on.
+    std::function<void(const RestartWish& wish)> replace{};
     /// ResetToServerDefaults (Part 12, 7.10.13), not without `certificates` and `stop`: forgets all
     /// that administrators changed, whole or not at all, before `stop` is called. On the server's
     /// thread; the problem is for the log. Empty: there is no such Method.
