@@ -272,12 +272,15 @@ Result<void> ServerLoop::register_with(DiscoveryRegistrationConfig config,
     return {};
 }
 
-void ServerLoop::stop_on_signals()
+void ServerLoop::stop_on_signals(std::function<void()> first)
 {
     impl_->signals.add(SIGINT);
     impl_->signals.add(SIGTERM);
-    impl_->signals.async_wait([this](std::error_code error, int) {
+    impl_->signals.async_wait([this, first = std::move(first)](std::error_code error, int) {
         if (!error) {
+            if (first) {
+                busbar::detail::guarded(impl_->log, "what comes before a stop", first);
+            }
             impl_->begin_stop();
         }
     });

@@ -59,8 +59,10 @@ public:
     /// server.
     [[nodiscard]] Result<void> register_with(DiscoveryRegistrationConfig config,
                                              const channel::ChannelEnvironment& environment);
-    /// Ends run() cleanly when the process gets SIGINT or SIGTERM.
-    void stop_on_signals();
+    /// Ends run() cleanly when the process gets SIGINT or SIGTERM. Calls `first` before, on the
+    /// loop's thread, to save what must not be lost if the process does not live longer; it may be
+    /// null. Once, before run().
+    void stop_on_signals(std::function<void()> first = {});
     /// Calls `handler` on the loop's thread each time the process gets SIGHUP, which no longer ends
     /// it: to read again what may have changed. Once, before run().
     void on_hangup(std::function<void()> handler);
