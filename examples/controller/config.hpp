@@ -98,6 +98,8 @@ struct MachineConfig {
     /// Null: there is none.
     std::shared_ptr<const controller::Program> program;
     std::string program_file;
+    /// The file's, to tell whether it is another one; null without a program.
+    std::shared_ptr<const std::string> program_text;
     /// Of the folder that has everything; empty: the server's name.
     std::string name;
     controller::MachineMode mode{controller::MachineMode::Run};
@@ -106,6 +108,8 @@ struct MachineConfig {
     /// The memory card: where the execution log is.
     std::string medium_folder{"busbar-medium"};
     controller::ExecutionLogSettings execution_log;
+    /// How often values of RETAIN variables are saved, if they have changed.
+    std::chrono::milliseconds retained{10'000};
     // As the preset has them.
     controller::PublishingLimits publishing;
     controller::MachineTypeOptions types{.elementary = controller::ElementaryTypes::BuiltIn};

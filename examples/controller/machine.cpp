@@ -1,6 +1,7 @@
 #include "machine.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include <busbar/types/ids.hpp>
@@ -52,6 +53,7 @@ Machine::Machine(const ControllerConfig& config, const WallClock& clock, LogSink
         execution_log_ =
             expect(controller::ExecutionLog::create(medium_, clock, *event_log_, options));
     }
+    retained_.emplace(state_, log(), config.machine.retained);
     life_ = std::make_unique<controller::LifeCycle>(static_cast<controller::ServerOperator&>(*this),
                                                     clock, log());
     saver_.emplace([this] { return save_pending(); });
@@ -66,7 +68,8 @@ Machine::~Machine()
 
 bool Machine::save_pending()
 {
-    const bool is_kept = event_log_->write_pending().has_value();
+    const bool is_retained = retained_->save_when_due(std::chrono::steady_clock::now());
+    const bool is_kept = event_log_->write_pending().has_value() && is_retained;
     if (!execution_log_) {
         return is_kept;
     }
@@ -134,12 +137,21 @@ void Machine::run(MachineProgram& program, const std::string& endpoint_url)
     life_->prepared(preparation_, endpoint_url);
 }
 
+void Machine::save_retained()
+{
+    if (const auto saved = retained_->save(); !saved) {
+        throw ConfigError{config_.state_folder, "values of RETAIN variables cannot be saved: " +
+                                                    std::string{text(saved.error())}};
+    }
+}
+
 bool Machine::fits(const ControllerConfig& config) const
 {
     // The program's size counts for how many records wait while it is prepared.
     return config.machine.program && config.machine.state_folder == config_.state_folder &&
            config.machine.medium_folder == config_.medium_folder &&
            config.machine.execution_log == config_.execution_log &&
+           config.machine.retained == config_.retained &&
            config.machine.program->variables.size() <= max_variables_;
 }
 
@@ -200,7 +212,8 @@ void Machine::medium_changed(bool is_in)
 
 void Machine::save_now()
 {
-    // What fails is told by the logs themselves.
+    // What fails is told by whoever saves it.
+    static_cast<void>(retained_->save());
     if (execution_log_) {
         static_cast<void>(execution_log_->flush());
     }

@@ -18,6 +18,7 @@
 #include "config.hpp"
 #include "machine_events.hpp"
 #include "machine_program.hpp"
+#include "machine_retained.hpp"
 #include "machine_saver.hpp"
 
 namespace busbar::example {
@@ -39,6 +40,13 @@ public:
 
     /// The log that everything goes through.
     [[nodiscard]] LogSink& log();
+    /// Gives the program the values of RETAIN variables that are kept, and keeps its own from now
+    /// on; its task does not run yet. What cannot be restored goes to the log.
+    void keep(const MachineProgram& program) { retained_->keep(program); }
+    /// Saves the values of the latest scan now. Throws ConfigError.
+    void save_retained();
+    /// Power may be gone soon: saves what there is.
+    void power_going() { life_->power_going(); }
     /// The server with this program is served from now on, at this URL. `program` must outlive it,
     /// or shut_down().
     void run(MachineProgram& program, const std::string& endpoint_url);
@@ -85,6 +93,7 @@ private:
     StorageFolder log_folder_;
     std::vector<std::string> log_files_; // of the saver's thread
     std::atomic<bool> has_changed_files_{false};
+    std::optional<MachineRetained> retained_;
     std::unique_ptr<controller::LifeCycle> life_;
     std::uint32_t preparation_{0};
     std::optional<MachineSaver> saver_;

@@ -32,9 +32,8 @@ std::string read_program_file(const TomlTable& table, const std::string& path)
     return text;
 }
 
-controller::Program read_program(const TomlTable& table, const std::string& path)
+controller::Program read_program(const std::string& text, const std::string& path)
 {
-    const std::string text = read_program_file(table, path);
     if (path.ends_with(xml_ending)) {
         return expect(controller::read_plcopen_xml(text, path));
     }
@@ -70,7 +69,7 @@ std::unique_ptr<controller::PublishedProgram> publish_program(const ControllerCo
 void read_machine(const TomlTable& table, ControllerConfig& config)
 {
     table.allow({"program", "name", "mode", "state", "medium", "execution_log",
-                 "execution_log_files", "execution_log_records"});
+                 "execution_log_files", "execution_log_records", "retained_ms"});
     MachineConfig& machine = config.machine;
     machine.program_file = table.text("program", "");
     machine.name = table.text("name", "");
@@ -82,11 +81,15 @@ void read_machine(const TomlTable& table, ControllerConfig& config)
     }
     machine.mode = mode == "RUN" ? controller::MachineMode::Run : controller::MachineMode::Program;
     read_execution_log(table, machine.execution_log);
+    machine.retained = std::chrono::milliseconds{
+        table.integer("retained_ms", machine.retained.count(), 100, 3'600'000)};
     if (machine.program_file.empty()) {
         return;
     }
-    machine.program =
-        std::make_shared<const controller::Program>(read_program(table, machine.program_file));
+    machine.program_text =
+        std::make_shared<const std::string>(read_program_file(table, machine.program_file));
+    machine.program = std::make_shared<const controller::Program>(
+        read_program(*machine.program_text, machine.program_file));
     static_cast<void>(publish_program(config));
 }
 

@@ -169,19 +169,50 @@ void RunningController::replace(Machine::Cause cause, Reading reading, net::Hand
     current_->print_welcome();
 }
 
+bool RunningController::download()
+{
+    Reading reading = read(origin_);
+    const MachineConfig& machine = reading.config.machine;
+    if (!machine.program || *machine.program_text == *current_->config().machine.program_text) {
+        return false;
+    }
+    const std::string file = machine.program_file;
+    replace(Machine::Cause::Download, std::move(reading),
+            {.reason = "a program is downloaded to the controller"});
+    log_.write(LogLevel::Info, "controller", "downloaded: " + file);
+    return true;
+}
+
 void RunningController::take_over(std::unique_ptr<Generation> next, net::Handover handover)
 {
-    current_->halt();
-    next->start();
-    handover.released = [this, gone = current_.get()] { release(gone); };
-    leaving_.push_back(std::exchange(current_, std::move(next)));
-    if (auto done = loop_.hand_over(current_->server(), std::move(handover)); !done) {
-        current_->halt();
-        current_ = std::move(leaving_.back());
-        leaving_.pop_back();
-        current_->start();
-        throw ConfigError{std::move(done).error()};
+    Generation& before = *current_;
+    before.halt();
+    // Whose last scan has the values that the next one begins with.
+    try {
+        save_retained();
+        handover.released = [this, &before] { release(before); };
+        expect(loop_.hand_over(next->server(), std::move(handover)));
+    } catch (const ConfigError&) {
+        before.start();
+        throw;
     }
+    leaving_.push_back(std::exchange(current_, std::move(next)));
+    start();
+}
+
+void RunningController::save_retained()
+{
+    if (machine_) {
+        machine_->save_retained();
+    }
+}
+
+void RunningController::start()
+{
+    if (machine_) {
+        machine_->keep(*current_->plant().program());
+    }
+    current_->start();
 }
 
 /// With other listeners, or another machine, which has to let go of its logs first.
@@ -195,11 +226,11 @@ void RunningController::start_again(const net::Handover& handover)
     }
 }
 
-/// Nobody can be connected: then this is called while it is being handed over.
-void RunningController::release(const Generation* gone)
+/// Not yet where nobody is connected, as this is called while it is being handed over then.
+void RunningController::release(const Generation& gone)
 {
-    loop_.post([this, gone] {
-        std::erase_if(leaving_, [gone](const auto& one) { return one.get() == gone; });
+    loop_.post([this, &gone] {
+        std::erase_if(leaving_, [&gone](const auto& one) { return one.get() == &gone; });
     });
 }
 
@@ -211,13 +242,22 @@ void RunningController::hang_up()
         loop_.stop();
         return;
     }
-    try_to([this] { log_.write(LogLevel::Info, "controller", current_->reload()); });
+    try_to([this] {
+        if (machine_ && download()) {
+            return;
+        }
+        log_.write(LogLevel::Info, "controller", current_->reload());
+    });
 }
 
 bool RunningController::run()
 {
-    current_->start();
-    loop_.stop_on_signals();
+    start();
+    loop_.stop_on_signals([this] {
+        if (machine_) {
+            machine_->power_going();
+        }
+    });
     loop_.on_hangup([this] { hang_up(); });
     current_->print_welcome();
     if (machine_) {

@@ -57,9 +57,13 @@ private:
     /// Makes another generation, which takes over. Throws ConfigError, and all is as it was. What
     /// stands may be other than it is: then the controller ends, and starts again.
     void replace(Machine::Cause cause, Reading reading, net::Handover handover);
+    /// False if there is no other program.
+    [[nodiscard]] bool download();
     void take_over(std::unique_ptr<Generation> next, net::Handover handover);
+    void save_retained();
+    void start();
     void start_again(const net::Handover& handover);
-    void release(const Generation* gone);
+    void release(const Generation& gone);
     /// `change` may throw a ConfigError, which goes to the log.
     void try_to(FunctionRef<void()> change);
 

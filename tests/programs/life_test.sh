@@ -1,0 +1,144 @@
+#!/bin/sh
+# The life of a machine with a program: downloads by SIGHUP, a program that is wrong, values that
+# are kept through a power cut.
+# usage: life_test.sh CONTROLLER BUSBAR
+set -u
+controller=$1 busbar=$2
+. "$(dirname "$0")/functions.sh"
+
+says() { grep -q -s -e "$1" out || fail "\"$1\" is not in the output of: $last"; }
+
+variable() { echo "nsu=urn:busbar:machine;s=$1"; }
+
+# is VARIABLE VALUE
+is() {
+    timeout 60 "$busbar" --json --insecure read "$url" "$(variable "$1")" > out 2>&1
+    grep -q -e "\"value\":$2[,}]" out
+}
+ready() { [ "$(grep -c '^ready' log)" -eq "$1" ]; }
+
+# What the execution log has of the server's life, in a line.
+life() {
+    tr -d '\r' < medium/packages/OPCUA_Server/ExecutionLog/OPCUA_ExecutionLog.log | cut -f 7 |
+        grep -x -e Start -e Prepare -e Run -e Shutdown -e HaltError | tr '\n' ' '
+}
+lived() { [ "$(life)" = "$1 " ]; }
+
+# program DECLARATION: among others.
+program() {
+    cat > program.st << END
+{attribute 'publish' := 'publish only'}
+VAR_GLOBAL
+    Cycles : DINT;
+    $1
+END_VAR
+{attribute 'publish' := 'publish only'}
+VAR_GLOBAL RETAIN
+    Total  : DINT := 5;
+    Recipe : STRING[20] := 'none';
+END_VAR
+END
+}
+
+listening() {
+    port=$(printf '%04X' "${url##*:}")
+    awk -v port=":$port\$" '$2 ~ port && $4 == "0A" { print $10 }' /proc/net/tcp /proc/net/tcp6
+}
+cut_power() {
+    kill -KILL "$pid"
+    wait "$pid"
+}
+
+cat > machine.toml << END
+[server]
+port = 0
+[certificates]
+folder = "pki"
+[machine]
+program = "program.st"
+state = "state"
+medium = "medium"
+execution_log = true
+retained_ms = 100
+[[endpoint]]
+policy = "None"
+[users]
+anonymous = "write"
+[[plc.program]]
+kind = "increment"
+target = "Cycles"
+period_ms = 50
+END
+program 'Speed : INT := 100;'
+serve --config machine.toml
+await lived "Start Prepare Run"
+is Total 5 || fail "a RETAIN variable does not begin as declared"
+before=$(listening)
+[ -n "$before" ] || fail "nothing listens at $url"
+
+# What was saved outlives a power cut; what is not RETAIN does not.
+run 0 --insecure write "$url" "$(variable Total)" 42 "$(variable Recipe)" "cover plate" \
+    "$(variable Speed)" 7
+is_saved() { grep -q -s 'cover plate' state/retained; }
+await is_saved
+cut_power
+serve --config machine.toml
+before=$(listening)
+logged '2 RETAIN variables have the values' || fail "nothing is restored"
+is Total 42 || fail "a RETAIN variable is not restored"
+is Recipe '"cover plate"' || fail "a RETAIN text is not restored"
+is Speed 100 || fail "a variable that is not RETAIN is restored"
+
+# A download: other variables behind the same port, and clients learn why.
+timeout 60 "$busbar" --json --insecure subscribe "$url" "$(variable Total)" --duration 60 \
+    > followed 2>&1 &
+follower=$!
+await grep -q -s '"value":42\b' followed
+run 0 --insecure write "$url" "$(variable Total)" 43
+program 'Pace : INT := 200;'
+kill -HUP "$pid"
+await logged 'downloaded: program.st'
+logged 'shutdown: a program is downloaded to the controller' || fail "clients are not told why"
+[ "$(listening)" = "$before" ] || fail "the port was closed"
+is Pace 200 || fail "the new variable is not there"
+is Speed 100 && fail "the old variable is there"
+is Total 43 || fail "the latest value is lost in a download"
+await lived "Start Prepare Run Start Prepare Run Prepare Run"
+run 0 --insecure write "$url" "$(variable Total)" 44
+await grep -q -s '"value":44\b' followed
+kill -INT "$follower"
+wait "$follower"
+
+# A program that is wrong, and one that the rest of the configuration does not fit, change nothing.
+program 'Pace : INTEGER;'
+kill -HUP "$pid"
+await logged 'program.st:4:5: .*(Pace): .* INTEGER, .*; nothing was changed'
+program 'Cycles2 : INT;'
+sed -i '/Cycles :/d' program.st
+kill -HUP "$pid"
+await logged 'machine.toml:[0-9]*: target: .*Cycles.*; nothing was changed'
+is Pace 200 || fail "the program before is gone"
+[ "$(listening)" = "$before" ] || fail "the port was closed"
+lived "Start Prepare Run Start Prepare Run Prepare Run" || fail "the life went on: $(life)"
+
+# A variable of another type begins as declared, and the log says so; power that goes is no loss.
+program 'Pace : INT := 300;'
+sed -i 's/Total  : DINT/Total  : LINT/' program.st
+kill -HUP "$pid"
+await ready 3
+logged 'retained: Total: has another type' || fail "nobody learns of the other type"
+is Total '"5"' || fail "a variable of another type has the value of the old one"
+is Recipe '"cover plate"' || fail "the others lose their values"
+sed -i 's/^retained_ms = .*/retained_ms = 3600000/' machine.toml
+kill "$pid"
+wait "$pid" || fail "the controller ends with $?"
+serve --config machine.toml
+run 0 --insecure write "$url" "$(variable Total)" 6
+kill "$pid"
+await ended && wait "$pid"
+serve --config machine.toml
+is Total '"6"' || fail "what is to be saved when power goes is lost"
+kill "$pid"
+wait "$pid"
+pid=""
+exit $((failures > 0))
