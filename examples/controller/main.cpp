@@ -87,7 +87,7 @@ int run(int argc, char** argv)
     example::Prints prints;
     CLI::App app{
         "An OPC UA server in front of a simulated PLC. SIGHUP has it read users, trust lists, "
-        "endpoints and limits again."};
+        "endpoints and limits again, and take over another program of [machine]; SIGTERM ends it."};
     app.add_option("--config", origin.file, "configuration; the built-in one by default");
     app.add_option("--port", origin.port, "instead of the configuration's; 0 is any that is free");
     app.add_option("--preset", origin.preset,
