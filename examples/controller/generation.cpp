@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "program_change.hpp"
 #include "reload.hpp"
 #include "startup.hpp"
 #include "welcome.hpp"
@@ -89,6 +90,23 @@ void Generation::attach(const Requests& requests)
                           .file_systems = files});
     settings_->run({.check = [this](const ControllerConfig& next) { return live_.check(next); },
                     .apply = [this](const ControllerConfig& next) { live_.apply(next); }});
+}
+
+Configured<void> Generation::edit(const Reading& next)
+{
+    const MachineConfig& machine = next.config.machine;
+    if (next.settings->text() != settings_->text() ||
+        !keeps_all(*config_.machine.program, *machine.program)) {
+        return misconfigured(machine.program_file, "not only variables are new");
+    }
+    MachineProgram& program = *plant_.program();
+    const auto add = [&] { return program.edit(*machine.program, server_); };
+    auto done = around_.machine->edit(program, add);
+    if (done) {
+        config_.machine.program = machine.program;
+        config_.machine.program_text = machine.program_text;
+    }
+    return done;
 }
 
 void Generation::print_welcome() const

@@ -61,6 +61,9 @@ public:
     void start() { task_->start(); }
     /// The PLC stops; start() has it go on.
     void halt() { task_->stop(); }
+    /// Adds to the PLC's program, which may run, what `next` has and it has not. The problem is
+    /// that this takes another generation: nothing was changed.
+    [[nodiscard]] Configured<void> edit(const Reading& next);
     /// How to reach it and what is left to do, for people.
     void print_welcome() const;
     /// What the PLC did, for people.

@@ -168,6 +168,30 @@ void Machine::replace(Cause cause, MachineProgram& program, const ControllerConf
     run(program, config.server.endpoint_url);
 }
 
+Configured<void> Machine::edit(const MachineProgram& program, Adding add)
+{
+    adding_ = &add;
+    life_->online_edit();
+    adding_ = nullptr;
+    const auto added = std::exchange(added_, std::nullopt);
+    if (!added) {
+        return misconfigured("online edit", "the server does not run", status::Bad_InvalidState);
+    }
+    if (!*added) {
+        return tl::unexpected{added->error()};
+    }
+    retained_->keep(**added);
+    tell(log(), program.publication(), (*added)->group);
+    return {};
+}
+
+void Machine::add_variables()
+{
+    if (adding_ != nullptr) {
+        added_ = (*adding_)();
+    }
+}
+
 void Machine::cannot_start(const std::string& why)
 {
     life_->preparation_failed(preparation_, controller::PreparationFailure::Start, why);

@@ -12,6 +12,7 @@
 #include <busbar/controller/machine_event_log.hpp>
 #include <busbar/controller/publishing.hpp>
 #include <busbar/core/clock.hpp>
+#include <busbar/core/function_ref.hpp>
 #include <busbar/core/storage_folder.hpp>
 #include <busbar/storage/folder_storage.hpp>
 
@@ -34,6 +35,8 @@ public:
     /// Why there is another server.
     enum class Cause : std::uint8_t { Restart, Download };
 
+    using Adding = FunctionRef<Configured<controller::ProgramAddition>()>;
+
     /// `config` has a program. Throws ConfigError. The others must outlive it.
     Machine(const ControllerConfig& config, const WallClock& clock, LogSink& lines);
     ~Machine() override;
@@ -55,6 +58,9 @@ public:
     /// A server with this program, which was made with `config`, has taken the place of another
     /// one; as run(), and the life goes through the states between (seed 000, 4-2-4).
     void replace(Cause cause, MachineProgram& program, const ControllerConfig& config);
+    /// The program that runs was edited online: `add` adds to it what is new. The problem is that
+    /// of `add`, or that there is no server that runs.
+    [[nodiscard]] Configured<void> edit(const MachineProgram& program, Adding add);
     /// It cannot be served: the state is Halt error.
     void cannot_start(const std::string& why);
     /// It is not served any more: the state is Shutdown, and logs are saved.
@@ -74,7 +80,7 @@ private:
     void run() override {}
     void suspend(const controller::StopNotice&) override {}
     void stop(const controller::StopNotice& notice) override;
-    void add_variables() override {}
+    void add_variables() override;
     void medium_changed(bool is_in) override;
     void save_now() override;
 
@@ -96,6 +102,9 @@ private:
     std::optional<MachineRetained> retained_;
     std::unique_ptr<controller::LifeCycle> life_;
     std::uint32_t preparation_{0};
+    /// Of an online edit, while that is made.
+    const Adding* adding_{nullptr};
+    std::optional<Configured<controller::ProgramAddition>> added_;
     std::optional<MachineSaver> saver_;
 };
 

@@ -65,4 +65,18 @@ model::NodeIndex MachineProgram::publish(server::Server& server, std::uint32_t s
     return folder;
 }
 
+Configured<controller::ProgramAddition> MachineProgram::edit(const controller::Program& edited,
+                                                             server::Server& server)
+{
+    auto added = program_->add(edited, nodes_->namespace_index(), *image_);
+    if (!added) {
+        return added;
+    }
+    if (auto shown = nodes_->add_variables(server.address_space(), program_->publication());
+        !shown) {
+        return tl::unexpected{std::move(shown).error()};
+    }
+    return added;
+}
+
 } // namespace busbar::example

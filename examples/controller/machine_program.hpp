@@ -29,6 +29,12 @@ public:
     /// Gives the controller's folder. Throws ConfigError.
     model::NodeIndex publish(server::Server& server, std::uint32_t source);
 
+    /// Adds what `edited` has and the program has not (seed 000, 4-2-5), after publish(); the task
+    /// may run, and waits for nothing. The problem is that it takes a download: nothing was added,
+    /// or nodes are missing which a download brings.
+    [[nodiscard]] Configured<controller::ProgramAddition> edit(const controller::Program& edited,
+                                                               server::Server& server);
+
     [[nodiscard]] const controller::Publication& publication() const
     {
         return program_->publication();

@@ -21,6 +21,12 @@ void MachineRetained::keep(const MachineProgram& program)
     }
 }
 
+void MachineRetained::keep(const controller::ProgramAddition& added)
+{
+    const std::lock_guard lock{mutex_};
+    values_->add(*added.types, added.image);
+}
+
 Stored<void> MachineRetained::save()
 {
     const std::lock_guard lock{mutex_};

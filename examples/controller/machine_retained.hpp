@@ -25,6 +25,8 @@ public:
     /// `program`, whose task does not run, gets what is kept and is the one whose values are kept
     /// from now on. It is used until another one comes, but not itself.
     void keep(const MachineProgram& program);
+    /// The program was edited online: keeps also what was added.
+    void keep(const controller::ProgramAddition& added);
     /// Success if there is nothing to save. Failures are told once.
     [[nodiscard]] Stored<void> save();
     /// The same when it is time to; whether all is well.

@@ -177,6 +177,10 @@ bool RunningController::download()
         return false;
     }
     const std::string file = machine.program_file;
+    if (const auto edited = current_->edit(reading)) {
+        log_.write(LogLevel::Info, "controller", "edited online: " + file);
+        return false;
+    }
     replace(Machine::Cause::Download, std::move(reading),
             {.reason = "a program is downloaded to the controller"});
     log_.write(LogLevel::Info, "controller", "downloaded: " + file);

@@ -57,7 +57,8 @@ private:
     /// Makes another generation, which takes over. Throws ConfigError, and all is as it was. What
     /// stands may be other than it is: then the controller ends, and starts again.
     void replace(Machine::Cause cause, Reading reading, net::Handover handover);
-    /// False if there is no other program.
+    /// Takes over another program, if there is one: what is only added by an online edit, all else
+    /// as a download. True for the latter, in which everything was read again.
     [[nodiscard]] bool download();
     void take_over(std::unique_ptr<Generation> next, net::Handover handover);
     void save_retained();

@@ -31,6 +31,8 @@ public:
 
     /// The configuration with what was changed.
     [[nodiscard]] const ControllerConfig& config() const { return config_; }
+    /// The file's, as it was read last.
+    [[nodiscard]] const std::string& text() const { return text_; }
     [[nodiscard]] administration::SettingList& list() { return list_; }
     /// From now on what is changed is in force at once, where it can be.
     void run(Running running) { running_ = std::move(running); }

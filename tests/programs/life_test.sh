@@ -109,6 +109,27 @@ await grep -q -s '"value":44\b' followed
 kill -INT "$follower"
 wait "$follower"
 
+# An online edit: what is new comes besides what there is, and nobody has to connect again.
+timeout 60 "$busbar" --json --insecure subscribe "$url" "$(variable Total)" --duration 60 \
+    > followed 2>&1 &
+follower=$!
+await grep -q -s '"value":44\b' followed
+program 'Pace : INT := 200; Depth : INT := 12;'
+sed -i 's/^    Total .*/&\n    Shifts : DINT := 3;/' program.st
+kill -HUP "$pid"
+await logged 'edited online: program.st'
+is Depth 12 || fail "the variable that was added is not there"
+is Shifts 3 || fail "the RETAIN variable that was added is not there"
+run 0 --insecure write "$url" "$(variable Total)" 45 "$(variable Shifts)" 4
+await grep -q -s '"value":45\b' followed
+grep -q -s 'Uncertain' followed && fail "the task stood still in an online edit"
+kill -INT "$follower"
+wait "$follower"
+has_shifts() { grep -q -s 'Shifts' state/retained; }
+await has_shifts
+lived "Start Prepare Run Start Prepare Run Prepare Run" || fail "an online edit is no preparation"
+grep -q -s 'Depth' medium/packages/OPCUA_Server/ExecutionLog/*.log || fail "it is not in the log"
+
 # A program that is wrong, and one that the rest of the configuration does not fit, change nothing.
 program 'Pace : INTEGER;'
 kill -HUP "$pid"
