@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include <busbar/core/record.hpp>
 #include <busbar/core/text.hpp>
 #include <busbar/crypto/signing_request.hpp>
 
@@ -50,7 +51,27 @@ Checked<PrivateKey> generate(std::uint32_t bits)
 
 } // namespace
 
-OwnCertificateStore::OwnCertificateStore(Storage& storage) : storage_{&storage} {}
+OwnCertificateStore::OwnCertificateStore(Storage& storage, LogSink* log)
+    : storage_{&storage}, log_{log}
+{
+}
+
+/// What did not come about is for the caller to tell, who is given the refusal.
+Checked<OwnCertificate> OwnCertificateStore::told(Checked<OwnCertificate> own,
+                                                  std::string_view what) const
+{
+    if (!own || log_ == nullptr) {
+        return own;
+    }
+    const Certificate& certificate = own->certificates.front();
+    Record record{RecordKind::CertificateUpdated, LogLevel::Info, "certificate"};
+    record.text = "own certificate " + printable(certificate.subject()) + ", " +
+                  certificate.thumbprint_text() + ": " + std::string{what} + ", valid until " +
+                  to_string(certificate.valid_to());
+    record.certificate = certificate.der();
+    tell(*log_, record);
+    return own;
+}
 
 Checked<std::optional<OwnCertificate>>
 OwnCertificateStore::load(std::string_view application_uri) const
@@ -98,7 +119,8 @@ Checked<OwnCertificate> OwnCertificateStore::load_or_create(const OwnCertificate
     }
     // A request may be under way for it: its certificate is to be taken in later all the same.
     auto key = state->pending_key ? *state->pending_key : generate(settings.key_bits);
-    return key ? make(files, *state, *key, settings, now) : refuse(std::move(key).error());
+    return key ? told(make(files, *state, *key, settings, now), "made")
+               : refuse(std::move(key).error());
 }
 
 Checked<OwnCertificate> OwnCertificateStore::regenerate(const OwnCertificateSettings& settings,
@@ -110,7 +132,7 @@ Checked<OwnCertificate> OwnCertificateStore::regenerate(const OwnCertificateSett
         return refuse(state.error());
     }
     const auto key = generate(settings.key_bits);
-    return key ? make(files, *state, *key, settings, now) : refuse(key.error());
+    return key ? told(make(files, *state, *key, settings, now), "made anew") : refuse(key.error());
 }
 
 Checked<std::vector<std::byte>>
@@ -150,7 +172,8 @@ Checked<OwnCertificate> OwnCertificateStore::take_in(std::span<const std::byte> 
         return own;
     }
     const Files files{*storage_};
-    return detail::put_in_force(files, detail::read_state(files), *std::move(own));
+    return told(detail::put_in_force(files, detail::read_state(files), *std::move(own)),
+                "issued and put in force");
 }
 
 Checked<OwnCertificate> OwnCertificateStore::match(std::span<const std::byte> certificates,
@@ -215,8 +238,9 @@ Checked<OwnCertificate> OwnCertificateStore::install(const OwnCertificate& own,
     }
     const Files files{*storage_};
     const auto state = detail::prepare(files);
-    return state ? detail::put_in_force(files, *state, {std::move(chain), own.key})
-                 : refuse(state.error());
+    return state
+               ? told(detail::put_in_force(files, *state, {std::move(chain), own.key}), "installed")
+               : refuse(state.error());
 }
 
 } // namespace busbar::crypto

@@ -5,6 +5,8 @@
 #include <openssl/rsa.h>
 #include <openssl/x509.h>
 
+#include <busbar/core/record.hpp>
+
 #include "hex.hpp"
 #include "own_store.hpp"
 #include "status_text.hpp"
@@ -26,6 +28,20 @@ crypto::PrivateKey weak_key()
     EVP_PKEY_free(key);
     return *result;
 }
+
+class NewCertificateEar final : public LogSink {
+public:
+    void write(LogLevel, std::string_view, std::string_view text) override { line = text; }
+    bool wants(RecordKind kind) const override { return kind == RecordKind::CertificateUpdated; }
+    void record(const Record& record) override
+    {
+        CHECK_FALSE(record.status.is_bad());
+        told.push_back(crypto::Certificate::parse(record.certificate).value());
+    }
+
+    std::string line;
+    std::vector<crypto::Certificate> told;
+};
 
 /// All files below, by name and contents.
 std::string listing(const fs::path& folder)
@@ -80,6 +96,30 @@ TEST_CASE("a missing certificate is made, and used from then on",
     CHECK(mode_of(store.replaced()) == 0700);
     CHECK_FALSE(fs::exists(store.pending()));
     CHECK(read(store.certificate()) == text_of(certificate.der()));
+}
+
+TEST_CASE("a certificate that is put in force is told as a renewal is", "[crypto][own]")
+{
+    const Store store;
+    NewCertificateEar ear;
+    const OwnCertificateStore told{*store.files, &ear};
+    const auto made = told.load_or_create(settings(), now);
+    REQUIRE(made);
+    CHECK(ear.told == std::vector{made->certificates.front()});
+    CHECK(ear.line.find("CN=Line 3, O=Works") != std::string::npos);
+    CHECK(ear.line.find(made->certificates.front().thumbprint_text()) != std::string::npos);
+    REQUIRE(told.load_or_create(settings(), now)); // it is there
+    CHECK(ear.told.size() == 1);
+    const auto second = told.regenerate(settings(), now);
+    REQUIRE(second);
+    CHECK(ear.told.back() == second->certificates.front());
+    REQUIRE(told.install(*made, uri));
+    REQUIRE(ear.told.size() == 3);
+    CHECK(ear.told.back() == made->certificates.front());
+    OwnCertificateSettings wrong = settings();
+    wrong.subject.common_name.clear();
+    CHECK_FALSE(told.regenerate(wrong, now));
+    CHECK(ear.told.size() == 3);
 }
 
 TEST_CASE("keys have the configured size", "[crypto][own]")

@@ -10,6 +10,7 @@
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/file_transaction.hpp>
+#include <busbar/core/log.hpp>
 #include <busbar/core/refusal.hpp>
 #include <busbar/core/storage.hpp>
 #include <busbar/crypto/certificate.hpp>
@@ -55,8 +56,9 @@ public:
     /// A new key pair for the request, or that of the certificate in force.
     enum class RequestKey : std::uint8_t { New, Present };
 
-    /// The root of `storage`, which must outlive this object.
-    explicit OwnCertificateStore(Storage& storage);
+    /// The root of `storage`, which must outlive this object, as must `log`. Unless that is null,
+    /// it is told CertificateUpdated of every certificate that a member puts in force itself.
+    explicit OwnCertificateStore(Storage& storage, LogSink* log = nullptr);
 
     /// The certificate and key in force; nothing if neither is there. Refused if the certificate
     /// does not name `application_uri` (Part 6, 6.2.2), unless that is empty.
@@ -97,7 +99,11 @@ public:
                                       FileTransaction& change) const;
 
 private:
+    [[nodiscard]] Checked<OwnCertificate> told(Checked<OwnCertificate> own,
+                                               std::string_view what) const;
+
     Storage* storage_;
+    LogSink* log_;
 };
 
 /// The certificates of a PEM file, or concatenated DER, in their order: max_chain_length at most,
