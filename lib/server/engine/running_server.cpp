@@ -23,6 +23,12 @@ bool is_same_certificate(const ServerConfig& a, const ServerConfig& b)
     return a.identity->certificates == b.identity->certificates;
 }
 
+/// Than those that the certificate was looked at for.
+bool has_other_names(const ServerConfig& a, const ServerConfig& b)
+{
+    return a.host_names != b.host_names || a.endpoint_url != b.endpoint_url;
+}
+
 } // namespace
 
 Configured<void> Server::Impl::check_change(const ServerConfig& wanted) const
@@ -50,10 +56,13 @@ Configured<void> RunningServer::reconfigure(ServerConfig config) const
         return checked;
     }
     const bool is_same = is_same_certificate(impl_->config, config);
+    const bool has_other_hosts = has_other_names(impl_->config, config);
     impl_->config = std::move(config);
     if (!is_same) {
         impl_->first_new_link_id = impl_->next_link_id;
         impl_->old_channels_deadline = impl_->latest + old_channel_time;
+    }
+    if (!is_same || has_other_hosts) {
         impl_->watch_certificate(impl_->latest);
     }
     impl_->end_homeless_sessions();
