@@ -20,6 +20,13 @@ bool is_loopback(const std::string& address)
     return address.starts_with("127.") || address == "::1";
 }
 
+bool is_address(const std::string& host)
+{
+    in6_addr buffer{};
+    return ::inet_pton(AF_INET, host.c_str(), &buffer) == 1 ||
+           ::inet_pton(AF_INET6, host.c_str(), &buffer) == 1;
+}
+
 bool is_ip6(const std::string& address)
 {
     return address.find(':') != std::string::npos;
@@ -144,6 +151,18 @@ std::vector<std::string> known_hosts(const ControllerConfig& config, const std::
         add(hosts, "::1");
     }
     return hosts;
+}
+
+std::string address_of(const std::vector<std::string>& hosts)
+{
+    const auto first = std::find_if(hosts.begin(), hosts.end(), [](const std::string& host) {
+        return is_address(host) && !is_loopback(host);
+    });
+    const auto any = std::find_if(hosts.begin(), hosts.end(), is_address);
+    return first != hosts.end() ? *first
+           : any != hosts.end() ? *any
+           : !hosts.empty()     ? hosts.front()
+                                : std::string{};
 }
 
 } // namespace busbar::example

@@ -26,7 +26,7 @@ namespace {
 /// Larger ones are no configurations.
 constexpr std::size_t max_config_size = 4U << 20U;
 
-bool is_address(const std::string& text)
+bool is_any_address(const std::string& text)
 {
     in6_addr buffer{};
     const std::string without_zone = text.substr(0, text.find('%'));
@@ -40,7 +40,7 @@ bool is_host(const std::string& text)
     url.host = text;
     const auto parsed = channel::EndpointUrl::parse(url.text());
     return parsed && parsed->host == text && parsed->path.empty() &&
-           (text.find(':') == std::string::npos || is_address(text));
+           (text.find(':') == std::string::npos || is_any_address(text));
 }
 
 /// Part 3, 8.4: a language, and a country behind a hyphen or none.
@@ -66,7 +66,7 @@ void read_server(const TomlTable& table, ControllerConfig& config)
     config.server.application_name = table.text("name", config.server.application_name);
     config.server.application_uri = table.text("application_uri", "");
     config.address = table.text("address", config.address);
-    if (!config.address.empty() && !is_address(config.address)) {
+    if (!config.address.empty() && !is_any_address(config.address)) {
         table.fail("address", "an IPv4 or IPv6 address of this machine, or \"\" for all of them");
     }
     config.port = static_cast<std::uint16_t>(table.integer("port", config.port, 0, 65'535));

@@ -21,6 +21,7 @@
 #include <busbar/server/process_image.hpp>
 #include <busbar/server/server_config.hpp>
 
+#include "subject_names.hpp"
 #include "toml_reader.hpp"
 
 namespace busbar::example {
@@ -68,6 +69,7 @@ struct CertificateConfig {
     // Of the own certificate, when it is made.
     std::uint32_t key_bits{2'048};
     std::uint32_t valid_days{7'305}; // 20 years
+    SubjectNames subject;
     crypto::StoreLimits limits;
     crypto::ValidationSettings validation;
 };

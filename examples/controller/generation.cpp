@@ -13,16 +13,16 @@ namespace busbar::example {
 
 namespace {
 
-ControllerConfig complete(ControllerConfig config, const Surroundings& around)
-{
-    set_names(config);
-    set_endpoint(config, around.port, around.environment.wall_clock->now());
-    return config;
-}
-
 LogSink& log_of(const Surroundings& around)
 {
     return around.machine != nullptr ? around.machine->log() : around.lines;
+}
+
+ControllerConfig complete(ControllerConfig config, const Surroundings& around)
+{
+    set_names(config);
+    set_endpoint(config, around.port, around.environment.wall_clock->now(), log_of(around));
+    return config;
 }
 
 /// What the task does after each scan, on its thread. All must outlive it.

@@ -32,13 +32,9 @@ crypto::OwnCertificateSettings settings_of(const CertificateConfig& config, cons
 {
     crypto::OwnCertificateSettings settings;
     settings.key_bits = config.key_bits;
+    settings.subject = subject_of(config.subject, name, host_names);
     settings.subject.valid_days = config.valid_days;
-    settings.subject.common_name = name;
-    settings.subject.organization = "Busbar";
     settings.subject.application_uri = application_uri;
-    for (const std::string& host : host_names) {
-        crypto::add_host(settings.subject, host);
-    }
     return settings;
 }
 
@@ -69,13 +65,15 @@ void take_over_first_version(const fs::path& own, const crypto::OwnCertificateSt
 
 channel::ApplicationIdentity load_identity(const CertificateConfig& config, const std::string& name,
                                            const std::string& application_uri,
-                                           const std::vector<std::string>& host_names, DateTime now)
+                                           const std::vector<std::string>& host_names, DateTime now,
+                                           LogSink& log)
 {
     storage::FolderStorage files{config.folder};
     expect(administration::finish_changes(files));
-    const crypto::OwnCertificateStore store{files};
+    const crypto::OwnCertificateStore store{files, &log};
     if (!expect_own(store.load(application_uri))) {
-        take_over_first_version(fs::path{config.folder} / "own", store, application_uri);
+        take_over_first_version(fs::path{config.folder} / "own", crypto::OwnCertificateStore{files},
+                                application_uri);
     }
     auto own = expect_own(
         store.load_or_create(settings_of(config, name, application_uri, host_names), now));

@@ -217,6 +217,7 @@ void read_preset(const TomlTable& table, ControllerConfig& config)
     }
     config.server.limits = preset->limits;
     config.certificates.limits = preset->store;
+    config.certificates.subject = preset->subject;
     config.users.password_rules = preset->passwords;
     config.machine.publishing = preset->publishing;
     config.machine.types = preset->types;

@@ -105,7 +105,8 @@ std::optional<Preset> find_preset(std::string_view name)
                       crypto::nj501_store_limits(),
                       server::nj501_password_rules(),
                       controller::nj501_publishing(),
-                      controller::nj501_types()};
+                      controller::nj501_types(),
+                      nj501_subject()};
     }
     if (name == "nx102") {
         return Preset{"nx102",
@@ -113,7 +114,8 @@ std::optional<Preset> find_preset(std::string_view name)
                       crypto::nx102_store_limits(),
                       server::nj501_password_rules(),
                       controller::nx102_publishing(),
-                      controller::nx102_types()};
+                      controller::nx102_types(),
+                      nj501_subject()};
     }
     if (name == "rd81opc96") {
         return Preset{"rd81opc96", server::rd81opc96_limits(), crypto::rd81opc96_store_limits(),

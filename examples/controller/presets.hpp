@@ -10,6 +10,8 @@
 #include <busbar/server/limits.hpp>
 #include <busbar/server/password_rules.hpp>
 
+#include "subject_names.hpp"
+
 namespace busbar::example {
 
 /// What a shipping product allows: all its published limits at once.
@@ -21,6 +23,8 @@ struct Preset {
     /// Of a machine's variables; none where the product publishes none by itself.
     controller::PublishingLimits publishing{};
     controller::MachineTypeOptions types{.elementary = controller::ElementaryTypes::BuiltIn};
+    /// Of the certificate that the product makes by itself.
+    SubjectNames subject{};
 };
 
 /// "nj501, nx102 or rd81opc96".

@@ -82,6 +82,20 @@ crypto::ValidationSettings read_suppressed(const TomlTable& table)
     return settings;
 }
 
+void read_subject(const TomlTable& table, SubjectNames& subject)
+{
+    for (const SubjectKey& key : subject_keys) {
+        std::string& name = subject.*key.member;
+        name = table.text(key.name, name);
+        if (name.size() > key.longest) {
+            table.fail(key.name, "at most " + std::to_string(key.longest) + " bytes");
+        }
+    }
+    if (!subject.country.empty() && subject.country.size() != 2) {
+        table.fail("country", "two letters, or \"\"");
+    }
+}
+
 constexpr std::array roles{std::string_view{"Observer"},       std::string_view{"Operator"},
                            std::string_view{"Engineer"},       std::string_view{"Supervisor"},
                            std::string_view{"ConfigureAdmin"}, std::string_view{"SecurityAdmin"}};
@@ -170,7 +184,8 @@ std::vector<std::string> read_roles(const TomlTable& table, std::string_view key
 
 void read_certificates(const TomlTable& table, ControllerConfig& config)
 {
-    table.allow({"folder", "trust_all_clients", "key_bits", "valid_days", "limits", "suppress"});
+    table.allow({"folder", "trust_all_clients", "key_bits", "valid_days", "limits", "suppress",
+                 "common_name", "organization", "locality", "state", "country"});
     CertificateConfig& certificates = config.certificates;
     certificates.folder = table.text("folder", certificates.folder);
     certificates.trusts_all_clients = table.flag("trust_all_clients", false);
@@ -178,6 +193,7 @@ void read_certificates(const TomlTable& table, ControllerConfig& config)
         static_cast<std::uint32_t>(table.integer("key_bits", certificates.key_bits, 2'048, 4'096));
     certificates.valid_days = static_cast<std::uint32_t>(
         table.integer("valid_days", certificates.valid_days, 1, days_of_a_century));
+    read_subject(table, certificates.subject);
     if (table.has("limits")) {
         certificates.limits = read_store_limits(table);
     }

@@ -141,6 +141,11 @@ std::string setting_name(const LimitKey& key)
     return std::string{key.table} + "." + std::string{key.name};
 }
 
+std::string setting_name(const SubjectKey& key)
+{
+    return "certificates." + std::string{key.name};
+}
+
 std::vector<Setting> controller_settings(const toml::table& file)
 {
     ControllerConfig preset;
@@ -149,6 +154,10 @@ std::vector<Setting> controller_settings(const toml::table& file)
     append(settings, security_settings());
     append(settings, machine_settings());
     append(settings, plc_settings());
+    for (const SubjectKey& key : subject_keys) {
+        settings.push_back({.name = setting_name(key),
+                            .otherwise = Variant{String{preset.certificates.subject.*key.member}}});
+    }
     for (const LimitKey& key : limit_keys()) {
         Setting setting{.name = setting_name(key), .otherwise = number(key.get(preset))};
         setting.range = Range{static_cast<double>(key.least), static_cast<double>(key.most)};

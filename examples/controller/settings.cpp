@@ -24,12 +24,17 @@ std::string name_of_file(const std::string& path)
     return path.empty() ? "built-in" : path;
 }
 
-/// Limits that no key sets are those of the preset.
+/// Limits and names that no key sets are those of the preset.
 Variant value_of(const toml::table& table, const ControllerConfig& config, const Setting& setting)
 {
     for (const LimitKey& key : limit_keys()) {
         if (setting.name == setting_name(key)) {
             return Variant{key.get(config)};
+        }
+    }
+    for (const SubjectKey& key : subject_keys) {
+        if (setting.name == setting_name(key)) {
+            return Variant{String{config.certificates.subject.*key.member}};
         }
     }
     if (setting.name == "endpoint") {

@@ -49,7 +49,7 @@ void set_names(ControllerConfig& config)
     server.host_names = known_hosts(config, machine, interface_addresses());
 }
 
-void set_endpoint(ControllerConfig& config, std::uint16_t port, DateTime now)
+void set_endpoint(ControllerConfig& config, std::uint16_t port, DateTime now, LogSink& log)
 {
     server::ServerConfig& server = config.server;
     channel::EndpointUrl url;
@@ -58,7 +58,7 @@ void set_endpoint(ControllerConfig& config, std::uint16_t port, DateTime now)
     server.endpoint_url = url.text();
     if (needs_certificate(config)) {
         server.identity = load_identity(config.certificates, server.application_name,
-                                        server.application_uri, server.host_names, now);
+                                        server.application_uri, server.host_names, now, log);
     }
 }
 

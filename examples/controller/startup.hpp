@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include <busbar/core/date_time.hpp>
+#include <busbar/core/log.hpp>
 
 #include "config.hpp"
 
@@ -12,8 +13,8 @@ namespace busbar::example {
 
 /// Names that a file need not give.
 void set_names(ControllerConfig& config);
-/// Certificate and URL of a controller that listens on `port`.
-void set_endpoint(ControllerConfig& config, std::uint16_t port, DateTime now);
+/// Certificate and URL of a controller that listens on `port`. `log` is told of a new certificate.
+void set_endpoint(ControllerConfig& config, std::uint16_t port, DateTime now, LogSink& log);
 /// Without a file there is no account, and a password that everybody knows is none: the controller
 /// makes one of its own, for whoever has the terminal that it is first started from.
 void add_first_account(ControllerConfig& config);

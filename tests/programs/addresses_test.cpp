@@ -6,6 +6,7 @@
 
 #include "addresses.hpp"
 #include "identity.hpp"
+#include "support/identity.hpp"
 #include "support/temporary_folder.hpp"
 #include "welcome.hpp"
 
@@ -95,10 +96,11 @@ TEST_CASE("a certificate that lacks a name says so, and can be made anew (C3)")
     config.certificates.folder = folder.path.string();
     server::ServerConfig& server = config.server;
     const DateTime now = DateTime::from_unix_seconds(1'750'000'000);
+    test::LogBook log;
     const auto load = [&](const Names& names) {
         server.host_names = names;
         server.identity =
-            load_identity(config.certificates, "Line 3", server.application_uri, names, now);
+            load_identity(config.certificates, "Line 3", server.application_uri, names, now, log);
         return welcome_text(config, 0, now);
     };
     CHECK(load({"127.0.0.1", "line3"}).find("does not name") == std::string::npos);

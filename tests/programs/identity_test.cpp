@@ -3,11 +3,14 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <busbar/core/storage.hpp>
 #include <busbar/crypto/own_certificate.hpp>
 #include <busbar/storage/folder_storage.hpp>
 
+#include "addresses.hpp"
+#include "config.hpp"
 #include "identity.hpp"
 #include "support/identity.hpp"
 #include "support/temporary_folder.hpp"
@@ -30,7 +33,8 @@ TEST_CASE("identity: a change of certificate that was decided when the power wen
     config.folder = folder.path.string();
     const std::string uri = "urn:busbar:test:server";
     const auto load = [&] {
-        return example::load_identity(config, "server", uri, {}, test::today)
+        test::LogBook log;
+        return example::load_identity(config, "server", uri, {}, test::today, log)
             .certificates.front()
             .thumbprint_text();
     };
@@ -49,4 +53,40 @@ TEST_CASE("identity: a change of certificate that was decided when the power wen
     put(files, "transaction/journal.json", std::as_bytes(std::span{journal}));
     CHECK(load() == next.certificates.front().thumbprint_text());
     CHECK_FALSE(files.entry("transaction/journal.json"));
+}
+
+TEST_CASE("identity: a preset's certificate has the subject of its product (3-2-4, 5-1-1)")
+{
+    const test::TemporaryFolder folder;
+    const auto made = [&](const std::string& text) {
+        const auto config = example::parse_config(
+            "certificates.folder = \"" + folder.path.string() + "\"\n" + text, "file");
+        return example::regenerate_certificate(config.certificates, "Press", "urn:press",
+                                               {"press-4", "127.0.0.1", "192.168.250.1"},
+                                               test::today);
+    };
+    const auto nj501 = made("[limits]\npreset = \"nj501\"\n");
+    CHECK(nj501.subject() ==
+          "CN=NxOpcUaServer@192.168.250.1, O=Omron Corporation, L=Kyoto, ST=Kyoto, C=JP");
+    CHECK(to_string(nj501.valid_to()) == "2046-01-01T00:00:00Z"); // twenty years
+    CHECK(nj501.host_names() == std::vector<std::string>{"press-4", "127.0.0.1", "192.168.250.1"});
+    const std::string others = "certificates.common_name = \"A {address}\"\n"
+                               "certificates.locality = \"Linz\"\ncertificates.state = \"\"\n"
+                               "certificates.country = \"AT\"\n";
+    CHECK(made(others + "[limits]\npreset = \"nx102\"\n").subject() ==
+          "CN=A 192.168.250.1, O=Omron Corporation, L=Linz, C=AT");
+    CHECK(made("").subject() == "CN=Press, O=Busbar");
+    CHECK_THROWS_WITH(made("certificates.country = \"Japan\"\n"),
+                      Catch::Contains("country: found 'Japan', expected at most 2 bytes"));
+    CHECK_THROWS_WITH(made("certificates.country = \"J\"\n"),
+                      Catch::Contains("country: found 'J', expected two letters"));
+}
+
+TEST_CASE("identity: the address of hosts is one that other machines may use")
+{
+    using example::address_of;
+    CHECK(address_of({"press", "127.0.0.1", "::1", "2001:db8::7", "192.0.2.1"}) == "2001:db8::7");
+    CHECK(address_of({"press", "127.0.0.1"}) == "127.0.0.1");
+    CHECK(address_of({"press", "press.example"}) == "press");
+    CHECK(address_of({}).empty());
 }
