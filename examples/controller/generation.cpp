@@ -47,7 +47,10 @@ Generation::Generation(const Origin& origin, Reading reading, const Surroundings
       config_{complete(std::move(reading.config), around)}, plant_{config_},
       administered_{config_, *around.environment.wall_clock, log_of(around)},
       admission_{config_, administered_.log()}, server_{make_server()}, worker_{64, &around.lines},
-      live_{server_, administered_, config_, administered_.log()}
+      live_{server_, administered_, config_, administered_.log()},
+      lookout_{server_, manages_certificates(config_) ? &admission_.client_store() : nullptr,
+               *around.environment.wall_clock, administered_.log(),
+               [this] { return present_hosts(config_); }}
 {
     attach(requests);
     plant_.publish(server_, around.lines);

@@ -13,6 +13,7 @@
 #include "administered.hpp"
 #include "admission.hpp"
 #include "live_config.hpp"
+#include "lookout.hpp"
 #include "machine.hpp"
 #include "plant.hpp"
 #include "reading.hpp"
@@ -61,6 +62,8 @@ public:
     void start() { task_->start(); }
     /// The PLC stops; start() has it go on.
     void halt() { task_->stop(); }
+    /// See Lookout.
+    void look() { lookout_.look(); }
     /// Adds to the PLC's program, which may run, what `next` has and it has not. The problem is
     /// that this takes another generation: nothing was changed.
     [[nodiscard]] Configured<void> edit(const Reading& next);
@@ -86,6 +89,7 @@ private:
     server::Server server_;
     net::WorkerThread worker_;
     LiveConfig live_;
+    Lookout lookout_;
     std::optional<controller::PlcTask> task_;
 };
 

@@ -10,6 +10,7 @@
 #include <busbar/server/running_server.hpp>
 
 #include "startup.hpp"
+#include "ticker.hpp"
 
 namespace busbar::example {
 
@@ -202,6 +203,7 @@ void RunningController::take_over(std::unique_ptr<Generation> next, net::Handove
     }
     leaving_.push_back(std::exchange(current_, std::move(next)));
     start();
+    look_soon();
 }
 
 void RunningController::save_retained()
@@ -254,6 +256,11 @@ void RunningController::hang_up()
     });
 }
 
+void RunningController::look_soon()
+{
+    loop_.post([this] { current_->look(); });
+}
+
 bool RunningController::run()
 {
     start();
@@ -267,6 +274,7 @@ bool RunningController::run()
     if (machine_) {
         machine_->run(*current_->plant().program(), current_->config().server.endpoint_url);
     }
+    const Ticker ticker{lookout_period, [this] { look_soon(); }};
     loop_.run(current_->server());
     current_->halt();
     if (machine_) {

@@ -63,6 +63,8 @@ private:
     void take_over(std::unique_ptr<Generation> next, net::Handover handover);
     void save_retained();
     void start();
+    /// At what changes without anybody telling. From any thread.
+    void look_soon();
     void start_again(const net::Handover& handover);
     void release(const Generation& gone);
     /// `change` may throw a ConfigError, which goes to the log.

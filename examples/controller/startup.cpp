@@ -14,6 +14,7 @@
 #include "addresses.hpp"
 #include "first_account.hpp"
 #include "identity.hpp"
+#include "lookout.hpp"
 #include "print_conformance.hpp"
 
 namespace busbar::example {
@@ -46,7 +47,7 @@ void set_names(ControllerConfig& config)
     server.build = {"Busbar", BUSBAR_VERSION, BUSBAR_VERSION,
                     parse_date_time(BUSBAR_BUILD_DATE "T00:00:00Z").value_or(DateTime{})};
     server.program = program_of(config, net::is_clock_synchronized());
-    server.host_names = known_hosts(config, machine, interface_addresses());
+    server.host_names = present_hosts(config);
 }
 
 void set_endpoint(ControllerConfig& config, std::uint16_t port, DateTime now, LogSink& log)

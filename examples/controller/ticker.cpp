@@ -1,0 +1,33 @@
+#include "ticker.hpp"
+
+#include <utility>
+
+namespace busbar::example {
+
+Ticker::Ticker(std::chrono::seconds period, std::function<void()> tick)
+    : period_{period}, tick_{std::move(tick)}, thread_{[this] { work(); }}
+{
+}
+
+Ticker::~Ticker()
+{
+    {
+        const std::lock_guard lock{mutex_};
+        is_ending_ = true;
+    }
+    ends_.notify_all();
+    thread_.join();
+}
+
+void Ticker::work()
+{
+    std::unique_lock lock{mutex_};
+    while (!is_ending_) {
+        lock.unlock();
+        tick_();
+        lock.lock();
+        ends_.wait_for(lock, period_, [this] { return is_ending_; });
+    }
+}
+
+} // namespace busbar::example
