@@ -7,6 +7,7 @@
 #include <busbar/administration/managed_certificates.hpp>
 
 #include "limit_keys.hpp"
+#include "mode_guard.hpp"
 #include "setting_keys.hpp"
 #include "setting_overlay.hpp"
 
@@ -66,6 +67,8 @@ Settings::Settings(const std::string& path, std::string preset, std::string text
                                         "drops"};
     }
     started_ = values_;
+    is_in_run_ =
+        config_.machine.program != nullptr && config_.machine.mode == controller::MachineMode::Run;
 }
 
 toml::table Settings::table_of(const std::string& text) const
@@ -126,6 +129,11 @@ Configured<void> Settings::check(const SettingValues& changes)
 {
     try {
         const Version all = version(text_, changes);
+        if (is_in_run_) {
+            if (auto checked = check_in_run(values_, all.values); !checked) {
+                return checked;
+            }
+        }
         return running_.check ? running_.check(all.config) : Configured<void>{};
     } catch (const ConfigError& error) {
         return tl::unexpected{error.problem()};

@@ -16,6 +16,9 @@ namespace busbar::example {
 
 /// The settings of a controller: what its file says, and over it what was changed online, which
 /// lies in the folder of certificates. The file is read, never written.
+///
+/// A machine that was started in RUN refuses to have some of them changed online (see
+/// program_only_settings).
 class Settings final : public administration::SettingOwner {
 public:
     /// What puts a configuration in force, as far as that can be while the controller runs.
@@ -68,6 +71,8 @@ private:
     ControllerConfig config_;
     administration::SettingValues values_;
     administration::SettingValues started_;
+    /// The mode that the machine was started in, if there is one.
+    bool is_in_run_{false};
     Running running_;
 };
 

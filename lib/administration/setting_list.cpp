@@ -209,7 +209,9 @@ Configured<void> SettingList::change(std::span<const SettingChange> set, Setting
         changes.insert_or_assign(each.name, own_copy(each.value));
     }
     if (auto checked = owner.check(changes); !checked) {
-        checked.error().status = status::Bad_InvalidArgument;
+        if (checked.error().status != status::Bad_InvalidState) {
+            checked.error().status = status::Bad_InvalidArgument;
+        }
         return checked;
     }
     const std::string document = document_of(changes);

@@ -61,6 +61,9 @@ struct PlainOwner final : administration::SettingOwner {
     }
     [[nodiscard]] Configured<void> check(const administration::SettingValues& changes) override
     {
+        if (changes.contains("server.port") && refuses_port) {
+            return misconfigured("server.port", "cannot change now", status::Bad_InvalidState);
+        }
         const auto found = changes.find("limits.sessions");
         return found != changes.end() && found->second == Variant{std::int64_t{13}}
                    ? misconfigured("limits.sessions", "found 13, expected luck")
@@ -69,6 +72,7 @@ struct PlainOwner final : administration::SettingOwner {
     void apply(const administration::SettingValues& changes) override { applied = changes; }
 
     administration::SettingValues applied;
+    bool refuses_port{false};
 };
 
 /// Gives `made` for null options, as many bytes as the options say for a number, and takes what it

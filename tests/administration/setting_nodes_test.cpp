@@ -97,6 +97,17 @@ TEST_CASE_METHOD(Settings, "settings: one Write is a set, whole or not at all")
     CHECK(again.changes() == owner.applied);
 }
 
+TEST_CASE_METHOD(Settings, "settings: a refusal of the time is told from one of the value")
+{
+    auto admin = log_in();
+    owner.refuses_port = true;
+    CHECK(write(admin, {{"server.port", Variant{std::int64_t{4'841}}}}) ==
+          Results{"Bad_InvalidState"});
+    CHECK(log.text.find("server.port: cannot change now") != std::string::npos);
+    CHECK(get(admin, "server.port.IsChanged").value == Variant{false});
+    CHECK(owner.applied.empty());
+}
+
 TEST_CASE_METHOD(Settings, "settings: the Method Set tells the reason")
 {
     auto admin = log_in();

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "mode_guard.hpp"
 #include "setting_keys.hpp"
 #include "settings.hpp"
 #include "support/temporary_folder.hpp"
@@ -207,6 +208,51 @@ TEST_CASE_METHOD(SettingsFixture, "a start says what to do with changes that fit
     forget_changes(file);
     start();
     CHECK(config().scan == std::chrono::milliseconds{20});
+}
+
+TEST_CASE_METHOD(SettingsFixture, "a machine in RUN refuses settings that PROGRAM takes (3-2-2, "
+                                  "3-2-6)")
+{
+    std::ofstream{folder.path / "press.st"} << "VAR_GLOBAL Speed : INT; END_VAR\n";
+    const std::vector<SettingChange> changes{
+        {"server.port", Variant{std::int64_t{4'901}}},
+        {"machine.execution_log", Variant{true}},
+        {"machine.execution_log_files", Variant{std::int64_t{7}}},
+        {"machine.execution_log_records", Variant{std::int64_t{200}}},
+        {"endpoint", texts({"{ mode = 'Sign', policy = 'Basic256Sha256' }"})},
+        {"users.anonymous", Variant{"read"}},
+    };
+    CHECK(changes.size() == program_only_settings().size());
+    const auto write_machine = [&](const std::string& mode) {
+        write("[machine]\nprogram = \"" + (folder.path / "press.st").string() + "\"\nmode = \"" +
+              mode + "\"\n");
+        start();
+    };
+    write_machine("RUN");
+    for (const SettingChange& each : changes) {
+        INFO(each.name);
+        const auto done = set({{"server.name", Variant{"Lathe"}}, each});
+        REQUIRE_FALSE(done);
+        CHECK(done.error().status == status::Bad_InvalidState);
+        CHECK(done.error().where == each.name);
+        CHECK(done.error().text.find("in RUN") != std::string::npos);
+        CHECK(config().server.application_name != "Lathe");        // a set is taken as a whole
+        CHECK(refusal({{each.name, value(each.name)}}) == "none"); // what it is already
+        CHECK(refusal({{each.name, Variant{}}}) == "none");
+    }
+    // Other settings change; the mode is another one after a restart only.
+    CHECK(refusal({{"server.name", Variant{"Lathe"}}, {"machine.mode", Variant{"PROGRAM"}}}) ==
+          "none");
+    CHECK(set({changes[0]}).error().status == status::Bad_InvalidState);
+    start();
+    CHECK(refusal(changes) == "none");
+    forget_changes(file);
+    write_machine("PROGRAM");
+    CHECK(refusal(changes) == "none");
+    forget_changes(file);
+    write("[machine]\nmode = \"RUN\"\n"); // there is no program, and no machine
+    start();
+    CHECK(refusal(changes) == "none");
 }
 
 TEST_CASE_METHOD(SettingsFixture, "what runs is asked before a change and told after it")

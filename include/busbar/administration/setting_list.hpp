@@ -53,7 +53,8 @@ public:
     /// True if it needs a restart to be in force.
     [[nodiscard]] virtual bool waits_for_restart(const Setting& setting) const = 0;
     /// Whether all of `changes`, on top of what the owner has by itself, make something that works.
-    /// Changes nothing. The problem is for who made the change: `where` names what is wrong.
+    /// Changes nothing. The problem is for who made the change: `where` names what is wrong, and
+    /// Bad_InvalidState says that it is nothing but the time.
     [[nodiscard]] virtual Configured<void> check(const SettingValues& changes) = 0;
     /// Takes them on, which were checked and are kept: in force at once as far as that can be.
     virtual void apply(const SettingValues& changes) = 0;
@@ -83,8 +84,9 @@ public:
     /// What was changed online.
     [[nodiscard]] const SettingValues& changes() const { return changes_; }
     /// Makes a set of changes; a later one of a name wins. Bad_NotFound, Bad_TypeMismatch,
-    /// Bad_OutOfRange, Bad_ResourceUnavailable if the Storage fails, Bad_InvalidArgument for what
-    /// the owner refuses: `where` names the setting, the text is what was found and expected.
+    /// Bad_OutOfRange, Bad_ResourceUnavailable if the Storage fails; what the owner refuses is
+    /// Bad_InvalidState if it says so, else Bad_InvalidArgument. `where` names the setting, the
+    /// text is what was found and expected.
     [[nodiscard]] Configured<void> change(std::span<const SettingChange> set, SettingOwner& owner);
 
 private:
