@@ -53,7 +53,8 @@ Generation::Generation(const Origin& origin, Reading reading, const Surroundings
                [this] { return present_hosts(config_); }}
 {
     attach(requests);
-    plant_.publish(server_, around.lines);
+    plant_.publish(server_, around.lines,
+                   around.machine != nullptr ? &around.machine->event_log() : nullptr);
     admission_.check_passwords_on(worker_);
     task_.emplace(plant_.plc(), *around.environment.wall_clock, config_.scan,
                   config_.realtime_priority);

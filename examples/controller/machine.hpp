@@ -43,6 +43,7 @@ public:
 
     /// The log that everything goes through.
     [[nodiscard]] LogSink& log();
+    [[nodiscard]] const controller::MachineEventLog& event_log() const { return *event_log_; }
     /// Gives the program the values of RETAIN variables that are kept, and keeps its own from now
     /// on; its task does not run yet. What cannot be restored goes to the log.
     void keep(const MachineProgram& program) { retained_->keep(program); }

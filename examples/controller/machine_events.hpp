@@ -15,12 +15,22 @@ public:
     {
         const std::lock_guard lock{mutex_};
         listener_ = listener;
+        if (listener_ != nullptr) {
+            listener_->errors_changed();
+        }
     }
     void happened(const controller::MachineEvent& event) override
     {
         const std::lock_guard lock{mutex_};
         if (listener_ != nullptr) {
             listener_->happened(event);
+        }
+    }
+    void errors_changed() override
+    {
+        const std::lock_guard lock{mutex_};
+        if (listener_ != nullptr) {
+            listener_->errors_changed();
         }
     }
 

@@ -52,7 +52,8 @@ controller::MachineNodesOptions MachineProgram::node_options(std::uint32_t sourc
     return options;
 }
 
-model::NodeIndex MachineProgram::publish(server::Server& server, std::uint32_t source)
+model::NodeIndex MachineProgram::publish(server::Server& server, std::uint32_t source,
+                                         const controller::MachineEventLog& log)
 {
     model::AddressSpace& space = server.address_space();
     nodes_ = expect(controller::MachineNodes::create(
@@ -60,9 +61,8 @@ model::NodeIndex MachineProgram::publish(server::Server& server, std::uint32_t s
     nodes_->set_mode(space, config_.machine.mode == controller::MachineMode::Run
                                 ? controller::OperatingMode::Run
                                 : controller::OperatingMode::Program);
-    const model::NodeIndex folder = space.resolve(nodes_->folder());
-    expect_published(raiser_.attach(space, folder, server.event_queue()), "the machine's events");
-    return folder;
+    expect_published(view_.attach(server, *nodes_, log), "the machine's events");
+    return space.resolve(nodes_->folder());
 }
 
 Configured<controller::ProgramAddition> MachineProgram::edit(const controller::Program& edited,

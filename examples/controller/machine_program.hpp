@@ -5,13 +5,14 @@
 #include <memory>
 #include <optional>
 
-#include <busbar/controller/machine_event_raiser.hpp>
+#include <busbar/controller/machine_event_log.hpp>
 #include <busbar/controller/machine_nodes.hpp>
 #include <busbar/controller/plc.hpp>
 #include <busbar/controller/published_program.hpp>
 #include <busbar/server/server.hpp>
 
 #include "config.hpp"
+#include "machine_view.hpp"
 
 namespace busbar::example {
 
@@ -25,9 +26,11 @@ public:
     /// Adds the nodes' namespace to a server that is not served yet, and makes the PLC with the
     /// program's variables. Throws ConfigError.
     [[nodiscard]] std::unique_ptr<controller::Plc> make_plc(server::Server& server);
-    /// The nodes of seed 000, 6-2-1, after make_plc(); `source` is the index of the PLC's image.
-    /// Gives the controller's folder. Throws ConfigError.
-    model::NodeIndex publish(server::Server& server, std::uint32_t source);
+    /// The nodes of seed 000, 6-2-1, after make_plc(), and what stands in the machine's log, which
+    /// must outlive it; `source` is the index of the PLC's image. Gives the controller's folder.
+    /// Throws ConfigError.
+    model::NodeIndex publish(server::Server& server, std::uint32_t source,
+                             const controller::MachineEventLog& log);
 
     /// Adds what `edited` has and the program has not (seed 000, 4-2-5), after publish(); the task
     /// may run, and waits for nothing. The problem is that it takes a download: nothing was added,
@@ -42,8 +45,8 @@ public:
     [[nodiscard]] const controller::ProgramTypes& types() const { return program_->types(); }
     /// From make_plc() on.
     [[nodiscard]] const controller::ProgramImage& image() const { return *image_; }
-    /// Makes the server's events of the machine's.
-    [[nodiscard]] controller::MachineEventListener& events() { return raiser_; }
+    /// What clients see of the machine's events, from publish() on.
+    [[nodiscard]] controller::MachineEventListener& events() { return view_; }
 
 private:
     [[nodiscard]] controller::MachineNodesOptions node_options(std::uint32_t source) const;
@@ -52,7 +55,7 @@ private:
     std::unique_ptr<controller::PublishedProgram> program_;
     std::optional<controller::ProgramImage> image_;
     std::optional<controller::MachineNodes> nodes_;
-    controller::MachineEventRaiser raiser_;
+    MachineView view_;
 };
 
 } // namespace busbar::example

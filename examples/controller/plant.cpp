@@ -32,7 +32,8 @@ Plant::Plant(const ControllerConfig& config) : config_{config}
     }
 }
 
-void Plant::publish(server::Server& server, LogSink& log)
+void Plant::publish(server::Server& server, LogSink& log,
+                    const controller::MachineEventLog* machine_log)
 {
     plc_ = program_ ? program_->make_plc(server)
                     : expect(controller::Plc::create(config_.plc, config_.image));
@@ -42,7 +43,7 @@ void Plant::publish(server::Server& server, LogSink& log)
     nodes.cycle = config_.scan;
     model::AddressSpace& space = server.address_space();
     const auto folder =
-        program_ ? program_->publish(server, nodes.source)
+        program_ ? program_->publish(server, nodes.source, *machine_log)
                  : expect_made(controller::publish_variables(space, *plc_, nodes), "the variables");
     load_models(server, config_.nodesets, log);
     events_ = expect_made(controller::PlcEvents::create(space, folder, *plc_, server.event_queue()),

@@ -21,8 +21,10 @@ public:
     explicit Plant(const ControllerConfig& config);
 
     /// Adds the PLC's variables, which may be those of a machine's program, its events and Methods,
-    /// and information models beside them. Once; throws ConfigError.
-    void publish(server::Server& server, LogSink& log);
+    /// and information models beside them. `machine_log` is there if the configuration has a
+    /// program, and must outlive it. Once; throws ConfigError.
+    void publish(server::Server& server, LogSink& log,
+                 const controller::MachineEventLog* machine_log);
     /// From publish() on.
     [[nodiscard]] controller::Plc& plc() { return *plc_; }
     [[nodiscard]] const controller::Plc& plc() const { return *plc_; }

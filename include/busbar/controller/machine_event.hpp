@@ -67,6 +67,8 @@ struct MachineEvent {
     std::vector<std::string> attached;
 };
 
+/// "35D40000 Unsupported Data Type: 21": code, name and what is attached.
+[[nodiscard]] BUSBAR_API std::string text(const MachineEvent& event);
 /// "35D30000".
 [[nodiscard]] BUSBAR_API std::string code_text(const MachineEventType& type);
 

@@ -25,7 +25,7 @@ class MachineEventRules;
 } // namespace detail
 
 /// Learns of each event when it happens, by the thread that told the record: as LogSink::record, it
-/// must neither block nor call back.
+/// must neither block nor tell anything in turn.
 class BUSBAR_API MachineEventListener {
 public:
     MachineEventListener() = default;
@@ -34,6 +34,9 @@ public:
     virtual ~MachineEventListener() = default;
 
     virtual void happened(const MachineEvent& event) = 0;
+    /// Other errors stand than before, which MachineEventLog::current_errors has; after the event
+    /// that stands now, and also when one is over, which is no event.
+    virtual void errors_changed() {}
 };
 
 struct EventLevelChoice {

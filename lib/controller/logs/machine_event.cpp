@@ -93,4 +93,13 @@ std::string code_text(const MachineEventType& type)
     return text;
 }
 
+std::string text(const MachineEvent& event)
+{
+    std::string result = code_text(*event.type) + " " + std::string{event.type->name};
+    for (std::size_t i = 0; i < event.attached.size(); ++i) {
+        result += (i == 0 ? ": " : ", ") + event.attached[i];
+    }
+    return result;
+}
+
 } // namespace busbar::controller

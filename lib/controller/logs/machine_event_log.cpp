@@ -78,9 +78,12 @@ void MachineEventLog::record(const Record& record)
     }
     const DateTime now = clock_->now();
     std::vector<MachineEvent> events;
+    bool has_other_errors = false;
     {
         const std::lock_guard lock{mutex_};
+        const std::uint64_t changes = rules_->changes();
         events = rules_->take(record, now);
+        has_other_errors = rules_->changes() != changes;
         for (MachineEvent& event : events) {
             event.number = ++last_number_;
             keep(event);
@@ -89,6 +92,9 @@ void MachineEventLog::record(const Record& record)
     if (listener_ != nullptr) {
         for (const MachineEvent& event : events) {
             listener_->happened(event);
+        }
+        if (has_other_errors) {
+            listener_->errors_changed();
         }
     }
 }

@@ -26,15 +26,11 @@ Result<void> MachineEventRaiser::attach(model::AddressSpace& address_space, mode
 
 server::Event MachineEventRaiser::event_of(const MachineEvent& event) const
 {
-    std::string message = code_text(*event.type) + " " + std::string{event.type->name};
-    for (std::size_t i = 0; i < event.attached.size(); ++i) {
-        message += (i == 0 ? ": " : ", ") + event.attached[i];
-    }
     server::Event result;
     result.event_type = event_type_;
     result.source_node = source_;
     result.source_name = String{std::string{machine_event_source_details}};
-    result.message = LocalizedText{"en", String{std::move(message)}};
+    result.message = LocalizedText{"en", String{text(event)}};
     result.severity = severity_of(event.level);
     result.time = event.time;
     return result;

@@ -245,6 +245,7 @@ std::vector<MachineEvent> MachineEventRules::take(const Record& record, DateTime
         if (type->end != EventEnd::Never) {
             end_one(type->code);
             standing_.push_back(event);
+            ++changes_;
         }
         events.push_back(std::move(event));
     }
@@ -280,12 +281,14 @@ void MachineEventRules::end(const Record& record)
 
 void MachineEventRules::end_all(EventEnd what)
 {
-    std::erase_if(standing_, [&](const MachineEvent& each) { return each.type->end == what; });
+    changes_ +=
+        std::erase_if(standing_, [&](const MachineEvent& each) { return each.type->end == what; });
 }
 
 void MachineEventRules::end_one(std::uint32_t code)
 {
-    std::erase_if(standing_, [&](const MachineEvent& each) { return each.type->code == code; });
+    changes_ +=
+        std::erase_if(standing_, [&](const MachineEvent& each) { return each.type->code == code; });
 }
 
 void MachineEventRules::note_not_published(const Record& record)

@@ -22,6 +22,8 @@ public:
     [[nodiscard]] std::vector<MachineEvent> take(const Record& record, DateTime now);
 
     [[nodiscard]] const std::vector<MachineEvent>& standing() const { return standing_; }
+    /// Another number after each change of those that stand.
+    [[nodiscard]] std::uint64_t changes() const { return changes_; }
 
 private:
     void end(const Record& record);
@@ -35,6 +37,7 @@ private:
     OncePerCertificate once_;
     std::uint32_t not_published_{0}; // bits, since the preparation began
     std::vector<MachineEvent> standing_;
+    std::uint64_t changes_{0};
 };
 
 } // namespace busbar::controller::detail
