@@ -32,8 +32,8 @@ constexpr std::size_t max_interface_addresses = 16;
                                                    const std::string& machine,
                                                    const std::vector<std::string>& interfaces);
 
-/// Of such hosts the first address that other machines may use; else the first address, or the first
-/// host.
+/// Of such hosts the first address that other machines may use; else the first address, or the
+/// first host.
 [[nodiscard]] std::string address_of(const std::vector<std::string>& hosts);
 
 } // namespace busbar::example
