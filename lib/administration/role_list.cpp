@@ -161,7 +161,7 @@ Checked<void> RoleList::replace(std::vector<RoleRules> roles)
         file_, std::as_bytes(std::span{document.data(), document.size()}), FileAccess::Owner);
     if (!written) {
         return refuse(
-            {status::Bad_ResourceUnavailable,
+            {status_of(written.error()),
              "role set",
              storage_->place(file_) + " cannot be written: " + std::string{text(written.error())},
              {},

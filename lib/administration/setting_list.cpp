@@ -222,7 +222,7 @@ Configured<void> SettingList::change(std::span<const SettingChange> set, Setting
         storage_->replace(file_, std::as_bytes(std::span{document}), FileAccess::Owner);
     if (!written) {
         return misconfigured(storage_->place(file_), std::string{text(written.error())},
-                             status::Bad_ResourceUnavailable);
+                             status_of(written.error()));
     }
     changes_ = std::move(changes);
     owner.apply(changes_);

@@ -263,7 +263,7 @@ Checked<void> UserList::replace(std::vector<User> users)
         file_, std::as_bytes(std::span{document.data(), document.size()}), FileAccess::Owner);
     if (!written) {
         return refuse(
-            {status::Bad_ResourceUnavailable,
+            {status_of(written.error()),
              "user list",
              storage_->place(file_) + " cannot be written: " + std::string{text(written.error())},
              {},

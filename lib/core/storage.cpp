@@ -33,6 +33,7 @@ std::string_view text(StorageError error)
         "the medium is not there",
         "the name cannot be that of a file",
         "the medium failed",
+        "nothing is changed any more before a restart",
     };
     return texts[static_cast<std::size_t>(error)];
 }
@@ -46,6 +47,8 @@ StatusCode status_of(StorageError error)
         return status::Bad_EntryExists;
     case StorageError::BadName:
         return status::Bad_InvalidArgument;
+    case StorageError::Closed:
+        return status::Bad_InvalidState;
     case StorageError::TooLarge:
     case StorageError::Full:
     case StorageError::Protected:

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include <busbar/core/status_codes.hpp>
+#include <busbar/core/storage_gate.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
 using namespace busbar;
@@ -217,6 +218,17 @@ TEST_CASE_METHOD(Fixture, "roles: own ones come and go (Part 18, 4.2)")
         REQUIRE(list.add("role " + std::to_string(i), ""));
     }
     CHECK(status_of(list.add("one more", "")) == "Bad_ResourceUnavailable");
+}
+
+TEST_CASE("roles: what waits for a restart is not changed before")
+{
+    storage::MemoryStorage storage;
+    StorageGate gate{storage};
+    RoleList list{gate, "roles.json"};
+    gate.close();
+    CHECK(status_of(list.add("Fitter", "")) == "Bad_InvalidState");
+    CHECK(list.find("Fitter") == nullptr);
+    CHECK(storage.names().empty());
 }
 
 TEST_CASE_METHOD(Fixture, "roles: nobody takes the last rule of SecurityAdmin away")

@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include <busbar/core/status_codes.hpp>
+#include <busbar/core/storage_gate.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
 using namespace busbar;
@@ -156,6 +157,20 @@ TEST_CASE_METHOD(SettingFixture, "settings: what is wrong is refused with the re
     CHECK(stored() == kept);
     CHECK(owner.applied == kept);
     CHECK(list.changes() == kept);
+}
+
+TEST_CASE_METHOD(SettingFixture, "settings: what waits for a restart is not changed before")
+{
+    StorageGate gate{storage};
+    SettingList gated{gate, "settings.json", settings()};
+    REQUIRE(gated.load());
+    gate.close();
+    const SettingChange set[] = {{"limits.sessions", Variant{std::int64_t{7}}}};
+    const auto done = gated.change(set, owner);
+    REQUIRE_FALSE(done);
+    CHECK(done.error().status == status::Bad_InvalidState);
+    CHECK(gated.changes().empty());
+    CHECK(owner.applied.empty());
 }
 
 TEST_CASE_METHOD(SettingFixture, "settings: a disk that is full leaves all as it was")

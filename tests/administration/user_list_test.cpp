@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include <busbar/core/status_codes.hpp>
+#include <busbar/core/storage_gate.hpp>
 #include <busbar/crypto/password_hash.hpp>
 #include <busbar/crypto/random.hpp>
 #include <busbar/storage/memory_storage.hpp>
@@ -106,6 +107,22 @@ TEST_CASE("users: the list has a limit, and names and passwords rules")
     CHECK(status_of(list.add(user, "abcde1234", random)) == "Good");
     user.name = "abcde";
     CHECK(status_of(list.add(user, "abcde1234", random)) == "Bad_ResourceUnavailable");
+}
+
+TEST_CASE("users: what waits for a restart is not changed before")
+{
+    storage::MemoryStorage storage;
+    StorageGate gate{storage};
+    crypto::SystemRandom random;
+    server::PasswordUsers passwords;
+    UserList list{gate, "users.json", server::nj501_password_rules(), passwords};
+    gate.close();
+    User user;
+    user.name = "late";
+    CHECK(status_of(list.add(user, "abcde1234", random)) == "Bad_InvalidState");
+    CHECK(list.users().empty());
+    CHECK(passwords.password_hash("late").empty());
+    CHECK(storage.names().empty());
 }
 
 TEST_CASE_METHOD(Fixture, "users: are modified, disabled and enabled (Part 18, 5.2.6)")

@@ -25,6 +25,7 @@ enum class StorageError : std::uint8_t {
     Away,      // the medium is not there
     BadName,   // see is_storage_name
     Failed,    // anything else: a defect medium, a folder where a file was expected
+    Closed,    // it takes no changes any more, see StorageGate
 };
 
 template <typename T>
@@ -37,8 +38,8 @@ using Stored = tl::expected<T, StorageError>;
 
 /// For people: "there is no space left".
 [[nodiscard]] BUSBAR_API std::string_view text(StorageError error);
-/// Bad_NotFound, Bad_EntryExists, Bad_InvalidArgument for BadName; Bad_ResourceUnavailable for all
-/// others.
+/// Bad_NotFound, Bad_EntryExists, Bad_InvalidArgument for BadName, Bad_InvalidState for Closed;
+/// Bad_ResourceUnavailable for all others.
 [[nodiscard]] BUSBAR_API StatusCode status_of(StorageError error);
 
 /// Who may read a file that is written, where a medium knows users.
