@@ -66,7 +66,8 @@ void TransferNodes::generate_for_read(MethodCall& call)
     if (!room) {
         return call.fail(room.error());
     }
-    auto bytes = transfer_.owner->generate({call.inputs()[0], call.user()}, *room);
+    auto bytes =
+        transfer_.owner->generate({call.inputs()[0], call.user(), call.session_id()}, *room);
     if (!bytes) {
         return call.fail(bytes.error());
     }
@@ -90,7 +91,8 @@ void TransferNodes::generate_for_write(MethodCall& call)
         return call.fail(room.error());
     }
     const Variant& options = call.inputs()[0];
-    if (const StatusCode may = transfer_.owner->may_take({options, call.user()}); may.is_bad()) {
+    const administration::TransferRequest request{options, call.user(), call.session_id()};
+    if (const StatusCode may = transfer_.owner->may_take(request); may.is_bad()) {
         return call.fail(may);
     }
     const auto kept = keep({.session = call.session_id(), .is_written = true, .options = options});
@@ -113,7 +115,8 @@ void TransferNodes::close_and_commit(MethodCall& call)
     if (!file->is_written) {
         return call.fail(status::Bad_InvalidState);
     }
-    const StatusCode taken = transfer_.owner->take({file->options, call.user()}, file->bytes);
+    const StatusCode taken =
+        transfer_.owner->take({file->options, call.user(), call.session_id()}, file->bytes);
     if (taken.is_bad()) {
         return call.fail(taken); // the client has it still
     }

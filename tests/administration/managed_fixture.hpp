@@ -100,6 +100,7 @@ struct PlainTransfers final : administration::TransferOwner {
             taken.emplace_back(bytes.begin(), bytes.end());
             options = request.options;
             user = request.user.name;
+            session = request.session;
         }
         return answer;
     }
@@ -110,6 +111,7 @@ struct PlainTransfers final : administration::TransferOwner {
     std::vector<std::vector<std::byte>> taken;
     Variant options;
     std::string user;
+    NodeId session;
 };
 
 /// A server whose certificates and users are managed, in memory and in virtual time. Trusts the

@@ -163,6 +163,7 @@ TEST_CASE_METHOD(TransferFixture, "transfer nodes: a program takes what is commi
     CHECK(ByteString{transfers.taken[0]} == byte_string("half and half"));
     CHECK(transfers.options == Variant{String{"project 4"}});
     CHECK(transfers.user == "eng");
+    CHECK_FALSE(transfers.session.is_null());
     CHECK(commit(client, file) == "Bad_InvalidArgument");
 
     const Made closed = make(client, "GenerateFileForWrite");

@@ -26,11 +26,12 @@ struct TransferLimits {
     std::size_t max_open_of_session{2};
 };
 
-/// What a client wants: whatever it gave as generateOptions, of any type or null, and who it is.
-/// Valid as long as the call.
+/// What a client wants: whatever it gave as generateOptions, of any type or null, who it is and in
+/// which session. Valid as long as the call.
 struct TransferRequest {
     const Variant& options;
     const server::UserIdentity& user;
+    const NodeId& session;
 };
 
 /// The program on the other side of a TemporaryFileTransfer: it makes files and takes them. On the
