@@ -16,9 +16,10 @@ bool manages_certificates(const ControllerConfig& config)
     return config.server.identity.has_value() && !config.certificates.trusts_all_clients;
 }
 
-Administered::Administered(const ControllerConfig& config, const WallClock& clock, LogSink& lines)
-    : clock_{clock}, audit_{lines}, files_{config.certificates.folder},
-      roles_{files_, "roles.json"}, file_systems_{config.files}
+Administered::Administered(const ControllerConfig& config, Storage& files, const WallClock& clock,
+                           LogSink& lines)
+    : clock_{clock}, audit_{lines}, files_{files}, roles_{files_, "roles.json"}, file_systems_{
+                                                                                     config.files}
 {
     expect(roles_.load());
 }
@@ -101,6 +102,8 @@ void Administered::attach(const ToAdminister& what)
     parts.file_systems = file_systems_.all();
     parts.file_systems.insert(parts.file_systems.end(), what.file_systems.begin(),
                               what.file_systems.end());
+    parts.file_transfers = what.file_transfers;
+    parts.random = &random_;
     parts.settings = &what.settings.list();
     parts.setting_owner = &what.settings;
     if (manages_certificates(what.config)) {
@@ -119,7 +122,6 @@ void Administered::attach(const ToAdminister& what)
         parts.reset = [this] { return reset(); };
         parts.users = &*users_;
         parts.certificates = &certificates_;
-        parts.random = &random_;
         parts.worker = &what.worker;
         parts.is_in_setup = [this] { return setup_->is_active(); };
         parts.changed = [this, &server = what.server, offer_changed = what.offer_changed] {

@@ -7,8 +7,8 @@
 
 #include <busbar/administration/administration.hpp>
 #include <busbar/administration/audit_log.hpp>
+#include <busbar/core/storage.hpp>
 #include <busbar/crypto/random.hpp>
-#include <busbar/storage/folder_storage.hpp>
 
 #include "admission.hpp"
 #include "config.hpp"
@@ -39,13 +39,16 @@ struct ToAdminister {
     std::function<void()> renewed;
     /// Beside those of the configuration.
     std::vector<administration::FileSystem> file_systems;
+    std::vector<administration::TemporaryFileTransfer> file_transfers;
 };
 
 /// What administrators change while the controller runs, kept in the folder of certificates.
 class Administered {
 public:
-    /// Throws a ConfigError if what is kept cannot be read. Both must outlive it.
-    Administered(const ControllerConfig& config, const WallClock& clock, LogSink& lines);
+    /// Throws a ConfigError if what is kept in `files`, the folder of certificates, cannot be read.
+    /// All must outlive it.
+    Administered(const ControllerConfig& config, Storage& files, const WallClock& clock,
+                 LogSink& lines);
 
     /// The server's log.
     [[nodiscard]] LogSink& log() { return audit_; }
@@ -75,7 +78,7 @@ private:
 
     const WallClock& clock_;
     administration::AuditLog audit_;
-    storage::FolderStorage files_;
+    Storage& files_;
     crypto::SystemRandom random_;
     Admission* admission_{nullptr};
     /// The file has an administrator.

@@ -47,14 +47,11 @@ void make_folders(crypto::CertificateStore& store)
 
 } // namespace
 
-Admission::Admission(const ControllerConfig& config, LogSink& log)
+Admission::Admission(const ControllerConfig& config, Storage& files, LogSink& log)
     : config_{config.users}, trusts_all_clients_{config.certificates.trusts_all_clients},
-      client_files_{config.certificates.folder}, client_store_{client_files_,
-                                                               config.certificates.limits, log},
+      client_store_{files, config.certificates.limits, log},
       client_validator_{client_store_, log, config.certificates.validation},
-      user_files_{config.certificates.folder + "/users"}, user_store_{user_files_,
-                                                                      config.certificates.limits,
-                                                                      log},
+      user_files_{files, "users"}, user_store_{user_files_, config.certificates.limits, log},
       user_validator_{user_store_, log, config.certificates.validation}
 {
     if (needs_certificates(config)) {

@@ -1,8 +1,8 @@
 #pragma once
 
+#include <busbar/core/storage_folder.hpp>
 #include <busbar/crypto/store_validator.hpp>
 #include <busbar/server/user_directory.hpp>
-#include <busbar/storage/folder_storage.hpp>
 
 #include "config.hpp"
 
@@ -13,8 +13,9 @@ namespace busbar::example {
 /// Who is let in: the trust lists of clients and, apart from them, of users; the users themselves.
 class Admission {
 public:
-    /// Makes the folders that are missing. Throws ConfigError. `log` must outlive it.
-    Admission(const ControllerConfig& config, LogSink& log);
+    /// Makes the folders that are missing in `files`, the folder of certificates. Throws
+    /// ConfigError. `files` and `log` must outlive it.
+    Admission(const ControllerConfig& config, Storage& files, LogSink& log);
 
     [[nodiscard]] crypto::CertificateValidator& clients();
     [[nodiscard]] server::UserStore& users() { return users_; }
@@ -43,10 +44,9 @@ private:
     UserConfig config_;
     bool trusts_all_clients_;
     crypto::InsecureAcceptAnyCertificate accept_all_;
-    storage::FolderStorage client_files_;
     crypto::CertificateStore client_store_;
     crypto::StoreValidator client_validator_;
-    storage::FolderStorage user_files_;
+    StorageFolder user_files_;
     crypto::CertificateStore user_store_;
     crypto::StoreValidator user_validator_;
     server::UserDirectory users_;

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "machine_items.hpp"
 #include "program_change.hpp"
 #include "reload.hpp"
 #include "startup.hpp"
@@ -45,9 +46,9 @@ Generation::Generation(const Origin& origin, Reading reading, const Surroundings
                        const Requests& requests)
     : origin_{origin}, around_{around}, settings_{std::move(reading.settings)},
       config_{complete(std::move(reading.config), around)}, plant_{config_},
-      administered_{config_, *around.environment.wall_clock, log_of(around)},
-      admission_{config_, administered_.log()}, server_{make_server()}, worker_{64, &around.lines},
-      live_{server_, administered_, config_, administered_.log()},
+      administered_{config_, settings_->files(), *around.environment.wall_clock, log_of(around)},
+      admission_{config_, settings_->files(), administered_.log()}, server_{make_server()},
+      worker_{64, &around.lines}, live_{server_, administered_, config_, administered_.log()},
       lookout_{server_, manages_certificates(config_) ? &admission_.client_store() : nullptr,
                *around.environment.wall_clock, administered_.log(),
                [this] { return present_hosts(config_); }}
@@ -91,9 +92,30 @@ void Generation::attach(const Requests& requests)
                           .restart = requests.restart,
                           .offer_changed = [this] { live_.apply(settings_->config()); },
                           .renewed = requests.renewed,
-                          .file_systems = files});
+                          .file_systems = files,
+                          .file_transfers = backups(requests)});
     settings_->run({.check = [this](const ControllerConfig& next) { return live_.check(next); },
                     .apply = [this](const ControllerConfig& next) { live_.apply(next); }});
+}
+
+std::vector<administration::TemporaryFileTransfer> Generation::backups(const Requests& requests)
+{
+    Machine* const machine = around_.machine;
+    if (machine == nullptr) {
+        return {};
+    }
+    memory_files_.emplace(settings_->folder(), machine->event_files());
+    backup_.emplace(MachineBackup::Needs{
+        .files = *memory_files_,
+        .gate = settings_->files(),
+        .items = machine_items(*settings_),
+        .controller = controller_name(config_),
+        .clock = *around_.environment.wall_clock,
+        .log = administered_.log(),
+        .mode = [machine] { return machine->mode(); },
+        .hold_events = [machine](FunctionRef<void()> act) { machine->hold_events(act); },
+        .replaced = requests.memory_replaced});
+    return {backup_->transfer()};
 }
 
 Configured<void> Generation::edit(const Reading& next)

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <busbar/administration/administration.hpp>
 #include <busbar/controller/plc_task.hpp>
@@ -15,6 +16,8 @@
 #include "live_config.hpp"
 #include "lookout.hpp"
 #include "machine.hpp"
+#include "machine_backup.hpp"
+#include "machine_files.hpp"
 #include "plant.hpp"
 #include "reading.hpp"
 
@@ -37,6 +40,8 @@ struct Requests {
     std::function<void(const administration::RestartWish& wish)> restart;
     /// The certificate is another one.
     std::function<void()> renewed;
+    /// The machine's memory was restored or cleared; the client has no answer yet.
+    std::function<void()> memory_replaced;
 };
 
 /// Everything that is made of one reading of the configuration: a server with its users and
@@ -78,6 +83,9 @@ public:
 private:
     [[nodiscard]] server::Server make_server();
     void attach(const Requests& requests);
+    /// A machine's backups (seed 000, 8-2 and 8-3).
+    [[nodiscard]] std::vector<administration::TemporaryFileTransfer>
+    backups(const Requests& requests);
 
     Origin origin_;
     Surroundings around_;
@@ -90,6 +98,8 @@ private:
     net::WorkerThread worker_;
     LiveConfig live_;
     Lookout lookout_;
+    std::optional<MachineFiles> memory_files_;
+    std::optional<MachineBackup> backup_;
     std::optional<controller::PlcTask> task_;
 };
 

@@ -37,8 +37,9 @@ Machine::Machine(const ControllerConfig& config, const WallClock& clock, LogSink
     : config_{config.machine}, max_variables_{std::max(usual_variables,
                                                        config.machine.program->variables.size())},
       settings_{settings_of(config)}, state_{config.machine.state_folder},
-      medium_{config.machine.medium_folder}, log_folder_{medium_,
-                                                         controller::ExecutionLogOptions{}.folder}
+      medium_{config.machine.medium_folder},
+      event_files_{state_, controller::MachineEventLogOptions{}.folder},
+      log_folder_{medium_, controller::ExecutionLogOptions{}.folder}
 {
     make_root(state_);
     make_root(medium_);
@@ -68,6 +69,7 @@ Machine::~Machine()
 
 bool Machine::save_pending()
 {
+    const std::lock_guard lock{saving_};
     const bool is_retained = retained_->save_when_due(std::chrono::steady_clock::now());
     const bool is_kept = event_log_->write_pending().has_value() && is_retained;
     if (!execution_log_) {
@@ -120,6 +122,20 @@ std::vector<administration::FileSystem> Machine::file_systems()
     log.writers = roles({id::WellKnownRole_Supervisor, id::WellKnownRole_Engineer,
                          id::WellKnownRole_SecurityAdmin});
     return {log};
+}
+
+void Machine::hold_events(FunctionRef<void()> act)
+{
+    const std::lock_guard lock{saving_};
+    // What cannot be saved now is not in the backup either, and the log goes on.
+    static_cast<void>(event_log_->write_pending());
+    act();
+}
+
+void Machine::memory_replaced()
+{
+    life_->restore_begins();
+    life_->restore_done(true);
 }
 
 LogSink& Machine::log()

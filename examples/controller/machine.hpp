@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -73,6 +74,15 @@ public:
     /// Whether there are other files than at the last call. Any thread; waits for nothing.
     [[nodiscard]] bool has_changed_files() { return has_changed_files_.exchange(false); }
 
+    [[nodiscard]] controller::MachineMode mode() const { return life_->mode(); }
+    /// The event log as it is kept, which only the machine changes.
+    [[nodiscard]] Storage& event_files() { return event_files_; }
+    /// Runs `act` while the event log's files have all that happened, and stay as they are.
+    void hold_events(FunctionRef<void()> act);
+    /// Its memory was restored or cleared: the server's state is Shutdown, and a restart is due
+    /// (seed 000, 4-1-3).
+    void memory_replaced();
+
 private:
     void initialize() override;
     void prepare(std::uint32_t number, const controller::ServerSettings& settings) override;
@@ -94,6 +104,7 @@ private:
     controller::ServerSettings settings_;
     storage::FolderStorage state_;
     storage::FolderStorage medium_;
+    StorageFolder event_files_;
     MachineEvents events_;
     std::unique_ptr<controller::MachineEventLog> event_log_;
     std::unique_ptr<controller::ExecutionLog> execution_log_; // before it
@@ -106,6 +117,7 @@ private:
     /// Of an online edit, while that is made.
     const Adding* adding_{nullptr};
     std::optional<Configured<controller::ProgramAddition>> added_;
+    std::mutex saving_; // while the saver works
     std::optional<MachineSaver> saver_;
 };
 

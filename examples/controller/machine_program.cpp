@@ -23,6 +23,11 @@ T expect_published(Result<T> result, const std::string& what)
 
 } // namespace
 
+const std::string& controller_name(const ControllerConfig& config)
+{
+    return config.machine.name.empty() ? config.server.application_name : config.machine.name;
+}
+
 MachineProgram::MachineProgram(const ControllerConfig& config)
     : config_{config}, program_{publish_program(config)}
 {
@@ -43,8 +48,7 @@ controller::MachineNodesOptions MachineProgram::node_options(std::uint32_t sourc
 {
     controller::MachineNodesOptions options;
     options.namespace_uri = machine_uri;
-    options.controller_name =
-        config_.machine.name.empty() ? config_.server.application_name : config_.machine.name;
+    options.controller_name = controller_name(config_);
     options.types = config_.machine.types;
     options.source = source;
     options.cycle = config_.scan;

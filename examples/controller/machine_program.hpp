@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include <busbar/controller/machine_event_log.hpp>
 #include <busbar/controller/machine_nodes.hpp>
@@ -15,6 +16,9 @@
 #include "machine_view.hpp"
 
 namespace busbar::example {
+
+/// The name of a machine's folder.
+[[nodiscard]] const std::string& controller_name(const ControllerConfig& config);
 
 /// A machine's program as one server publishes it (seed 000, 6-2). Outlives that server, on whose
 /// thread it is.

@@ -120,7 +120,8 @@ Requests RunningController::requests()
 {
     return {.stop = [this] { loop_.stop(); },
             .restart = [this](const administration::RestartWish& wish) { restart(wish); },
-            .renewed = [this] { renewed(); }};
+            .renewed = [this] { renewed(); },
+            .memory_replaced = [this] { loop_.post([this] { machine_->memory_replaced(); }); }};
 }
 
 /// Not to a generation that is being left: nobody can ask it any more.

@@ -18,8 +18,6 @@ namespace {
 using administration::Setting;
 using administration::SettingValues;
 
-constexpr const char* settings_file = "settings.json";
-
 std::string name_of_file(const std::string& path)
 {
     return path.empty() ? "built-in" : path;
@@ -54,7 +52,7 @@ Settings::Settings(const std::string& path, std::string preset)
 
 Settings::Settings(const std::string& path, std::string preset, std::string text)
     : path_{path}, preset_{std::move(preset)}, name_{name_of_file(path)}, text_{std::move(text)},
-      folder_{config_of(table_of(text_), name_).certificates.folder}, list_{folder_, settings_file,
+      folder_{config_of(table_of(text_), name_).certificates.folder}, list_{files_, file_name,
                                                                             controller_settings(
                                                                                 table_of(text_))}
 {
@@ -152,7 +150,7 @@ void forget_changes(const std::string& path)
         return;
     }
     storage::FolderStorage folder{place};
-    expect(administration::SettingList{folder, settings_file, {}}.forget());
+    expect(administration::SettingList{folder, Settings::file_name, {}}.forget());
 }
 
 } // namespace busbar::example

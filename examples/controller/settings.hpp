@@ -8,6 +8,7 @@
 
 #include <busbar/administration/setting_list.hpp>
 #include <busbar/core/function_ref.hpp>
+#include <busbar/core/storage_gate.hpp>
 #include <busbar/storage/folder_storage.hpp>
 
 #include "config.hpp"
@@ -21,6 +22,8 @@ namespace busbar::example {
 /// program_only_settings).
 class Settings final : public administration::SettingOwner {
 public:
+    static constexpr const char* file_name = "settings.json";
+
     /// What puts a configuration in force, as far as that can be while the controller runs.
     struct Running {
         std::function<Configured<void>(const ControllerConfig& config)> check;
@@ -37,6 +40,10 @@ public:
     /// The file's, as it was read last.
     [[nodiscard]] const std::string& text() const { return text_; }
     [[nodiscard]] administration::SettingList& list() { return list_; }
+    /// The folder of certificates, as everybody changes it; and what is behind the gate, for a
+    /// restore.
+    [[nodiscard]] StorageGate& files() { return files_; }
+    [[nodiscard]] Storage& folder() { return folder_; }
     /// From now on what is changed is in force at once, where it can be.
     void run(Running running) { running_ = std::move(running); }
     /// The file again, under what was changed. `check` may throw. Throws a ConfigError and changes
@@ -67,6 +74,7 @@ private:
     /// The file's.
     std::string text_;
     storage::FolderStorage folder_;
+    StorageGate files_{folder_};
     administration::SettingList list_;
     ControllerConfig config_;
     administration::SettingValues values_;

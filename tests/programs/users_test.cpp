@@ -8,6 +8,7 @@
 #include <memory>
 
 #include <busbar/crypto/password_hash.hpp>
+#include <busbar/storage/folder_storage.hpp>
 
 #include "admission.hpp"
 #include "first_account.hpp"
@@ -58,7 +59,7 @@ struct Plant {
         settings = std::make_unique<Settings>(file);
         ControllerConfig config = settings->config();
         config.certificates.folder = folder.path.string() + "/pki";
-        admission = std::make_unique<Admission>(config, log);
+        admission = std::make_unique<Admission>(config, pki, log);
     }
     std::string reload()
     {
@@ -71,6 +72,7 @@ struct Plant {
     }
 
     test::TemporaryFolder folder;
+    storage::FolderStorage pki{folder.path.string() + "/pki"};
     std::string file{folder.path.string() + "/plant.toml"};
     NullLog log;
     std::unique_ptr<Settings> settings;
