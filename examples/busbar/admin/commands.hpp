@@ -24,6 +24,12 @@ struct LogChoice {
     std::string folder;
 };
 
+/// What of a controller's memory is meant.
+struct BackupChoice {
+    bool without_security{false};
+    bool clears_security{false};
+};
+
 /// What they take.
 struct Arguments {
     /// [URL] and whatever the subcommand names.
@@ -43,6 +49,7 @@ struct Arguments {
     bool restarts{false};
     StreamEnd end;
     LogChoice log;
+    BackupChoice backup;
 };
 
 /// Carries a subcommand out; throws Failure.
@@ -78,6 +85,7 @@ void add_settings(CLI::App& admin, Run& run);
 void add_files(CLI::App& admin, Run& run);
 void add_audit(CLI::App& admin, Run& run);
 void add_log(CLI::App& admin, Run& run);
+void add_backup(CLI::App& admin, Run& run);
 void add_setup(CLI::App& admin, Run& run);
 void add_shutdown(CLI::App& admin, Run& run);
 
