@@ -1,0 +1,363 @@
+#include "machine_backup.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <busbar/administration/managed_certificates.hpp>
+#include <busbar/administration/role_list.hpp>
+#include <busbar/core/record.hpp>
+#include <busbar/storage/memory_storage.hpp>
+
+#include "machine_files.hpp"
+#include "machine_items.hpp"
+#include "support/temporary_folder.hpp"
+
+using namespace busbar;
+using namespace busbar::example;
+
+namespace {
+
+using Bytes = std::vector<std::byte>;
+using Files = std::map<std::string, std::string>;
+
+struct StillClock final : WallClock {
+    [[nodiscard]] DateTime now() const override { return DateTime::from_unix_seconds(1'000'000); }
+};
+
+struct RecordedLog final : LogSink {
+    void write(LogLevel, std::string_view, std::string_view text) override
+    {
+        lines += std::string{text} + "\n";
+    }
+    void record(const Record& record) override { kinds.push_back(record.kind); }
+    [[nodiscard]] bool wants(RecordKind) const override { return true; }
+
+    std::string lines;
+    std::vector<RecordKind> kinds;
+};
+
+const Files before{
+    {"settings.json", R"({"version":1,"settings":{"server.name":"Press 4"}})"},
+    {"users.json", R"({"version":1,"users":[]})"},
+    {"trusted/certs/client.der", "client"},
+    {"issuers/crl/ca.crl", "list"},
+    {"users/trusted/certs/pat.der", "pat"},
+    {"own/certs/own.der", "own"},
+    {"rejected/certs/stranger.der", "stranger"},
+    {"setup.code", "code"},
+};
+
+/// A machine's memory, of which the settings decide what makes sense.
+struct BackupFixture {
+    BackupFixture()
+    {
+        const std::string file = folder.path.string() + "/press.toml";
+        std::ofstream{file} << "certificates.folder = \"" + folder.path.string() + "/pki\"\n";
+        settings = std::make_unique<Settings>(file);
+        put_all(before);
+        static_cast<void>(events.replace("events.log", bytes_of("events"), FileAccess::Owner));
+        start();
+    }
+
+    void start()
+    {
+        gate = std::make_unique<StorageGate>(files);
+        backup = std::make_unique<MachineBackup>(
+            MachineBackup::Needs{.files = all,
+                                 .gate = *gate,
+                                 .items = machine_items(*settings),
+                                 .controller = "Press 4",
+                                 .clock = clock,
+                                 .log = log,
+                                 .mode = [this] { return mode; },
+                                 .hold_events =
+                                     [this](FunctionRef<void()> act) {
+                                         ++holds;
+                                         act();
+                                     },
+                                 .replaced = [this] { ++restarts; }});
+    }
+
+    static std::span<const std::byte> bytes_of(std::string_view text)
+    {
+        return std::as_bytes(std::span{text.data(), text.size()});
+    }
+    void put(const std::string& name, const std::string& content)
+    {
+        const std::size_t slash = name.rfind('/');
+        if (slash != std::string::npos) {
+            REQUIRE(files.make_folder(name.substr(0, slash), FileAccess::Everyone));
+        }
+        REQUIRE(files.replace(name, bytes_of(content), FileAccess::Owner));
+    }
+    void put_all(const Files& some)
+    {
+        for (const auto& [name, content] : some) {
+            put(name, content);
+        }
+    }
+    [[nodiscard]] Files there()
+    {
+        Files found;
+        for (const std::string& name : files.names()) {
+            const auto bytes = read_file(files, name, 10'000);
+            REQUIRE(bytes);
+            found[name] = {reinterpret_cast<const char*>(bytes->data()), bytes->size()};
+        }
+        return found;
+    }
+
+    [[nodiscard]] Result<Bytes> generate(const Variant& options, const NodeId& session = {1, 1})
+    {
+        return backup->generate({options, user, session}, 1'000'000);
+    }
+    [[nodiscard]] std::string report(const NodeId& session = {1, 1})
+    {
+        const auto bytes = generate(Variant{"report"}, session);
+        return bytes ? std::string{reinterpret_cast<const char*>(bytes->data()), bytes->size()}
+                     : std::string{name(bytes.error())};
+    }
+    [[nodiscard]] std::string take(const char* options, std::span<const std::byte> bytes,
+                                   const NodeId& session = {1, 1})
+    {
+        const Variant wish{options};
+        const StatusCode may = backup->may_take({wish, user, session});
+        return std::string{name(may.is_bad() ? may : backup->take({wish, user, session}, bytes))};
+    }
+    [[nodiscard]] Bytes made()
+    {
+        auto bytes = generate(Variant{});
+        REQUIRE(bytes);
+        return *std::move(bytes);
+    }
+    void change()
+    {
+        put("settings.json", R"({"version":1,"settings":{"server.port":4901}})");
+        put("users.json", R"({"version":1,"users":[ ]})");
+        put("roles.json", R"({"version":1,"roles":[]})");
+        put("trusted/certs/other.der", "other");
+    }
+
+    test::TemporaryFolder folder;
+    std::unique_ptr<Settings> settings;
+    storage::MemoryStorage files;
+    storage::MemoryStorage events;
+    MachineFiles all{files, events};
+    StillClock clock;
+    RecordedLog log;
+    server::UserIdentity user;
+    controller::MachineMode mode{controller::MachineMode::Program};
+    int holds{0};
+    int restarts{0};
+    std::unique_ptr<StorageGate> gate;
+    std::unique_ptr<MachineBackup> backup;
+};
+
+} // namespace
+
+TEST_CASE_METHOD(BackupFixture, "machine backup: has what it should, and no key (8-2-1)")
+{
+    const Bytes file = made();
+    const std::string text{reinterpret_cast<const char*>(file.data()), file.size()};
+    CHECK(holds == 1);
+    for (const char* part :
+         {"Press 4", "settings.json", "users.json", "trusted/certs/client.der",
+          "issuers/crl/ca.crl", "users/trusted/certs/pat.der", "event-log/events.log"}) {
+        INFO(part);
+        CHECK(text.find(part) != std::string::npos);
+    }
+    for (const char* part : {"own/certs", "rejected/certs", "setup.code"}) {
+        INFO(part);
+        CHECK(text.find(part) == std::string::npos);
+    }
+    CHECK(backup->generate({Variant{}, user, NodeId{1, 1}}, file.size() - 1).error() ==
+          status::Bad_EncodingLimitsExceeded);
+    CHECK(there() == before);
+}
+
+TEST_CASE_METHOD(BackupFixture, "machine backup: a verification tells what differs (8-2-2)")
+{
+    const Bytes file = made();
+    CHECK(take("verify", file) == "Good");
+    CHECK(report().find(R"({"name":"Users","differences":[]})") != std::string::npos);
+    change();
+    const Files changed = there();
+    CHECK(take("verify", file) == "Good");
+    CHECK(report() == R"({"items":[{"name":"Server settings","differences":["settings.json"]},)"
+                      R"({"name":"Client certificates","differences":["trusted/certs/other.der"]},)"
+                      R"({"name":"CA certificates","differences":[]},)"
+                      R"({"name":"Certificate revocation lists","differences":[]},)"
+                      R"({"name":"User certificates","differences":[]},)"
+                      R"({"name":"Users","differences":["users.json"]},)"
+                      R"({"name":"Roles","differences":["roles.json"]}]})");
+    CHECK(report({1, 2}) == "Bad_NotFound");
+    CHECK(take("verify without security profile", file) == "Good");
+    CHECK(report() == R"({"items":[{"name":"Server settings","differences":["settings.json"]}]})");
+    CHECK(there() == changed);
+    CHECK_FALSE(gate->is_closed());
+    CHECK(restarts == 0);
+}
+
+TEST_CASE_METHOD(BackupFixture, "machine backup: what is restored stays until the restart")
+{
+    const Bytes file = made();
+    change();
+    mode = controller::MachineMode::Run; // which restores, but does not clear
+    CHECK(take("restore", file) == "Good");
+    CHECK(report() == R"({"restored":true})");
+    CHECK(there() == before);
+    CHECK(restarts == 1);
+    CHECK(log.lines.find("a restart, which is due") != std::string::npos);
+
+    // What the server has in memory does not come back over it.
+    administration::RoleList roles{*gate, "roles.json"};
+    const auto added = roles.add("Fitter", "");
+    REQUIRE_FALSE(added);
+    CHECK(added.error().status == status::Bad_InvalidState);
+    CHECK(there() == before);
+    CHECK(take("restore", file) == "Bad_InvalidState");
+    CHECK(take("clear", {}) == "Bad_InvalidState");
+    CHECK(take("verify", file) == "Good");
+
+    start();
+    REQUIRE(administration::RoleList{*gate, "roles.json"}.add("Fitter", ""));
+    CHECK(take("restore without security profile", file) == "Good");
+    CHECK(there().contains("roles.json"));
+    CHECK(restarts == 2);
+}
+
+TEST_CASE_METHOD(BackupFixture, "machine backup: what makes no sense changes nothing")
+{
+    const Bytes file = made();
+    Bytes damaged = file;
+    damaged[damaged.size() / 2] ^= std::byte{1};
+    put("settings.json", R"({"version":1,"settings":{"limits.sessions":0}})");
+    const Bytes senseless = made();
+    put("settings.json", R"({"version":1,"settings":{"server.address":"here"}})");
+    const Bytes unfit = made();
+    put_all(before);
+    put("users.json", R"({"version":1,"users":[{"name":"pat"}]})");
+    const Bytes without_password = made();
+    put_all(before);
+    const Bytes nothing;
+
+    const struct {
+        const Bytes& file;
+        const char* answer;
+        const char* said;
+    } rows[] = {{damaged, "Bad_ConfigurationError", "backup"},
+                {senseless, "Bad_OutOfRange", "limits.sessions"},
+                {unfit, "Bad_ConfigurationError", "found 'here'"},
+                {without_password, "Bad_ConfigurationError", "password_hash"},
+                {nothing, "Bad_ConfigurationError", "backup"}};
+    for (const auto& [bytes, answer, said] : rows) {
+        CHECK(take("restore", bytes) == answer);
+        INFO(report());
+        CHECK(report().find(R"({"problem":")") == 0);
+        CHECK(report().find(said) != std::string::npos);
+        CHECK(log.lines.find("restore: nothing was changed: ") != std::string::npos);
+    }
+    CHECK(there() == before);
+    CHECK_FALSE(gate->is_closed());
+    CHECK(restarts == 0);
+    CHECK(take("restore", file) == "Good");
+}
+
+TEST_CASE_METHOD(BackupFixture, "machine backup: clears all memory in PROGRAM mode (8-3)")
+{
+    mode = controller::MachineMode::Run;
+    CHECK(take("clear", {}) == "Bad_InvalidState");
+    CHECK(take("clear with security", {}) == "Bad_InvalidState");
+    const Variant wish{"clear"};
+    CHECK(backup->take({wish, user, NodeId{1, 1}}, {}) == status::Bad_InvalidState);
+    CHECK(there() == before);
+
+    mode = controller::MachineMode::Program;
+    CHECK(take("clear", bytes_of("x")) == "Bad_InvalidArgument");
+    CHECK(there() == before);
+    CHECK(take("clear", {}) == "Good");
+    CHECK(report() == R"({"cleared":true})");
+    Files expected = before;
+    expected.erase("settings.json");
+    CHECK(there() == expected);
+    CHECK(log.kinds.empty());
+    CHECK(restarts == 1);
+
+    start();
+    CHECK(take("clear with security", {}) == "Good");
+    CHECK(files.names().empty());
+    CHECK(events.names() == std::vector<std::string>{"events.log"});
+    CHECK(log.kinds == std::vector<RecordKind>{RecordKind::SecurityCleared});
+}
+
+TEST_CASE_METHOD(BackupFixture, "machine backup: knows its options, and who may use them (8-1)")
+{
+    CHECK(take("restore everything", {}) == "Bad_InvalidArgument");
+    CHECK(generate(Variant{"verify"}).error() == status::Bad_InvalidArgument);
+    CHECK(generate(Variant{true}).error() == status::Bad_InvalidArgument);
+    CHECK(report() == "Bad_NotFound");
+    const Variant number{std::int32_t{1}};
+    CHECK(backup->may_take({number, user, NodeId{}}) == status::Bad_InvalidArgument);
+    const auto transfer = backup->transfer();
+    CHECK(transfer.name == "Backup");
+    CHECK(transfer.owner == backup.get());
+    const NodeId administrator{0, 15'704}; // SecurityAdmin
+    CHECK(transfer.readers == std::vector<NodeId>{administrator});
+    CHECK(transfer.writers == std::vector<NodeId>{administrator});
+}
+
+TEST_CASE_METHOD(BackupFixture, "machine backup: a power cut restores all or nothing (8-2-2)")
+{
+    const Bytes file = made();
+    change();
+    const Files changed = there();
+    std::size_t cuts = 0;
+    for (bool was_cut = true; was_cut; ++cuts) {
+        REQUIRE(cuts < 10'000);
+        const std::size_t begin = files.steps();
+        files.cut_power_after(cuts);
+        const std::string answer = take("restore", file);
+        was_cut = files.steps() - begin >= cuts;
+        files.restore_power();
+        REQUIRE(administration::finish_changes(files)); // as the next start does
+        const Files now = there();
+        CHECK((now == before || now == changed));
+        CHECK((answer != "Good" || now == before));
+        for (const std::string& name : files.names()) {
+            REQUIRE(files.remove(name));
+        }
+        put_all(before);
+        change();
+        start();
+    }
+    CHECK(cuts > 100);
+}
+
+TEST_CASE("machine files: the event log is read, and changed by nobody")
+{
+    storage::MemoryStorage files;
+    storage::MemoryStorage events;
+    REQUIRE(events.replace("events.log", {}, FileAccess::Owner));
+    MachineFiles all{files, events};
+    CHECK(all.entry("event-log/events.log"));
+    CHECK(all.list("event-log", 9)->entries.size() == 1);
+    CHECK(all.place("event-log/events.log") == events.place("events.log"));
+    CHECK(all.place("event-logs") == files.place("event-logs"));
+    const std::string log = "event-log/events.log";
+    CHECK(all.replace(log, {}, FileAccess::Owner).error() == StorageError::Protected);
+    CHECK(all.append(log, {}, FileAccess::Owner).error() == StorageError::Protected);
+    CHECK(all.move(log, "here", WhenThere::Replace).error() == StorageError::Protected);
+    CHECK(all.remove(log).error() == StorageError::Protected);
+    CHECK(all.make_folder("event-log/more", FileAccess::Owner).error() == StorageError::Protected);
+    CHECK(all.close_to_others(log).error() == StorageError::Protected);
+    REQUIRE(all.replace("users.json", {}, FileAccess::Owner));
+    CHECK(all.move("users.json", log, WhenThere::Replace).error() == StorageError::Protected);
+    CHECK(files.names() == std::vector<std::string>{"users.json"});
+    CHECK(events.names() == std::vector<std::string>{"events.log"});
+}
