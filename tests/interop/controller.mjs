@@ -156,6 +156,11 @@ ${machine ? machineSection(folder, machine) : plc}`);
     certificates,
     endpointUrl: `opc.tcp://${address || "localhost"}:${port}`,
     output: () => output,
+    /** Has a machine take over other declarations. */
+    edit(declarations) {
+      writeFileSync(join(folder, "machine.st"), declarations);
+      child.kill("SIGHUP");
+    },
     async stop() {
       child.kill("SIGTERM");
       const code = await exited;

@@ -177,3 +177,32 @@ describe("10,001 variables (6-2-2)", () => {
     assert.match(readFileSync(events, "utf8"), /\t35D30000\t/);
   });
 });
+
+describe("the 10,001st variable is added online (4-2-5)", () => {
+  before(async () => { await start({ declarations: scalars(10000) }); });
+  after(async () => { assert.equal(await controller.stop(), 0); });
+
+  test("a client sees the event and the bit (6-2-2, 9-2-2)", () => secured(async (session) => {
+    const subscription = await session.createSubscription2({
+      requestedPublishingInterval: 100, requestedLifetimeCount: 100, requestedMaxKeepAliveCount: 5,
+      maxNotificationsPerPublish: 0, publishingEnabled: true, priority: 1 });
+    const heard = [];
+    const events = await subscription.monitor(
+      { nodeId: opcua.resolveNodeId("Server"), attributeId: AttributeIds.EventNotifier },
+      { samplingInterval: 0, queueSize: 100, discardOldest: true,
+        filter: opcua.constructEventFilter(["Message", "Severity", "SourceName"]) }, TimestampsToReturn.Both);
+    events.on("changed", (fields) => { heard.push(fields.map((each) => each.value)); });
+    const status = valueOf("Controller/DeviceState/UnpublishedVariablesStatus");
+    assert.equal((await session.read(status)).value.value, 0);
+
+    controller.edit(scalars(10001));
+    const unpublished = () => heard.find(([message]) => message?.text?.startsWith("35D30000"));
+    for (let i = 0; i < 200 && !unpublished(); ++i) await sleep(50);
+    assert.ok(unpublished(), controller.output());
+    assert.equal((await session.read(status)).value.value, 1);
+    const record = /\tSERVER\t0100\tMaxVariables\tMaxVariables\r\n/;
+    for (let i = 0; i < 100 && !record.test(log()); ++i) await sleep(100);
+    assert.match(log(), record);
+    await subscription.terminate();
+  }));
+});
