@@ -70,8 +70,8 @@ public:
     /// publish() on. Adding none is no addition.
     ///
     /// Problems are those of create(); besides, with an empty `where`, Bad_TooManyOperations after
-    /// ImageOptions::max_additions, Bad_OutOfMemory if the image would get too large, Bad_OutOfRange
-    /// for a variable of more bytes than max_bytes_per_scan. Nothing was added then.
+    /// ImageOptions::max_additions, Bad_OutOfMemory if the image would get too large, and
+    /// Bad_OutOfRange for a variable of more bytes than max_bytes_per_scan. Nothing was added then.
     [[nodiscard]] Configured<ProgramImageAddition>
     add(const ProgramTypes& types, std::span<const std::size_t> variables, EncodingOf encoding_of);
 
