@@ -92,14 +92,15 @@ private:
     std::unique_ptr<Settings> settings_;
     ControllerConfig config_;
     Plant plant_;
+    // Before the Administration, which they outlive.
+    std::optional<MachineFiles> memory_files_;
+    std::optional<MachineBackup> backup_;
     Administered administered_;
     Admission admission_;
     server::Server server_;
     net::WorkerThread worker_;
     LiveConfig live_;
     Lookout lookout_;
-    std::optional<MachineFiles> memory_files_;
-    std::optional<MachineBackup> backup_;
     std::optional<controller::PlcTask> task_;
 };
 

@@ -3,23 +3,13 @@
 #include <utility>
 
 #include "machine_section.hpp"
+#include "toml_reader.hpp"
 
 namespace busbar::example {
 
 namespace {
 
 constexpr const char* machine_uri = "urn:busbar:machine";
-
-template <typename T>
-T expect_published(Result<T> result, const std::string& what)
-{
-    if (!result) {
-        throw ConfigError{Problem{result.error(), what, "failed"}};
-    }
-    if constexpr (!std::is_void_v<T>) {
-        return *std::move(result);
-    }
-}
 
 } // namespace
 
@@ -35,8 +25,8 @@ MachineProgram::MachineProgram(const ControllerConfig& config)
 
 std::unique_ptr<controller::Plc> MachineProgram::make_plc(server::Server& server)
 {
-    const std::uint16_t index = expect_published(server.address_space().add_namespace(machine_uri),
-                                                 "the machine's namespace");
+    const std::uint16_t index =
+        expect(server.address_space().add_namespace(machine_uri), "the machine's namespace");
     image_ =
         expect(program_->make_image(index, {.image = config_.image,
                                             .elementary = controller::MachineTypes::elementary_in(
@@ -65,7 +55,7 @@ model::NodeIndex MachineProgram::publish(server::Server& server, std::uint32_t s
     nodes_->set_mode(space, config_.machine.mode == controller::MachineMode::Run
                                 ? controller::OperatingMode::Run
                                 : controller::OperatingMode::Program);
-    expect_published(view_.attach(server, *nodes_, log), "the machine's events");
+    expect(view_.attach(server, *nodes_, log), "the machine's events");
     return space.resolve(nodes_->folder());
 }
 

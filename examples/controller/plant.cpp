@@ -10,21 +10,6 @@
 
 namespace busbar::example {
 
-namespace {
-
-template <typename T>
-T expect_made(Result<T> result, const std::string& what)
-{
-    if (!result) {
-        throw ConfigError{Problem{result.error(), what, "failed"}};
-    }
-    if constexpr (!std::is_void_v<T>) {
-        return *std::move(result);
-    }
-}
-
-} // namespace
-
 Plant::Plant(const ControllerConfig& config) : config_{config}
 {
     if (config.machine.program) {
@@ -44,14 +29,14 @@ void Plant::publish(server::Server& server, LogSink& log,
     model::AddressSpace& space = server.address_space();
     const auto folder =
         program_ ? program_->publish(server, nodes.source, *machine_log)
-                 : expect_made(controller::publish_variables(space, *plc_, nodes), "the variables");
+                 : expect(controller::publish_variables(space, *plc_, nodes), "the variables");
     load_models(server, config_.nodesets, log);
-    events_ = expect_made(controller::PlcEvents::create(space, folder, *plc_, server.event_queue()),
-                          "the events");
+    events_ = expect(controller::PlcEvents::create(space, folder, *plc_, server.event_queue()),
+                     "the events");
     if (!program_) {
-        expect_made(controller::publish_methods(space, folder, *plc_, methods_,
-                                                server.add_source(methods_)),
-                    "the methods");
+        expect(controller::publish_methods(space, folder, *plc_, methods_,
+                                           server.add_source(methods_)),
+               "the methods");
     }
 }
 

@@ -28,23 +28,14 @@ struct FixedClock final : WallClock {
     DateTime time;
 };
 
-template <typename T>
-T expect_done(Result<T> result, const char* what)
-{
-    if (!result) {
-        throw ConfigError{Problem{result.error(), what, "failed"}};
-    }
-    return *std::move(result);
-}
-
 channel::ApplicationIdentity passing_identity(const ControllerConfig& config, DateTime now)
 {
-    auto key = expect_done(crypto::PrivateKey::generate(2'048), "a key");
+    auto key = expect(crypto::PrivateKey::generate(2'048), "a key");
     crypto::CertificateSubject subject;
     subject.common_name = "Busbar";
     subject.application_uri = config.server.application_uri;
     subject.valid_from = now;
-    auto certificate = expect_done(crypto::create_self_signed(key, subject), "a certificate");
+    auto certificate = expect(crypto::create_self_signed(key, subject), "a certificate");
     return {{std::move(certificate)}, std::move(key)};
 }
 
@@ -55,8 +46,8 @@ void add_nodes(server::Server& server, const ControllerConfig& config, controlle
     controller::PlcNodesOptions nodes;
     nodes.source = server.add_source(source);
     nodes.cycle = config.scan;
-    static_cast<void>(expect_done(controller::publish_variables(server.address_space(), plc, nodes),
-                                  "the variables"));
+    static_cast<void>(
+        expect(controller::publish_variables(server.address_space(), plc, nodes), "the variables"));
     load_models(server, config.nodesets, log);
 }
 

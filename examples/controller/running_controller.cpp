@@ -11,21 +11,11 @@
 
 #include "startup.hpp"
 #include "ticker.hpp"
+#include "toml_reader.hpp"
 
 namespace busbar::example {
 
 namespace {
-
-template <typename T>
-T expect_started(Result<T> result, const std::string& what)
-{
-    if (!result) {
-        throw ConfigError{Problem{result.error(), what, "failed"}};
-    }
-    if constexpr (!std::is_void_v<T>) {
-        return *std::move(result);
-    }
-}
 
 bool has_terminal()
 {
@@ -56,7 +46,7 @@ RunningController::RunningController(Origin origin, Reading reading)
     }
 #ifdef BUSBAR_KEY_LOG
     if (!config.key_log.empty()) {
-        key_log_ = expect_started(net::KeyLogFile::open(config.key_log, log_), config.key_log);
+        key_log_ = expect(net::KeyLogFile::open(config.key_log, log_), config.key_log);
     }
 #endif
     standing_ = standing_of(config);
@@ -81,7 +71,7 @@ void RunningController::listen(const ControllerConfig& config)
     port_ = *port;
     net::ReverseConnectConfig reverse;
     reverse.client_urls = config.reverse_urls;
-    expect_started(loop_.connect_to_clients(reverse), "connecting to clients");
+    expect(loop_.connect_to_clients(reverse), "connecting to clients");
 }
 
 void RunningController::register_with_discovery_server(const ControllerConfig& config)
@@ -102,8 +92,8 @@ void RunningController::register_with_discovery_server(const ControllerConfig& c
                                                   .log = &log_,
                                                   .validator = &clients_,
                                                   .identity = identity_ ? &*identity_ : nullptr};
-    expect_started(loop_.register_with(std::move(registration), environment),
-                   "registering with " + config.discovery.url);
+    expect(loop_.register_with(std::move(registration), environment),
+           "registering with " + config.discovery.url);
 }
 
 Surroundings RunningController::surroundings()

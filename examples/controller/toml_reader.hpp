@@ -14,6 +14,7 @@
 #include <toml++/toml.h>
 
 #include <busbar/core/problem.hpp>
+#include <busbar/core/result.hpp>
 
 namespace busbar::example {
 
@@ -43,6 +44,18 @@ T expect(Configured<T> made)
     }
     if constexpr (!std::is_void_v<T>) {
         return *std::move(made);
+    }
+}
+
+/// The value, or a ConfigError: "listening: failed" with the status.
+template <typename T>
+T expect(Result<T> result, const std::string& what)
+{
+    if (!result) {
+        throw ConfigError{Problem{result.error(), what, "failed"}};
+    }
+    if constexpr (!std::is_void_v<T>) {
+        return *std::move(result);
     }
 }
 
