@@ -69,23 +69,6 @@ bool is_short(const Variant& value)
            (list == nullptr || std::all_of(list->begin(), list->end(), fits));
 }
 
-std::string document_of(const SettingValues& changes)
-{
-    detail::JsonWriter json;
-    json.begin_object();
-    json.name("version");
-    json.word(std::to_string(settings_version));
-    json.name("settings");
-    json.begin_object();
-    for (const auto& [name, value] : changes) {
-        json.name(name);
-        detail::write_value(json, value);
-    }
-    json.end_object();
-    json.end_object();
-    return json.take() + "\n";
-}
-
 /// With texts of its own, which a request may have lent.
 Variant own_copy(const Variant& value)
 {
@@ -104,6 +87,23 @@ Variant own_copy(const Variant& value)
 }
 
 } // namespace
+
+std::string settings_document(const SettingValues& changes)
+{
+    detail::JsonWriter json;
+    json.begin_object();
+    json.name("version");
+    json.word(std::to_string(settings_version));
+    json.name("settings");
+    json.begin_object();
+    for (const auto& [name, value] : changes) {
+        json.name(name);
+        detail::write_value(json, value);
+    }
+    json.end_object();
+    json.end_object();
+    return json.take() + "\n";
+}
 
 Configured<void> check_setting(const Setting& setting, const Variant& value)
 {
@@ -214,7 +214,7 @@ Configured<void> SettingList::change(std::span<const SettingChange> set, Setting
         }
         return checked;
     }
-    const std::string document = document_of(changes);
+    const std::string document = settings_document(changes);
     if (document.size() > max_settings_size) {
         return misconfigured(file_, "found more than can be kept", status::Bad_OutOfRange);
     }

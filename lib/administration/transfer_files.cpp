@@ -33,6 +33,15 @@ Result<std::size_t> TransferFiles::room(const NodeId& session) const
     return std::min(limits_.max_file_size, limits_.max_held - all);
 }
 
+Result<std::size_t> TransferFiles::room_to_write(const NodeId& session) const
+{
+    const auto written = std::count_if(files_.begin(), files_.end(),
+                                       [](const TransferFile& file) { return file.is_written; });
+    return static_cast<std::size_t>(written) < limits_.max_written
+               ? room(session)
+               : Result<std::size_t>{fail(status::Bad_TooManyOperations)};
+}
+
 const TransferFile& TransferFiles::add(TransferFile file, TimePoint now)
 {
     file.handle = ++last_handle_;

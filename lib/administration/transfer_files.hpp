@@ -43,6 +43,8 @@ public:
     /// Bytes that one more file of the session may have. Bad_TooManyOperations or Bad_OutOfMemory
     /// where there can be none.
     [[nodiscard]] Result<std::size_t> room(const NodeId& session) const;
+    /// The same for one that is written.
+    [[nodiscard]] Result<std::size_t> room_to_write(const NodeId& session) const;
     /// Keeps it under a handle of its own. There must be room.
     const TransferFile& add(TransferFile file, TimePoint now);
     /// The session's file with this handle; null if it has none. Also with this name, where one is

@@ -87,7 +87,7 @@ void TransferNodes::generate_for_read(MethodCall& call)
 
 void TransferNodes::generate_for_write(MethodCall& call)
 {
-    if (const auto room = files_.room(call.session_id()); !room) {
+    if (const auto room = files_.room_to_write(call.session_id()); !room) {
         return call.fail(room.error());
     }
     const Variant& options = call.inputs()[0];

@@ -119,6 +119,22 @@ TEST_CASE_METHOD(SettingFixture, "settings: a set is kept, whole, and in force")
     REQUIRE(list.forget());
 }
 
+TEST_CASE_METHOD(SettingFixture, "settings: a document of changes is what a list keeps and reads")
+{
+    const SettingChange set[] = {{"server.name", Variant{"Press"}},
+                                 {"limits.intervals_ms", Variant{Array<std::int64_t>{1, 500}}}};
+    CHECK(change(set) == "Good");
+    const auto kept = read_file(storage, "settings.json", 1'000);
+    REQUIRE(kept);
+    const std::string document = administration::settings_document(list.changes());
+    CHECK(document == std::string{reinterpret_cast<const char*>(kept->data()), kept->size()});
+    const SettingValues part{{"server.name", Variant{"Lathe"}}};
+    write(administration::settings_document(part));
+    CHECK(stored() == part);
+    write(administration::settings_document({}));
+    CHECK(stored().empty());
+}
+
 TEST_CASE_METHOD(SettingFixture, "settings: what is wrong is refused with the reason")
 {
     CHECK(change("limits.sessions", Variant{std::int64_t{7}}) == "Good");

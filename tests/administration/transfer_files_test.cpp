@@ -99,6 +99,18 @@ TEST_CASE("transfer files: are written up to their limits")
     CHECK(transfers.why_no_room(two) == "Bad_OutOfMemory");
 }
 
+TEST_CASE("transfer files: how many may be written at once is limited by itself")
+{
+    TransferFiles files{TemporaryFileTransfer{.name = "project", .limits = {.max_written = 1}}};
+    const auto written = files.add({.name = "a", .session = one, .is_written = true}, TimePoint{});
+    CHECK(files.room(two));
+    REQUIRE_FALSE(files.room_to_write(two));
+    CHECK(files.room_to_write(two).error() == status::Bad_TooManyOperations);
+    files.remove(*files.find(written.handle, one, TimePoint{}));
+    files.add({.name = "b", .session = one}, TimePoint{});
+    CHECK(files.room_to_write(two));
+}
+
 TEST_CASE("transfer files: how many there may be is limited")
 {
     Transfers transfers;

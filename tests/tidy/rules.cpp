@@ -25,9 +25,12 @@ constexpr std::array layers = {
     Layer{"server", " core binary types crypto channel model nodes server "},
     Layer{"administration", " core binary types crypto channel model nodes server administration "},
     Layer{"client", " core binary types crypto channel client "},
-    Layer{"net", " core binary types crypto channel model nodes server client storage net "},
-    Layer{"harness", " core binary types crypto channel model nodes server client harness "},
-    Layer{"controller", " core binary types crypto channel model nodes server controller "},
+    Layer{"backend", " core binary types crypto channel model nodes server backend "},
+    Layer{"net",
+          " core binary types crypto channel model nodes server client backend storage net "},
+    Layer{"harness",
+          " core binary types crypto channel model nodes server client backend harness "},
+    Layer{"controller", " core binary types crypto channel model nodes server backend controller "},
 };
 
 /// The floors of lib/server, each with those that it stands on; siblings know nothing of each
@@ -287,6 +290,33 @@ void check_traces(const File& file, Findings& findings)
     }
 }
 
+void check_virtuals(const File& file, Findings& findings)
+{
+    if (!starts_with(file.path, "include/")) {
+        return;
+    }
+    static const std::regex begin{R"(^ +(\[\[nodiscard\]\] )?virtual )"};
+    static const std::regex elsewhere{R"([^;{]*;)"};
+    static const std::regex pure_or_default{R"([^;{]*= (0|default);)"};
+    for (std::size_t i = 0; i < file.lines.size(); ++i) {
+        if (!std::regex_search(file.lines[i], begin)) {
+            continue;
+        }
+        std::string declaration;
+        for (std::size_t j = i; j < file.lines.size(); ++j) {
+            declaration += file.lines[j];
+            if (declaration.find_first_of(";{") != std::string::npos) {
+                break;
+            }
+        }
+        constexpr auto from_start = std::regex_constants::match_continuous;
+        if (std::regex_search(declaration, elsewhere, from_start) &&
+            !std::regex_search(declaration, pure_or_default, from_start)) {
+            report(file, i, "a virtual function is pure or defined in its class", findings);
+        }
+    }
+}
+
 std::vector<std::string> defined_types(const File& file)
 {
     static const std::regex definition{
@@ -328,6 +358,7 @@ Findings check(const File& file)
     check_lengths(file, findings);
     check_calls(file, findings);
     check_traces(file, findings);
+    check_virtuals(file, findings);
     return findings;
 }
 

@@ -28,6 +28,9 @@ void check_lengths(const File& file, Findings& findings);
 void check_calls(const File& file, Findings& findings);
 /// Absolute paths of somebody's machine, and headers that can be included twice.
 void check_traces(const File& file, Findings& findings);
+/// In a public header a virtual function that is defined elsewhere: the class's typeinfo is then
+/// with that definition, in a library that may have none, and nobody with RTTI can derive from it.
+void check_virtuals(const File& file, Findings& findings);
 
 /// The types that a header of the library defines, forward declarations and nested ones left out.
 [[nodiscard]] std::vector<std::string> defined_types(const File& file);

@@ -173,3 +173,21 @@ TEST_CASE("banned calls and traces are found where they are banned", "[tidy]")
     CHECK(count("include/busbar/core/x.hpp", "#pragma once\n#if defined(__GNUC__)\n") == 0);
     CHECK(count("lib/core/x.cpp", "#ifdef BUSBAR_KEY_LOG\n") == 0);
 }
+
+TEST_CASE("a virtual function of a public class that is defined elsewhere is found", "[tidy]")
+{
+    const auto count = [](const char* path, const std::string& member) {
+        const std::string text = "#pragma once\nclass X {\n    " + member + "\n};\n";
+        return tidy::check(make_file(path, text)).size();
+    };
+    const char* const header = "include/busbar/server/x.hpp";
+    CHECK(count(header, "virtual void read(int) const;") == 1);
+    CHECK(count(header, "[[nodiscard]] virtual int read(int,\n        int) const;") == 1);
+    CHECK(count(header, "virtual ~X();") == 1);
+    CHECK(count(header, "virtual ~X() = default;") == 0);
+    CHECK(count(header, "virtual void read(int,\n        int) = 0;") == 0);
+    CHECK(count(header, "virtual void read(int) {}") == 0);
+    CHECK(count(header, "virtual int read(int)\n    {\n        return 0;\n    }") == 0);
+    CHECK(count(header, "void read(int) override;") == 0);
+    CHECK(count("lib/client/x.hpp", "virtual void read(int) const;") == 0);
+}

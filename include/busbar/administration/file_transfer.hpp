@@ -24,6 +24,8 @@ struct TransferLimits {
     std::size_t max_held{32U << 20U};
     std::size_t max_open{8};
     std::size_t max_open_of_session{2};
+    /// Of those that clients write: with 1 the second of two who write at once is refused.
+    std::size_t max_written{8};
 };
 
 /// What a client wants: whatever it gave as generateOptions, of any type or null, who it is and in
@@ -45,14 +47,22 @@ public:
 
     /// The bytes of a file, at most `max_size`: what is larger is refused, with
     /// Bad_EncodingLimitsExceeded. Bad_InvalidArgument for options that are none of this owner's.
-    [[nodiscard]] virtual Result<std::vector<std::byte>> generate(const TransferRequest& request,
-                                                                  std::size_t max_size);
+    [[nodiscard]] virtual Result<std::vector<std::byte>> generate(const TransferRequest&,
+                                                                  std::size_t /*max_size*/)
+    {
+        return fail(status::Bad_NotSupported);
+    }
     /// Whether a file with these options would be taken, asked before the client sends it.
-    [[nodiscard]] virtual StatusCode may_take(const TransferRequest& request);
+    [[nodiscard]] virtual StatusCode may_take(const TransferRequest&)
+    {
+        return status::Bad_NotSupported;
+    }
     /// Takes the file as a whole, or not at all. The options are those of may_take. After a bad
     /// status the client has it still, and may try again.
-    [[nodiscard]] virtual StatusCode take(const TransferRequest& request,
-                                          std::span<const std::byte> bytes);
+    [[nodiscard]] virtual StatusCode take(const TransferRequest&, std::span<const std::byte>)
+    {
+        return status::Bad_NotSupported;
+    }
 };
 
 /// An Object of TemporaryFileTransferType (Part 20, 4.4) below Objects: clients read what a program

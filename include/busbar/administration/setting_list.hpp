@@ -101,4 +101,7 @@ private:
 [[nodiscard]] BUSBAR_API Configured<void> check_setting(const Setting& setting,
                                                         const Variant& value);
 
+/// The file of a SettingList with these changes; what load() reads. The same for the same changes.
+[[nodiscard]] BUSBAR_API std::string settings_document(const SettingValues& changes);
+
 } // namespace busbar::administration
