@@ -105,7 +105,7 @@ Stored<void> make_one_folder(const std::string& path, FileAccess access)
 
 } // namespace
 
-FolderStorage::FolderStorage(std::string folder) : root_{std::move(folder)}
+FolderStorage::FolderStorage(std::string folder, Root root) : root_{std::move(folder)}, kind_{root}
 {
     while (root_.size() > 1 && root_.back() == '/') {
         root_.pop_back();
@@ -247,12 +247,16 @@ Stored<void> FolderStorage::make_folder(std::string_view name, FileAccess access
         return not_stored(StorageError::BadName);
     }
     const std::string path = place(name);
-    for (std::size_t at = path.find('/', 1); at != std::string::npos; at = path.find('/', at + 1)) {
+    const bool has_root = kind_ == Root::Medium && !name.empty();
+    const std::size_t begin = has_root ? root_.size() + 1 : 1;
+    for (std::size_t at = path.find('/', begin); at != std::string::npos;
+         at = path.find('/', at + 1)) {
         if (const auto made = make_one_folder(path.substr(0, at), FileAccess::Everyone); !made) {
-            return made;
+            return not_stored(checked(made.error()));
         }
     }
-    return make_one_folder(path, access);
+    const auto made = make_one_folder(path, access);
+    return made ? made : not_stored(checked(made.error()));
 }
 
 Stored<bool> FolderStorage::close_to_others(std::string_view name)

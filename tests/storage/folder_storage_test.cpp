@@ -117,6 +117,29 @@ TEST_CASE("folder storage: a root that is gone is away")
     CHECK(FolderStorage{"/"}.place("a") == "/a");
 }
 
+TEST_CASE("folder storage: a medium that is gone is not made by what would be written to it")
+{
+    const TemporaryFolder folder;
+    const auto root = folder.path / "card";
+    FolderStorage card{root.string(), FolderStorage::Root::Medium};
+    CHECK(card.make_folder("log", FileAccess::Owner).error() == StorageError::Away);
+    CHECK(card.make_folder("log/old", FileAccess::Owner).error() == StorageError::Away);
+    CHECK_FALSE(fs::exists(root));
+    REQUIRE(card.make_folder("", FileAccess::Owner));
+    REQUIRE(card.make_folder("log/old", FileAccess::Owner));
+    REQUIRE(put(card, "log/old/a", "x"));
+    fs::rename(root, folder.path / "pulled");
+    CHECK(card.make_folder("log/old", FileAccess::Owner).error() == StorageError::Away);
+    CHECK(card.append("log/old/a", {}, FileAccess::Owner).error() == StorageError::Away);
+    CHECK_FALSE(fs::exists(root));
+    fs::rename(folder.path / "pulled", root);
+    CHECK(names(card, "log/old") == std::vector<std::string>{"a"});
+
+    // Others are made with what is in them.
+    FolderStorage made{(folder.path / "made").string()};
+    CHECK(made.make_folder("log", FileAccess::Owner));
+}
+
 TEST_CASE("folder storage: the times of a file are those of the system")
 {
     const TemporaryFolder folder;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include <busbar/core/storage.hpp>
@@ -15,8 +16,13 @@ namespace busbar::storage {
 /// Any thread. NotFound of a whole folder means Away if the root itself is gone.
 class BUSBAR_API FolderStorage final : public Storage {
 public:
+    enum class Root : std::uint8_t {
+        Made,   // with the first folder in it, if it is not there
+        Medium, // comes and goes: while it is not there all is Away, but make_folder("") makes it
+    };
+
     /// Nothing is touched; make_folder("") makes the folder. Empty: the working folder.
-    explicit FolderStorage(std::string folder);
+    explicit FolderStorage(std::string folder, Root root = Root::Made);
 
     Stored<StorageEntry> entry(std::string_view name) override;
     Stored<std::size_t> read(std::string_view name, std::uint64_t offset,
@@ -39,6 +45,7 @@ private:
     [[nodiscard]] StorageError checked(StorageError error) const;
 
     std::string root_;
+    Root kind_;
 };
 
 } // namespace busbar::storage
