@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "fetch.hpp"
+
 namespace busbar::model::detail {
 
 /// A multimap from hashes to record numbers: open addressing with 4 bytes a slot, 24 bits for the
@@ -32,6 +34,18 @@ public:
                 return (slot & ~tag_mask) - 1;
             }
         }
+    }
+    /// Has the slot fetched at which the search for that hash begins.
+    void fetch_slot(std::uint64_t hash) const
+    {
+        if (!slots_.empty()) {
+            fetch(&slots_[home(hash)]);
+        }
+    }
+    /// The first record that find() would look at.
+    [[nodiscard]] std::uint32_t likely(std::uint64_t hash) const
+    {
+        return find(hash, [](std::uint32_t) { return true; });
     }
     template <typename HashOf>
     void insert(std::uint64_t hash, std::uint32_t record, HashOf hash_of)

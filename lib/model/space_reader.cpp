@@ -35,6 +35,11 @@ NodeIndex SpaceReader::find(std::uint32_t namespace0_id) const
     return tables_->find(NodeId{0, namespace0_id});
 }
 
+void SpaceReader::fetch_nodes(std::span<const NodeId* const> ids) const
+{
+    tables_->fetch_nodes(ids);
+}
+
 NodeHandle SpaceReader::handle(NodeIndex node) const
 {
     return {node, tables_->is_constant(node) ? 0 : tables_->record(node).generation};

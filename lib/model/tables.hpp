@@ -116,6 +116,8 @@ struct Tables {
     [[nodiscard]] NodeId id_of(NodeIndex node) const;
     [[nodiscard]] NodeIndex find_constant(std::uint32_t numeric_id) const;
     [[nodiscard]] NodeIndex find(const NodeId& id) const;
+    /// See SpaceReader.
+    void fetch_nodes(std::span<const NodeId* const> ids) const;
     /// The first child of that name which was added below `parent` and for which `match` is true.
     template <typename Match>
     [[nodiscard]] NodeIndex find_child(NodeIndex parent, const QualifiedName& name,

@@ -344,8 +344,11 @@ TEST_CASE("memory of structures in scans that are held")
     CHECK(row.limit == "ImageOptions::max_pins");
     CHECK(row.value == options.max_pins);
     CHECK(row.count == options.max_pins + 1);
+    const server::MemoryRow waiting = *(all.rows.end() - 2);
+    CHECK(waiting.limit == "ImageOptions::max_waiting_bytes");
+    CHECK(waiting.bytes() == options.max_waiting_bytes);
     CHECK(all.total() - server::worst_case_memory(server::small_controller_limits()).total() ==
-          row.bytes());
+          waiting.bytes() + row.bytes());
 
     std::vector<server::ImagePin> pins;
     pins.reserve(row.count);

@@ -291,6 +291,23 @@ TEST_CASE_METHOD(WriteFixture, "a source may be given all or nothing")
     CHECK(value_of(near) == Variant{1});
 }
 
+TEST_CASE_METHOD(WriteFixture, "a source may have too long an array told from another type")
+{
+    far.options_.has_fixed_lengths = GENERATE(false, true);
+    model::NewVariable variable;
+    variable.source = far_index();
+    variable.data_type = NodeId{0, id::Int32};
+    variable.value_rank = 1;
+    variable.array_dimensions = {2};
+    variable.access_level = model::Access::ReadWrite;
+    const NodeId pair = add("Pair", variable);
+    CHECK(write(pair, Variant{Array<std::int32_t>{1, 2, 3}}) == (far.options_.has_fixed_lengths
+                                                                     ? status::Bad_WriteNotSupported
+                                                                     : status::Bad_TypeMismatch));
+    CHECK(write(pair, Variant{Array<float>{1, 2, 3}}) == status::Bad_TypeMismatch);
+    CHECK(far.writes.empty());
+}
+
 TEST_CASE_METHOD(WriteFixture, "a source may use the values after the request is forgotten")
 {
     const NodeId name = add_far("Name", id::String);

@@ -71,6 +71,11 @@ public:
 
     [[nodiscard]] NodeIndex find(const NodeId& id) const;
     [[nodiscard]] NodeIndex find(std::uint32_t namespace0_id) const;
+    static constexpr std::size_t fetched_together = 32;
+    /// For who is about to call find() for many nodes: has what it needs of the first
+    /// `fetched_together` brought near together, which takes as long as waiting for one. None may
+    /// be null; ids of no node are allowed.
+    void fetch_nodes(std::span<const NodeId* const> ids) const;
     [[nodiscard]] NodeHandle handle(NodeIndex node) const;
     /// The node of the handle, no_node if it was removed.
     [[nodiscard]] NodeIndex resolve(NodeHandle handle) const;

@@ -6,12 +6,12 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <utility>
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
 #include <busbar/core/data_value.hpp>
 #include <busbar/core/numeric_range.hpp>
+#include <busbar/core/result.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/server/method.hpp>
 #include <busbar/server/waker.hpp>
@@ -65,8 +65,7 @@ struct WriteItem {
     const DataValue* data{nullptr};
 };
 
-/// The values that one service call wants of one source: all of them should be from one point in
-/// time if the source has such a thing.
+/// The values that one service call wants of one source, of one point in time if it has such.
 /// It owns its memory together with the server: items, slots and what keep_alive was given are
 /// valid until the batch is completed or destroyed, even if client, session and server are long
 /// gone. Complete it once, inline in DataSource::read or later, on any thread, but on one at a
@@ -75,11 +74,7 @@ struct WriteItem {
 class BUSBAR_API ReadBatch {
 public:
     explicit ReadBatch(detail::ReadPart& part);
-    ReadBatch(ReadBatch&& other) noexcept
-        : part_{std::exchange(other.part_, nullptr)}, items_{std::exchange(other.items_, {})},
-          slots_{std::exchange(other.slots_, nullptr)}, max_age_{other.max_age_}
-    {
-    }
+    ReadBatch(ReadBatch&& other) noexcept;
     ReadBatch& operator=(ReadBatch&& other) noexcept;
     ~ReadBatch() { complete(); }
 
@@ -90,6 +85,8 @@ public:
     /// A source that caches remote values may answer with one that is no older than this (Part 4,
     /// 5.11.2.2); zero asks for a new one.
     [[nodiscard]] std::chrono::milliseconds max_age() const { return max_age_; }
+    /// True for what MonitoredItems of one sampling interval are sampled with, false for a Read.
+    [[nodiscard]] bool is_sample() const { return is_sample_; }
 
     /// Holds `memory` as long as anything in the slots may be used: String::borrow,
     /// ByteString::borrow and ReadSlot::shared may point into it. For a batch that is completed
@@ -109,6 +106,7 @@ private:
     std::span<const ReadItem> items_;
     ReadSlot* slots_;
     std::chrono::milliseconds max_age_;
+    bool is_sample_;
 };
 
 /// The values that one Write call has for one source, to be applied together if the source can do
@@ -117,11 +115,7 @@ private:
 class BUSBAR_API WriteBatch {
 public:
     explicit WriteBatch(detail::WritePart& part);
-    WriteBatch(WriteBatch&& other) noexcept
-        : part_{std::exchange(other.part_, nullptr)}, items_{std::exchange(other.items_, {})},
-          results_{std::exchange(other.results_, nullptr)}
-    {
-    }
+    WriteBatch(WriteBatch&& other) noexcept;
     WriteBatch& operator=(WriteBatch&& other) noexcept;
     ~WriteBatch() { complete(); }
 
@@ -154,26 +148,28 @@ struct Monitoring {
 struct DataSourceOptions {
     /// The source returns the part that ReadItem::range names.
     bool reads_ranges{false};
-    /// The source replaces the part that WriteItem::range names. Without it a write with an
-    /// IndexRange answers Bad_WriteNotSupported.
+    /// It replaces the part that WriteItem::range names; else that is Bad_WriteNotSupported.
     bool writes_ranges{false};
-    /// A Write is done either for all its items of this source or for none: the server hands over
-    /// none if it must refuse one, and those that it did not refuse answer Bad_InvalidState. The
-    /// source promises the same for what it finds itself.
+    /// Longer arrays than ArrayDimensions says are Bad_WriteNotSupported, else Bad_TypeMismatch.
+    bool has_fixed_lengths{false};
+    /// Bad_Shutdown, and Bad_TooManyOperations of Read and Write, for a batch is the ServiceResult.
+    bool decides_services{false};
+    /// A Write is done for all its items of this source or for none, whoever refuses one of them;
+    /// those that the server would not have refused answer Bad_InvalidState.
     bool all_or_nothing{false};
     /// How long a batch may take until its items answer Bad_Timeout; never more than the client's
     /// own timeout. The batch stays valid; its late completion is dropped.
     std::chrono::milliseconds timeout{5000};
-    /// How many batches, and items in them, the source may hold uncompleted, including those that
-    /// have timed out. What comes on top answers Bad_TooManyOperations.
+    /// Batches and items that it may hold, also late ones; past them Bad_TooManyOperations.
     std::size_t max_batches{256};
     std::size_t max_items{1'000'000};
+    /// Of monitored_size() of all MonitoredItems together; past it Bad_TooManyMonitoredItems.
+    std::size_t max_monitored_size{SIZE_MAX};
     /// The server's own: is called while that is Suspended or has Failed (RunningServer), too.
     bool is_always_in_service{false};
 };
 
 /// A backend: a controller's memory, a bus, a remote PLC.
-///
 /// The server calls it from the server's thread only and never while a call is running. It must
 /// not block: work that takes time keeps the batch and completes it later. An exception ends the
 /// call that it comes from and nothing else: the items of that batch answer Bad_InternalError, and
@@ -184,6 +180,7 @@ struct DataSourceOptions {
 /// the server's thread and in none of its own calls: from then on nothing calls it, its Variables
 /// answer Bad_NoCommunication, monitored items at their next sample, and its index is not given
 /// again. No lock is taken for that.
+/// Its virtual functions are inline: a library without RTTI would keep its typeinfo to itself.
 class BUSBAR_API DataSource {
 public:
     DataSource() = default;
@@ -209,6 +206,9 @@ public:
     /// override this.
     virtual void call(CallBatch batch) { batch.fail(status::Bad_NotImplemented); }
 
+    /// What a MonitoredItem of the variable, or of a part of it, counts as until it is deleted, or
+    /// the bad status that refuses it. Asked once, when the item is created.
+    [[nodiscard]] virtual Result<std::size_t> monitored_size(std::uint64_t) const { return 0; }
     /// Tells which variables are monitored, for a backend that prepares for it: that begins a
     /// cyclic transfer, say. Each change is told once, with the shortest interval at that time: a
     /// variable begins, gets another interval, or ends; only what has begun can end, and it can

@@ -42,8 +42,8 @@ struct MemoryAssumptions {
     std::size_t password_checks{1};
     /// Of the sources that do not complete their batches inline. They must outlive the call.
     std::span<const DataSourceOptions> slow_sources{};
-    /// Whose structures Reads and sampling turn into what is on the wire. They must outlive the
-    /// call; variables that are added later are not counted.
+    /// For which Write requests wait, and whose structures Reads and sampling turn into what is on
+    /// the wire. They must outlive the call; variables that are added later are not counted.
     std::span<const ProcessImage* const> images{};
 };
 

@@ -78,6 +78,9 @@ void ReadOperation::handle_deadline(TimePoint now)
 void ReadOperation::call_completed()
 {
     job_->finish();
+    if (const StatusCode refusal = job_->service_result(); refusal.is_bad()) {
+        return fault(refusal);
+    }
     ReturnDiagnostics diagnostics = this->diagnostics();
     const auto infos = job_->diagnose(diagnostics);
     respond<ReadResponse>(diagnostics,

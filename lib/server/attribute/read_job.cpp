@@ -6,6 +6,8 @@
 
 #include <busbar/binary/codec.hpp>
 
+#include "server/rights/nodes_ahead.hpp"
+
 namespace busbar::server::detail {
 
 namespace {
@@ -48,6 +50,8 @@ bool ReadJob::plan(const ReadContext& context, Turn& turn)
     rebindings_ = context.space.journal().rebindings();
     const auto ids = request_.nodes_to_read.span();
     do {
+        fetch_ahead(context.space, ids, planned_,
+                    [](const ReadValueId& id) -> const NodeId& { return id.node_id; });
         const std::size_t before = writer_.written();
         plan_one(context, planned_, ids[planned_]);
         turn.spend(Turn::units_of_value + writer_.written() - before + std::exchange(cut_, 0));

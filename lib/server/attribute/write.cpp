@@ -73,6 +73,9 @@ void WriteOperation::call_completed()
 {
     needs_.observer.written(session(), audit_entry_id_, request(),
                             [this](std::size_t index) { return job_->result(index); });
+    if (const StatusCode refusal = job_->service_result(); refusal.is_bad()) {
+        return fault(refusal);
+    }
     ReturnDiagnostics diagnostics = this->diagnostics();
     const auto infos = diagnostics.of_operations(
         request().nodes_to_write.size(), [&](std::size_t index) { return job_->result(index); },

@@ -7,6 +7,7 @@
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/types/ids.hpp>
 
+#include "server/rights/nodes_ahead.hpp"
 #include "write_attribute.hpp"
 
 namespace busbar::server::detail {
@@ -66,6 +67,15 @@ StatusCode check_type(const model::AddressSpace& space, const model::VariableAtt
     const bool fits =
         !value.is_null() && ((types >> static_cast<unsigned>(value.type())) & 1U) != 0;
     return fits ? status::Good : status::Bad_TypeMismatch;
+}
+
+/// Whether only the array's length is wrong, and its source tells that apart.
+bool is_other_length(const WriteContext& context, const model::VariableAttributes& variable,
+                     const Variant& value)
+{
+    const auto* source = context.sources.find(variable.source);
+    return source != nullptr && (*source)->options().has_fixed_lengths && value.is_array() &&
+           context.space.check_value(value, variable.data_type, variable.value_rank, {}).is_good();
 }
 
 /// Part 4, 5.11.4.2: a ByteString is taken where an array of Byte is expected.
@@ -142,6 +152,8 @@ bool WriteJob::plan(const WriteContext& context, Turn& turn)
     rebindings_ = context.space.journal().rebindings();
     const auto values = request_.nodes_to_write.span();
     do {
+        fetch_ahead(context.space, values, planned_,
+                    [](const WriteValue& value) -> const NodeId& { return value.node_id; });
         if (const auto answer = plan_one(context, planned_, values[planned_])) {
             call_.answer(planned_) = *answer;
         }
@@ -198,7 +210,8 @@ std::optional<StatusCode> WriteJob::plan_value(const WriteContext& context, std:
     }
     const auto mismatch = check_type(context.space, variable, data->value, is_part);
     if (mismatch.is_bad()) {
-        return mismatch;
+        return is_other_length(context, variable, data->value) ? status::Bad_WriteNotSupported
+                                                               : mismatch;
     }
     if (const auto bad = check_locales(context, target.node, data->value); bad.is_bad()) {
         return bad;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -30,6 +31,9 @@ struct ReadTraits {
     using Answer = ReadSlot;
     using Part = ReadPart;
     static constexpr std::string_view callback = "DataSource::read";
+    static constexpr bool changes_something = false;
+    static constexpr std::array service_results{status::Bad_Shutdown,
+                                                status::Bad_TooManyOperations};
     static std::vector<ReadSlot> answers(std::size_t count) { return std::vector<ReadSlot>(count); }
     static void send(DataSource& source, Part& part) { source.read(ReadBatch{part}); }
     /// Makes an answer last longer than what it points at.
@@ -47,6 +51,9 @@ struct WriteTraits {
     using Answer = StatusCode;
     using Part = WritePart;
     static constexpr std::string_view callback = "DataSource::write";
+    static constexpr bool changes_something = true;
+    static constexpr std::array service_results{status::Bad_Shutdown,
+                                                status::Bad_TooManyOperations};
     static std::vector<StatusCode> answers(std::size_t count)
     {
         return std::vector<StatusCode>(count, status::Bad_NoCommunication);
@@ -154,6 +161,23 @@ public:
     {
         const std::uint32_t place = place_[index];
         return place < size() ? &block_->answers[place] : nullptr;
+    }
+    /// Bad if a source that decides services failed its batch with a status that is the service's
+    /// (DataSourceOptions::decides_services). Of what changes something only if all of it was for
+    /// that source: what others have done must be told.
+    [[nodiscard]] StatusCode service_result() const
+    {
+        for (std::uint32_t i = 0; i < groups_.size(); ++i) {
+            const Group& group = groups_[i];
+            const bool counts = group.size != 0 && group.failure.is_bad() &&
+                                (!Traits::changes_something || group.size == size());
+            if (counts && (*sources_->find(i))->options().decides_services &&
+                std::find(Traits::service_results.begin(), Traits::service_results.end(),
+                          group.failure) != Traits::service_results.end()) {
+                return group.failure;
+            }
+        }
+        return status::Good;
     }
     /// What the sources keep for as long as they may use the call's memory.
     [[nodiscard]] std::shared_ptr<const void>& kept_for_sources() { return block_->kept; }

@@ -1,6 +1,7 @@
 #include "data_part.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace busbar::server {
 
@@ -47,7 +48,15 @@ void Part::complete(StatusCode verdict)
 } // namespace detail
 
 ReadBatch::ReadBatch(detail::ReadPart& part)
-    : part_{&part}, items_{part.items}, slots_{part.results}, max_age_{part.max_age}
+    : part_{&part}, items_{part.items}, slots_{part.results}, max_age_{part.max_age},
+      is_sample_{part.is_sample}
+{
+}
+
+ReadBatch::ReadBatch(ReadBatch&& other) noexcept
+    : part_{std::exchange(other.part_, nullptr)}, items_{std::exchange(other.items_, {})},
+      slots_{std::exchange(other.slots_, nullptr)}, max_age_{other.max_age_}, is_sample_{
+                                                                                  other.is_sample_}
 {
 }
 
@@ -59,6 +68,7 @@ ReadBatch& ReadBatch::operator=(ReadBatch&& other) noexcept
         items_ = std::exchange(other.items_, {});
         slots_ = std::exchange(other.slots_, nullptr);
         max_age_ = other.max_age_;
+        is_sample_ = other.is_sample_;
     }
     return *this;
 }
@@ -91,6 +101,12 @@ WriteBatch::WriteBatch(detail::WritePart& part)
 {
 }
 
+WriteBatch::WriteBatch(WriteBatch&& other) noexcept
+    : part_{std::exchange(other.part_, nullptr)}, items_{std::exchange(other.items_, {})},
+      results_{std::exchange(other.results_, nullptr)}
+{
+}
+
 WriteBatch& WriteBatch::operator=(WriteBatch&& other) noexcept
 {
     if (this != &other) {
@@ -112,6 +128,10 @@ void WriteBatch::complete()
 
 void WriteBatch::finish(StatusCode status)
 {
+    if (status.is_bad() && part_ != nullptr) {
+        items_ = {};
+        return std::exchange(part_, nullptr)->complete(status);
+    }
     std::fill_n(results_, items_.size(), status);
     complete();
 }

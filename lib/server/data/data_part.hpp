@@ -83,6 +83,7 @@ public:
     std::span<const ReadItem> items;
     ReadSlot* results{nullptr};
     std::chrono::milliseconds max_age{0};
+    bool is_sample{false};
     std::shared_ptr<const void> kept_alive;
 };
 

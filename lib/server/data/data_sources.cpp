@@ -135,6 +135,22 @@ bool SourceEntry::charge(std::size_t item_count)
     return true;
 }
 
+Result<std::size_t> SourceEntry::charge_monitored(std::uint64_t handle)
+{
+    Result<std::size_t> size{0};
+    // A source that is gone, or throws, says so when the item is sampled.
+    guard("DataSource::monitored_size",
+          [&](const DataSource& source) { size = source.monitored_size(handle); });
+    if (!size) {
+        return size;
+    }
+    if (*size > options_.max_monitored_size - monitored_size_) {
+        return fail(status::Bad_TooManyMonitoredItems);
+    }
+    monitored_size_ += *size;
+    return size;
+}
+
 void SourceEntry::release(std::size_t item_count)
 {
     items_ -= item_count;

@@ -87,6 +87,10 @@ public:
     [[nodiscard]] bool charge(std::size_t item_count);
     /// From any thread.
     void release(std::size_t item_count);
+    /// What a new MonitoredItem of the variable counts as, which release_monitored() gives back.
+    /// Bad if there can be none. Both on the server's thread.
+    [[nodiscard]] Result<std::size_t> charge_monitored(std::uint64_t handle);
+    void release_monitored(std::size_t size) { monitored_size_ -= size; }
 
 private:
     /// The source's own, see DataSource.
@@ -97,6 +101,7 @@ private:
     StatusCode suspension_;
     std::atomic<std::size_t> batches_{0};
     std::atomic<std::size_t> items_{0};
+    std::size_t monitored_size_{0};
 };
 
 /// The sources of a server; a node names its own by index. Lives on the server's thread.

@@ -196,6 +196,12 @@ Configured<void> check_config(const ServerConfig& config, const ServerEnvironmen
         return misconfigured("endpoint_url", "\"" + printable(config.endpoint_url) +
                                                  "\" is no URL like opc.tcp://host:port");
     }
+    for (const std::string& url : config.further_urls) {
+        if (!channel::EndpointUrl::parse(url)) {
+            return misconfigured("further_urls",
+                                 "\"" + printable(url) + "\" is no URL like opc.tcp://host:port");
+        }
+    }
     if (config.application_uri.empty()) {
         return misconfigured("application_uri", "is empty, expected an URI");
     }

@@ -344,6 +344,9 @@ void add_images(Rows& rows, const MemoryAssumptions& other)
         for (std::uint32_t handle = 0; handle < image->size(); ++handle) {
             each = plus(each, detail::StructureValues::max_bytes(image->place(handle)));
         }
+        const Number waiting = image->options().max_waiting_bytes;
+        rows.bytes("ImageOptions::max_waiting_bytes", waiting)
+            .holds(1, waiting, "Write requests that wait for a scan's edge");
         rows.count("ImageOptions::max_pins", image->options().max_pins);
         if (each != 0) {
             // And the scan that items are sampled from.

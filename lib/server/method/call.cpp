@@ -48,6 +48,9 @@ void CallOperation::call_completed()
     if (session() != nullptr) {
         job_->record(*session(), audit_entry_id_, request());
     }
+    if (const StatusCode refusal = job_->service_result(); refusal.is_bad()) {
+        return fault(refusal);
+    }
     ReturnDiagnostics diagnostics = this->diagnostics();
     const CallDiagnostics told = job_->diagnose(diagnostics, request());
     respond<CallResponse>(diagnostics,

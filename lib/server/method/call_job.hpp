@@ -36,6 +36,8 @@ public:
 
     /// True if the results are there, else `owner` is told.
     [[nodiscard]] bool start(SourceCallOwner& owner, TimePoint now);
+    /// See SourceCall::service_result.
+    [[nodiscard]] StatusCode service_result() const { return call_.service_result(); }
     [[nodiscard]] TimePoint next_deadline() const { return call_.next_deadline(); }
     /// Answers Bad_Timeout for sources that are late; true if nothing is waited for any more.
     [[nodiscard]] bool handle_deadline(TimePoint now) { return call_.handle_deadline(now); }

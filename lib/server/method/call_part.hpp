@@ -19,6 +19,9 @@ struct CallTraits {
     using Answer = CallResult;
     using Part = CallPart;
     static constexpr std::string_view callback = "DataSource::call";
+    static constexpr bool changes_something = true;
+    /// A Method that is busy is no matter of the service's.
+    static constexpr std::array service_results{status::Bad_Shutdown};
     static std::vector<CallResult> answers(std::size_t count)
     {
         return std::vector<CallResult>(count);

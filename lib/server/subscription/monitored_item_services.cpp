@@ -6,6 +6,7 @@
 #include <busbar/core/attribute_id.hpp>
 
 #include "sampler.hpp"
+#include "server/rights/nodes_ahead.hpp"
 #include "server/session/session.hpp"
 #include "server/session/sliced_operation.hpp"
 #include "subscription.hpp"
@@ -180,6 +181,10 @@ private:
                                                                 Turn& turn) override
     {
         turn.spend(Turn::units_of_item);
+        fetch_ahead(item_context().all.needs().space, request().items_to_create.span(), index,
+                    [](const MonitoredItemCreateRequest& item) -> const NodeId& {
+                        return item.item_to_monitor.node_id;
+                    });
         MonitoredItemCreateResult result = create_one(
             item_context(), request().items_to_create[index], request().timestamps_to_return);
         result.filter_result = paid_for(std::move(result.filter_result));

@@ -220,7 +220,7 @@ void SamplingGroup::sample_members(std::size_t first, TimePoint now, bool is_lat
         flight.call.kept_for_sources() =
             std::make_shared<std::vector<std::shared_ptr<const NumericRange>>>(flight.ranges);
     }
-    if (flight.call.start(flight, now, [](ReadPart&) {})) {
+    if (flight.call.start(flight, now, [](ReadPart& part) { part.is_sample = true; })) {
         deliver(flight);
         return arm();
     }

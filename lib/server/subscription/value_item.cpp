@@ -76,6 +76,9 @@ ValueItem::~ValueItem()
     all_->sampler().intervals().change(counted_, {});
     queue_.clear();
     subscription().memory().release(charged_);
+    if (charged_source_ != nullptr) {
+        charged_source_->release_monitored(monitored_size_);
+    }
 }
 
 void ValueItem::node_changed(model::NodeIndex /*node*/, bool /*is_removed*/)
@@ -110,8 +113,26 @@ std::unique_ptr<ValueItem> ValueItem::make(const ItemContext& context,
         return nullptr;
     }
     item->charged_ = cost;
+    revision.status = item->charge_source(plan);
+    if (revision.status.is_bad()) {
+        return nullptr;
+    }
     item->revise(context, parameters, timestamps, plan, revision);
     return item;
+}
+
+StatusCode ValueItem::charge_source(const ReadPlan& plan)
+{
+    if (plan.source == nullptr) {
+        return status::Good;
+    }
+    const Result<std::size_t> size = plan.source->charge_monitored(plan.handle);
+    if (!size) {
+        return size.error();
+    }
+    charged_source_ = plan.source;
+    monitored_size_ = *size;
+    return status::Good;
 }
 
 StatusCode ValueItem::check_target(const ItemContext& context, ReadPlan& plan)

@@ -80,6 +80,7 @@ private:
     [[nodiscard]] const SubscriptionNeeds& needs() const;
     void clear() override;
     void mode_changed(const ItemContext& context, MonitoringMode before) override;
+    [[nodiscard]] StatusCode charge_source(const ReadPlan& plan);
     [[nodiscard]] StatusCode check_target(const ItemContext& context, ReadPlan& plan);
     [[nodiscard]] Result<ChangeFilter> make_filter(const ExtensionObject& filter);
     [[nodiscard]] std::optional<Range> look_up_eu_range(model::NodeIndex variable);
@@ -106,6 +107,9 @@ private:
     std::uint32_t pending_bits_{0};
     bool has_lost_{false};
     std::size_t charged_{0};
+    /// Null, or which source counts the item, and as what.
+    SourceEntry* charged_source_{nullptr};
+    std::size_t monitored_size_{0};
     ValueQueue queue_;
 
     // The sampling group's: where the item is in it.

@@ -5,6 +5,7 @@
 
 #include <busbar/types/ids.hpp>
 
+#include "server/rights/nodes_ahead.hpp"
 #include "view_walk.hpp"
 
 namespace busbar::server::detail {
@@ -173,6 +174,9 @@ bool BrowseWork::take_turn(ViewContext& context, const BrowseRequest& request,
             give_up(context, place_, result, status::Good); // and begin it again
         }
         if (!place_.state) {
+            fetch_ahead(
+                context.space, request.nodes_to_browse.span(), next_,
+                [](const BrowseDescription& node) -> const NodeId& { return node.node_id; });
             auto begun =
                 begin_browse(context, request.nodes_to_browse[next_], view_, max_references_);
             if (!begun) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "browse_work.hpp"
+#include "server/rights/nodes_ahead.hpp"
 #include "server/session/session_rights.hpp"
 #include "server/session/sliced_operation.hpp"
 #include "view_context.hpp"
@@ -93,6 +94,8 @@ private:
     [[nodiscard]] std::optional<BrowsePathResult> work(std::size_t index, Turn& turn) override
     {
         turn.spend(units_of_path);
+        fetch_ahead(needs_.space, request().browse_paths.span(), index,
+                    [](const BrowsePath& path) -> const NodeId& { return path.starting_node; });
         view_->turn = turn;
         auto result = walk_.go_on(*view_, request().browse_paths[index]);
         turn = view_->turn;
