@@ -55,8 +55,9 @@ public:
 
     /// Gives a variable the value of a Variant of its type and dimensions; structures are
     /// ExtensionObjects of their encoding id. Bad_TypeMismatch if the Variant has others, also
-    /// within a structure, Bad_OutOfRange for a text that is too long, Bad_DecodingError for a
-    /// structure's body that ends too early or too late; nothing is changed then.
+    /// within a structure, Bad_OutOfRange for a text that is too long and an integer outside its
+    /// range, Bad_DecodingError for a structure's body that ends too early or too late; nothing is
+    /// changed then.
     [[nodiscard]] StatusCode store(std::uint32_t handle, const Variant& value);
     /// A copy of a variable's value.
     [[nodiscard]] Variant load(std::uint32_t handle) const;

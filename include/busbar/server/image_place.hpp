@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,6 +13,14 @@
 namespace busbar::server {
 
 class ImageStructure;
+
+/// Both ends belong to it.
+struct ImageRange {
+    std::int64_t lower{0};
+    std::int64_t upper{0};
+
+    friend bool operator==(const ImageRange&, const ImageRange&) = default;
+};
 
 /// What a variable of a process image is, or a member of a structure: of Boolean to Double, String,
 /// DateTime, Guid, ByteString, XmlElement or StatusCode, or a structure, which is an
@@ -35,6 +44,9 @@ struct ImageVariable {
     /// as long as the task scans and no longer, and variables may share it. What is no value in it,
     /// as a text longer than it may be, is null in what readers see, any BOOL but 0 is true.
     std::span<std::byte> runtime{};
+    /// Of an integer or its elements: no other value is stored, whoever writes it; ignored for
+    /// other types. The task itself is not hindered.
+    std::optional<ImageRange> range{};
 };
 
 namespace detail {
@@ -72,6 +84,7 @@ struct ImagePlace {
     std::uint32_t capacity{0};
     std::vector<std::uint32_t> dimensions{};
     std::shared_ptr<const ImageStructure> structure{};
+    std::optional<ImageRange> range{}; // of integers
     /// Where it stays in a runtime's memory; null if it lies in the image's own.
     std::byte* runtime{nullptr};
 

@@ -45,6 +45,9 @@ Configured<server::ImageVariable> ProgramLayout::variable(const TypeUse& use)
     default:
         made.type = built_in_type_of(type.elementary, elementary_);
         made.capacity = type.string_length;
+        if (type.subrange) {
+            made.range = server::ImageRange{type.subrange->lower, type.subrange->upper};
+        }
     }
     return made;
 }

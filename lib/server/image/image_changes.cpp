@@ -168,6 +168,10 @@ StatusCode ImageChanges::add_elements(const ImagePlace& place, const NumericRang
         if (std::ranges::any_of(values, [&](const T& t) { return t.size() > place.capacity; })) {
             return status::Bad_OutOfRange;
         }
+    } else if constexpr (!std::same_as<T, ExtensionObject>) {
+        if (!std::ranges::all_of(values, [&](T number) { return is_in_range(place, number); })) {
+            return status::Bad_OutOfRange;
+        }
     }
     std::size_t next = 0;
     StatusCode status;

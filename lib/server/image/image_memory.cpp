@@ -53,6 +53,19 @@ bool texts_fit(const ImagePlace& place, const Variant& value)
                                [&](const T& text) { return text.size() <= place.capacity; });
 }
 
+template <typename T>
+bool numbers_are_in_range(const ImagePlace& place, const Variant& value)
+{
+    if (!place.range) {
+        return true;
+    }
+    if (const T* scalar = value.get_if<T>()) {
+        return is_in_range(place, *scalar);
+    }
+    return std::ranges::all_of(value.array_if<T>()->span(),
+                               [&](T number) { return is_in_range(place, number); });
+}
+
 } // namespace
 
 StatusCode check_value(const ImagePlace& place, const Variant& value)
@@ -69,8 +82,10 @@ StatusCode check_value(const ImagePlace& place, const Variant& value)
             using T = typename decltype(tag)::type;
             if constexpr (is_image_text<T>) {
                 return texts_fit<T>(place, value) ? status::Good : status::Bad_OutOfRange;
+            } else {
+                return numbers_are_in_range<T>(place, value) ? status::Good
+                                                             : status::Bad_OutOfRange;
             }
-            return status::Good;
         },
         [] { return StatusCode{status::Bad_TypeMismatch}; });
 }

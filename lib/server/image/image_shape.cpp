@@ -73,6 +73,7 @@ Result<ImagePlace> shape_of(const ImageVariable& variable, std::size_t room)
     if (variable.type == BuiltInType::ExtensionObject) {
         place.structure = variable.structure;
     }
+    place.range = variable.range;
     return place;
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include <busbar/core/api.hpp>
 #include <busbar/server/image_layout.hpp>
@@ -79,8 +81,20 @@ template <typename T>
     }
 }
 
-/// Good if `value` has the place's type, dimensions and text capacity. Says nothing of what is in
-/// structures.
+/// Whether the place may have this value, as far as its range says.
+template <typename T>
+[[nodiscard]] bool is_in_range(const ImagePlace& place, T value)
+{
+    if constexpr (std::integral<T> && !std::same_as<T, bool>) {
+        return !place.range || (std::cmp_less_equal(place.range->lower, value) &&
+                                std::cmp_less_equal(value, place.range->upper));
+    } else {
+        return true;
+    }
+}
+
+/// Good if `value` has the place's type, dimensions, text capacity and range. Says nothing of what
+/// is in structures.
 [[nodiscard]] StatusCode check_value(const ImagePlace& place, const Variant& value);
 
 /// The bytes of the elements of a Variant of numbers; valid as long as that.

@@ -64,6 +64,9 @@ void decode_elements(binary::Reader& reader, const ImagePlace& place, std::byte*
         T value{};
         decode(reader, value);
         if constexpr (!is_image_text<T>) {
+            if (!is_in_range(place, value)) {
+                reader.fail(status::Bad_OutOfRange);
+            }
             std::memcpy(to, &value, sizeof value);
         } else if (value.size() > place.capacity) {
             reader.fail(status::Bad_OutOfRange);

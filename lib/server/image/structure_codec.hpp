@@ -17,8 +17,8 @@ namespace busbar::server::detail {
 
 /// Checks the object and lays it out at `to`, where there are size() bytes of zeros; these may be
 /// anything if it fails. Bad_TypeMismatch for another encoding or other lengths and dimensions,
-/// Bad_OutOfRange for a text that is too long, Bad_DecodingError for a body that ends too early or
-/// too late.
+/// Bad_OutOfRange for a text that is too long or a number outside its range, Bad_DecodingError for
+/// a body that ends too early or too late.
 [[nodiscard]] StatusCode decode_structure(const ImageStructure& structure,
                                           const ExtensionObject& object, std::byte* to);
 

@@ -208,6 +208,36 @@ TEST_CASE("Initial values of structures, member by member (6-2-2)")
     CHECK((*all.array_if<ExtensionObject>())[0].encoding_id() == NodeId{2, "Axis"});
 }
 
+TEST_CASE("A subrange holds for what is written, wherever it is declared (6-2-2)")
+{
+    Program program;
+    const TypeUse gear{.elementary = ElementaryType::Int, .subrange = Bounds{1, 5}};
+    program.types = {{.name = "Gear", .kind = DerivedType::Kind::Alias, .alias = gear},
+                     {.name = "Drive", .members = {{.name = "Gear", .type = of("Gear")}}}};
+    program.variables = {{.name = "own", .type = gear},
+                         {.name = "named", .type = of("Gear")},
+                         {.name = "gears", .type = array(of("Gear"), {{0, 1}})},
+                         {.name = "drive", .type = of("Drive")},
+                         {.name = "any", .type = of(ElementaryType::Int)}};
+    const auto made = image_of(program);
+    REQUIRE(made);
+    server::ImageMemory& memory = made->image()->memory();
+    for (const std::uint32_t handle : {0U, 1U}) {
+        CHECK(memory.store(handle, std::int16_t{5}) == status::Good);
+        CHECK(memory.store(handle, std::int16_t{6}) == status::Bad_OutOfRange);
+    }
+    CHECK(memory.store(2, Array<std::int16_t>{5, 1}) == status::Good);
+    CHECK(memory.store(2, Array<std::int16_t>{5, 0}) == status::Bad_OutOfRange);
+    const auto drive = [](int value) {
+        return ExtensionObject::from_binary(
+            NodeId{2, "Drive"},
+            ByteString{std::vector<std::byte>{static_cast<std::byte>(value), std::byte{0}}});
+    };
+    CHECK(memory.store(3, drive(5)) == status::Good);
+    CHECK(memory.store(3, drive(6)) == status::Bad_OutOfRange);
+    CHECK(memory.store(4, std::int16_t{6}) == status::Good);
+}
+
 TEST_CASE("What an image cannot have is refused, with its place (6-2-2)")
 {
     DerivedType either = axis();
