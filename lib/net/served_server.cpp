@@ -11,8 +11,7 @@ namespace busbar::net::detail {
 /// Else a link would read on from a peer whose requests wait for their turn.
 static_assert(requires(const server::Connection& connection) { connection.has_enough(); });
 
-Result<void> ServedServer::adopt(asio::ip::tcp::socket& socket, Direction direction,
-                                 std::uint64_t id)
+Result<void> ServedServer::adopt(asio::ip::tcp::socket& socket, Origin origin, std::uint64_t id)
 {
     std::error_code error;
     const auto peer = socket.remote_endpoint(error);
@@ -24,7 +23,8 @@ Result<void> ServedServer::adopt(asio::ip::tcp::socket& socket, Direction direct
         return fail(connection.error()); // the log has said why
     }
     auto owned = std::make_unique<server::Connection>(*std::move(connection));
-    if (direction == Direction::ToClient) {
+    owned->came_by(origin.listener);
+    if (origin.direction == Direction::ToClient) {
         if (auto greeted = owned->reverse_hello(server_->config().endpoint_url); !greeted) {
             return greeted;
         }

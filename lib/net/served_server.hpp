@@ -27,6 +27,11 @@ struct ServedEvents {
 class ServedServer {
 public:
     enum class Direction : std::uint8_t { FromClient, ToClient };
+    struct Origin {
+        Direction direction;
+        /// See server::Connection::came_by.
+        std::uint32_t listener;
+    };
 
     /// `server` and `events` must outlive the object.
     ServedServer(server::Server& server, const asio::any_io_executor& executor,
@@ -37,7 +42,7 @@ public:
 
     /// Gives the server a connection, which is called `id`. The error is that of Server::connect,
     /// with the socket left as it was; Bad_CommunicationError if the peer is gone already.
-    [[nodiscard]] Result<void> adopt(asio::ip::tcp::socket& socket, Direction direction,
+    [[nodiscard]] Result<void> adopt(asio::ip::tcp::socket& socket, Origin origin,
                                      std::uint64_t id);
     /// Sends what the server has changed for others than the one who caused it.
     void pump();

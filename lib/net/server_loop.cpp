@@ -17,7 +17,7 @@
 #include <busbar/server/running_server.hpp>
 
 #include "discovery_registration.hpp"
-#include "listener.hpp"
+#include "listeners.hpp"
 #include "pipe_waker.hpp"
 #include "reverse_dialer.hpp"
 #include "served_server.hpp"
@@ -55,7 +55,8 @@ struct ServerLoop::Impl {
         };
     }
 
-    std::optional<std::uint64_t> adopt(tcp::socket socket, ServedServer::Direction direction);
+    std::optional<std::uint64_t> adopt(tcp::socket socket, ServedServer::Direction direction,
+                                       std::uint32_t listener = 0);
     /// Calls `work`, which may throw, and looks after what it gave others to do.
     template <typename Work>
     void guard(std::string_view name, Work work)
@@ -92,7 +93,7 @@ struct ServerLoop::Impl {
     asio::signal_set hangup;
     std::function<void()> on_hangup;
     detail::TurnAway turn_away{most_turned_away};
-    std::vector<std::shared_ptr<detail::Listener>> listeners;
+    detail::Listeners listeners{context.get_executor(), log};
     ReverseConnectConfig reverse_connect;
     std::vector<std::unique_ptr<detail::ReverseDialer>> dialers;
     std::vector<std::unique_ptr<detail::DiscoveryRegistration>> registrations;
@@ -105,10 +106,11 @@ struct ServerLoop::Impl {
 
 /// The connection's id, unless it is refused or gone already.
 std::optional<std::uint64_t> ServerLoop::Impl::adopt(tcp::socket socket,
-                                                     ServedServer::Direction direction)
+                                                     ServedServer::Direction direction,
+                                                     std::uint32_t listener)
 {
     const std::uint64_t id = ++last_connection;
-    const auto adopted = served.back()->adopt(socket, direction, id);
+    const auto adopted = served.back()->adopt(socket, {direction, listener}, id);
     if (adopted) {
         return id;
     }
@@ -152,9 +154,7 @@ void ServerLoop::Impl::resume()
 {
     busbar::detail::guarded(log, "resuming", [this] {
         asio::post(context, [this] { after_activity(); });
-        for (const auto& listener : listeners) {
-            listener->resume();
-        }
+        listeners.resume();
         await_wake();
     });
 }
@@ -205,9 +205,7 @@ void ServerLoop::Impl::begin_stop()
     if (std::exchange(is_stopping, true)) {
         return;
     }
-    for (const auto& listener : listeners) {
-        listener->close();
-    }
+    listeners.close();
     for (const auto& dialer : dialers) {
         dialer->stop();
     }
@@ -226,15 +224,15 @@ server::Waker& ServerLoop::waker()
     return impl_->waker;
 }
 
-Result<std::uint16_t> ServerLoop::listen(std::string_view address, std::uint16_t port)
+Result<std::uint16_t> ServerLoop::listen(std::string_view address, std::uint16_t port,
+                                         std::uint32_t listener)
 {
-    const auto listener =
-        std::make_shared<detail::Listener>(impl_->context.get_executor(), impl_->log);
-    const auto bound = listener->open(address, port);
-    if (bound) {
-        impl_->listeners.push_back(listener);
-    }
-    return bound;
+    return impl_->listeners.add(address, port, listener);
+}
+
+void ServerLoop::stop_listening(std::uint16_t port)
+{
+    impl_->listeners.remove(port);
 }
 
 Result<void> ServerLoop::connect_to_clients(ReverseConnectConfig config)
@@ -358,11 +356,9 @@ Configured<void> ServerLoop::hand_over(server::Server& next, Handover handover)
 void ServerLoop::run(server::Server& server)
 {
     impl_->serve(server);
-    for (const auto& listener : impl_->listeners) {
-        listener->start([impl = impl_.get()](tcp::socket socket) {
-            impl->adopt(std::move(socket), detail::ServedServer::Direction::FromClient);
-        });
-    }
+    impl_->listeners.start([impl = impl_.get()](tcp::socket socket, std::uint32_t listener) {
+        impl->adopt(std::move(socket), detail::ServedServer::Direction::FromClient, listener);
+    });
     for (const auto& dialer : impl_->dialers) {
         dialer->start();
     }

@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include <busbar/server/running_server.hpp>
 #include <busbar/types/discovery.hpp>
 
 #include "support/server_fixture.hpp"
@@ -66,6 +67,29 @@ TEST_CASE("the URL has the host that the client used, if it is one of the server
     REQUIRE(found.size() == 3);
     CHECK(found[0].endpoint_url == String{told});
     CHECK(found[0].server.discovery_urls[0] == String{told});
+}
+
+TEST_CASE("the URL is that of the listener that the client used, if it is one of the server's")
+{
+    auto config = ServerFixture::insecure_config();
+    config.further_urls = {"opc.tcp://192.0.2.9:4841", "opc.tcp://192.0.2.9:4842"};
+    ServerFixture fixture{std::move(config)};
+    auto client = fixture.connect();
+    const auto [asked, told] = GENERATE(table<const char*, const char*>({
+        {"opc.tcp://192.0.2.9:4841", "opc.tcp://192.0.2.9:4841"},
+        {"opc.tcp://192.0.2.9:4842/x", "opc.tcp://192.0.2.9:4842"},
+        {"opc.tcp://192.0.2.9:4843", "opc.tcp://localhost:4840"},
+        {"opc.tcp://plc.example:4841", "opc.tcp://plc.example:4840"},
+    }));
+    const auto found = endpoints(client, asked);
+    REQUIRE(found.size() == 3);
+    CHECK(found[0].endpoint_url == String{told});
+
+    auto wrong = fixture.server.config();
+    wrong.further_urls = {"192.0.2.9"};
+    const auto refused = server::RunningServer{fixture.server}.reconfigure(wrong);
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().where == "further_urls");
 }
 
 TEST_CASE("only endpoints of the transport profiles that are asked for",

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <stdexcept>
 
 #include <busbar/server/running_server.hpp>
 #include <busbar/types/attribute.hpp>
@@ -50,6 +51,18 @@ struct OneRule final : server::RoleMapper {
                         (question.is_trusted ? " trusted" : ""));
         return {0, question.user.name == user ? roles : std::vector<std::string>{}};
     }
+    [[nodiscard]] server::UserRights limited(const server::RoleQuestion& question,
+                                             server::UserRights rights) const override
+    {
+        if (question.listener == listener_of_data) {
+            std::erase(rights.roles, "SecurityAdmin");
+        } else if (question.listener == listener_of_nobody) {
+            throw std::runtime_error{"limited"};
+        }
+        return rights;
+    }
+    static constexpr std::uint32_t listener_of_data = 2;
+    static constexpr std::uint32_t listener_of_nobody = 3;
 
     std::string user{"operator"};
     std::vector<std::string> roles{"SecurityAdmin"};
@@ -73,9 +86,11 @@ struct RoleFixture {
                                                                   .roles = &rule})
             .value()};
 
-    [[nodiscard]] TestClient log_in()
+    [[nodiscard]] TestClient log_in(std::uint32_t listener = 0)
     {
-        TestClient client{server.connect("192.0.2.1", now).value(), encrypted,
+        auto connection = server.connect("192.0.2.1", now).value();
+        connection.came_by(listener);
+        TestClient client{std::move(connection), encrypted,
                           channel::ChannelEnvironment{.random = &random,
                                                       .wall_clock = &wall_clock,
                                                       .log = &log,
@@ -98,6 +113,32 @@ struct RoleFixture {
 };
 
 } // namespace
+
+TEST_CASE_METHOD(RoleFixture, "roles: what a listener is not for is taken away")
+{
+    auto anywhere = log_in();
+    CHECK(read_security(anywhere) == status::Good);
+    auto at_data = log_in(OneRule::listener_of_data);
+    CHECK(read_security(at_data) == status::Bad_NodeIdUnknown);
+    // Rules that are looked at again do not bring it back.
+    server::RunningServer{server}.roles_changed();
+    CHECK(read_security(at_data) == status::Bad_NodeIdUnknown);
+    CHECK(read_security(anywhere) == status::Good);
+}
+
+TEST_CASE_METHOD(RoleFixture, "roles: one who is limited by something that throws has no rights")
+{
+    auto connection = server.connect("192.0.2.1", now).value();
+    connection.came_by(OneRule::listener_of_nobody);
+    TestClient client{std::move(connection), encrypted,
+                      channel::ChannelEnvironment{.random = &random,
+                                                  .wall_clock = &wall_clock,
+                                                  .log = &log,
+                                                  .validator = &validator,
+                                                  .identity = &client_identity()},
+                      now};
+    CHECK(client.open_session().is_bad());
+}
 
 TEST_CASE_METHOD(ServerFixture, "reconfigure: what cannot change is refused, and nothing changes")
 {

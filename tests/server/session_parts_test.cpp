@@ -22,6 +22,7 @@ struct SilentPeer final : Peer {
     }
 
     [[nodiscard]] const channel::ServerChannel& channel() const override { return own_channel; }
+    [[nodiscard]] std::uint32_t listener() const override { return 7; }
     [[nodiscard]] std::string_view address() const override { return "192.0.2.1"; }
     [[nodiscard]] const std::vector<Session*>& sessions() const override { return bound; }
     void bind(Session& session) override

@@ -48,7 +48,12 @@ public:
     [[nodiscard]] server::Waker& waker();
     /// Listens on `address` ("" is every address of the machine, IPv4 and IPv6) and `port` (0 is
     /// any that is free). Gives the port, or Bad_CommunicationError with the reason in the log.
-    [[nodiscard]] Result<std::uint16_t> listen(std::string_view address, std::uint16_t port);
+    /// Before run(), or within it on its thread: who connects is served at once then. Connections
+    /// come by that listener, see Connection::came_by.
+    [[nodiscard]] Result<std::uint16_t> listen(std::string_view address, std::uint16_t port,
+                                               std::uint32_t listener = 0);
+    /// Closes the port that listen() gave, at all its addresses; connections stay. As listen().
+    void stop_listening(std::uint16_t port);
     /// Connects to clients that cannot reach the server, from run() on, and keeps one connection to
     /// each open that waits to be used. Bad_TcpEndpointUrlInvalid. Once, before run().
     [[nodiscard]] Result<void> connect_to_clients(ReverseConnectConfig config);

@@ -126,6 +126,9 @@ struct RoleQuestion {
     std::string_view endpoint_url{};
     MessageSecurityMode security_mode{MessageSecurityMode::None};
     std::string_view security_policy_uri{};
+    /// Where the peer has connected, see Connection::came_by: a fact, while `endpoint_url` is what
+    /// the client says.
+    std::uint32_t listener{0};
 };
 
 /// Gives sessions roles by rules. Called on the server's thread, when a session is activated and
@@ -140,6 +143,12 @@ public:
     /// Names of roles, as UserIdentity::roles has them, and bits that the user gets in addition to
     /// his own.
     [[nodiscard]] virtual UserRights roles_of(const RoleQuestion& question) const = 0;
+    /// What is left of all that the user has got, of the UserStore and of roles_of(): for listeners
+    /// that are not for everything.
+    [[nodiscard]] virtual UserRights limited(const RoleQuestion&, UserRights rights) const
+    {
+        return rights;
+    }
 };
 
 /// Decides for each node; without one, AccessLevel and the user's mask decide. Called on the

@@ -46,6 +46,10 @@ public:
     /// Begins with ReverseHello instead of waiting for Hello (Part 6, 7.1.2.6). Before any feed().
     [[nodiscard]] Result<void> reverse_hello(std::string_view endpoint_url);
 
+    /// Which of several listeners the peer has connected to, by whatever numbers their owner has
+    /// for them, for RoleMapper; 0 if it is not told. Before any feed().
+    void came_by(std::uint32_t listener);
+
     /// Takes bytes and answers the requests that they complete. Bad once closed. While more output
     /// waits than the limits allow, requests stay unanswered until consume() has made room: do not
     /// read from the peer as long as there is output.

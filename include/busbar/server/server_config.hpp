@@ -88,6 +88,9 @@ struct ServerConfig {
     /// More host names and addresses by which clients reach it; endpoints are returned with the
     /// one that the client used.
     std::vector<std::string> host_names;
+    /// Where else it listens, at other ports: endpoints are returned with the one that the client
+    /// used, too. "opc.tcp://host:port".
+    std::vector<std::string> further_urls;
     std::vector<EndpointConfig> endpoints{secure_endpoints()};
     /// Answers FindServers and GetEndpoints over SecurityPolicy None, as clients expect, even if no
     /// endpoint has it. Sessions need an endpoint.

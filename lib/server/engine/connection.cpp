@@ -19,6 +19,11 @@ Result<void> Connection::reverse_hello(std::string_view endpoint_url)
     return link_->reverse_hello(endpoint_url);
 }
 
+void Connection::came_by(std::uint32_t listener)
+{
+    link_->came_by(listener);
+}
+
 Result<void> Connection::feed(std::span<const std::byte> in, TimePoint now)
 {
     return link_->feed(in, now);

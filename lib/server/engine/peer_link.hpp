@@ -44,6 +44,7 @@ public:
     [[nodiscard]] std::uint64_t id() const { return id_; }
     [[nodiscard]] Core& core() { return core_; }
     [[nodiscard]] Result<void> reverse_hello(std::string_view endpoint_url);
+    void came_by(std::uint32_t listener) { listener_ = listener; }
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
     [[nodiscard]] bool has_enough() const { return has_more_ && !is_closed(); }
     [[nodiscard]] std::optional<ConnectionEvent> next_event();
@@ -59,6 +60,7 @@ public:
 
     [[nodiscard]] const channel::ServerChannel& channel() const override { return channel_; }
     [[nodiscard]] std::string_view address() const override { return peer_address_; }
+    [[nodiscard]] std::uint32_t listener() const override { return listener_; }
     [[nodiscard]] const std::vector<Session*>& sessions() const override { return sessions_; }
     void bind(Session& session) override;
     void unbind(Session& session) override;
@@ -123,6 +125,7 @@ private:
     Core& core_;
     std::uint64_t id_;
     std::string peer_address_;
+    std::uint32_t listener_{0};
     PeerLog log_;
     channel::ServerChannel channel_;
     std::vector<std::unique_ptr<ServiceOperation>> operations_;

@@ -92,8 +92,20 @@ std::string endpoint_url_for(const SessionNeeds& needs, std::string_view request
     if (!own) {
         return needs.config.endpoint_url;
     }
-    if (const auto url = channel::EndpointUrl::parse(requested);
-        url && is_own_host(needs, *own, url->host)) {
+    const auto url = channel::EndpointUrl::parse(requested);
+    if (!url) {
+        return own->text();
+    }
+    const auto is_it = [&](const std::string& text) {
+        const auto further = channel::EndpointUrl::parse(text);
+        return further && further->port == url->port &&
+               channel::is_same_host(further->host, url->host);
+    };
+    const auto& further = needs.config.further_urls;
+    if (std::any_of(further.begin(), further.end(), is_it)) {
+        own->host = url->host;
+        own->port = url->port;
+    } else if (is_own_host(needs, *own, url->host)) {
         own->host = url->host;
     }
     return own->text();

@@ -19,6 +19,8 @@ public:
     [[nodiscard]] virtual const channel::ServerChannel& channel() const = 0;
     /// Without port.
     [[nodiscard]] virtual std::string_view address() const = 0;
+    /// See Connection::came_by.
+    [[nodiscard]] virtual std::uint32_t listener() const = 0;
     /// The sessions that use this channel.
     [[nodiscard]] virtual const std::vector<Session*>& sessions() const = 0;
     /// The session uses this channel from now on and no other. To be called again when it is

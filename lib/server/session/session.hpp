@@ -77,6 +77,8 @@ public:
     std::size_t pending_operations{0};
     /// The connection whose channel it is bound to; null while there is none.
     Peer* peer{nullptr};
+    /// Of the connection that it was activated over.
+    std::uint32_t listener{0};
     channel::SecuritySetting security;
     /// The leaf; none with SecurityPolicy None.
     crypto::CertificateChain client_certificate;

@@ -5,6 +5,7 @@
 
 #include <busbar/core/text.hpp>
 
+#include "peer.hpp"
 #include "session_needs.hpp"
 #include "session_record.hpp"
 
@@ -56,16 +57,24 @@ UserIdentity with_roles(const SessionNeeds& needs, const Session& session, UserI
                                 .is_trusted = is_secure,
                                 .endpoint_url = session.endpoint_url.view(),
                                 .security_mode = session.security.mode,
-                                .security_policy_uri = session.security.policy->uri};
+                                .security_policy_uri = session.security.policy->uri,
+                                .listener = session.listener};
+    const RoleMapper& mapper = *needs.environment.roles;
     UserRights given{0, {}};
-    static_cast<void>(needs.guards.report().guard(
-        "RoleMapper::roles_of", [&] { given = needs.environment.roles->roles_of(question); }));
-    user.access_level_mask |= given.access_level_mask;
+    static_cast<void>(needs.guards.report().guard("RoleMapper::roles_of",
+                                                  [&] { given = mapper.roles_of(question); }));
+    UserRights all{static_cast<std::uint8_t>(user.access_level_mask | given.access_level_mask),
+                   user.roles};
     for (std::string& role : given.roles) {
-        if (std::find(user.roles.begin(), user.roles.end(), role) == user.roles.end()) {
-            user.roles.push_back(std::move(role));
+        if (std::find(all.roles.begin(), all.roles.end(), role) == all.roles.end()) {
+            all.roles.push_back(std::move(role));
         }
     }
+    UserRights left{0, {}};
+    static_cast<void>(needs.guards.report().guard(
+        "RoleMapper::limited", [&] { left = mapper.limited(question, std::move(all)); }));
+    user.access_level_mask = left.access_level_mask;
+    user.roles = std::move(left.roles);
     return user;
 }
 
@@ -74,6 +83,7 @@ void set_user(const SessionNeeds& needs, const EndpointConfig& endpoint, Session
 {
     const TimePoint end = deadline_of(user, needs.wall_time(), now);
     session.granted = user;
+    session.listener = session.peer != nullptr ? session.peer->listener() : 0;
     session.change_user(with_roles(needs, session, std::move(user)));
     session.user_deadline = endpoint.allows_anonymous ? end : no_deadline;
     session.ends_at = endpoint.allows_anonymous ? no_deadline : end;
