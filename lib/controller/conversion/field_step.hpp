@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace busbar::controller::detail {
+
+/// What a field adds to a path: ".Name". What else parts paths has a backslash before it, so that a
+/// field "A.B" is not taken for B of a field "A".
+[[nodiscard]] inline std::string field_step(std::string_view name)
+{
+    std::string step{'.'};
+    for (const char c : name) {
+        if (c == '.' || c == '[' || c == ']' || c == '\\') {
+            step += '\\';
+        }
+        step += c;
+    }
+    return step;
+}
+
+} // namespace busbar::controller::detail

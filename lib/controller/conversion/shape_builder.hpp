@@ -1,0 +1,49 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "controller/conversion/shape_node.hpp"
+#include "controller/conversion/shape_types.hpp"
+
+namespace busbar::controller::detail {
+
+/// Makes the nodes of one value.
+class ShapeBuilder {
+public:
+    /// All must outlive this object.
+    ShapeBuilder(const model::SpaceReader& space, const binary::DynamicTypes& types,
+                 std::span<const MappingArray> arrays, const ShapeLimits& limits);
+
+    [[nodiscard]] tl::expected<ShapeNode, ShapeRefusal> build(const ValueDeclaration& declaration);
+    /// Fields that were left without leaves.
+    [[nodiscard]] std::vector<ShapeRefusal> take_kept() { return std::move(kept_); }
+
+private:
+    using Node = tl::expected<ShapeNode, ShapeRefusal>;
+    using Fields = tl::expected<ShapeNode::Fields, ShapeRefusal>;
+
+    [[nodiscard]] Node value(const ValueDeclaration& declaration, const std::string& path,
+                             std::size_t depth);
+    [[nodiscard]] Node structure(ShapeNode node, const std::string& path, std::size_t depth);
+    [[nodiscard]] Fields fields(const binary::DynamicType& type, const std::string& path,
+                                std::size_t depth);
+    [[nodiscard]] Node field(const binary::DynamicField& field, const std::string& path,
+                             std::size_t depth);
+    [[nodiscard]] const MappingArray* chosen(std::string_view path) const;
+    /// Whether something was chosen for single elements of an array.
+    [[nodiscard]] bool has_choices_in(std::string_view array_path) const;
+
+    const model::SpaceReader& space_;
+    const binary::DynamicTypes& types_;
+    /// By their paths.
+    std::vector<const MappingArray*> arrays_;
+    ShapeLimits limits_;
+    bool is_argument_{false};
+    std::size_t nodes_{0};
+    std::vector<ShapeRefusal> kept_;
+};
+
+} // namespace busbar::controller::detail

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <busbar/controller/value_shape.hpp>
+
+namespace busbar::controller::detail {
+
+/// A value, or a field of a structure: one, or an array of its kind.
+struct ShapeNode {
+    enum class Kind : std::uint8_t {
+        Leaf,
+        Structure,
+        Kept, // a field without leaves
+    };
+    using Fields = std::vector<ShapeNode>;
+
+    Kind kind{Kind::Leaf};
+    /// Of structures an ExtensionObject.
+    LeafType leaf{};
+    ArrayForm form{};
+    const binary::DynamicType* type{nullptr};
+    /// Of all elements.
+    std::size_t leaves{0};
+    /// Of a structure, as many as its type has: those of each element, or one if all are alike.
+    std::vector<Fields> contents{};
+
+    [[nodiscard]] const Fields& fields_of(std::size_t element) const
+    {
+        return contents[contents.size() == 1 ? 0 : element];
+    }
+    [[nodiscard]] std::span<const std::uint32_t> dimensions() const
+    {
+        return std::span{form.dimensions}.first(form.rank);
+    }
+};
+
+[[nodiscard]] inline std::size_t leaves_of(const ShapeNode::Fields& fields)
+{
+    std::size_t sum = 0;
+    for (const ShapeNode& field : fields) {
+        sum += field.leaves;
+    }
+    return sum;
+}
+
+/// "[1][2]" for an element by its place in row-major order; empty for a scalar.
+[[nodiscard]] std::string element_path(const ArrayForm& form, std::size_t element);
+
+/// See ValueShape::assemble and take_apart.
+[[nodiscard]] Result<Variant> assemble(const ShapeNode& root, const binary::DynamicTypes& types,
+                                       const Variant* previous, ValueShape::Fill fill);
+[[nodiscard]] StatusCode take_apart(const ShapeNode& root, const binary::DynamicTypes& types,
+                                    const Variant& value, ValueShape::Take take);
+
+} // namespace busbar::controller::detail
