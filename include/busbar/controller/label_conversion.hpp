@@ -1,0 +1,104 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include <busbar/backend/label.hpp>
+#include <busbar/core/api.hpp>
+#include <busbar/core/built_in_type.hpp>
+#include <busbar/core/result.hpp>
+#include <busbar/core/variant.hpp>
+
+/// Which labels a value of a node can be had of, and what becomes of it on the way (seed 001, 8.2).
+namespace busbar::controller {
+
+/// What one value of a node is: a scalar, an element of an array or a field. Subtypes of built-in
+/// types are what they derive from.
+struct LeafType {
+    BuiltInType built_in{BuiltInType::Null};
+    /// An Int32 by an enumeration's names, which has a table of its own.
+    bool is_enumeration{false};
+
+    friend bool operator==(const LeafType&, const LeafType&) = default;
+};
+
+/// A cell of the tables "Data types of labels": a dash, a circle and a circle with a dot.
+enum class Assignability : std::uint8_t { No, Checked, Same };
+
+[[nodiscard]] BUSBAR_API Assignability assignability(LeafType leaf, backend::LabelType type,
+                                                     backend::TimerPart part);
+/// Whether a Method's Handle can be mapped to such a label ("Method assignment").
+[[nodiscard]] constexpr bool is_handle_label(backend::LabelType type)
+{
+    return type == backend::LabelType::UnsignedWord;
+}
+
+struct ConversionOptions {
+    /// Minutes that the PLC's clock is ahead of UTC, for DateTime, which a label has as seconds
+    /// since 2000-01-01 00:00:00 by that clock. 0: its clock shows UTC.
+    std::int32_t utc_offset_minutes{0};
+};
+
+/// How values of one leaf go to and come from one label. Made once for each mapping; converting
+/// looks nothing up, and allocates for texts only. A plain value; any thread may use it.
+class BUSBAR_API LabelConversion {
+public:
+    /// Nothing where assignability() says No.
+    [[nodiscard]] static std::optional<LabelConversion>
+    of(LeafType leaf, const backend::LabelKind& label, const ConversionOptions& options = {});
+
+    /// Bytes of the label, backend::size_of().
+    [[nodiscard]] std::size_t label_size() const { return label_size_; }
+    [[nodiscard]] LeafType leaf() const { return leaf_; }
+
+    /// A label's bytes, label_size() of them, to a value: an object of the leaf's C++ type, as
+    /// built_in_type_of has it. Good, or Bad_OutOfRange if the type cannot have the value, which is
+    /// then unchanged.
+    ///
+    /// A text ends at its first zero. What is no Shift-JIS, and half a surrogate pair, becomes
+    /// U+FFFD: a client sees the rest of the text, and that something is wrong with it.
+    StatusCode read(const std::byte* label, void* value) const
+    {
+        return functions_.read(*this, label, value);
+    }
+    /// A value to a label's bytes. Good, or Bad_OutOfRange if the label cannot have the value; its
+    /// bytes are then undefined. Bad_OutOfRange also for a text that is not UTF-8.
+    ///
+    /// A text that is too long is cut between two characters; what follows it is zero.
+    StatusCode write(const void* value, std::byte* label) const
+    {
+        return functions_.write(*this, value, label);
+    }
+
+    /// As above with a Variant. Bad_InternalError if `label` has another size.
+    [[nodiscard]] Result<Variant> read(std::span<const std::byte> label) const;
+    /// Also Bad_TypeMismatch for a Variant that is no scalar of the leaf's type.
+    [[nodiscard]] StatusCode write(const Variant& value, std::span<std::byte> label) const;
+
+    // For the functions that convert.
+
+    [[nodiscard]] std::size_t characters() const { return characters_; }
+    [[nodiscard]] std::int64_t offset_seconds() const { return offset_seconds_; }
+
+    using Read = StatusCode (*)(const LabelConversion&, const std::byte* label, void* value);
+    using Write = StatusCode (*)(const LabelConversion&, const void* value, std::byte* label);
+    struct Functions {
+        Read read;
+        Write write;
+    };
+
+private:
+    LabelConversion(LeafType leaf, Functions functions, const backend::LabelKind& label,
+                    const ConversionOptions& options);
+
+    Functions functions_;
+    LeafType leaf_;
+    std::uint32_t label_size_;
+    /// Of a text: those that count ("valid number of characters").
+    std::uint32_t characters_;
+    std::int64_t offset_seconds_;
+};
+
+} // namespace busbar::controller

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace busbar::controller::detail {
+
+[[nodiscard]] constexpr bool is_surrogate(char32_t unit)
+{
+    return unit >= 0xD800 && unit <= 0xDFFF;
+}
+
+/// Takes the code point at the front of `text`, which is not empty; nothing, and `text` as it was,
+/// if that is not UTF-8 (RFC 3629, 3).
+[[nodiscard]] std::optional<char32_t> take_utf8(std::string_view& text);
+
+/// `character` must be a code point and no surrogate.
+void append_utf8(char32_t character, std::string& text);
+
+} // namespace busbar::controller::detail

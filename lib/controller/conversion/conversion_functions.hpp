@@ -1,0 +1,12 @@
+#pragma once
+
+#include <busbar/controller/label_conversion.hpp>
+
+namespace busbar::controller::detail {
+
+/// What converts between a value and a label of value_type() `label`, which assignability() must
+/// not say No to.
+[[nodiscard]] LabelConversion::Functions conversion_functions(BuiltInType leaf,
+                                                              backend::LabelType label);
+
+} // namespace busbar::controller::detail

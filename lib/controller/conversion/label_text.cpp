@@ -1,0 +1,122 @@
+#include "controller/conversion/label_text.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+
+#include "controller/conversion/code_points.hpp"
+#include "controller/conversion/shift_jis.hpp"
+
+namespace busbar::controller::detail {
+
+namespace {
+
+/// Puts units of a character at the front of `rest`, all of them or none.
+template <typename Encode>
+bool write_text(std::string_view text, std::span<std::byte> label, Encode encode)
+{
+    std::span<std::byte> rest = label;
+    bool is_full = false;
+    bool is_over = false;
+    while (!text.empty()) { // to its end, because all of it must be UTF-8
+        const auto character = take_utf8(text);
+        if (!character) {
+            return false;
+        }
+        is_over = is_over || *character == 0;
+        if (!is_full && !is_over) {
+            const std::size_t size = encode(*character, rest);
+            is_full = size == 0;
+            rest = rest.subspan(size);
+        }
+    }
+    std::fill(rest.begin(), rest.end(), std::byte{0});
+    return true;
+}
+
+void put_unit(char32_t unit, std::span<std::byte> to)
+{
+    to[0] = static_cast<std::byte>(unit & 0xFFU);
+    to[1] = static_cast<std::byte>(unit >> 8U & 0xFFU);
+}
+
+std::size_t put_shift_jis(char32_t character, std::span<std::byte> to)
+{
+    const std::uint16_t code = shift_jis_of(character);
+    const std::size_t size = code > 0xFF ? 2 : 1;
+    if (size > to.size()) {
+        return 0;
+    }
+    to[0] = static_cast<std::byte>(size == 2 ? code >> 8U : code);
+    if (size == 2) {
+        to[1] = static_cast<std::byte>(code & 0xFFU);
+    }
+    return size;
+}
+
+std::size_t put_utf16(char32_t character, std::span<std::byte> to)
+{
+    const std::size_t size = character > 0xFFFF ? 4 : 2;
+    if (size > to.size()) {
+        return 0;
+    }
+    if (size == 2) {
+        put_unit(character, to);
+        return size;
+    }
+    const char32_t above = character - 0x10000;
+    put_unit(0xD800 + (above >> 10U), to);
+    put_unit(0xDC00 + (above & 0x3FFU), to.subspan(2));
+    return size;
+}
+
+char32_t unit_at(std::span<const std::byte> label, std::size_t at)
+{
+    return at + 1 < label.size() ? std::to_integer<char32_t>(label[at]) |
+                                       std::to_integer<char32_t>(label[at + 1]) << 8U
+                                 : 0;
+}
+
+} // namespace
+
+bool to_shift_jis(std::string_view text, std::span<std::byte> label)
+{
+    return write_text(text, label, put_shift_jis);
+}
+
+std::string from_shift_jis(std::span<const std::byte> label)
+{
+    std::string text;
+    while (!label.empty() && label.front() != std::byte{0}) {
+        const ShiftJisCharacter next = shift_jis_at(label);
+        append_utf8(next.character, text);
+        label = label.subspan(next.size);
+    }
+    return text;
+}
+
+bool to_utf16(std::string_view text, std::span<std::byte> label)
+{
+    return write_text(text, label, put_utf16);
+}
+
+std::string from_utf16(std::span<const std::byte> label)
+{
+    std::string text;
+    std::size_t at = 0;
+    while (const char32_t unit = unit_at(label, at)) {
+        at += 2;
+        const char32_t next = unit_at(label, at);
+        if (!is_surrogate(unit)) {
+            append_utf8(unit, text);
+        } else if (unit < 0xDC00 && next >= 0xDC00 && next <= 0xDFFF) {
+            append_utf8(0x10000 + ((unit - 0xD800) << 10U) + (next - 0xDC00), text);
+            at += 2;
+        } else {
+            append_utf8(replacement_character, text);
+        }
+    }
+    return text;
+}
+
+} // namespace busbar::controller::detail
