@@ -207,6 +207,30 @@ TEST_CASE("toggle inverts, copy follows")
     CHECK(machine["Lamp"] == Variant{true});
 }
 
+TEST_CASE("acknowledge takes bit 0 and sets what it is for")
+{
+    PlcConfig config;
+    config.variables = {variable("Handle", BuiltInType::UInt16, std::int64_t{0xFFFE}),
+                        variable("State", BuiltInType::Byte, std::int64_t{4}),
+                        variable("Quiet", BuiltInType::Int32, std::int64_t{3})};
+    config.programs = {program(PlcProgramKind::Acknowledge, "Handle", 40ms),
+                       program(PlcProgramKind::Acknowledge, "Quiet")};
+    config.programs[0].sets = "State";
+    config.programs[0].to = 6.4;
+    Machine machine{config};
+    machine.run(2);
+    CHECK(machine["Handle"] == Variant{std::uint16_t{0xFFFE}});
+    CHECK(machine["State"] == Variant{std::uint8_t{4}});
+    CHECK(machine["Quiet"] == Variant{std::int32_t{2}});
+
+    CHECK(machine.plc->image()->memory().store(0, Variant{std::uint16_t{0xFFFF}}).is_good());
+    machine.run(1);
+    CHECK(machine["Handle"] == Variant{std::uint16_t{0xFFFF}}); // its period is not over
+    machine.run(1);
+    CHECK(machine["Handle"] == Variant{std::uint16_t{0xFFFE}});
+    CHECK(machine["State"] == Variant{std::uint8_t{6}});
+}
+
 TEST_CASE("what clients write is there for the programs of the same scan")
 {
     PlcConfig config;
@@ -302,6 +326,18 @@ const Mistake program_mistakes[] = {
          c.programs[0].source = "T";
      },
      0, "source"},
+    {"an acknowledgement of a text",
+     [](PlcConfig& c) {
+         c.programs[0].kind = PlcProgramKind::Acknowledge;
+         c.programs[0].target = "T";
+     },
+     0, "target"},
+    {"an acknowledgement that sets a text",
+     [](PlcConfig& c) {
+         c.programs[0].kind = PlcProgramKind::Acknowledge;
+         c.programs[0].sets = "T";
+     },
+     0, "sets"},
 };
 
 /// `change` of an event of the variable A.

@@ -34,6 +34,9 @@ enum class PlcProgramKind : std::uint8_t {
     Sine,      // offset + amplitude * sin(2 pi t / period), elements shifted by their part of it
     Toggle,    // inverts a Boolean
     Copy,      // gives `target` the value of `source`
+    // Takes bit 0 of an integer for a call to do something: clears it, and gives `sets` the value
+    // `to`. So does a program that carries out Methods of model mode (seed 001, 8.3).
+    Acknowledge,
 };
 
 /// A program works on all elements of a variable, and on all variables if that has a `count`.
@@ -46,6 +49,10 @@ struct PlcProgram {
     std::chrono::milliseconds period{0};
     double amplitude{1};
     double offset{0};
+    /// Of Acknowledge only: a variable of numbers; empty: nothing more happens. What its type
+    /// cannot have becomes the nearest that it can.
+    std::string sets{};
+    double to{0};
 };
 
 /// Something that happens in the machine and that clients are told of, as an event.

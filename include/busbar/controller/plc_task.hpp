@@ -37,6 +37,9 @@ public:
         after_scan_ = std::move(action);
         log_ = log;
     }
+    /// Within such an action: the scans are those of `plc` from the next one on, and the one before
+    /// is not used any more, not even halted. Outlives the task, as that one.
+    void replace(Plc& plc) { plc_ = &plc; }
     /// The first scan begins at once.
     void start();
     /// Waits for a scan that runs, then halts the PLC.

@@ -32,6 +32,8 @@ const char* name_of(PlcProgramKind kind)
         return "toggle";
     case PlcProgramKind::Copy:
         return "copy";
+    case PlcProgramKind::Acknowledge:
+        return "acknowledge";
     }
     return "?";
 }
@@ -246,7 +248,8 @@ Configured<void> PlcBuilder::add_program(std::size_t index)
                              "found " + std::to_string(program.period.count()) +
                                  " ms, expected more than 0");
     }
-    if (!std::isfinite(program.amplitude) || !std::isfinite(program.offset)) {
+    if (!std::isfinite(program.amplitude) || !std::isfinite(program.offset) ||
+        !std::isfinite(program.to)) {
         return wrong_program(index, "amplitude", "expected finite numbers");
     }
     const bool is_whole = std::trunc(program.amplitude) == program.amplitude;
@@ -258,6 +261,9 @@ Configured<void> PlcBuilder::add_program(std::size_t index)
     }
     if (program.kind == PlcProgramKind::Copy) {
         return add_copy(index, targets);
+    }
+    if (program.kind == PlcProgramKind::Acknowledge) {
+        return add_acknowledge(index, targets);
     }
     for (const detail::PlcPlace& target : targets) {
         plc_->steps_.emplace_back(program, target.target());
@@ -287,6 +293,24 @@ Configured<void> PlcBuilder::add_copy(std::size_t index,
     for (std::size_t i = 0; i < targets.size(); ++i) {
         plc_->steps_.emplace_back(program, targets[i].target(),
                                   sources[sources.size() == 1 ? 0 : i].target());
+    }
+    return {};
+}
+
+Configured<void> PlcBuilder::add_acknowledge(std::size_t index,
+                                             const std::vector<detail::PlcPlace>& targets)
+{
+    const PlcProgram& program = config_->programs[index];
+    const auto set = program.sets.empty() ? std::vector<detail::PlcPlace>{} : finder_(program.sets);
+    if (!program.sets.empty() &&
+        (set.empty() ||
+         !detail::PlcStep::accepts(PlcProgramKind::Increment, set.front().place->type))) {
+        return wrong_program(index, "sets",
+                             "found " + quoted(program.sets) + ", expected a variable of numbers");
+    }
+    for (const detail::PlcPlace& target : targets) {
+        plc_->steps_.emplace_back(program, target.target(),
+                                  set.empty() ? detail::PlcTarget{} : set.front().target());
     }
     return {};
 }

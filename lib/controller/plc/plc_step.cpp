@@ -31,6 +31,12 @@ T nearest(double value)
     }
 }
 
+template <typename T>
+void set_all(const PlcTarget& target, double value)
+{
+    std::ranges::fill(target.values<T>(), nearest<T>(value));
+}
+
 } // namespace
 
 bool PlcStep::accepts(PlcProgramKind kind, BuiltInType type)
@@ -51,15 +57,29 @@ PlcStep::Run PlcStep::choose(PlcProgramKind kind, BuiltInType type)
         return type == BuiltInType::Boolean ? &toggle : nullptr;
     case PlcProgramKind::Copy:
         return &copy;
+    case PlcProgramKind::Acknowledge:
+        return visit_number(type, [](auto tag) -> Run {
+            using T = typename decltype(tag)::type;
+            if constexpr (std::is_integral_v<T>) {
+                return &acknowledge<T>;
+            } else {
+                return nullptr;
+            }
+        });
     }
     return nullptr;
 }
 
 PlcStep::PlcStep(const PlcProgram& program, const PlcTarget& target, const PlcTarget& source)
-    : run_{choose(program.kind, target.type)},
-      is_counter_{program.kind == PlcProgramKind::Increment}, target_{target}, source_{source},
-      period_{program.period}, amplitude_{program.amplitude}, offset_{program.offset}
+    : run_{choose(program.kind, target.type)}, is_counter_{program.kind ==
+                                                           PlcProgramKind::Increment},
+      target_{target}, source_{source}, period_{program.period},
+      amplitude_{program.amplitude}, offset_{program.offset}, to_{program.to}
 {
+    if (program.kind == PlcProgramKind::Acknowledge) {
+        set_ = visit_number(source.type,
+                            [](auto tag) -> Set { return &set_all<typename decltype(tag)::type>; });
+    }
 }
 
 void PlcStep::reset()
@@ -113,6 +133,22 @@ void PlcStep::toggle(PlcStep& step, Duration elapsed)
     if (step.firings(elapsed) % 2 == 1) {
         for (bool& value : step.target_.values<bool>()) {
             value = !value;
+        }
+    }
+}
+
+template <typename T>
+void PlcStep::acknowledge(PlcStep& step, Duration elapsed)
+{
+    if (step.firings(elapsed) == 0) {
+        return;
+    }
+    for (T& value : step.target_.values<T>()) {
+        if ((value & T{1}) != 0) {
+            value = static_cast<T>(value & ~T{1});
+            if (step.set_ != nullptr) {
+                step.set_(step.source_, step.to_);
+            }
         }
     }
 }

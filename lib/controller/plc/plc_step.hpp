@@ -15,7 +15,8 @@ public:
     [[nodiscard]] static bool accepts(PlcProgramKind kind, BuiltInType type);
 
     /// The config's program must have been checked.
-    /// Only Copy has a `source`, of the same type and with as many elements, none of them larger.
+    /// Only Copy has a `source`, of the same type and with as many elements, none of them larger,
+    /// and Acknowledge, whose `sets` it is.
     PlcStep(const PlcProgram& program, const PlcTarget& target, const PlcTarget& source = {});
 
     void run(Duration elapsed) { run_(*this, elapsed); }
@@ -26,6 +27,7 @@ public:
 
 private:
     using Run = void (*)(PlcStep&, Duration);
+    using Set = void (*)(const PlcTarget& target, double value);
 
     /// How often the program's period has ended now.
     [[nodiscard]] std::uint64_t firings(Duration elapsed);
@@ -35,9 +37,13 @@ private:
     static void sine(PlcStep& step, Duration elapsed);
     static void toggle(PlcStep& step, Duration elapsed);
     static void copy(PlcStep& step, Duration elapsed);
+    template <typename T>
+    static void acknowledge(PlcStep& step, Duration elapsed);
     [[nodiscard]] static Run choose(PlcProgramKind kind, BuiltInType type);
 
     Run run_;
+    /// Null if nothing is set.
+    Set set_{nullptr};
     bool is_counter_;
     PlcTarget target_;
     PlcTarget source_;
@@ -46,6 +52,7 @@ private:
     Duration since_{0};
     double amplitude_;
     double offset_;
+    double to_;
 };
 
 } // namespace busbar::controller::detail

@@ -1,0 +1,102 @@
+#include <busbar/controller/label_program.hpp>
+
+#include <utility>
+
+namespace busbar::controller {
+
+namespace {
+
+/// Whether an image can have it: no union in it, however deep.
+class UnionSearch {
+public:
+    explicit UnionSearch(const ProgramTypes& types) : types_{&types} {}
+
+    [[nodiscard]] bool finds_one(const TypeUse& use)
+    {
+        const ResolvedType type = types_->resolve(use);
+        switch (type.kind) {
+        case ResolvedType::Kind::Union:
+            return true;
+        case ResolvedType::Kind::Structure:
+            return finds_one_in(*type.type);
+        default:
+            return false;
+        }
+    }
+
+private:
+    [[nodiscard]] bool finds_one_in(const DerivedType& structure)
+    {
+        if (const auto found = known_.find(&structure); found != known_.end()) {
+            return found->second;
+        }
+        bool is_found = false;
+        for (const Member& member : structure.members) {
+            is_found = is_found || finds_one(member.type);
+        }
+        return known_.emplace(&structure, is_found).first->second;
+    }
+
+    const ProgramTypes* types_;
+    std::unordered_map<const DerivedType*, bool> known_;
+};
+
+} // namespace
+
+LabelProgram::LabelProgram(Key, Program program) : program_{std::move(program)} {}
+LabelProgram::~LabelProgram() = default;
+
+Configured<std::shared_ptr<LabelProgram>> LabelProgram::create(Program program,
+                                                               const server::ImageOptions& options)
+{
+    // Behind the program's own, whose places in problems stay as they are.
+    for (DerivedType& type : label_types()) {
+        program.types.push_back(std::move(type));
+    }
+    auto made = std::make_shared<LabelProgram>(Key{}, std::move(program));
+    if (auto problem = made->make(options)) {
+        return tl::unexpected<Problem>{std::move(*problem)};
+    }
+    return made;
+}
+
+std::optional<Problem> LabelProgram::make(const server::ImageOptions& options)
+{
+    auto types = ProgramTypes::create(program_);
+    if (!types) {
+        return std::move(types.error());
+    }
+    types_ = std::move(*types);
+    UnionSearch unions{*types_};
+    std::vector<std::size_t> variables;
+    for (std::size_t i = 0; i < program_.variables.size(); ++i) {
+        by_name_.emplace(fold_name(program_.variables[i].name), i);
+        if (unions.finds_one(program_.variables[i].type)) {
+            handles_.emplace_back();
+        } else {
+            handles_.emplace_back(static_cast<std::uint32_t>(variables.size()));
+            variables.push_back(i);
+        }
+    }
+    // None of it is ever an ExtensionObject.
+    const auto no_encoding = [](const DerivedType&) { return NodeId{}; };
+    auto image = ProgramImage::create(*types_, variables, no_encoding, {.image = options});
+    if (!image) {
+        return std::move(image.error());
+    }
+    image_ = std::move(*image);
+    return std::nullopt;
+}
+
+const GlobalVariable* LabelProgram::variable(std::string_view name) const
+{
+    const auto found = by_name_.find(fold_name(name));
+    return found == by_name_.end() ? nullptr : &program_.variables[found->second];
+}
+
+std::optional<std::uint32_t> LabelProgram::handle_of(const GlobalVariable& variable) const
+{
+    return handles_[static_cast<std::size_t>(&variable - program_.variables.data())];
+}
+
+} // namespace busbar::controller
