@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include <busbar/backend/label_backend.hpp>
+#include <busbar/controller/simulated_labels.hpp>
+
+#include "label_exchange.hpp"
+#include "label_table.hpp"
+
+namespace busbar::controller::detail {
+
+/// What the server's thread does: it checks requests and prepares them, so that nothing is left for
+/// the PLC's but to copy.
+class LabelServerSide {
+public:
+    LabelServerSide(LabelExchange& exchange, const SimulatedLabelsOptions& options);
+
+    void start(std::unique_ptr<backend::LabelRequest> request);
+    void attach(backend::LabelListener* listener);
+    [[nodiscard]] std::uint64_t sampled(std::span<std::byte> bytes, DateTime& time);
+
+private:
+    /// Takes in a program that has been replaced.
+    void follow_program();
+    void prepare(LabelJob& job);
+    void prepare_access(LabelJob& job);
+    void prepare_sample(LabelJob& job);
+    [[nodiscard]] backend::LabelStatus sample_refusal(const backend::LabelRequest& request,
+                                                      std::span<const LabelStep> steps) const;
+    /// False if the PLC is halted; nothing was given then.
+    [[nodiscard]] bool give(std::unique_ptr<LabelJob>& job);
+    void answer(LabelJob& job, backend::LabelStatus status);
+
+    LabelExchange* exchange_;
+    SimulatedLabelsOptions options_;
+    std::unique_ptr<LabelTable> table_;
+    /// What was asked for last; null if nothing is sampled.
+    std::shared_ptr<LabelSampler> sampler_{};
+};
+
+} // namespace busbar::controller::detail

@@ -1,0 +1,95 @@
+#include <busbar/controller/simulated_labels.hpp>
+
+#include <utility>
+
+#include "label_exchange.hpp"
+#include "label_server_side.hpp"
+#include "label_task_side.hpp"
+
+namespace busbar::controller {
+
+SimulatedLabels::SimulatedLabels(std::shared_ptr<LabelProgram> program,
+                                 const SimulatedLabelsOptions& options)
+    : exchange_{std::make_unique<detail::LabelExchange>()}
+{
+    exchange_->program = std::move(program);
+    server_ = std::make_unique<detail::LabelServerSide>(*exchange_, options);
+    task_ = std::make_unique<detail::LabelTaskSide>(*exchange_, options);
+}
+
+SimulatedLabels::~SimulatedLabels() = default;
+
+Configured<std::unique_ptr<SimulatedLabels>>
+SimulatedLabels::create(Program program, const SimulatedLabelsOptions& options)
+{
+    auto made = LabelProgram::create(std::move(program));
+    if (!made) {
+        return tl::unexpected<Problem>{std::move(made.error())};
+    }
+    return std::unique_ptr<SimulatedLabels>{new SimulatedLabels{std::move(*made), options}};
+}
+
+void SimulatedLabels::start(std::unique_ptr<backend::LabelRequest> request)
+{
+    server_->start(std::move(request));
+}
+
+void SimulatedLabels::attach(backend::LabelListener* listener)
+{
+    server_->attach(listener);
+}
+
+std::uint64_t SimulatedLabels::sampled(std::span<std::byte> bytes, DateTime& time)
+{
+    return server_->sampled(bytes, time);
+}
+
+void SimulatedLabels::end_of_scan(DateTime now)
+{
+    task_->end_of_scan(now);
+}
+
+void SimulatedLabels::halt(DateTime now)
+{
+    task_->halt(now);
+}
+
+server::ImageMemory& SimulatedLabels::memory()
+{
+    return task_->program().memory();
+}
+
+Configured<void> SimulatedLabels::replace_program(Program program)
+{
+    auto made = LabelProgram::create(std::move(program));
+    if (!made) {
+        return tl::unexpected<Problem>{std::move(made.error())};
+    }
+    static_cast<void>(exchange_->to_server.take_all());
+    auto job = std::make_unique<detail::LabelJob>();
+    job->program = *made;
+    const std::lock_guard one_at_a_time{exchange_->replacing};
+    // Outside of the mutex that the server's thread needs.
+    job->carried = detail::carried_values(*exchange_->program, **made);
+    {
+        const std::lock_guard lock{exchange_->mutex};
+        job->generation = ++exchange_->generation;
+        exchange_->program = std::move(*made);
+        exchange_->to_plc.give(std::move(job));
+    }
+    exchange_->listener.labels_changed();
+    return {};
+}
+
+std::shared_ptr<const LabelProgram> SimulatedLabels::program() const
+{
+    const std::lock_guard lock{exchange_->mutex};
+    return exchange_->program;
+}
+
+void SimulatedLabels::fail_with(backend::LabelStatus fault)
+{
+    exchange_->fault.store(fault, std::memory_order_relaxed);
+}
+
+} // namespace busbar::controller
