@@ -1,0 +1,58 @@
+#pragma once
+
+#include <string_view>
+
+#include <pugixml.hpp>
+
+#include <busbar/controller/mapping_extensions.hpp>
+
+/// Where mapping stands in the XML that is kept of a node.
+namespace busbar::controller::detail {
+
+[[nodiscard]] inline std::string_view local_name(const pugi::xml_node& xml)
+{
+    const std::string_view name = xml.name();
+    const std::size_t colon = name.find(':');
+    return colon == std::string_view::npos ? name : name.substr(colon + 1);
+}
+
+/// A <DataMapping> or <MethodMapping> by its name alone.
+[[nodiscard]] inline bool has_mapping_name(const pugi::xml_node& xml)
+{
+    const std::string_view name = local_name(xml);
+    return name == "DataMapping" || name == "MethodMapping";
+}
+
+/// In mapping_namespace as the manual wants it: by xmlns in the element or in its <Extension>.
+[[nodiscard]] inline bool is_in_mapping_namespace(const pugi::xml_node& xml)
+{
+    const std::string_view name = xml.name();
+    if (name.find(':') != std::string_view::npos) {
+        return false;
+    }
+    pugi::xml_attribute declared = xml.attribute("xmlns");
+    if (!declared && local_name(xml.parent()) == "Extension") {
+        declared = xml.parent().attribute("xmlns");
+    }
+    return declared.value() == mapping_namespace;
+}
+
+/// In mapping_namespace as XML has it: by a prefix or a declaration further out.
+[[nodiscard]] inline bool is_elsewhere_in_mapping_namespace(const pugi::xml_node& xml)
+{
+    const std::string_view name = xml.name();
+    const std::size_t colon = name.find(':');
+    std::string declaration = "xmlns";
+    if (colon != std::string_view::npos) {
+        declaration += ':';
+        declaration += name.substr(0, colon);
+    }
+    for (pugi::xml_node at = xml; at; at = at.parent()) {
+        if (const pugi::xml_attribute declared = at.attribute(declaration.c_str())) {
+            return declared.value() == mapping_namespace;
+        }
+    }
+    return false;
+}
+
+} // namespace busbar::controller::detail
