@@ -1,0 +1,113 @@
+#include <busbar/controller/mapping.hpp>
+
+#include <algorithm>
+
+#include "controller/conversion/field_step.hpp"
+
+namespace busbar::controller {
+
+namespace {
+
+bool is_before(const MappedPart& a, const MappedPart& b)
+{
+    return a.number < b.number;
+}
+
+/// Its own, or those of its elements.
+bool has_fields(const MappedPart& part)
+{
+    return std::any_of(part.parts.begin(), part.parts.end(), [](const MappedPart& inner) {
+        return inner.kind == MappedPart::Kind::Field ||
+               (inner.kind == MappedPart::Kind::Element && has_fields(inner));
+    });
+}
+
+void drop_from(std::vector<MappedPart>& parts)
+{
+    for (MappedPart& part : parts) {
+        drop_unmapped(part);
+    }
+    parts.erase(std::remove_if(parts.begin(), parts.end(),
+                               [](const MappedPart& part) {
+                                   return part.label.empty() && part.parts.empty();
+                               }),
+                parts.end());
+    // Fields have no number and stay where they are.
+    std::stable_sort(parts.begin(), parts.end(), is_before);
+}
+
+} // namespace
+
+std::size_t count_labels(const MappedPart& part)
+{
+    std::size_t count = part.label.empty() ? 0 : 1;
+    for (const MappedPart& inner : part.parts) {
+        count += count_labels(inner);
+    }
+    return count;
+}
+
+std::size_t count_labels(const MethodMapping& method)
+{
+    std::size_t count = method.handle.empty() ? 0 : 1;
+    for (const MappedPart& argument : method.arguments) {
+        count += count_labels(argument);
+    }
+    return count;
+}
+
+std::size_t count_labels(const Mapping& mapping)
+{
+    std::size_t count = 0;
+    for (const auto& [id, variable] : mapping.variables) {
+        count += count_labels(variable.value);
+    }
+    for (const auto& [id, method] : mapping.methods) {
+        count += count_labels(method);
+    }
+    return count;
+}
+
+void drop_unmapped(MappedPart& part)
+{
+    const bool had_parts = !part.parts.empty();
+    drop_from(part.parts);
+    if (part.label.empty() && part.parts.empty()) {
+        part.specification = {};
+    } else if (!had_parts) {
+        return;
+    }
+    // What it is because of its parts; elements are of what is an array.
+    if (part.kind != MappedPart::Kind::Element) {
+        const bool has_elements =
+            !part.parts.empty() && part.parts.front().kind == MappedPart::Kind::Element;
+        part.is_array = has_elements || part.specification.rank > 0;
+        part.is_structure = has_fields(part);
+    }
+}
+
+void drop_unmapped(Mapping& mapping)
+{
+    for (auto each = mapping.variables.begin(); each != mapping.variables.end();) {
+        drop_unmapped(each->second.value);
+        each =
+            count_labels(each->second.value) == 0 ? mapping.variables.erase(each) : std::next(each);
+    }
+    for (auto each = mapping.methods.begin(); each != mapping.methods.end();) {
+        drop_from(each->second.arguments);
+        each = count_labels(each->second) == 0 ? mapping.methods.erase(each) : std::next(each);
+    }
+}
+
+std::string part_path(std::string_view parent, const MappedPart& part)
+{
+    std::string path{parent};
+    if (part.kind == MappedPart::Kind::Element) {
+        path += '[' + std::to_string(part.number) + ']';
+    } else if (part.kind == MappedPart::Kind::Field) {
+        path += detail::field_step(part.name);
+    }
+    return path;
+}
+
+} // namespace busbar::controller
