@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <busbar/binary/dynamic_types.hpp>
+#include <busbar/controller/mapping_check.hpp>
+#include <busbar/controller/value_shape.hpp>
+
+#include "part_place.hpp"
+
+namespace busbar::controller::detail {
+
+/// Checks what is mapped of one Variable or Argument against what it is declared as.
+class ValueCheck {
+public:
+    ValueCheck(const model::SpaceReader& space, const binary::DynamicTypes& types,
+               const ModelLimits& limits, ModelReports& reports)
+        : space_{space}, types_{types}, reports_{reports}, limits_{limits.max_elements,
+                                                                   limits.max_structure_levels,
+                                                                   limits.max_elements}
+    {
+    }
+
+    /// `prefix` stands before the parts in reports: "Input[0]" of an Argument.
+    void check(const NodeId& node, const std::string& prefix, const ValueDeclaration& declaration,
+               const MappedPart& value);
+    /// Words of a Variable that is mapped so, or not at all; 0 if no label can be assigned.
+    [[nodiscard]] std::size_t words(const ValueDeclaration& declaration,
+                                    const MappedPart* value) const;
+
+private:
+    void check_specification(const ValueDeclaration& declaration, const MappedPart& value);
+    void check_part(const MappedPart& part, const std::string& path, const ValueShape& shape);
+    void check_siblings(const MappedPart& part, const std::string& path);
+    void check_label(const MappedPart& part, const std::string& path, const ValueShape& shape);
+    void report(ModelCode code, const std::string& path, std::string_view found);
+
+    const model::SpaceReader& space_;
+    const binary::DynamicTypes& types_;
+    ModelReports& reports_;
+    ShapeLimits limits_;
+    const NodeId* node_{nullptr};
+    const std::string* prefix_{nullptr};
+};
+
+} // namespace busbar::controller::detail
