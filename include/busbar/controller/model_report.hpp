@@ -1,0 +1,146 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/core/api.hpp>
+#include <busbar/core/node_id.hpp>
+
+/// What is wrong with information models and their mapping, as the output window of a configuration
+/// tool lists it (seed 001, 4.2).
+namespace busbar::controller {
+
+enum class ReportResult : std::uint8_t {
+    Error,   // the operation failed, or what is meant cannot be served
+    Warning, // something to look at
+};
+
+/// Codes of our own; none changes its meaning or number. The hundreds: 1 of model files, 2 of
+/// mapping in files, 3 of mapping and nodes, 4 of limits, 5 of mapping tables.
+enum class ModelCode : std::uint16_t {
+    FileUnreadable = 101,
+    FileInvalid = 102,
+    FileNote = 103,
+    SeveralNamespaces = 104,
+    NoNamespace = 105,
+    ModelMissing = 106,
+    ModelOfOtherVersion = 107,
+    NamespaceUnknown = 108,
+    NotUndermost = 109,
+    StandardNamespace = 110,
+    DependentInvalid = 111,
+
+    ElementUnknown = 201,
+    AttributeUnknown = 202,
+    AttributeMissing = 203,
+    AttributeInvalid = 204,
+    ValueOmitted = 205,
+    LabelMisplaced = 206,
+    FormatInvalid = 207,
+    NamespaceMisplaced = 208,
+    WrongNodeClass = 209,
+    ChangedElsewhere = 210,
+    MappingRepeated = 211,
+    TooManyParts = 212,
+
+    NodeMissing = 301,
+    StandardNode = 302,
+    NotBelowObjects = 303,
+    BelowServer = 304,
+    BelowAliases = 305,
+    RequiredNamespace = 306,
+    ArgumentsProperty = 307,
+    NotAssignable = 308,
+    PartUnknown = 309,
+    PartRepeated = 310,
+    SpecificationInvalid = 311,
+    SpecificationUnused = 312,
+    LabelNotHere = 313,
+    LabelInvalid = 314,
+    MappingDropped = 315,
+    AttributesChanged = 316,
+    ArgumentUnknown = 317,
+
+    TooManyFiles = 401,
+    FilesTooLarge = 402,
+    TooManyNamespaces = 403,
+    UriTooLong = 404,
+    TooManyNodes = 405,
+    TooManyVariables = 406,
+    VariablesTooLarge = 407,
+    TooManyNodeLevels = 408,
+    TooManyStructureLevels = 409,
+    TooManyElements = 410,
+    TooManyLabels = 411,
+    LabelTooLong = 412,
+    LabelsTooLong = 413,
+
+    TableInvalid = 501,
+    TableTooLarge = 502,
+    TableHeader = 503,
+    TableNode = 504,
+    TablePart = 505,
+    TableNumber = 506,
+    TableRepeated = 507,
+};
+
+/// What all reports of a code have; constant texts.
+struct ReportRule {
+    ModelCode code;
+    ReportResult result;
+    /// "Import", "Export", "Mapping", "Namespace": whose function found it.
+    std::string_view function;
+    /// The operation or setting that it comes from.
+    std::string_view category;
+    std::string_view content;
+    std::string_view corrective_action;
+};
+
+/// One rule for each code, ascending.
+[[nodiscard]] BUSBAR_API std::span<const ReportRule> report_rules();
+/// `code` must be one of ModelCode.
+[[nodiscard]] BUSBAR_API const ReportRule& rule_of(ModelCode code);
+
+/// One line of the output window.
+struct ModelReport {
+    ModelCode code{};
+    /// Null if it is about no node.
+    NodeId node{};
+    /// File, line, node and part as far as they are known: "cell.xml: ns=1;i=5: [2].Speed".
+    std::string where{};
+    /// What was found. Printable, as text of a file may be in it.
+    std::string found{};
+
+    friend bool operator==(const ModelReport&, const ModelReport&) = default;
+};
+
+/// "error M203 cell.xml: ns=1;i=5: An attribute is missing: Num. Write the attribute."
+[[nodiscard]] BUSBAR_API std::string text(const ModelReport& report);
+
+/// Reports in the order in which they were found, and no more than some: of further ones only the
+/// number is kept. What is read may have a mistake in every line.
+class BUSBAR_API ModelReports {
+public:
+    static constexpr std::size_t max_kept = 1'000;
+
+    void add(ModelReport report);
+    void add(ModelReports&& others);
+
+    [[nodiscard]] const std::vector<ModelReport>& list() const { return list_; }
+    /// Also those that were not kept.
+    [[nodiscard]] std::size_t error_count() const { return error_count_; }
+    [[nodiscard]] std::size_t warning_count() const { return warning_count_; }
+    [[nodiscard]] bool has_errors() const { return error_count_ != 0; }
+    [[nodiscard]] bool is_empty() const { return error_count_ + warning_count_ == 0; }
+
+private:
+    std::vector<ModelReport> list_;
+    std::size_t error_count_{0};
+    std::size_t warning_count_{0};
+};
+
+} // namespace busbar::controller

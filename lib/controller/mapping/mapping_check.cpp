@@ -1,0 +1,285 @@
+#include <busbar/controller/mapping_check.hpp>
+
+#include <algorithm>
+
+#include <busbar/binary/codec.hpp>
+#include <busbar/controller/model_set.hpp>
+#include <busbar/core/text.hpp>
+#include <busbar/model/data_types.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "extension_attributes.hpp"
+#include "value_check.hpp"
+
+namespace busbar::controller {
+
+namespace {
+
+using model::NodeIndex;
+
+ModelCode code_of(NodePlace place)
+{
+    switch (place) {
+    case NodePlace::StandardNode:
+        return ModelCode::StandardNode;
+    case NodePlace::BelowServer:
+        return ModelCode::BelowServer;
+    case NodePlace::BelowAliases:
+        return ModelCode::BelowAliases;
+    case NodePlace::RequiredNamespace:
+        return ModelCode::RequiredNamespace;
+    case NodePlace::ArgumentsProperty:
+        return ModelCode::ArgumentsProperty;
+    case NodePlace::WrongNodeClass:
+        return ModelCode::WrongNodeClass;
+    case NodePlace::Mappable:
+    case NodePlace::NotBelowObjects:
+        break;
+    }
+    return ModelCode::NotBelowObjects;
+}
+
+/// One check, whose parts add to one result.
+class Run {
+public:
+    Run(const model::SpaceReader& space, const Mapping& mapping, const MappingCheckOptions& options)
+        : space_{space}, mapping_{mapping}, options_{options}, places_{space, options.required},
+          values_{space, types_.of(space), options.limits, result_.reports}
+    {
+    }
+
+    [[nodiscard]] MappingCheck take()
+    {
+        check_variables();
+        check_methods();
+        count_variables();
+        result_.counters.file_size = options_.file_size;
+        check_counters();
+        return std::move(result_);
+    }
+
+private:
+    void check_variables();
+    void check_methods();
+    void check_arguments(const NodeId& id, const MethodMapping& method, NodeIndex node);
+    [[nodiscard]] NodeIndex find(const NodeId& id, NodeClass node_class);
+    void check_labels(const NodeId& id, const MappedPart& part, const std::string& path);
+    void check_label(const NodeId& id, const std::string& label, const std::string& path);
+    void count_variables();
+    void check_counters();
+    [[nodiscard]] ValueDeclaration declaration_of(NodeIndex node) const;
+    [[nodiscard]] std::vector<Argument> arguments_of(NodeIndex method) const;
+
+    void report(ModelCode code, const NodeId& id, const std::string& path, std::string_view found)
+    {
+        const std::string where = to_string(id) + (path.empty() ? path : ": " + path);
+        result_.reports.add({code, id, printable(where, 512), printable(found)});
+    }
+    template <typename Value>
+    void exceeds(ModelCode code, Value value, Value limit)
+    {
+        if (value > limit) {
+            result_.reports.add(
+                {code, {}, {}, std::to_string(value) + ", at most " + std::to_string(limit)});
+        }
+    }
+
+    const model::SpaceReader& space_;
+    const Mapping& mapping_;
+    const MappingCheckOptions& options_;
+    NodePlaces places_;
+    model::DataTypes types_;
+    MappingCheck result_;
+    detail::ValueCheck values_;
+};
+
+/// In the order of NodeIds, so that two checks report alike.
+template <typename Map>
+std::vector<const typename Map::value_type*> in_order(const Map& map)
+{
+    std::vector<const typename Map::value_type*> entries;
+    entries.reserve(map.size());
+    for (const auto& each : map) {
+        entries.push_back(&each);
+    }
+    std::sort(entries.begin(), entries.end(),
+              [](const auto* a, const auto* b) { return a->first < b->first; });
+    return entries;
+}
+
+NodeIndex Run::find(const NodeId& id, NodeClass node_class)
+{
+    const NodeIndex node = space_.find(id);
+    if (node == model::no_node) {
+        report(ModelCode::NodeMissing, id, {}, {});
+        return model::no_node;
+    }
+    const NodePlace place = places_.of(node);
+    if (place != NodePlace::Mappable) {
+        report(code_of(place), id, {}, {});
+        return model::no_node;
+    }
+    if (space_.node_class(node) != node_class) {
+        report(ModelCode::WrongNodeClass, id, {}, {});
+        return model::no_node;
+    }
+    return node;
+}
+
+void Run::check_variables()
+{
+    for (const auto* each : in_order(mapping_.variables)) {
+        check_labels(each->first, each->second.value, {});
+        const NodeIndex node = find(each->first, NodeClass::Variable);
+        if (node != model::no_node) {
+            values_.check(each->first, {}, declaration_of(node), each->second.value);
+        }
+    }
+}
+
+void Run::check_methods()
+{
+    for (const auto* each : in_order(mapping_.methods)) {
+        if (!each->second.handle.empty()) {
+            check_label(each->first, each->second.handle, "Handle");
+        }
+        for (const MappedPart& argument : each->second.arguments) {
+            check_labels(each->first, argument, "Input[" + std::to_string(argument.number) + ']');
+        }
+        const NodeIndex node = find(each->first, NodeClass::Method);
+        if (node != model::no_node) {
+            check_arguments(each->first, each->second, node);
+        }
+    }
+}
+
+void Run::check_arguments(const NodeId& id, const MethodMapping& method, NodeIndex node)
+{
+    const std::vector<Argument> arguments = arguments_of(node);
+    std::vector<bool> is_mapped(arguments.size());
+    for (const MappedPart& mapped : method.arguments) {
+        const std::string path = "Input[" + std::to_string(mapped.number) + ']';
+        if (mapped.number >= arguments.size()) {
+            report(ModelCode::ArgumentUnknown, id, path, {});
+            continue;
+        }
+        if (is_mapped[mapped.number]) {
+            report(ModelCode::PartRepeated, id, path, {});
+        }
+        is_mapped[mapped.number] = true;
+        const Argument& argument = arguments[mapped.number];
+        values_.check(
+            id, path,
+            {argument.data_type, argument.value_rank, argument.array_dimensions.span(), true},
+            mapped);
+    }
+}
+
+std::vector<Argument> Run::arguments_of(NodeIndex method) const
+{
+    std::vector<Argument> arguments;
+    space_.for_each_child(
+        method, space_.find(id::HasProperty), true, QualifiedName{0, "InputArguments"},
+        [&](NodeIndex property) {
+            const Variant value = space_.value(property);
+            const auto* objects = value.array_if<ExtensionObject>();
+            for (std::size_t i = 0; objects != nullptr && i < objects->size(); ++i) {
+                const auto decoded = binary::structure_of<Argument>((*objects)[i]);
+                arguments.push_back(decoded ? *decoded : Argument{});
+            }
+            return false;
+        });
+    return arguments;
+}
+
+void Run::check_labels(const NodeId& id, const MappedPart& part, const std::string& path)
+{
+    if (!part.label.empty()) {
+        check_label(id, part.label, path);
+    }
+    for (const MappedPart& inner : part.parts) {
+        check_labels(id, inner, part_path(path, inner));
+    }
+}
+
+void Run::check_label(const NodeId& id, const std::string& label, const std::string& path)
+{
+    const std::size_t length = detail::character_count(label);
+    ++result_.counters.labels;
+    result_.counters.label_length += length;
+    if (length > options_.limits.max_label_length) {
+        report(ModelCode::LabelTooLong, id, path,
+               std::to_string(length) + " characters, at most " +
+                   std::to_string(options_.limits.max_label_length));
+        return;
+    }
+    if (options_.check_label) {
+        if (const auto problem = options_.check_label(label)) {
+            report(ModelCode::LabelInvalid, id, path, label + ": " + text(*problem));
+        }
+    }
+}
+
+ValueDeclaration Run::declaration_of(NodeIndex node) const
+{
+    const model::VariableAttributes attributes = space_.variable(node);
+    return {space_.data_type_id(node), attributes.value_rank, attributes.array_dimensions, false};
+}
+
+void Run::count_variables()
+{
+    std::uint32_t levels = 0;
+    NodeIndex deepest = model::no_node;
+    space_.for_each([&](NodeIndex node) {
+        if (places_.level(node) > levels) {
+            levels = places_.level(node);
+            deepest = node;
+        }
+        if (!places_.is_counted(node)) {
+            return;
+        }
+        ++result_.counters.variables;
+        const auto mapped = mapping_.variables.find(space_.node_id(node));
+        result_.counters.variable_words +=
+            values_.words(declaration_of(node),
+                          mapped == mapping_.variables.end() ? nullptr : &mapped->second.value);
+    });
+    if (levels > options_.limits.max_node_levels) {
+        report(ModelCode::TooManyNodeLevels, space_.node_id(deepest), {},
+               std::to_string(levels) + ", at most " +
+                   std::to_string(options_.limits.max_node_levels));
+    }
+}
+
+void Run::check_counters()
+{
+    const ModelLimits& limits = options_.limits;
+    const ModelCounters& counters = result_.counters;
+    exceeds(ModelCode::TooManyLabels, counters.labels, limits.max_labels);
+    exceeds(ModelCode::LabelsTooLong, counters.label_length, limits.max_total_label_length);
+    exceeds(ModelCode::TooManyVariables, counters.variables, limits.max_variables);
+    exceeds(ModelCode::VariablesTooLarge, counters.variable_words, limits.max_variable_words);
+    exceeds(ModelCode::FilesTooLarge, counters.file_size, limits.max_file_size);
+}
+
+} // namespace
+
+MappingCheck check_mapping(const model::SpaceReader& space, const Mapping& mapping,
+                           const MappingCheckOptions& options)
+{
+    return Run{space, mapping, options}.take();
+}
+
+MappingCheck check_mapping(const ModelSet& models,
+                           std::function<std::optional<Problem>(std::string_view)> check_label)
+{
+    MappingCheckOptions options{models.limits(), {}, models.file_size(), std::move(check_label)};
+    for (const ModelNamespace& each : models.namespaces()) {
+        for (const RequiredModelStatus& required : each.required) {
+            options.required.push_back(required.uri);
+        }
+    }
+    return check_mapping(models.space(), models.mapping(), options);
+}
+
+} // namespace busbar::controller
