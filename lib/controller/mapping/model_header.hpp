@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include <busbar/controller/model_limits.hpp>
+#include <busbar/controller/model_report.hpp>
+#include <busbar/model/nodeset.hpp>
+
+namespace busbar::controller::detail {
+
+struct HeaderModel {
+    std::string uri;
+    std::string version;
+    std::string publication_date;
+};
+
+/// What a file is about, before its nodes are loaded.
+struct ModelHeader {
+    HeaderModel model;
+    std::vector<HeaderModel> required;
+    /// URIs of the namespaces that the file names; nodes need not be in all of them.
+    std::vector<std::string> named;
+};
+
+/// Of a file with one namespace; whether it is valid otherwise shows when it is loaded.
+[[nodiscard]] tl::expected<ModelHeader, ModelReport> read_header(std::string_view text,
+                                                                 const std::string& name);
+
+/// The text of a source, whose file may have so many bytes.
+[[nodiscard]] tl::expected<std::string, ModelReport> read_source(const model::NodeSetSource& source,
+                                                                 std::uint64_t max_size);
+
+} // namespace busbar::controller::detail
