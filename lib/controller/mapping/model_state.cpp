@@ -1,0 +1,227 @@
+#include "model_state.hpp"
+
+#include <algorithm>
+
+#include <busbar/controller/mapping_extensions.hpp>
+#include <busbar/core/text.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "extension_attributes.hpp"
+
+namespace busbar::controller {
+
+namespace {
+
+using detail::HeaderModel;
+
+/// Of a namespace by the AddressSpace's NamespaceMetadata (Part 5, 6.3.14).
+HeaderModel metadata_of(const model::SpaceReader& space, const std::string& uri)
+{
+    HeaderModel result{uri, {}, {}};
+    const model::NodeIndex all = space.find(id::Server_Namespaces);
+    if (all == model::no_node) {
+        return result;
+    }
+    const model::NodeIndex any = space.find(id::HierarchicalReferences);
+    const auto find = [&](model::NodeIndex parent, const std::string& name) {
+        model::NodeIndex found = model::no_node;
+        space.for_each_child(parent, any, true, QualifiedName{0, String{name}},
+                             [&](model::NodeIndex child) {
+                                 found = child;
+                                 return false;
+                             });
+        return found;
+    };
+    const model::NodeIndex metadata = find(all, uri);
+    const model::NodeIndex version =
+        metadata == model::no_node ? metadata : find(metadata, "NamespaceVersion");
+    if (version != model::no_node) {
+        result.version = space.value(version).value_or(String{}).str();
+    }
+    return result;
+}
+
+bool differs(const std::string& asked, const std::string& there)
+{
+    return !asked.empty() && !there.empty() && asked != there;
+}
+
+ModelState state_of(const HeaderModel& asked, const HeaderModel& there)
+{
+    return differs(asked.version, there.version) ||
+                   differs(asked.publication_date, there.publication_date)
+               ? ModelState::OtherVersion
+               : ModelState::Imported;
+}
+
+model::NodeSetLimits nodeset_limits(const ModelLimits& limits)
+{
+    model::NodeSetLimits result = model::limits_for_large_models();
+    result.max_file_size = static_cast<std::size_t>(
+        std::min<std::uint64_t>(result.max_file_size, limits.max_file_size));
+    // One more than fits, so that this is reported as what it is.
+    result.max_nodes = std::min(result.max_nodes, limits.max_nodes + 1);
+    result.accepts_older_models = true;
+    return result;
+}
+
+} // namespace
+
+bool ModelSet::State::load(std::size_t imported, model::NodeSetSummary& summary,
+                           ModelReports& reports)
+{
+    built_in = space.node_count();
+    // In the order of files, whatever namespaces these name before.
+    if (!application_uri.empty()) {
+        static_cast<void>(space.add_namespace(application_uri));
+    }
+    for (const ModelFile& file : files) {
+        static_cast<void>(space.add_namespace(file.uri));
+    }
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        const model::NodeSetSource source{files[i].name, files[i].text};
+        auto loaded = model::load_nodesets(space, {&source, 1}, nodeset_limits(limits));
+        if (!loaded) {
+            const ModelCode code =
+                i == imported ? ModelCode::FileInvalid : ModelCode::DependentInvalid;
+            for (const Problem& problem : loaded.error()) {
+                reports.add({code, {}, printable(problem.where, 512), printable(problem.text)});
+            }
+            return false;
+        }
+        if (i == imported) {
+            summary = *loaded;
+        }
+        keep(loaded->extras);
+    }
+    list_namespaces();
+    return true;
+}
+
+void ModelSet::State::keep(model::NodeSetExtras& loaded)
+{
+    for (auto& model : loaded.models) {
+        extras.models.push_back(std::move(model));
+    }
+    extras.nodes.merge(loaded.nodes);
+    extras.file_extensions.merge(loaded.file_extensions);
+}
+
+void ModelSet::State::note_versions(std::string_view imported, ModelReports& reports) const
+{
+    for (const ModelNamespace& each : namespaces) {
+        for (const RequiredModelStatus& required : each.required) {
+            if (required.state == ModelState::OtherVersion &&
+                (each.uri == imported || required.uri == imported)) {
+                reports.add({ModelCode::ModelOfOtherVersion,
+                             {},
+                             printable(each.uri),
+                             printable(required.uri + ' ' + required.version)});
+            }
+        }
+    }
+}
+
+bool ModelSet::State::has_file(std::string_view uri) const
+{
+    return std::any_of(files.begin(), files.end(),
+                       [&](const ModelFile& each) { return each.uri == uri; });
+}
+
+bool ModelSet::State::can_add(const ModelFile& file, const detail::ModelHeader& header) const
+{
+    const std::size_t own = application_uri.empty() ? 1 : 2;
+    const bool is_within_limits =
+        files.size() < limits.max_files && file_size() + file.text.size() <= limits.max_file_size &&
+        files.size() < limits.max_namespaces && node_count() < limits.max_nodes &&
+        detail::character_count(file.uri) <= limits.max_uri_length;
+    const bool is_next = space.namespace_count() == own + files.size() &&
+                         !space.namespace_index(file.uri) && file.uri != application_uri;
+    return is_within_limits && is_next &&
+           std::all_of(header.named.begin(), header.named.end(),
+                       [&](const std::string& uri) {
+                           return uri == file.uri || space.namespace_index(uri).has_value();
+                       }) &&
+           std::all_of(header.required.begin(), header.required.end(),
+                       [&](const HeaderModel& each) {
+                           return each.uri == space.namespace_uri(0) || has_file(each.uri);
+                       });
+}
+
+std::optional<ImportResult> ModelSet::State::add(ModelFile& file, detail::ModelHeader& header)
+{
+    if (!can_add(file, header)) {
+        return std::nullopt;
+    }
+    model::NodeSetLimits allowed = nodeset_limits(limits);
+    allowed.max_nodes = std::min(allowed.max_nodes, limits.max_nodes - node_count());
+    model::NodeSetSource source{file.name, std::move(file.text)};
+    auto loaded = model::load_nodesets(space, {&source, 1}, allowed);
+    file.text = *std::move(source.text);
+    if (!loaded) {
+        return std::nullopt;
+    }
+    static_cast<void>(space.add_namespace(file.uri)); // if it has no nodes
+    ImportResult result{file.uri, loaded->node_count, false, {}};
+    for (const Problem& note : loaded->notes) {
+        result.reports.add(
+            {ModelCode::FileNote, {}, printable(note.where, 512), printable(note.text)});
+    }
+    list_namespace(header);
+    note_versions(file.uri, result.reports);
+    ReadMapping read = read_mapping(space, loaded->extras, file.name, limits);
+    result.reports.add(std::move(read.reports));
+    for (auto& [id, each] : read.mapping.variables) {
+        mapping.variables.insert_or_assign(id, std::move(each));
+    }
+    for (auto& [id, each] : read.mapping.methods) {
+        mapping.methods.insert_or_assign(id, std::move(each));
+    }
+    keep(loaded->extras);
+    files.push_back(std::move(file));
+    headers.push_back(std::move(header));
+    return result;
+}
+
+void ModelSet::State::list_namespaces()
+{
+    const std::string standard{space.namespace_uri(0)};
+    namespaces.push_back(
+        {0, standard, metadata_of(space, standard).version, {}, ModelState::Imported, {}});
+    for (const detail::ModelHeader& header : headers) {
+        list_namespace(header);
+    }
+}
+
+void ModelSet::State::list_namespace(const detail::ModelHeader& header)
+{
+    ModelNamespace entry{space.namespace_index(header.model.uri).value_or(0),
+                         header.model.uri,
+                         header.model.version,
+                         header.model.publication_date,
+                         ModelState::Imported,
+                         {}};
+    for (const HeaderModel& required : header.required) {
+        const auto there = std::find_if(namespaces.begin(), namespaces.end(),
+                                        [&](const auto& each) { return each.uri == required.uri; });
+        const ModelState state =
+            there == namespaces.end()
+                ? ModelState::OtherVersion
+                : state_of(required, {there->uri, there->version, there->publication_date});
+        entry.required.push_back(
+            {required.uri, required.version, required.publication_date, state});
+        entry.state = state == ModelState::Imported ? entry.state : state;
+    }
+    namespaces.push_back(std::move(entry));
+}
+
+std::uint64_t ModelSet::State::file_size() const
+{
+    std::uint64_t size = 0;
+    for (const ModelFile& file : files) {
+        size += file.text.size();
+    }
+    return size;
+}
+
+} // namespace busbar::controller
