@@ -37,6 +37,8 @@ struct NodeSetLimits {
     std::size_t max_type_levels{100};
     /// How many errors, and how many notes, of one load are kept.
     std::size_t max_errors{100};
+    /// Takes a RequiredModel of an older version than the one that is asked for.
+    bool accepts_older_models{false};
 };
 
 /// For files that may be large, such as the variables of a plant: four million nodes, 1 GB a file.

@@ -126,7 +126,7 @@ std::vector<Problem> missing_models(const Document& document, const model::Space
             }
             // What the AddressSpace has stays; a file cannot replace it.
             const Model there = is_in_space ? model_in_space(space, required.uri) : *in_files;
-            if (!is_recent_enough(required, there)) {
+            if (!document.limits().accepts_older_models && !is_recent_enough(required, there)) {
                 fail(described(there));
             }
         }

@@ -1,0 +1,324 @@
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include <busbar/controller/mapping_table.hpp>
+#include <busbar/core/text.hpp>
+#include <busbar/core/text_forms.hpp>
+#include <busbar/model/relative_path.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "core/ascii_case.hpp"
+#include "core/number_text.hpp"
+#include "core/utf8.hpp"
+#include "part_text.hpp"
+#include "table_columns.hpp"
+#include "table_fields.hpp"
+
+namespace busbar::controller {
+
+namespace {
+
+using detail::PartTree;
+using detail::TableColumn;
+using detail::TableFields;
+using model::NodeIndex;
+
+/// A Method while its lines come.
+struct MethodTree {
+    std::string handle;
+    /// By the numbers of arguments.
+    std::map<std::uint32_t, PartTree> inputs;
+};
+
+class TableReader {
+public:
+    TableReader(std::string_view text, const model::SpaceReader& space,
+                const MappingTableLimits& limits)
+        : space_{space}, limits_{limits}, table_{text, limits.max_field}
+    {
+    }
+
+    [[nodiscard]] ReadMappingTable take()
+    {
+        if (read_header()) {
+            read_lines();
+        }
+        for (auto& [id, tree] : variables_) {
+            result_.mapping.variables[id].value = tree.take();
+        }
+        for (auto& [id, tree] : methods_) {
+            MethodMapping& mapping = result_.mapping.methods[id];
+            mapping.handle = std::move(tree.handle);
+            for (auto& [number, argument] : tree.inputs) {
+                mapping.arguments.push_back(argument.take());
+                mapping.arguments.back().number = number;
+            }
+        }
+        return std::move(result_);
+    }
+
+private:
+    [[nodiscard]] bool read_header();
+    void read_lines();
+    void read_line();
+    [[nodiscard]] NodeIndex find_node() const;
+    [[nodiscard]] NodeIndex find_id(const std::string& text) const;
+    [[nodiscard]] NodeIndex find_path(const std::string& text) const;
+    [[nodiscard]] bool read_specification(ArraySpecification& to);
+    void read_variable(const NodeId& id, const MappedPart& line);
+    void read_method(const NodeId& id, const MappedPart& line);
+    void read_part(PartTree& tree, std::string_view path, const MappedPart& line);
+
+    [[nodiscard]] const std::string& field(TableColumn column) const
+    {
+        static const std::string none;
+        const auto position = positions_[static_cast<std::size_t>(column)];
+        return position && *position < fields_.size() ? fields_[*position] : none;
+    }
+    [[nodiscard]] bool has(TableColumn column) const
+    {
+        return positions_[static_cast<std::size_t>(column)].has_value();
+    }
+    void report(ModelCode code, std::string_view found)
+    {
+        result_.reports.add({code, {}, "line " + std::to_string(table_.line()), printable(found)});
+    }
+
+    const model::SpaceReader& space_;
+    const MappingTableLimits& limits_;
+    TableFields table_;
+    std::vector<std::string> fields_;
+    std::array<std::optional<std::size_t>, detail::table_columns.size()> positions_;
+    std::unordered_map<NodeId, PartTree> variables_;
+    std::unordered_map<NodeId, MethodTree> methods_;
+    ReadMappingTable result_;
+};
+
+bool TableReader::read_header()
+{
+    if (table_.next(fields_) != TableFields::Line::Read) {
+        report(ModelCode::TableInvalid, {});
+        return false;
+    }
+    for (std::size_t i = 0; i < fields_.size(); ++i) {
+        const auto* const known = std::find_if(
+            detail::table_columns.begin(), detail::table_columns.end(), [&](std::string_view name) {
+                return busbar::detail::is_same_ignoring_case(name, fields_[i]);
+            });
+        if (known == detail::table_columns.end()) {
+            continue;
+        }
+        auto& position =
+            positions_[static_cast<std::size_t>(known - detail::table_columns.begin())];
+        if (position) {
+            report(ModelCode::TableHeader, *known);
+            return false;
+        }
+        position = i;
+    }
+    if ((!has(TableColumn::NodeId) && !has(TableColumn::Path)) || !has(TableColumn::Part) ||
+        !has(TableColumn::Label)) {
+        report(ModelCode::TableHeader, {});
+        return false;
+    }
+    return true;
+}
+
+void TableReader::read_lines()
+{
+    for (std::size_t count = 0;; ++count) {
+        switch (table_.next(fields_)) {
+        case TableFields::Line::Read:
+            break;
+        case TableFields::Line::End:
+            return;
+        case TableFields::Line::Broken:
+            report(ModelCode::TableInvalid, "quotation marks that do not fit");
+            return;
+        case TableFields::Line::TooLarge:
+            report(ModelCode::TableTooLarge, {});
+            return;
+        }
+        if (count == limits_.max_lines) {
+            report(ModelCode::TableTooLarge,
+                   "more than " + std::to_string(limits_.max_lines) + " lines");
+            return;
+        }
+        read_line();
+    }
+}
+
+void TableReader::read_line()
+{
+    MappedPart line;
+    line.label = field(TableColumn::Label);
+    if (!read_specification(line.specification)) {
+        return;
+    }
+    if (line.label.empty() && line.specification.rank == ArraySpecification::none) {
+        return;
+    }
+    const NodeIndex node = find_node();
+    if (node == model::no_node) {
+        report(ModelCode::TableNode,
+               field(field(TableColumn::NodeId).empty() ? TableColumn::Path : TableColumn::NodeId));
+        return;
+    }
+    const NodeClass node_class = space_.node_class(node);
+    if (node_class == NodeClass::Variable) {
+        read_variable(space_.node_id(node), line);
+    } else if (node_class == NodeClass::Method) {
+        read_method(space_.node_id(node), line);
+    } else {
+        report(ModelCode::TableNode, "it is no Variable and no Method");
+    }
+}
+
+bool TableReader::read_specification(ArraySpecification& to)
+{
+    const auto read = [&](TableColumn column, std::int64_t low, std::int64_t high, auto& number) {
+        const std::string& text = field(column);
+        if (text.empty()) {
+            return true;
+        }
+        std::int64_t value = 0;
+        const char* const end = text.data() + text.size();
+        const auto [stop, error] = busbar::detail::read_number(text.data(), end, value);
+        if (error != std::errc{} || stop != end || value < low || value > high) {
+            report(ModelCode::TableNumber, text);
+            return false;
+        }
+        number = static_cast<std::decay_t<decltype(number)>>(value);
+        return true;
+    };
+    const std::int64_t most = limits_.max_elements;
+    if (!read(TableColumn::Rank, -1, 3, to.rank) ||
+        !read(TableColumn::Dim1, 1, most, to.dimensions[0]) ||
+        !read(TableColumn::Dim2, 1, most, to.dimensions[1]) ||
+        !read(TableColumn::Dim3, 1, most, to.dimensions[2])) {
+        return false;
+    }
+    if (to.rank == ArraySpecification::none) {
+        to = {};
+    }
+    return true;
+}
+
+NodeIndex TableReader::find_node() const
+{
+    const std::string& id = field(TableColumn::NodeId);
+    return id.empty() ? find_path(field(TableColumn::Path)) : find_id(id);
+}
+
+NodeIndex TableReader::find_id(const std::string& text) const
+{
+    const auto id = parse_expanded_node_id(text);
+    if (!id || id->server_index != 0) {
+        return model::no_node;
+    }
+    NodeId plain = id->node_id;
+    if (!id->namespace_uri.empty()) {
+        const auto index = space_.namespace_index(id->namespace_uri.view());
+        if (!index) {
+            return model::no_node;
+        }
+        plain.set_namespace_index(*index);
+    }
+    return space_.find(plain);
+}
+
+NodeIndex TableReader::find_path(const std::string& text) const
+{
+    const auto path = model::parse_relative_path(text, space_);
+    if (!path || path->elements.empty()) {
+        return model::no_node;
+    }
+    NodeIndex at = space_.find(id::RootFolder);
+    for (const RelativePathElement& element : path->elements) {
+        NodeIndex next = model::no_node;
+        const NodeIndex type = space_.find(element.reference_type_id);
+        if (type == model::no_node || element.is_inverse) {
+            return model::no_node;
+        }
+        space_.for_each_child(at, type, element.include_subtypes, element.target_name,
+                              [&](NodeIndex child) {
+                                  next = child;
+                                  return false;
+                              });
+        if (next == model::no_node) {
+            return next;
+        }
+        at = next;
+    }
+    return at;
+}
+
+void TableReader::read_variable(const NodeId& id, const MappedPart& line)
+{
+    read_part(variables_[id], field(TableColumn::Part), line);
+}
+
+void TableReader::read_method(const NodeId& id, const MappedPart& line)
+{
+    const std::string_view path = field(TableColumn::Part);
+    MethodTree& method = methods_[id];
+    if (path == detail::handle_part) {
+        if (!method.handle.empty()) {
+            report(ModelCode::TableRepeated, path);
+            return;
+        }
+        method.handle = line.label;
+    } else if (path.starts_with(detail::input_part) && path.size() > detail::input_part.size()) {
+        const std::string_view rest = path.substr(detail::input_part.size());
+        const auto steps =
+            detail::read_part_path(rest, limits_.max_part_levels, limits_.max_elements);
+        if (!steps || steps->front().kind != MappedPart::Kind::Element) {
+            report(ModelCode::TablePart, path);
+            return;
+        }
+        // The argument's own number is in front.
+        read_part(method.inputs[steps->front().number], rest.substr(rest.find(']') + 1), line);
+    } else {
+        report(ModelCode::TablePart, path);
+    }
+}
+
+void TableReader::read_part(PartTree& tree, std::string_view path, const MappedPart& line)
+{
+    const auto steps = detail::read_part_path(path, limits_.max_part_levels, limits_.max_elements);
+    MappedPart* const part = steps ? tree.at(*steps) : nullptr;
+    if (part == nullptr) {
+        report(ModelCode::TablePart, path);
+        return;
+    }
+    const bool has_rank = line.specification.rank != ArraySpecification::none;
+    if ((!line.label.empty() && !part->label.empty()) ||
+        (has_rank && part->specification.rank != ArraySpecification::none)) {
+        report(ModelCode::TableRepeated, path);
+        return;
+    }
+    part->label = line.label.empty() ? part->label : line.label;
+    if (has_rank) {
+        part->specification = line.specification;
+        part->is_array = part->is_array || line.specification.rank > 0;
+    }
+}
+
+} // namespace
+
+ReadMappingTable read_mapping_table(std::string_view text, const model::SpaceReader& space,
+                                    const MappingTableLimits& limits)
+{
+    ReadMappingTable result;
+    if (text.size() > limits.max_size) {
+        result.reports.add({ModelCode::TableTooLarge,
+                            {},
+                            {},
+                            "more than " + std::to_string(limits.max_size) + " bytes"});
+        return result;
+    }
+    return TableReader{text, space, limits}.take();
+}
+
+} // namespace busbar::controller

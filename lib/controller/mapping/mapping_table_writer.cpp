@@ -1,0 +1,152 @@
+#include <algorithm>
+
+#include <busbar/controller/mapping_table.hpp>
+#include <busbar/model/relative_path.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "table_columns.hpp"
+#include "table_fields.hpp"
+
+namespace busbar::controller {
+
+namespace {
+
+using model::NodeIndex;
+
+class TableWriter {
+public:
+    explicit TableWriter(const model::SpaceReader& space) : space_{space}
+    {
+        for (const std::string_view column : detail::table_columns) {
+            text_ += text_.empty() ? "" : ",";
+            text_ += column;
+        }
+        text_ += "\r\n";
+    }
+
+    void write(NodeIndex node, const DataMapping& mapping)
+    {
+        begin(node);
+        write_part(mapping.value, {});
+    }
+    void write(NodeIndex node, const MethodMapping& mapping)
+    {
+        begin(node);
+        if (!mapping.handle.empty()) {
+            write_line({.label = mapping.handle}, std::string{detail::handle_part});
+        }
+        for (const MappedPart& argument : mapping.arguments) {
+            write_part(argument, std::string{detail::input_part} + '[' +
+                                     std::to_string(argument.number) + ']');
+        }
+    }
+    [[nodiscard]] std::string take() { return std::move(text_); }
+
+private:
+    void begin(NodeIndex node)
+    {
+        const NodeId id = space_.node_id(node);
+        const std::string uri{space_.namespace_uri(id.namespace_index())};
+        NodeId plain = id;
+        plain.set_namespace_index(0);
+        // A semicolon would end the URI.
+        const bool has_uri = id.namespace_index() != 0 && uri.find(';') == std::string::npos;
+        node_.clear();
+        detail::add_field(node_,
+                          has_uri ? to_string(ExpandedNodeId{plain, String{uri}}) : to_string(id));
+        node_ += ',';
+        detail::add_field(node_, path_of(node));
+        node_ += ',';
+    }
+
+    /// From the Root by the parents that hierarchical references name first.
+    [[nodiscard]] std::string path_of(NodeIndex node) const
+    {
+        constexpr std::size_t max_levels = 100;
+        std::vector<RelativePathElement> elements;
+        const NodeIndex root = space_.find(id::RootFolder);
+        for (NodeIndex at = node; at != root; at = parent_of(at)) {
+            if (at == model::no_node || elements.size() == max_levels) {
+                return {};
+            }
+            elements.push_back(
+                {NodeId{0, id::HierarchicalReferences}, false, true, space_.browse_name(at)});
+        }
+        std::reverse(elements.begin(), elements.end());
+        const auto text =
+            model::to_text(RelativePath{Array<RelativePathElement>{elements}}, space_);
+        return text ? *text : std::string{};
+    }
+    [[nodiscard]] NodeIndex parent_of(NodeIndex node) const
+    {
+        model::ReferenceCursor cursor = space_.references(node);
+        while (const auto reference = cursor.next()) {
+            if (!reference->is_forward &&
+                space_.is_subtype_of(reference->type, id::HierarchicalReferences) &&
+                !space_.is_subtype_of(reference->type, id::HasEventSource)) {
+                return reference->target;
+            }
+        }
+        return model::no_node;
+    }
+
+    void write_part(const MappedPart& part, const std::string& path)
+    {
+        if (!part.label.empty() || part.specification.rank != ArraySpecification::none) {
+            write_line(part, path);
+        }
+        for (const MappedPart& inner : part.parts) {
+            write_part(inner, part_path(path, inner));
+        }
+    }
+    void write_line(const MappedPart& part, const std::string& path)
+    {
+        text_ += node_;
+        detail::add_field(text_, path);
+        text_ += ',';
+        detail::add_field(text_, part.label);
+        text_ += ',';
+        const ArraySpecification& specification = part.specification;
+        const bool is_specified = specification.rank != ArraySpecification::none;
+        text_ += is_specified ? std::to_string(specification.rank) : std::string{};
+        for (const std::uint32_t dimension : specification.dimensions) {
+            text_ += ',';
+            text_ += is_specified && dimension != 0 ? std::to_string(dimension) : std::string{};
+        }
+        text_ += "\r\n";
+    }
+
+    const model::SpaceReader& space_;
+    std::string text_;
+    /// The fields of the node that lines are written of.
+    std::string node_;
+};
+
+} // namespace
+
+std::string write_mapping_table(const model::SpaceReader& space, const Mapping& mapping)
+{
+    std::vector<NodeId> nodes;
+    for (const auto& each : mapping.variables) {
+        nodes.push_back(each.first);
+    }
+    for (const auto& each : mapping.methods) {
+        nodes.push_back(each.first);
+    }
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    TableWriter writer{space};
+    for (const NodeId& id : nodes) {
+        const NodeIndex node = space.find(id);
+        const auto variable = mapping.variables.find(id);
+        const auto method = mapping.methods.find(id);
+        if (node != model::no_node && variable != mapping.variables.end()) {
+            writer.write(node, variable->second);
+        } else if (node != model::no_node) {
+            writer.write(node, method->second);
+        }
+    }
+    return writer.take();
+}
+
+} // namespace busbar::controller

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+
+namespace busbar::controller::detail {
+
+/// In the order in which they are written.
+enum class TableColumn : std::size_t { NodeId, Path, Part, Label, Rank, Dim1, Dim2, Dim3 };
+inline constexpr std::array<std::string_view, 8> table_columns{
+    "NodeId", "Path", "Part", "Label", "Rank", "Dim1", "Dim2", "Dim3",
+};
+
+/// What the parts of a Method begin with.
+inline constexpr std::string_view handle_part = "Handle";
+inline constexpr std::string_view input_part = "Input";
+
+} // namespace busbar::controller::detail
