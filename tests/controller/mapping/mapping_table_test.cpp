@@ -1,0 +1,166 @@
+#include <busbar/controller/mapping_table.hpp>
+
+#include "mapping_fixture.hpp"
+
+using namespace busbar;
+using namespace busbar::controller;
+
+namespace {
+
+const std::string head = "NodeId,Path,Part,Label,Rank,Dim1,Dim2,Dim3\r\n";
+
+struct TableFixture : ModelFixture {
+    TableFixture()
+    {
+        import(file("urn:t", cell() + variable("s=A") + variable("s=B") + method("s=M")));
+    }
+    [[nodiscard]] ReadMappingTable read(const std::string& text,
+                                        const MappingTableLimits& limits = {}) const
+    {
+        return read_mapping_table(text, models.space(), limits);
+    }
+    [[nodiscard]] std::string label_in(const std::string& text, const std::string& name = "A") const
+    {
+        const ReadMappingTable read_back = read(text);
+        const auto found = read_back.mapping.variables.find(id(name));
+        return found == read_back.mapping.variables.end() ? "" : found->second.value.label;
+    }
+    [[nodiscard]] std::string error_in(const std::string& text,
+                                       const MappingTableLimits& limits = {}) const
+    {
+        const ReadMappingTable read_back = read(text, limits);
+        if (read_back.reports.list().empty()) {
+            return {};
+        }
+        const ModelReport& report = read_back.reports.list().front();
+        return std::to_string(static_cast<int>(report.code)) + ' ' + report.where;
+    }
+};
+
+} // namespace
+
+TEST_CASE("9.5 Table: what is written is read as the same", "[9.5]")
+{
+    TableFixture project;
+    Mapping& mapping = project.models.mapping();
+    MappedPart& value = mapping.variables[project.id("A")].value;
+    value.is_array = true;
+    value.is_structure = true;
+    value.specification = {1, {3, 0, 0}};
+    MappedPart inner{.kind = MappedPart::Kind::Field, .name = "a.[b]\\", .label = "x,\"y\"\n"};
+    value.parts.push_back({.kind = MappedPart::Kind::Element, .number = 2, .parts = {inner}});
+    mapping.variables[project.id("B")].value.label = " Line.Speed";
+    MethodMapping& method_mapping = mapping.methods[project.id("M")];
+    method_mapping.handle = "Start";
+    method_mapping.arguments.push_back({.number = 1, .is_array = true});
+    method_mapping.arguments.back().parts.push_back(
+        {.kind = MappedPart::Kind::Element, .number = 4, .label = "Second"});
+    const std::string text = write_mapping_table(project.models.space(), mapping);
+    CHECK(text == head + "nsu=urn:t;s=A,/Objects/1:A,,,1,3,,\r\n"
+                         "nsu=urn:t;s=A,/Objects/1:A,[2].a\\.\\[b\\]\\\\,\"x,\"\"y\"\"\n\",,,,\r\n"
+                         "nsu=urn:t;s=B,/Objects/1:B,,\" Line.Speed\",,,,\r\n"
+                         "nsu=urn:t;s=M,/Objects/1:Cell/1:M,Handle,Start,,,,\r\n"
+                         "nsu=urn:t;s=M,/Objects/1:Cell/1:M,Input[1][4],Second,,,,\r\n");
+    const ReadMappingTable read_back = project.read(text);
+    CAPTURE(lines(read_back.reports));
+    CHECK(read_back.reports.is_empty());
+    CHECK(read_back.mapping == mapping);
+}
+
+TEST_CASE("9.5 Table: a label is of no array when the elements beside it are not mapped", "[9.5]")
+{
+    TableFixture project;
+    Mapping mapping = project
+                          .read(head + "nsu=urn:t;s=A,,,Line.Speed,,,,\r\n"
+                                       "nsu=urn:t;s=A,,[0],,2,3,4,\r\n")
+                          .mapping;
+    drop_unmapped(mapping);
+    const MappedPart& value = mapping.variables.at(project.id("A")).value;
+    CHECK(value == MappedPart{.label = "Line.Speed"});
+    const std::string text = write_mapping_table(project.models.space(), mapping);
+    CHECK(project.read(text).mapping.variables.at(project.id("A")).value == value);
+}
+
+TEST_CASE("9.5 Table: elements are no structures when their fields are not mapped", "[9.5]")
+{
+    TableFixture project;
+    Mapping mapping = project
+                          .read(head + "nsu=urn:t;s=A,,[0].f,,1,3,,\r\n"
+                                       "nsu=urn:t;s=A,,[1],Line.Speed,,,,\r\n")
+                          .mapping;
+    drop_unmapped(mapping);
+    const MappedPart& value = mapping.variables.at(project.id("A")).value;
+    CHECK(value.is_array);
+    CHECK_FALSE(value.is_structure);
+    const std::string text = write_mapping_table(project.models.space(), mapping);
+    CHECK(project.read(text).mapping.variables.at(project.id("A")).value == value);
+}
+
+TEST_CASE("9.5 Table: nodes by NodeId or by path, columns in any order", "[9.5]")
+{
+    const TableFixture project;
+    CHECK(project.label_in(head + "nsu=urn:t;s=A,,,a\n") == "a");
+    CHECK(project.label_in(head + "ns=1;s=A,,,a\n") == "a");
+    CHECK(project.label_in(head + ",/Objects/1:A,,a\n") == "a");
+    CHECK(project.label_in("Label;Comment;PART;Path\n\"a;b\";x;;/Objects/1:A\n") == "a;b");
+    CHECK(project.label_in("\xEF\xBB\xBFPath\tPart\tLabel\r/Objects/1:A\t\ta\r") == "a");
+    CHECK(project.label_in(head + "\n,,,\nns=1;s=A,,,a") == "a");
+}
+
+TEST_CASE("9.5 Table: errors have the line, and the other lines count", "[9.5]")
+{
+    const TableFixture project;
+    const std::string good = "ns=1;s=B,,,b\n";
+    const auto error = [&](const std::string& line) {
+        const std::string text = head + "ns=1;s=M,,Handle,\"h\n\"\n" + line + '\n' + good;
+        CHECK(project.label_in(text, "B") == "b");
+        return project.error_in(text);
+    };
+    // The second line of the table has a line break in it.
+    CHECK(error("ns=1;s=X,,,x") == "504 line 4");
+    CHECK(error("nsu=urn:x;s=A,,,x") == "504 line 4");
+    CHECK(error("svr=1;ns=1;s=A,,,x") == "504 line 4");
+    CHECK(error(",/Objects/1:X,,x") == "504 line 4");
+    CHECK(error(",no path,,x") == "504 line 4");
+    CHECK(error("ns=1;s=Cell,,,x") == "504 line 4");
+    CHECK(error("ns=1;s=A,,[x],x") == "505 line 4");
+    CHECK(error("ns=1;s=A,,[1,x") == "505 line 4");
+    CHECK(error("ns=1;s=A,,Name,x") == "505 line 4");
+    CHECK(error("ns=1;s=A,,.a\\,x") == "505 line 4");
+    CHECK(error("ns=1;s=A,,[0][0][0][0],x") == "505 line 4");
+    CHECK(error("ns=1;s=A,,[1000000],x") == "505 line 4");
+    CHECK(error("ns=1;s=M,,Output[0],x") == "505 line 4");
+    CHECK(error("ns=1;s=M,,Input.A,x") == "505 line 4");
+    CHECK(error("ns=1;s=A,,,,4") == "506 line 4");
+    CHECK(error("ns=1;s=A,,,,1,0") == "506 line 4");
+    CHECK(error("ns=1;s=A,,,,1,x") == "506 line 4");
+    CHECK(error("ns=1;s=M,,Handle,x") == "507 line 4");
+    CHECK(error("ns=1;s=A,,[0],x\nns=1;s=A,,[0],y") == "507 line 5");
+    CHECK(error("ns=1;s=A,,[0],x\nns=1;s=A,,.F,y") == "505 line 5");
+}
+
+TEST_CASE("9.5 Table: what is no table, or too large", "[9.5]")
+{
+    const TableFixture project;
+    CHECK(project.error_in("") == "501 line 1");
+    CHECK(project.error_in("NodeId,Label\n") == "503 line 1");
+    CHECK(project.error_in("Part,Label\n") == "503 line 1");
+    CHECK(project.error_in("NodeId,Part,Label,label\n") == "503 line 1");
+    CHECK(project.error_in(head + "\"ns=1;s=A,,,a\n") == "501 line 2");
+    CHECK(project.error_in(head + "\"ns=1;s=A\"x,,,a\n") == "501 line 2");
+    CHECK(project.error_in(head + "ns=1;s=\"A\",,,a\n") == "501 line 2");
+    MappingTableLimits limits;
+    limits.max_size = 10;
+    CHECK(project.error_in(head, limits) == "502 ");
+    limits = {};
+    limits.max_lines = 1;
+    CHECK(project.error_in(head + "\n\n", limits) == "502 line 3");
+    limits = {};
+    limits.max_field = 8;
+    CHECK(project.error_in(head + "\"123456789\"\n", limits) == "502 line 2");
+    CHECK(project.error_in(head + "123456789\n", limits) == "502 line 2");
+    CHECK(project.error_in(head + std::string(64, ',') + '\n') == "502 line 2");
+    limits = {};
+    limits.max_part_levels = 2;
+    CHECK(project.error_in(head + "ns=1;s=A,,.a.b.c,x\n", limits) == "505 line 2");
+}
