@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <busbar/binary/dynamic_types.hpp>
+#include <busbar/controller/mapped_source.hpp>
+#include <busbar/controller/mapping.hpp>
+#include <busbar/controller/value_shape.hpp>
+#include <busbar/core/api.hpp>
+#include <busbar/model/address_space.hpp>
+
+namespace busbar::controller {
+
+struct MappedNodes {
+    std::size_t variables{0};
+    std::size_t methods{0};
+    /// What is mapped but cannot be served, one line each: nodes that are not there, and parts that
+    /// the values of their nodes do not have.
+    std::vector<std::string> left_out{};
+};
+
+/// Gives `source`, which a server must have, the Variables and Methods of `mapping` that have
+/// labels, and binds their nodes to it; call it before MappedSource::start. Initial values are
+/// those of the address space. A Variable or an Argument of an unsupported type is bound too, and
+/// answers Bad_NotSupported (seed 001, 8.1). `types` must outlive the source.
+[[nodiscard]] BUSBAR_API MappedNodes map_nodes(model::AddressSpace& space,
+                                               const binary::DynamicTypes& types,
+                                               const Mapping& mapping, MappedSource& source,
+                                               const ShapeLimits& limits = {});
+
+} // namespace busbar::controller

@@ -1,0 +1,186 @@
+#include <busbar/controller/mapped_nodes.hpp>
+
+#include <utility>
+
+#include <busbar/binary/codec.hpp>
+#include <busbar/core/text_forms.hpp>
+#include <busbar/types/data_types.hpp>
+#include <busbar/types/ids.hpp>
+
+#include "controller/conversion/field_step.hpp"
+
+namespace busbar::controller {
+
+namespace {
+
+/// Labels and array specifications of a part, by the paths that a ValueShape knows its leaves by.
+struct Paths {
+    std::vector<std::pair<std::string, std::string>> labels;
+    std::vector<MappingArray> arrays;
+
+    void add(const MappedPart& part, const std::string& path)
+    {
+        if (!part.label.empty()) {
+            labels.emplace_back(path, part.label);
+        }
+        if (part.specification.rank != ArraySpecification::none) {
+            arrays.push_back({path, part.specification.rank, part.specification.dimensions});
+        }
+        for (const MappedPart& inner : part.parts) {
+            const std::string step = inner.kind == MappedPart::Kind::Field
+                                         ? detail::field_step(inner.name)
+                                         : "[" + std::to_string(inner.number) + "]";
+            add(inner, path + step);
+        }
+    }
+};
+
+class NodeMapper {
+public:
+    NodeMapper(model::AddressSpace& space, const binary::DynamicTypes& types, MappedSource& source,
+               const ShapeLimits& limits)
+        : space_{space}, types_{types}, source_{source}, limits_{limits}
+    {
+    }
+
+    void add(const NodeId& id, const DataMapping& mapping)
+    {
+        Paths paths;
+        paths.add(mapping.value, {});
+        if (paths.labels.empty()) {
+            return; // the address space keeps it
+        }
+        const model::NodeIndex node = find(id, NodeClass::Variable);
+        if (node == model::no_node) {
+            return;
+        }
+        const model::VariableAttributes attributes = space_.variable(node);
+        MappedVariable mapped;
+        mapped.node = id;
+        mapped.initial = space_.value(node);
+        mapped.is_readable = (attributes.access_level & 1U) != 0; // CurrentRead
+        ValueDeclaration declaration;
+        declaration.data_type = space_.node_id(attributes.data_type);
+        declaration.value_rank = attributes.value_rank;
+        declaration.array_dimensions = attributes.array_dimensions;
+        mapped.shape = place(id, declaration, paths, mapped.labels);
+        space_.bind(node, source_.index(), source_.add(std::move(mapped)));
+        ++result_.variables;
+    }
+    void add(const NodeId& id, const MethodMapping& mapping)
+    {
+        const model::NodeIndex node = find(id, NodeClass::Method);
+        if (node == model::no_node) {
+            return;
+        }
+        MappedMethod mapped;
+        mapped.node = id;
+        mapped.handle = mapping.handle;
+        const std::vector<Argument> inputs = input_arguments(node);
+        for (const MappedPart& part : mapping.arguments) {
+            Paths paths;
+            paths.add(part, {});
+            if (part.number >= inputs.size()) {
+                leave_out(id, "there is no input argument " + std::to_string(part.number));
+            } else if (!paths.labels.empty()) {
+                if (mapped.arguments.size() <= part.number) {
+                    mapped.arguments.resize(std::size_t{part.number} + 1);
+                }
+                add_input(id, inputs[part.number], paths, mapped.arguments[part.number]);
+            }
+        }
+        space_.bind(node, source_.index(), source_.add(std::move(mapped)));
+        ++result_.methods;
+    }
+    [[nodiscard]] MappedNodes take() { return std::move(result_); }
+
+private:
+    [[nodiscard]] model::NodeIndex find(const NodeId& id, NodeClass wanted)
+    {
+        const model::NodeIndex node = space_.find(id);
+        if (node == model::no_node || space_.node_class(node) != wanted) {
+            leave_out(id, "there is no such node");
+            return model::no_node;
+        }
+        return node;
+    }
+    void add_input(const NodeId& id, const Argument& argument, const Paths& paths,
+                   MappedArgument& mapped)
+    {
+        ValueDeclaration declaration;
+        declaration.data_type = argument.data_type;
+        declaration.value_rank = argument.value_rank;
+        declaration.array_dimensions = argument.array_dimensions.span();
+        declaration.is_argument = true;
+        mapped.shape = place(id, declaration, paths, mapped.labels);
+    }
+    /// Null for an unsupported type; its labels are then in any order.
+    [[nodiscard]] std::shared_ptr<const ValueShape> place(const NodeId& id,
+                                                          const ValueDeclaration& declaration,
+                                                          const Paths& paths,
+                                                          std::vector<std::string>& labels)
+    {
+        auto made = ValueShape::of(space_, types_, declaration, paths.arrays, limits_);
+        if (!made) {
+            labels.push_back(paths.labels.front().second);
+            return nullptr;
+        }
+        labels.resize(made->leaf_count());
+        for (const auto& [path, label] : paths.labels) {
+            if (const auto leaf = made->find_leaf(path)) {
+                labels[*leaf] = label;
+            } else {
+                leave_out(id, "its value has no part \"" + path + "\"");
+            }
+        }
+        return std::make_shared<const ValueShape>(std::move(*made));
+    }
+    [[nodiscard]] std::vector<Argument> input_arguments(model::NodeIndex method) const
+    {
+        std::vector<Argument> inputs;
+        space_.for_each_child(method, space_.find(NodeId{0, id::HasProperty}), true,
+                              QualifiedName{0, "InputArguments"}, [&](model::NodeIndex property) {
+                                  read_arguments(space_.value(property), inputs);
+                                  return false;
+                              });
+        return inputs;
+    }
+    static void read_arguments(const Variant& value, std::vector<Argument>& inputs)
+    {
+        const auto* const objects = value.array_if<ExtensionObject>();
+        if (objects == nullptr) {
+            return;
+        }
+        for (const ExtensionObject& object : *objects) {
+            const auto argument = binary::structure_of<Argument>(object);
+            inputs.push_back(argument ? *argument : Argument{});
+        }
+    }
+    void leave_out(const NodeId& id, const std::string& reason)
+    {
+        result_.left_out.push_back(to_string(id) + ": " + reason);
+    }
+
+    model::AddressSpace& space_;
+    const binary::DynamicTypes& types_;
+    MappedSource& source_;
+    const ShapeLimits& limits_;
+    MappedNodes result_;
+};
+
+} // namespace
+
+MappedNodes map_nodes(model::AddressSpace& space, const binary::DynamicTypes& types,
+                      const Mapping& mapping, MappedSource& source, const ShapeLimits& limits)
+{
+    NodeMapper mapper{space, types, source, limits};
+    for (const auto& [id, variable] : mapping.variables) {
+        mapper.add(id, variable);
+    }
+    for (const auto& [id, method] : mapping.methods) {
+        mapper.add(id, method);
+    }
+    return mapper.take();
+}
+
+} // namespace busbar::controller

@@ -1,0 +1,114 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <busbar/controller/mapped_source.hpp>
+
+namespace busbar::controller::detail {
+
+/// A label that a leaf of a value is mapped to.
+struct MappedLeaf {
+    /// Its number in the shape.
+    std::uint32_t leaf{0};
+    /// The number of the node, see MappedTable::node_of.
+    std::uint32_t node{0};
+    bool is_handle{false};
+    LeafType type{};
+
+    // What it was resolved to.
+
+    std::uint64_t address{0};
+    std::uint32_t words{0};
+    bool is_unsampled_device{false};
+    std::optional<LabelConversion> conversion{};
+};
+
+/// The leaves of one value: neighbours in the table.
+struct LeafRange {
+    std::uint32_t first{0};
+    std::uint32_t count{0};
+    /// Bytes and words of all of them.
+    std::size_t bytes{0};
+    std::size_t words{0};
+};
+
+/// All that is mapped, and what it was resolved to.
+class MappedTable {
+public:
+    struct Variable {
+        std::shared_ptr<const ValueShape> shape;
+        LeafRange range;
+        bool is_readable{true};
+        /// What it had last, and when; no time before it was read or written.
+        Variant kept;
+        DateTime time;
+        /// Not monitored: nothing.
+        std::optional<Duration> interval;
+        /// In the bytes that are sampled in each scan.
+        std::uint32_t sampled_at{not_sampled};
+    };
+    struct Argument {
+        std::shared_ptr<const ValueShape> shape;
+        LeafRange range;
+    };
+    struct Method {
+        /// Of one leaf, or none.
+        LeafRange handle;
+        std::vector<Argument> arguments;
+        bool is_running{false};
+    };
+    static constexpr std::uint32_t not_sampled = UINT32_MAX;
+
+    [[nodiscard]] std::uint64_t add(MappedVariable variable);
+    [[nodiscard]] std::uint64_t add(MappedMethod method);
+
+    /// The names of all labels in the order of the leaves. Lent to the request that resolves them.
+    [[nodiscard]] std::vector<std::string>& names() { return names_; }
+    [[nodiscard]] std::span<const MappedLeaf> leaves() const { return leaves_; }
+    [[nodiscard]] const NodeId& node_of(const MappedLeaf& leaf) const { return nodes_[leaf.node]; }
+    [[nodiscard]] std::string_view name_of(const MappedLeaf& leaf) const
+    {
+        return names_[static_cast<std::size_t>(&leaf - leaves_.data())];
+    }
+    [[nodiscard]] std::vector<Variable>& variables() { return variables_; }
+    [[nodiscard]] const std::vector<Variable>& variables() const { return variables_; }
+    /// Null for a handle that is none.
+    [[nodiscard]] Variable* variable(std::uint64_t handle);
+    [[nodiscard]] Method* method(std::uint64_t handle);
+
+    /// Takes what the labels have become, one for each leaf; false if some cannot be used, which
+    /// `observer`, that may be null, is told.
+    [[nodiscard]] bool resolve(std::span<const backend::ResolvedLabel> labels,
+                               const ConversionOptions& options, MappedObserver* observer);
+
+    /// Adds the places of a value to a request, whose bytes grow.
+    void add_places(const LeafRange& range, backend::LabelRequest& request) const;
+    /// A value of `bytes`, which hold what add_places made places for. `previous` may be null.
+    /// Bad_OutOfRange sets `culprit`.
+    [[nodiscard]] Result<Variant> decode(const ValueShape& shape, const LeafRange& range,
+                                         const std::byte* bytes, const Variant* previous,
+                                         const MappedLeaf** culprit) const;
+    /// A value to bytes, as many as the range has.
+    [[nodiscard]] StatusCode encode(const ValueShape& shape, const LeafRange& range,
+                                    const Variant& value, std::byte* bytes) const;
+
+private:
+    [[nodiscard]] LeafRange add_leaves(const ValueShape& shape, std::vector<std::string>& labels);
+    [[nodiscard]] bool resolve_one(MappedLeaf& leaf, const backend::ResolvedLabel& label,
+                                   const ConversionOptions& options, MappedObserver* observer);
+    void measure(LeafRange& range) const;
+    void measure_all();
+
+    std::vector<MappedLeaf> leaves_;
+    std::vector<std::string> names_;
+    std::vector<NodeId> nodes_;
+    std::vector<Variable> variables_;
+    std::vector<Method> methods_;
+};
+
+} // namespace busbar::controller::detail
