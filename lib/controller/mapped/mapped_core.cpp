@@ -1,0 +1,346 @@
+#include "mapped_core.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace busbar::controller::detail {
+
+using backend::LabelRequest;
+using backend::LabelStatus;
+
+namespace {
+
+/// What clients are told of a request that was not done.
+StatusCode to_status(LabelStatus status)
+{
+    switch (status) {
+    case LabelStatus::Shutdown:
+        return status::Bad_Shutdown;
+    case LabelStatus::TooManyOperations:
+        return status::Bad_TooManyOperations;
+    default:
+        return status::Bad_NoCommunication;
+    }
+}
+
+} // namespace
+
+MappedCore::MappedCore(std::shared_ptr<backend::LabelBackend> backend, const MappedOptions& options,
+                       MappedObserver* observer)
+    : backend_{std::move(backend)}, options_{options}, context_{table_, options_, observer, nullptr}
+{
+}
+
+MappedCore::~MappedCore()
+{
+    stop();
+}
+
+void MappedCore::stop()
+{
+    if (state_ == State::Idle) {
+        return;
+    }
+    backend_->attach(nullptr);
+    while (inbox_.take() != nullptr) {
+        // Nobody waits for it any more.
+    }
+    state_ = State::Idle;
+    target_status_ = TargetStatus::Unknown;
+    sampling_.stop();
+    for (auto& [id, operation] : std::exchange(in_flight_, {})) {
+        operation->fail(context_, status::Bad_NoCommunication);
+    }
+    for (auto& operation : std::exchange(waiting_, {})) {
+        operation->fail(context_, status::Bad_NoCommunication);
+    }
+}
+
+void MappedCore::start()
+{
+    if (state_ == State::Idle) {
+        backend_->attach(&inbox_);
+    }
+    if (table_.leaves().empty()) {
+        state_ = State::Ready; // without events (8.3)
+        return;
+    }
+    is_retry_ = false;
+    if (state_ != State::Updating) {
+        update();
+    }
+    pump();
+}
+
+void MappedCore::tell(LabelUpdate event)
+{
+    if (context_.observer != nullptr) {
+        context_.observer->label_update(event);
+    }
+}
+
+void MappedCore::send(std::unique_ptr<LabelRequest> request)
+{
+    request->id = ++last_id_;
+    backend_->start(std::move(request));
+}
+
+void MappedCore::update()
+{
+    static_cast<void>(inbox_.take_change());
+    state_ = State::Updating;
+    sampling_.stop();
+    if (!is_retry_) {
+        tell(LabelUpdate::Started);
+    }
+    auto request = std::make_unique<LabelRequest>();
+    request->kind = LabelRequest::Kind::Resolve;
+    request->names = table_.names();
+    resolve_id_ = last_id_ + 1;
+    send(std::move(request));
+}
+
+void MappedCore::resolved(LabelRequest& request)
+{
+    if (request.status == LabelStatus::Mismatch) { // changed once more
+        return update();
+    }
+    if (request.status != LabelStatus::Done) {
+        may_retry_ = true;
+        is_unreachable_ = true;
+        return end_update(false, to_status(request.status));
+    }
+    may_retry_ = false;
+    is_unreachable_ = false;
+    end_update(table_.resolve(request.labels, options_.conversion, context_.observer),
+               status::Bad_NoCommunication);
+}
+
+void MappedCore::end_update(bool is_well, StatusCode failure)
+{
+    state_ = is_well ? State::Ready : State::Failed;
+    failure_ = failure;
+    ++generation_;
+    if (is_retry_ && !is_unreachable_) {
+        tell(LabelUpdate::Started);
+    }
+    if (is_well) {
+        tell(LabelUpdate::Finished);
+        change_sampling();
+    } else if (!is_retry_ || !is_unreachable_) {
+        tell(LabelUpdate::Failed);
+    }
+    is_retry_ = false;
+    begin_waiting();
+}
+
+/// Those that wait now: what has to wait again is for the next update.
+void MappedCore::begin_waiting()
+{
+    std::deque<std::unique_ptr<MappedOperation>> waiting = std::exchange(waiting_, {});
+    for (auto& operation : waiting) {
+        if (state_ == State::Failed) {
+            operation->fail(context_, failure_);
+        } else {
+            begin(std::move(operation));
+        }
+    }
+}
+
+void MappedCore::begin(std::unique_ptr<MappedOperation> operation)
+{
+    if (state_ == State::Failed && may_retry_) {
+        waiting_.push_back(std::move(operation));
+        is_retry_ = is_unreachable_;
+        return update();
+    }
+    switch (state_) {
+    case State::Updating:
+        waiting_.push_back(std::move(operation));
+        break;
+    case State::Ready:
+        advance(std::move(operation));
+        break;
+    case State::Idle:
+        operation->fail(context_, status::Bad_NoCommunication);
+        break;
+    case State::Failed:
+        operation->fail(context_, failure_);
+        break;
+    }
+}
+
+void MappedCore::advance(std::unique_ptr<MappedOperation> operation)
+{
+    auto request = operation->next(context_);
+    if (request == nullptr) {
+        return;
+    }
+    operation->note(*request, generation_);
+    in_flight_.emplace(last_id_ + 1, std::move(operation));
+    send(std::move(request));
+}
+
+void MappedCore::take(std::unique_ptr<LabelRequest> request)
+{
+    note_target(*request);
+    if (request->id == resolve_id_) {
+        if (state_ == State::Updating) {
+            resolved(*request);
+        }
+        return;
+    }
+    if (request->id == sample_id_) {
+        return sampling_answered(*request);
+    }
+    const auto found = in_flight_.find(request->id);
+    if (found != in_flight_.end()) {
+        auto operation = std::move(found->second);
+        in_flight_.erase(found);
+        answered(std::move(operation), *request);
+    }
+}
+
+void MappedCore::answered(std::unique_ptr<MappedOperation> operation, const LabelRequest& request)
+{
+    if (request.status == LabelStatus::Mismatch) {
+        return repeat(std::move(operation));
+    }
+    if (request.status != LabelStatus::Done) {
+        return operation->fail(context_, to_status(request.status));
+    }
+    if (operation->generation != generation_ || !operation->fits(request)) {
+        return repeat(std::move(operation)); // what was asked is not in the table any more
+    }
+    operation->done(context_, request);
+    begin(std::move(operation));
+}
+
+void MappedCore::repeat(std::unique_ptr<MappedOperation> operation)
+{
+    if (++operation->repetitions > options_.max_repetitions) {
+        return operation->fail(context_, status::Bad_NoCommunication);
+    }
+    operation->restart(context_);
+    if (operation->generation == generation_ && state_ == State::Ready) {
+        update();
+    }
+    begin(std::move(operation));
+}
+
+void MappedCore::note_target(const LabelRequest& request)
+{
+    const bool is_lost =
+        request.status == LabelStatus::NoCommunication || request.status == LabelStatus::Shutdown;
+    target_status_ = is_lost ? TargetStatus::Failing : TargetStatus::Communicating;
+}
+
+void MappedCore::pump()
+{
+    take_all();
+    // What changes during an update counts when that is over.
+    if (state_ == State::Ready && !table_.leaves().empty() && inbox_.take_change()) {
+        update();
+        take_all();
+    } else if (state_ == State::Failed && inbox_.take_change()) {
+        may_retry_ = true; // with the next request (8.3)
+        is_unreachable_ = false;
+    }
+}
+
+void MappedCore::take_all()
+{
+    while (auto request = inbox_.take()) {
+        take(std::move(request));
+    }
+}
+
+void MappedCore::read(server::ReadBatch batch)
+{
+    if (state_ == State::Updating && batch.is_sample() && keep_last(batch)) {
+        return;
+    }
+    if (state_ != State::Ready || !MappedSampling::serves(options_.sampling, batch.is_sample())) {
+        return begin(make_read(std::move(batch)));
+    }
+    if (sampling_.state() == MappedSampling::State::Failed) {
+        return batch.fail(status::Bad_NoCommunication);
+    }
+    if (sampling_.state() == MappedSampling::State::Off) {
+        change_sampling();
+    }
+    if (!sampling_.answer(context_, *backend_, batch)) {
+        begin(make_read(std::move(batch)));
+    }
+}
+
+/// The last values while labels are updated (10.3); false if one has none yet.
+bool MappedCore::keep_last(server::ReadBatch& batch)
+{
+    for (const server::ReadItem& item : batch.items()) {
+        const auto* const variable = table_.variable(item.handle);
+        if (variable != nullptr && variable->shape != nullptr && variable->time.is_null()) {
+            return false;
+        }
+    }
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+        const auto* const variable = table_.variable(batch.items()[i].handle);
+        if (variable == nullptr) {
+            continue;
+        }
+        server::ReadSlot& slot = batch.results()[i];
+        if (variable->shape == nullptr) {
+            slot = DataValue{status::Bad_NotSupported};
+        } else {
+            slot = DataValue{variable->kept, status::Good_Overload, variable->time};
+        }
+    }
+    batch.complete();
+    return true;
+}
+
+void MappedCore::monitoring_changed(std::span<const server::Monitoring> changes)
+{
+    bool has_other = false; // begun or ended; another interval changes nothing for the PLC
+    for (const server::Monitoring& change : changes) {
+        if (auto* const variable = table_.variable(change.handle)) {
+            has_other = has_other || variable->interval.has_value() != change.interval.has_value();
+            variable->interval = change.interval;
+        }
+    }
+    if (has_other && options_.sampling == SamplingMode::MonitoredItems && state_ == State::Ready) {
+        change_sampling();
+    }
+}
+
+void MappedCore::change_sampling()
+{
+    if (options_.sampling == SamplingMode::Standard) {
+        return;
+    }
+    if (sampling_.state() == MappedSampling::State::Changing) {
+        has_monitoring_changed_ = true;
+        return;
+    }
+    has_monitoring_changed_ = false;
+    if (auto request = sampling_.change(context_)) {
+        sample_id_ = last_id_ + 1;
+        send(std::move(request));
+    }
+}
+
+void MappedCore::sampling_answered(const LabelRequest& request)
+{
+    if (sampling_.state() != MappedSampling::State::Changing) {
+        return; // labels were updated meanwhile
+    }
+    if (request.status == LabelStatus::Mismatch) {
+        return update();
+    }
+    sampling_.changed(context_, request);
+    if (has_monitoring_changed_) {
+        change_sampling();
+    }
+}
+
+} // namespace busbar::controller::detail
