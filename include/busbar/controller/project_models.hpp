@@ -1,0 +1,28 @@
+#pragma once
+
+#include <busbar/controller/model_set.hpp>
+#include <busbar/controller/project.hpp>
+#include <busbar/core/api.hpp>
+#include <busbar/core/problem.hpp>
+
+/// The information models of a project as an AddressSpace. Of the target busbar::model_mode, which
+/// needs pugixml.
+namespace busbar::controller {
+
+/// What the project's preset allows; without one the default.
+[[nodiscard]] BUSBAR_API ModelLimits model_limits(const Project& project);
+
+/// Imports all models in their order; the problem is the first error of the first that cannot be
+/// imported, with file, line and node. Warnings, and mapping that cannot be read, are added to
+/// `reports`, if there is such.
+[[nodiscard]] BUSBAR_API Configured<ModelSet> load_models(const Project& project,
+                                                          ModelReports* reports = nullptr);
+
+/// Puts the models with their mapping as it is now in the place of those that the project has.
+BUSBAR_API void keep_models(const ModelSet& models, Project& project);
+
+/// The same as load_models, as ProjectStore::Check: whether a server could load the project. What
+/// cannot be mapped is no problem of it.
+[[nodiscard]] BUSBAR_API Configured<void> check_models(const Project& project);
+
+} // namespace busbar::controller

@@ -1,0 +1,163 @@
+#include <cstring>
+#include <map>
+#include <set>
+
+#include <pugixml.hpp>
+
+#include <busbar/controller/project_compare.hpp>
+#include <busbar/core/text.hpp>
+
+namespace busbar::controller {
+
+namespace {
+
+constexpr unsigned how_to_read = pugi::parse_default & ~pugi::parse_doctype;
+
+/// A node of a file in two texts, which two files can have alike.
+struct NodeTexts {
+    std::string node;
+    std::string mapping; // <Extensions>
+};
+
+struct ModelTexts {
+    std::string uri;
+    std::map<std::string, NodeTexts> nodes{};
+    /// What else the file has: its namespaces, models and aliases.
+    NodeTexts rest{};
+};
+
+struct StringWriter final : pugi::xml_writer {
+    explicit StringWriter(std::string& text) : to{text} {}
+    void write(const void* data, std::size_t size) override
+    {
+        to.append(static_cast<const char*>(data), size);
+    }
+
+    std::string& to;
+};
+
+void append_xml(std::string& to, const pugi::xml_node& node)
+{
+    StringWriter writer{to};
+    node.print(writer, "", pugi::format_raw);
+}
+
+NodeTexts texts_of(pugi::xml_node node)
+{
+    NodeTexts texts;
+    for (pugi::xml_node each = node.first_child(); each;) {
+        const pugi::xml_node next = each.next_sibling();
+        if (std::strcmp(each.name(), "Extensions") == 0) {
+            append_xml(texts.mapping, each);
+            node.remove_child(each);
+        }
+        each = next;
+    }
+    append_xml(texts.node, node);
+    return texts;
+}
+
+/// What is no XML is compared as one text: check() has let it in, whatever it is.
+ModelTexts read_texts(const ProjectModel& model)
+{
+    ModelTexts texts{model.name};
+    pugi::xml_document document;
+    if (!document.load_buffer(model.text.data(), model.text.size(), how_to_read)) {
+        texts.rest.node = model.text;
+        return texts;
+    }
+    const pugi::xml_node set = document.child("UANodeSet");
+    const std::string uri = set.child("Models").child("Model").attribute("ModelUri").value();
+    texts.uri = uri.empty() ? texts.uri : uri;
+    for (const pugi::xml_node& each : set.children()) {
+        const std::string id = each.attribute("NodeId").value();
+        if (id.empty()) {
+            append_xml(texts.rest.node, each);
+        } else {
+            texts.nodes[id] = texts_of(each);
+        }
+    }
+    return texts;
+}
+
+using Models = std::map<std::string, ModelTexts>;
+
+Models read_all(const Project& project)
+{
+    Models all;
+    for (const ProjectModel& model : project.models) {
+        ModelTexts texts = read_texts(model);
+        all[texts.uri] = std::move(texts);
+    }
+    return all;
+}
+
+class ModelComparison {
+public:
+    void add(std::string where, std::string_view first, std::string_view second)
+    {
+        if (found_.size() < max_project_differences) {
+            found_.push_back({printable(where), std::string{first}, std::string{second}});
+        }
+    }
+    void compare(const std::string& where, const NodeTexts& a, const NodeTexts& b)
+    {
+        if (a.node != b.node) {
+            add(where, "another node", "another node");
+        }
+        if (a.mapping != b.mapping) {
+            add(where, a.mapping.empty() ? "no mapping" : "another mapping",
+                b.mapping.empty() ? "no mapping" : "another mapping");
+        }
+    }
+    void compare(const ModelTexts& a, const ModelTexts& b);
+    [[nodiscard]] std::vector<ProjectDifference> take() { return std::move(found_); }
+
+private:
+    std::vector<ProjectDifference> found_;
+};
+
+void ModelComparison::compare(const ModelTexts& a, const ModelTexts& b)
+{
+    if (a.rest.node != b.rest.node) {
+        add(a.uri, "other models, namespaces or aliases", "other models, namespaces or aliases");
+    }
+    for (const auto& [id, texts] : a.nodes) {
+        const auto other = b.nodes.find(id);
+        if (other == b.nodes.end()) {
+            add(a.uri + ": " + id, "a node", "nothing");
+        } else {
+            compare(a.uri + ": " + id, texts, other->second);
+        }
+    }
+    for (const auto& [id, texts] : b.nodes) {
+        if (!a.nodes.contains(id)) {
+            add(a.uri + ": " + id, "nothing", "a node");
+        }
+    }
+}
+
+} // namespace
+
+std::vector<ProjectDifference> model_differences(const Project& first, const Project& second)
+{
+    const Models ours = read_all(first);
+    const Models theirs = read_all(second);
+    ModelComparison comparison;
+    for (const auto& [uri, model] : ours) {
+        const auto other = theirs.find(uri);
+        if (other == theirs.end()) {
+            comparison.add(uri, "a model", "nothing");
+        } else {
+            comparison.compare(model, other->second);
+        }
+    }
+    for (const auto& [uri, model] : theirs) {
+        if (!ours.contains(uri)) {
+            comparison.add(uri, "nothing", "a model");
+        }
+    }
+    return comparison.take();
+}
+
+} // namespace busbar::controller

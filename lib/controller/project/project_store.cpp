@@ -1,0 +1,166 @@
+#include <busbar/controller/project_store.hpp>
+
+#include <utility>
+
+namespace busbar::controller {
+
+namespace {
+
+tl::unexpected<Problem> storage_problem(const Storage& storage, const std::string& name,
+                                        StorageError error)
+{
+    return misconfigured(storage.place(name), std::string{text(error)}, status_of(error));
+}
+
+tl::unexpected<Problem> no_transfer()
+{
+    return misconfigured("transfer", "is over: it was cancelled or has failed",
+                         status::Bad_InvalidState);
+}
+
+} // namespace
+
+ProjectStore::ProjectStore(Storage& storage, std::string folder, Check check,
+                           const ProjectLimits& limits)
+    : storage_{&storage}, folder_{std::move(folder)}, check_{std::move(check)}, limits_{limits}
+{
+}
+
+void ProjectStore::forget_staged()
+{
+    transfer_.reset();
+    static_cast<void>(storage_->remove(staged())); // else recover() or the next begin() does it
+}
+
+Configured<std::string> ProjectStore::read(const std::string& name) const
+{
+    const auto bytes = read_file(*storage_, name, limits_.max_file_size);
+    if (!bytes) {
+        return storage_problem(*storage_, name, bytes.error());
+    }
+    return std::string{reinterpret_cast<const char*>(bytes->data()), bytes->size()};
+}
+
+Configured<Project> ProjectStore::read_checked(const std::string& name) const
+{
+    const auto document = read(name);
+    if (!document) {
+        return tl::unexpected{document.error()};
+    }
+    auto project = read_project(*document, "project", limits_);
+    if (!project) {
+        return project;
+    }
+    auto checked = check(*project);
+    if (checked && check_) {
+        checked = check_(*project);
+    }
+    return checked ? std::move(project)
+                   : Configured<Project>{tl::unexpected{std::move(checked.error())}};
+}
+
+Configured<void> ProjectStore::recover()
+{
+    current_.reset();
+    forget_staged();
+    storage_->remove_unfinished(folder_);
+    if (const auto there = storage_->entry(file());
+        !there && there.error() == StorageError::NotFound) {
+        return {};
+    }
+    auto project = read_checked(file());
+    if (!project) {
+        return tl::unexpected{std::move(project.error())};
+    }
+    current_ = *std::move(project);
+    return {};
+}
+
+Configured<std::string> ProjectStore::document() const
+{
+    return current_ ? read(file())
+                    : misconfigured("project", "there is none", status::Bad_NotFound);
+}
+
+Configured<std::uint32_t> ProjectStore::begin()
+{
+    if (transfer_) {
+        return misconfigured("transfer", "another tool is writing a project",
+                             status::Bad_InvalidState);
+    }
+    if (auto made = storage_->make_folder(folder_, FileAccess::Owner); !made) {
+        return storage_problem(*storage_, folder_, made.error());
+    }
+    // Of a transfer whose end could not be removed.
+    if (auto begun = storage_->replace(staged(), {}, FileAccess::Owner); !begun) {
+        return storage_problem(*storage_, staged(), begun.error());
+    }
+    transfer_ = Transfer{++last_number_, 0};
+    return transfer_->number;
+}
+
+Configured<void> ProjectStore::write(std::uint32_t transfer, std::span<const std::byte> bytes)
+{
+    if (!is_of(transfer)) {
+        return no_transfer();
+    }
+    if (bytes.size() > limits_.max_file_size - transfer_->size) {
+        forget_staged();
+        return misconfigured("transfer",
+                             "found a project of more than " +
+                                 std::to_string(limits_.max_file_size) + " bytes",
+                             status::Bad_EncodingLimitsExceeded);
+    }
+    if (auto added = storage_->append(staged(), bytes, FileAccess::Owner); !added) {
+        forget_staged();
+        return storage_problem(*storage_, staged(), added.error());
+    }
+    transfer_->size += bytes.size();
+    return {};
+}
+
+Configured<void> ProjectStore::make_current()
+{
+    // What lies there is what counts, and not what was sent.
+    auto project = read_checked(staged());
+    if (!project) {
+        return tl::unexpected{std::move(project.error())};
+    }
+    if (auto moved = storage_->move(staged(), file(), WhenThere::Replace); !moved) {
+        return storage_problem(*storage_, file(), moved.error());
+    }
+    current_ = *std::move(project);
+    return {};
+}
+
+Configured<void> ProjectStore::commit(std::uint32_t transfer)
+{
+    if (!is_of(transfer)) {
+        return no_transfer();
+    }
+    auto done = make_current();
+    if (done) {
+        transfer_.reset();
+    } else {
+        forget_staged();
+    }
+    return done;
+}
+
+void ProjectStore::cancel(std::uint32_t transfer)
+{
+    if (is_of(transfer)) {
+        forget_staged();
+    }
+}
+
+Configured<void> ProjectStore::replace(std::span<const std::byte> document)
+{
+    const auto transfer = begin();
+    if (!transfer) {
+        return tl::unexpected{transfer.error()};
+    }
+    return write(*transfer, document).and_then([&] { return commit(*transfer); });
+}
+
+} // namespace busbar::controller
