@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -18,6 +19,10 @@
 /// Backup, restore, verification and Clear All Memory (seed 000, 3-2-9, 8-2 and 8-3).
 namespace busbar::controller {
 
+namespace detail {
+struct SavedMemory;
+} // namespace detail
+
 /// What is done with data (seed 000, 3-2-9). What is in none of these, as the execution log, is
 /// neither saved nor cleared.
 enum class MemoryGroup : std::uint8_t {
@@ -25,6 +30,23 @@ enum class MemoryGroup : std::uint8_t {
     SecurityProfile,   // saved; restored and cleared by choice
     EventLog,          // saved
     ServerCertificate, // belongs to one controller: cleared by choice
+};
+
+/// What an item has of a file that several items share, as settings of two groups that one document
+/// holds. In a backup it is a file by itself.
+struct FilePart {
+    using Bytes = std::vector<std::byte>;
+
+    /// The shared file, of the Storage.
+    std::string file;
+    /// What of `whole` is the item's; empty if nothing is. The same whatever else is in `whole`,
+    /// and of what it gave the same again.
+    std::function<Configured<Bytes>(std::span<const std::byte> whole)> take{};
+    /// `whole` with `part` in the place of what `take` has of it. Empty is what is not there, also
+    /// as the result.
+    std::function<Configured<Bytes>(std::span<const std::byte> whole,
+                                    std::span<const std::byte> part)>
+        put{};
 };
 
 /// Data of a controller: some files of its Storage.
@@ -48,6 +70,10 @@ struct MemoryItem {
     /// empty.
     std::function<Configured<void>(std::string_view name, std::span<const std::byte> bytes)>
         check{};
+    /// An item that is part of a file: `files` has one name, by which backups know the part, and
+    /// there are neither folders nor initial files. `check` is asked about the shared file, with
+    /// all the parts that it will have.
+    std::optional<FilePart> part{};
 };
 
 struct MemoryLimits {
@@ -61,6 +87,12 @@ struct MemoryLimits {
 struct BackupLabel {
     std::string controller;
     DateTime time{};
+};
+
+/// What a backup is to have besides server settings and event log.
+struct BackupChoice {
+    /// False for a file that is given away (seed 000, 3-2-9, footnote 1).
+    bool security_profile{true};
 };
 
 /// What a restore or a verification is about (seed 000, 8-2-2).
@@ -77,6 +109,8 @@ struct RestoreChoice {
 
 enum class Restored : std::uint8_t {
     Data,
+    /// The security profile was asked for, and the file has none: the controller's stays.
+    WithoutProfile,
     /// The file is of a controller without OPC UA server: server settings, certificate and security
     /// profile are those of a new controller now (seed 000, 9-2-2, 95D40000).
     Nothing,
@@ -100,7 +134,9 @@ struct VerifiedItem {
 ///
 /// Compatibility (seed 000, 8-2-3): a file of another version of the format is refused, and so is
 /// one with items that this controller does not know. Items that it knows and the file does not
-/// stay as they are.
+/// stay as they are; but a part that the file has not is looked for in another item's part of the
+/// same file, where an earlier version had it. That version saved the security profile always: in a
+/// file without any other data of the profile its parts are not looked for.
 ///
 /// One thread, on which nobody else reads or writes these files meanwhile.
 class BUSBAR_API MachineMemory {
@@ -115,7 +151,8 @@ public:
 
     /// The backup file's bytes. The server goes on meanwhile (seed 000, 4-1-4). The problem names a
     /// file that cannot be read, has a name that is no text, or is too large.
-    [[nodiscard]] Configured<std::vector<std::byte>> backup(const BackupLabel& label) const;
+    [[nodiscard]] Configured<std::vector<std::byte>> backup(const BackupLabel& label,
+                                                            const BackupChoice& choice = {}) const;
 
     /// Puts the file's data in the place of the controller's. A problem: nothing has changed, and
     /// the text says what is wrong with the file or the storage. Counts after a restart, which is
@@ -134,6 +171,10 @@ public:
     [[nodiscard]] Configured<void> clear_security();
 
 private:
+    [[nodiscard]] Configured<detail::SavedMemory> read_for(std::span<const std::byte> backup,
+                                                           const RestoreChoice& choice) const;
+    [[nodiscard]] Configured<void> put(const detail::SavedMemory& memory,
+                                       const RestoreChoice& choice);
     [[nodiscard]] Configured<void> clear(bool with_security);
 
     Storage* storage_;

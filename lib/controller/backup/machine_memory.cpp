@@ -11,6 +11,7 @@
 #include "backup_file.hpp"
 #include "memory_files.hpp"
 #include "memory_plan.hpp"
+#include "saved_parts.hpp"
 
 namespace busbar::controller {
 
@@ -19,12 +20,6 @@ using detail::SavedItem;
 using detail::SavedMemory;
 
 namespace {
-
-bool is_restored(MemoryGroup group, const RestoreChoice& choice)
-{
-    return group == MemoryGroup::ServerSettings ||
-           (group == MemoryGroup::SecurityProfile && choice.security_profile);
-}
 
 bool is_cleared(MemoryGroup group, bool with_security)
 {
@@ -47,12 +42,11 @@ Configured<const MemoryItem*> item_for(const SavedItem& saved, const std::vector
             return misconfigured("backup", "found " + printable(file.name) + ", which is none of " +
                                                printable(saved.name));
         }
-        if (!found->check) {
+        if (!found->check || found->part) {
             continue;
         }
         if (auto checked = found->check(file.name, file.bytes); !checked) {
-            checked.error().where = "backup: " + checked.error().where;
-            return tl::unexpected{std::move(checked.error())};
+            return detail::wrong_in_backup(std::move(checked.error()));
         }
     }
     return &*found;
@@ -95,11 +89,13 @@ Configured<void> MachineMemory::recover()
     return {};
 }
 
-Configured<std::vector<std::byte>> MachineMemory::backup(const BackupLabel& label) const
+Configured<std::vector<std::byte>> MachineMemory::backup(const BackupLabel& label,
+                                                         const BackupChoice& choice) const
 {
     SavedMemory memory{label, !items_.empty(), {}};
     for (const MemoryItem& item : items_) {
-        if (item.group == MemoryGroup::ServerCertificate) {
+        if (item.group == MemoryGroup::ServerCertificate ||
+            (item.group == MemoryGroup::SecurityProfile && !choice.security_profile)) {
             continue;
         }
         auto saved = detail::read_item(*storage_, item, limits_);
@@ -119,7 +115,7 @@ Configured<std::vector<std::byte>> MachineMemory::backup(const BackupLabel& labe
 Configured<Restored> MachineMemory::restore(std::span<const std::byte> backup,
                                             const RestoreChoice& choice)
 {
-    const auto memory = detail::read_backup(backup, limits_);
+    const auto memory = read_for(backup, choice);
     if (!memory) {
         return tl::unexpected{memory.error()};
     }
@@ -129,30 +125,55 @@ Configured<Restored> MachineMemory::restore(std::span<const std::byte> backup,
     if (auto recovered = recover(); !recovered) {
         return tl::unexpected{std::move(recovered.error())};
     }
+    if (auto done = put(*memory, choice); !done) {
+        return tl::unexpected{std::move(done.error())};
+    }
+    const bool lacks_profile = choice.security_profile && detail::has_profile(items_) &&
+                               !detail::has_profile(memory->items);
+    return lacks_profile ? Restored::WithoutProfile : Restored::Data;
+}
+
+/// The file, with what each of this controller's items is to have.
+Configured<SavedMemory> MachineMemory::read_for(std::span<const std::byte> backup,
+                                                const RestoreChoice& choice) const
+{
+    auto memory = detail::read_backup(backup, limits_);
+    if (!memory) {
+        return memory;
+    }
+    const auto is_divided = detail::divide_parts(*memory, items_, choice);
+    return is_divided ? std::move(memory) : tl::unexpected{is_divided.error()};
+}
+
+Configured<void> MachineMemory::put(const SavedMemory& memory, const RestoreChoice& choice)
+{
     detail::MemoryPlan plan{*storage_, limits_};
-    for (const SavedItem& saved : memory->items) {
-        if (!is_restored(saved.group, choice)) {
+    for (const SavedItem& saved : memory.items) {
+        if (!detail::is_restored(saved.group, choice)) {
             continue;
         }
         auto planned = item_for(saved, items_).and_then([&](const MemoryItem* item) {
             return plan.put(*item, saved.files);
         });
         if (!planned) {
-            return tl::unexpected{std::move(planned.error())};
+            return planned;
         }
     }
     for (const MemoryItem& item : items_) {
         if (auto planned = plan.add_initial(item); !planned) {
-            return tl::unexpected{std::move(planned.error())};
+            return planned;
         }
     }
-    return plan.carry_out(transaction_).map([] { return Restored::Data; });
+    if (auto checked = plan.check_shared(); !checked) {
+        return detail::wrong_in_backup(std::move(checked.error()));
+    }
+    return plan.carry_out(transaction_);
 }
 
 Configured<std::vector<VerifiedItem>> MachineMemory::verify(std::span<const std::byte> backup,
                                                             const RestoreChoice& choice) const
 {
-    const auto memory = detail::read_backup(backup, limits_);
+    const auto memory = read_for(backup, choice);
     if (!memory) {
         return tl::unexpected{memory.error()};
     }
@@ -162,7 +183,7 @@ Configured<std::vector<VerifiedItem>> MachineMemory::verify(std::span<const std:
     }
     std::vector<VerifiedItem> verified;
     for (const SavedItem& saved : memory->items) {
-        if (!is_restored(saved.group, choice)) {
+        if (!detail::is_restored(saved.group, choice)) {
             continue;
         }
         const auto there = item_for(saved, items_).and_then([&](const MemoryItem* item) {
@@ -203,6 +224,9 @@ Configured<void> MachineMemory::clear(bool with_security)
         if (!planned) {
             return planned;
         }
+    }
+    if (auto checked = plan.check_shared(); !checked) {
+        return checked;
     }
     auto done = plan.carry_out(transaction_);
     if (done && with_security) {

@@ -58,9 +58,54 @@ Configured<std::vector<std::string>> files_there(Storage& storage, const MemoryI
     return names;
 }
 
+Configured<std::vector<std::byte>> read_whole(Storage& storage, const FilePart& part,
+                                              const MemoryLimits& limits)
+{
+    auto bytes = read_file(storage, part.file, limits.max_file_size);
+    if (!bytes && bytes.error() != StorageError::NotFound) {
+        return storage_problem(storage, part.file, bytes.error());
+    }
+    return bytes ? *std::move(bytes) : std::vector<std::byte>{};
+}
+
+Configured<std::vector<SavedFile>> part_of(const MemoryItem& item, std::span<const std::byte> whole)
+{
+    std::vector<SavedFile> files;
+    if (whole.empty()) {
+        return files;
+    }
+    auto taken = item.part->take(whole);
+    if (!taken) {
+        return tl::unexpected{std::move(taken.error())};
+    }
+    if (!taken->empty()) {
+        files.push_back({item.files.front(), *std::move(taken)});
+    }
+    return files;
+}
+
+namespace {
+
+Configured<SavedItem> read_part(Storage& storage, const MemoryItem& item,
+                                const MemoryLimits& limits)
+{
+    const auto whole = read_whole(storage, *item.part, limits);
+    auto files = whole ? part_of(item, *whole)
+                       : Configured<std::vector<SavedFile>>{tl::unexpected{whole.error()}};
+    if (!files) {
+        return tl::unexpected{std::move(files.error())};
+    }
+    return SavedItem{item.name, item.group, *std::move(files)};
+}
+
+} // namespace
+
 Configured<SavedItem> read_item(Storage& storage, const MemoryItem& item,
                                 const MemoryLimits& limits)
 {
+    if (item.part) {
+        return read_part(storage, item, limits);
+    }
     auto names = files_there(storage, item, limits);
     if (!names) {
         return tl::unexpected{std::move(names.error())};

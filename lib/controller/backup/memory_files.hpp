@@ -20,6 +20,12 @@ namespace busbar::controller::detail {
 /// Names of the item's files that are there.
 [[nodiscard]] Configured<std::vector<std::string>>
 files_there(Storage& storage, const MemoryItem& item, const MemoryLimits& limits);
+/// A part's file that is not there has no bytes.
+[[nodiscard]] Configured<std::vector<std::byte>> read_whole(Storage& storage, const FilePart& part,
+                                                            const MemoryLimits& limits);
+/// The item's part of a file's bytes, as the one file in a backup or none.
+[[nodiscard]] Configured<std::vector<SavedFile>> part_of(const MemoryItem& item,
+                                                         std::span<const std::byte> whole);
 /// All of the item.
 [[nodiscard]] Configured<SavedItem> read_item(Storage& storage, const MemoryItem& item,
                                               const MemoryLimits& limits);

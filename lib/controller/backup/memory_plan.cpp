@@ -11,6 +11,9 @@ namespace busbar::controller::detail {
 
 Configured<void> MemoryPlan::put(const MemoryItem& item, const std::vector<SavedFile>& files)
 {
+    if (item.part) {
+        return put_part(item, files.empty() ? std::span<const std::byte>{} : files.front().bytes);
+    }
     auto there = files_there(storage_, item, limits_);
     if (!there) {
         return tl::unexpected{std::move(there.error())};
@@ -19,6 +22,46 @@ Configured<void> MemoryPlan::put(const MemoryItem& item, const std::vector<Saved
     for (const SavedFile& file : files) {
         new_files_[file.name] = {file.bytes, item.access};
         removed_.erase(file.name);
+    }
+    return {};
+}
+
+Configured<void> MemoryPlan::put_part(const MemoryItem& item, std::span<const std::byte> part)
+{
+    const std::string& file = item.part->file;
+    auto found = shared_.find(file);
+    if (found == shared_.end()) {
+        auto whole = read_whole(storage_, *item.part, limits_);
+        if (!whole) {
+            return tl::unexpected{std::move(whole.error())};
+        }
+        const bool is_there = !whole->empty();
+        found = shared_.emplace(file, Shared{*std::move(whole), is_there, &item}).first;
+    }
+    Shared& shared = found->second;
+    auto joined = item.part->put(shared.bytes, part);
+    if (!joined) {
+        return tl::unexpected{std::move(joined.error())};
+    }
+    shared.bytes = *std::move(joined);
+    new_files_.erase(file);
+    removed_.erase(file);
+    if (!shared.bytes.empty()) {
+        new_files_[file] = {shared.bytes, item.access};
+    } else if (shared.is_there) {
+        removed_.insert(file);
+    }
+    return {};
+}
+
+Configured<void> MemoryPlan::check_shared() const
+{
+    for (const auto& [file, shared] : shared_) {
+        if (!shared.bytes.empty() && shared.item->check) {
+            if (auto checked = shared.item->check(file, shared.bytes); !checked) {
+                return checked;
+            }
+        }
     }
     return {};
 }

@@ -99,6 +99,7 @@ TEST_CASE_METHOD(SecondMachine, "A restore leaves the security profile if told t
     REQUIRE(memory.restore(backup_of(test::first_machine()), {.security_profile = false}));
     Files expected = test::second_machine();
     expected["server.json"] = test::port_document(4'841);
+    expected["options"] = "login 2\nserver 1\n";
     // Where there was none yet.
     expected["security.json"] = document_of(SecuritySettings{});
     CHECK(files() == expected);
@@ -122,6 +123,7 @@ TEST_CASE_METHOD(MemoryFixture, "A new controller without the profile has all se
 {
     REQUIRE(memory.restore(backup_of(test::first_machine()), {.security_profile = false}));
     CHECK(files() == Files{{"server.json", test::port_document(4'841)},
+                           {"options", "server 1\n"},
                            {"security.json", document_of(SecuritySettings{})}});
 }
 
@@ -143,12 +145,13 @@ TEST_CASE_METHOD(SecondMachine, "A verification lists what differs (8-2-2)")
                 "Client certificates: trusted/certs/a.der trusted/certs/b.der trusted/certs/c.der",
                 "CA certificates: issuers/certs/ca.der",
                 "Certificate revocation lists: trusted/crl/a.crl",
-                "Security settings: security.json users.json"});
+                "Security settings: security.json users.json", "Server options: options",
+                "Login options: login-options"});
     CHECK(files() == test::second_machine());
 
     const auto settings = memory.verify(backup, {.security_profile = false});
     REQUIRE(settings);
-    CHECK(settings->size() == 1);
+    CHECK(settings->size() == 2);
 
     REQUIRE(memory.restore(backup, {}));
     const auto same = memory.verify(backup, {});
@@ -198,6 +201,7 @@ TEST_CASE_METHOD(SecondMachine, "Clear All Memory without certificate and securi
     Files expected = test::second_machine();
     expected["server.json"] = document_of(ServerSettings{});
     expected["security.json"] = document_of(SecuritySettings{});
+    expected["options"] = "login 2\n";
     CHECK(files() == expected);
     CHECK(log.take().empty());
     MachineSettings settings{storage, "server.json", "security.json", "settings"};

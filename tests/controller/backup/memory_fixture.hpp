@@ -3,6 +3,7 @@
 #include <map>
 #include <set>
 #include <span>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,39 @@
 #include "controller/life/life_fixture.hpp"
 
 namespace busbar::test {
+
+/// The lines of "options" that begin so.
+inline controller::FilePart lines_part(const std::string& word)
+{
+    using Bytes = controller::FilePart::Bytes;
+    const auto lines = [word](std::span<const std::byte> bytes, bool is_mine) {
+        std::string kept;
+        std::istringstream text{{reinterpret_cast<const char*>(bytes.data()), bytes.size()}};
+        for (std::string line; std::getline(text, line);) {
+            kept += line.starts_with(word) == is_mine ? line + "\n" : "";
+        }
+        return kept;
+    };
+    const auto bytes_of = [](const std::string& text) {
+        const auto bytes = std::as_bytes(std::span{text});
+        return Bytes{bytes.begin(), bytes.end()};
+    };
+    return {.file = "options",
+            .take = [=](auto whole) -> Configured<Bytes> { return bytes_of(lines(whole, true)); },
+            .put = [=](auto whole, auto part) -> Configured<Bytes> {
+                return bytes_of(lines(whole, false) + lines(part, true));
+            }};
+}
+
+/// Server and login are to be of one kind.
+inline Configured<void> check_options(std::string_view name, std::span<const std::byte> bytes)
+{
+    const std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    const bool is_strange = text.find("server strict") != std::string_view::npos &&
+                            text.find("login anybody") != std::string_view::npos;
+    return is_strange ? misconfigured(std::string{name}, "found anybody, expected a user")
+                      : Configured<void>{};
+}
 
 /// The data of a controller as busbar-controller lays it out: certificates in trusted/, issuers/
 /// and own/, users and settings in files.
@@ -49,6 +83,15 @@ inline std::vector<controller::MemoryItem> machine_items()
                    .files = {"security.json", "users.json"},
                    .initial = {{"security.json",
                                 controller::document_of(controller::SecuritySettings{})}}},
+        MemoryItem{.name = "Server options",
+                   .files = {"options"},
+                   .check = check_options,
+                   .part = lines_part("server")},
+        MemoryItem{.name = "Login options",
+                   .group = MemoryGroup::SecurityProfile,
+                   .files = {"login-options"},
+                   .check = check_options,
+                   .part = lines_part("login")},
         MemoryItem{.name = "Event log", .group = MemoryGroup::EventLog, .files = {"events.log"}}};
 }
 
@@ -107,19 +150,17 @@ inline MemoryFixture::Files first_machine()
             {"issuers/certs/ca.der", "authority"},
             {"security.json", controller::document_of(controller::SecuritySettings{})},
             {"users.json", "users 1"},
+            {"options", "server 1\nlogin 1\n"},
             {"events.log", "events 1"},
             {"log/execution.log", "records 1"}};
 }
 
 inline MemoryFixture::Files second_machine()
 {
-    return {{"server.json", port_document(4'999)},
-            {"own/certs/own.der", "certificate 2"},
-            {"own/private/own.pem", "key 2"},
-            {"trusted/certs/b.der", "another b"},
-            {"trusted/certs/c.der", "client c"},
-            {"users.json", "users 2"},
-            {"events.log", "events 2"},
+    return {{"server.json", port_document(4'999)}, {"own/certs/own.der", "certificate 2"},
+            {"own/private/own.pem", "key 2"},      {"trusted/certs/b.der", "another b"},
+            {"trusted/certs/c.der", "client c"},   {"users.json", "users 2"},
+            {"options", "server 2\nlogin 2\n"},    {"events.log", "events 2"},
             {"log/execution.log", "records 2"}};
 }
 
