@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -59,8 +60,8 @@ struct MachineNodesOptions {
 /// they are set, Mode is PROGRAM and ErrorState NoError. GlobalVars has a NodeVersion, so that
 /// clients can be told of variables that are added.
 ///
-/// A variable's handle is its position among Publication::published(). Clients may write it unless
-/// it is CONSTANT.
+/// A variable's handle is its position among Publication::published() unless add_variables is told
+/// another one. Clients may write it unless it is CONSTANT.
 ///
 /// If the AddressSpace has the nodes of DI and PLCopen, the DeviceSet has a configuration of
 /// PLCopen of the controller's name ("PLCopen/Configuration") with GlobalVars, which organizes the
@@ -79,9 +80,11 @@ public:
                                                          const MachineNodesOptions& options);
 
     /// Adds what was published since; `publication` is the one that the object was made with. A
-    /// failure leaves out all of that.
+    /// failure leaves out all of that. `handles` are those of all published variables
+    /// (PublishedProgram::handles); none: each is the variable's position.
     [[nodiscard]] Configured<void> add_variables(model::AddressSpace& space,
-                                                 const Publication& publication);
+                                                 const Publication& publication,
+                                                 std::span<const std::uint32_t> handles = {});
 
     void set_mode(model::AddressSpace& space, OperatingMode mode) const;
     void set_error_state(model::AddressSpace& space, ErrorState state) const;

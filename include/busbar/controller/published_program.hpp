@@ -3,6 +3,9 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -18,7 +21,7 @@ namespace busbar::controller {
 struct ProgramAddition {
     /// What became of the new variables; see tell().
     PublicationGroup group{};
-    /// Those that are published. The first one's handle is group.first_published.
+    /// Those that are published, and RETAIN variables that are not.
     ProgramImageAddition image{};
     /// Of the edited program. Lives as long as the PublishedProgram.
     const ProgramTypes* types{nullptr};
@@ -41,8 +44,11 @@ public:
     [[nodiscard]] const Program& program() const { return editions_.front()->program; }
     [[nodiscard]] const ProgramTypes& types() const { return *editions_.front()->types; }
     [[nodiscard]] const Publication& publication() const { return *publication_; }
-    /// The image of the published variables, in the order of their handles. `namespace_index` is
-    /// that of MachineNodes.
+    /// Of the published variables, in their order.
+    [[nodiscard]] std::span<const std::uint32_t> handles() const { return handles_; }
+    /// The image of the published variables, in the order of their handles, and behind them the
+    /// RETAIN variables that are not published: they have no nodes, but each scan has their values,
+    /// for RetainedValues. Unions are not among these. `namespace_index` is that of MachineNodes.
     [[nodiscard]] Configured<ProgramImage>
     make_image(std::uint16_t namespace_index, const ProgramImageOptions& options = {}) const;
 
@@ -52,8 +58,8 @@ public:
     /// make_image(), and gets those that are published; its task may run, and waits for nothing.
     ///
     /// After it come RetainedValues::add and MachineNodes::add_variables, which is given
-    /// publication() again; should that fail, the variables are without nodes until a later call of
-    /// it, and nothing else is wrong.
+    /// publication() again and handles(); should that fail, the variables are without nodes until a
+    /// later call of it, and nothing else is wrong.
     ///
     /// The problem is one that create() or ProgramImage::add has, or that a type or a variable is
     /// there already and is another one than in `edited`, which takes a download. Nothing was added
@@ -69,10 +75,16 @@ private:
     };
 
     [[nodiscard]] static Configured<std::unique_ptr<const Edition>> checked(Program program);
+    /// The variables at `indices` have handles from `first` on, and so those that are published.
+    void give_handles(const Program& program, std::span<const std::size_t> indices,
+                      std::uint32_t first);
 
     /// The first one is what it was made with.
     std::vector<std::unique_ptr<const Edition>> editions_;
     std::optional<Publication> publication_;
+    std::vector<std::uint32_t> handles_;
+    /// Of all in the image, by their folded names.
+    std::unordered_map<std::string, std::uint32_t> in_image_;
 };
 
 } // namespace busbar::controller

@@ -1,25 +1,46 @@
 #include <busbar/controller/published_program.hpp>
 
 #include <span>
+#include <string>
+#include <unordered_map>
 #include <utility>
 
 #include <busbar/controller/machine_types.hpp>
 #include <busbar/controller/program_initial.hpp>
 
+#include "controller/publishing/type_facts.hpp"
 #include "online_edit.hpp"
 
 namespace busbar::controller {
 
 namespace {
 
-/// Indices among the variables of `program`, which must be theirs.
-std::vector<std::size_t> indices_of(std::span<const PublishedVariable> variables,
-                                    const Program& program)
+using Handles = std::unordered_map<std::string, std::uint32_t>;
+
+/// The variables of a program that an image has to have besides those that it has, as indices:
+/// `published`, which must be of the program, and RETAIN variables behind them.
+std::vector<std::size_t> variables_of_image(const ProgramTypes& types,
+                                            std::span<const PublishedVariable> published,
+                                            const Handles& in_image)
 {
+    const std::vector<GlobalVariable>& all = types.program().variables;
     std::vector<std::size_t> indices;
-    indices.reserve(variables.size());
-    for (const PublishedVariable& each : variables) {
-        indices.push_back(static_cast<std::size_t>(each.variable - program.variables.data()));
+    std::vector<bool> is_published(all.size());
+    indices.reserve(published.size());
+    for (const PublishedVariable& each : published) {
+        const auto index = static_cast<std::size_t>(each.variable - all.data());
+        is_published[index] = true;
+        if (!in_image.contains(fold_name(each.variable->name))) {
+            indices.push_back(index);
+        }
+    }
+    detail::TypeFactsTable facts{types};
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const bool is_kept = all[i].is_retained && !all[i].is_constant && !is_published[i];
+        if (is_kept && !in_image.contains(fold_name(all[i].name)) &&
+            !facts.of(all[i].type).has_union) {
+            indices.push_back(i);
+        }
     }
     return indices;
 }
@@ -51,14 +72,28 @@ PublishedProgram::create(Program program, const PublishingLimits& limits)
     auto result = std::make_unique<PublishedProgram>(Key{});
     result->editions_.push_back(std::move(*edition));
     result->publication_.emplace(result->types(), limits);
+    const auto indices = variables_of_image(result->types(), result->publication_->published(), {});
+    result->give_handles(result->program(), indices, 0);
     return result;
+}
+
+void PublishedProgram::give_handles(const Program& program, std::span<const std::size_t> indices,
+                                    std::uint32_t first)
+{
+    for (const std::size_t index : indices) {
+        in_image_.emplace(fold_name(program.variables[index].name), first++);
+    }
+    const auto& published = publication_->published();
+    for (std::size_t i = handles_.size(); i < published.size(); ++i) {
+        handles_.push_back(in_image_.at(fold_name(published[i].variable->name)));
+    }
 }
 
 Configured<ProgramImage> PublishedProgram::make_image(std::uint16_t namespace_index,
                                                       const ProgramImageOptions& options) const
 {
     return ProgramImage::create(
-        types(), indices_of(publication_->published(), program()),
+        types(), variables_of_image(types(), publication_->published(), {}),
         [&](const DerivedType& type) { return MachineTypes::encoding_of(namespace_index, type); },
         options);
 }
@@ -81,13 +116,14 @@ Configured<ProgramAddition> PublishedProgram::add(Program edited, std::uint16_t 
     const PublicationGroup group = publication.add(types);
     const std::span<const PublishedVariable> added{publication.published()};
     auto in_image = image.add(
-        types, indices_of(added.subspan(group.first_published), types.program()),
+        types, variables_of_image(types, added.subspan(group.first_published), in_image_),
         [&](const DerivedType& type) { return MachineTypes::encoding_of(namespace_index, type); });
     if (!in_image) {
         return tl::unexpected{std::move(in_image).error()};
     }
     editions_.push_back(std::move(*edition));
     *publication_ = std::move(publication);
+    give_handles(types.program(), in_image->variables, in_image->first_handle);
     return ProgramAddition{group, std::move(*in_image), &types};
 }
 

@@ -178,7 +178,8 @@ Result<void> MachineNodes::add_version(model::AddressSpace& space) const
 }
 
 Configured<void> MachineNodes::add_variables(model::AddressSpace& space,
-                                             const Publication& publication)
+                                             const Publication& publication,
+                                             std::span<const std::uint32_t> handles)
 {
     const std::span<const PublishedVariable> all{publication.published()};
     if (auto types = types_.add(space, all.subspan(added_)); !types) {
@@ -186,13 +187,13 @@ Configured<void> MachineNodes::add_variables(model::AddressSpace& space,
     }
     space.reserve(all.size() - added_);
     std::vector<model::NodeIndex> nodes;
-    for (std::size_t handle = added_; handle < all.size(); ++handle) {
-        const auto node = add_variable(space, all[handle], handle);
+    for (std::size_t i = added_; i < all.size(); ++i) {
+        const auto node = add_variable(space, all[i], i < handles.size() ? handles[i] : i);
         if (!node) {
             for (const model::NodeIndex each : nodes) {
                 static_cast<void>(space.remove(each));
             }
-            return tl::unexpected<Problem>{variable_problem(all[handle], node.error())};
+            return tl::unexpected<Problem>{variable_problem(all[i], node.error())};
         }
         nodes.push_back(*node);
     }
