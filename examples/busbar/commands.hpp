@@ -20,6 +20,7 @@ void add_events(CLI::App& app, Run& run);
 void add_export(CLI::App& app, Run& run);
 void add_cert(CLI::App& app, Run& run);
 void add_admin(CLI::App& app, Run& run);
+void add_project(CLI::App& app, Run& run);
 void add_bench(CLI::App& app, Run& run);
 void add_completion(CLI::App& app, Run& run);
 

@@ -35,6 +35,7 @@ void add_commands(CLI::App& app, Run& run)
     add_export(app, run);
     add_cert(app, run);
     add_admin(app, run);
+    add_project(app, run);
     add_bench(app, run);
     add_completion(app, run);
 }
