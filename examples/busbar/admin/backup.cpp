@@ -25,6 +25,7 @@ using busbar::detail::Json;
 
 /// What no backup has.
 constexpr std::size_t max_backup = 256U << 20U;
+constexpr std::size_t max_command = 65'536;
 constexpr const char* restart_is_due = "it counts after a restart of the controller, which is due";
 
 RemoteTransfer transfer_of(Connection& connection)
@@ -41,17 +42,26 @@ Json report_of(RemoteTransfer& transfer)
     return json ? *std::move(json) : Json{};
 }
 
-/// What was restored was a file of a controller without OPC UA server. The server stops after a
-/// restore (seed 000, 4-1-3), so that there may be nobody who says so.
-bool was_cleared(RemoteTransfer& transfer)
+/// What a restore came to. The server stops after it (seed 000, 4-1-3), so that there may be nobody
+/// who says so.
+std::string restored_text(RemoteTransfer& transfer)
 {
+    const auto is_no = [](const Json& report, std::string_view name) {
+        const Json* const found = report.find(name);
+        return found != nullptr && found->kind == Json::Kind::False;
+    };
     try {
         const Json report = report_of(transfer);
-        const Json* const restored = report.find("restored");
-        return restored != nullptr && restored->kind == Json::Kind::False;
+        if (is_no(report, "restored")) {
+            return "cleared, since the file is of a controller without OPC UA server; ";
+        }
+        if (is_no(report, "security_profile")) {
+            return "restored; the file has no security profile: certificates, users, roles and "
+                   "security settings stay; ";
+        }
     } catch (const Failure&) {
-        return false;
     }
+    return "restored; ";
 }
 
 /// A refusal with the reason, which the status alone does not say.
@@ -112,7 +122,9 @@ Exit back_up(Context& context, Connection& connection, const Arguments& argument
     if (std::error_code ignored; std::filesystem::exists(local, ignored)) {
         make_sure(context, arguments, "replace " + local + "?");
     }
-    const std::string file = transfer.fetch(Variant{});
+    const bool is_whole = !arguments.backup.without_security;
+    const std::string file =
+        transfer.fetch(is_whole ? Variant{} : Variant{String{options_of(arguments, "backup")}});
     keep(local, file);
     return report(context, "backed up to " + local + ": " + std::to_string(file.size()) + " bytes");
 }
@@ -126,11 +138,12 @@ Exit restore(Context& context, Connection& connection, const Arguments& argument
               arguments.backup.without_security
                   ? "Replace the settings of the server?"
                   : "Replace the settings, certificates, users and roles of the server?");
-    send(context, transfer, options_of(arguments, "restore"), file, local);
-    return report(context, (was_cleared(transfer) ? "cleared, since the file is of a controller "
-                                                    "without OPC UA server; "
-                                                  : "restored; ") +
-                               std::string{restart_is_due});
+    const std::string& command = arguments.backup.command_file;
+    send(context, transfer,
+         command.empty() ? options_of(arguments, "restore")
+                         : "restore by command\n" + read_file(command, max_command),
+         file, local);
+    return report(context, restored_text(transfer) + restart_is_due);
 }
 
 /// True if nothing differs.
@@ -200,20 +213,25 @@ void add_backup(CLI::App& admin, Run& run)
     };
     const auto chooses = [&](CLI::App* command) {
         command->add_flag("--without-security-profile", arguments.backup.without_security,
-                          "leave certificates, users and roles out");
+                          "leave certificates, users, roles and security settings out");
+        return command;
     };
-    asks(group.add("backup",
-                   "Saves a controller's settings, certificates, users, roles and events.", 1,
-                   "FILE", backup::back_up));
+    chooses(asks(group.add("backup",
+                           "Saves a controller's settings, certificates, users, roles and events.",
+                           1, "FILE", backup::back_up)));
     chooses(asks(group.add("restore",
                            "Replaces what a controller has by a backup, whole or not at all.", 1,
-                           "FILE", backup::restore)));
+                           "FILE", backup::restore)))
+        ->add_option("--command", arguments.backup.command_file,
+                     "a RestoreCommand.ini, whose OpcuaSPF says whether certificates, users, roles "
+                     "and security settings are restored")
+        ->excludes("--without-security-profile");
     chooses(group.add("verify", "Compares what a controller has with a backup.", 1, "FILE",
                       backup::verify));
     asks(group.add("clear", "Clears a controller's memory, in PROGRAM mode.", 0, "URL",
                    backup::clear))
         ->add_flag("--security", arguments.backup.clears_security,
-                   "users, roles and all certificates, too");
+                   "users, roles, security settings and all certificates, too");
 }
 
 } // namespace busbar::cli::admin

@@ -27,6 +27,8 @@ struct LogChoice {
 /// What of a controller's memory is meant.
 struct BackupChoice {
     bool without_security{false};
+    /// A RestoreCommand.ini, by which it is decided instead.
+    std::string command_file;
     bool clears_security{false};
 };
 
@@ -91,6 +93,8 @@ void add_shutdown(CLI::App& admin, Run& run);
 
 /// Throws Failure unless the user says yes, or has said so with --yes.
 void make_sure(Context& context, const Arguments& arguments, const std::string& question);
+/// Stops the server, or restarts it if the arguments say so.
+Exit shut_down(Context& context, Connection& connection, const Arguments& arguments);
 /// "done", or {"done": what}.
 Exit report(Context& context, const std::string& what);
 /// A row of common name, organization, domain, thumbprint and end of validity.

@@ -70,6 +70,18 @@ Exit status_of(Context& context, Connection& connection, const Arguments&)
     return Exit::Good;
 }
 
+Exit reset(Context& context, Connection& connection, const Arguments& arguments)
+{
+    make_sure(context, arguments,
+              "Forget all certificates, users, roles and settings, and stop the server?");
+    const NodeId configuration = standard(id::ServerConfiguration);
+    call(connection, configuration, child_of(connection, configuration, "ResetToServerDefaults"),
+         {}, "resetting the server to its defaults");
+    return report(context, "the server stops, and starts as it was configured on the machine");
+}
+
+} // namespace
+
 Exit shut_down(Context& context, Connection& connection, const Arguments& arguments)
 {
     const bool restarts = arguments.restarts;
@@ -83,18 +95,6 @@ Exit shut_down(Context& context, Connection& connection, const Arguments& argume
     return report(context, std::string{"the server "} + (restarts ? "restarts" : "stops") + " in " +
                                std::to_string(arguments.seconds) + " s");
 }
-
-Exit reset(Context& context, Connection& connection, const Arguments& arguments)
-{
-    make_sure(context, arguments,
-              "Forget all certificates, users, roles and settings, and stop the server?");
-    const NodeId configuration = standard(id::ServerConfiguration);
-    call(connection, configuration, child_of(connection, configuration, "ResetToServerDefaults"),
-         {}, "resetting the server to its defaults");
-    return report(context, "the server stops, and starts as it was configured on the machine");
-}
-
-} // namespace
 
 void add_status(CLI::App& admin, Run& run)
 {
