@@ -15,10 +15,14 @@ constexpr std::size_t most_log_entries = 1'000;
 /// Programs whose Preparing the execution log has room for anyway (seed 000, 1-2-2).
 constexpr std::size_t usual_variables = 10'000;
 
+// Of the saver.
+constexpr std::chrono::milliseconds usual_pause{200};
+constexpr std::chrono::milliseconds pause_after_error{3'000};
+
 controller::ServerSettings settings_of(const ControllerConfig& config)
 {
     controller::ServerSettings settings;
-    settings.is_used = true;
+    settings.is_used = config.machine.is_used;
     settings.port = config.port;
     settings.execution_log = config.machine.execution_log;
     return settings;
@@ -33,13 +37,15 @@ void make_root(storage::FolderStorage& folder)
 
 } // namespace
 
-Machine::Machine(const ControllerConfig& config, const WallClock& clock, LogSink& lines)
+Machine::Machine(const ControllerConfig& config, const WallClock& clock, LogSink& lines,
+                 MediumFound medium_found)
     : config_{config.machine}, max_variables_{std::max(usual_variables,
                                                        config.machine.program->variables.size())},
       settings_{settings_of(config)}, state_{config.machine.state_folder},
-      medium_{config.machine.medium_folder},
+      medium_{config.machine.medium_folder, storage::FolderStorage::Root::Medium},
       event_files_{state_, controller::MachineEventLogOptions{}.folder},
-      log_folder_{medium_, controller::ExecutionLogOptions{}.folder}
+      log_folder_{medium_, controller::ExecutionLogOptions{}.folder}, medium_found_{
+                                                                          std::move(medium_found)}
 {
     make_root(state_);
     make_root(medium_);
@@ -57,7 +63,7 @@ Machine::Machine(const ControllerConfig& config, const WallClock& clock, LogSink
     retained_.emplace(state_, log(), config.machine.retained);
     life_ = std::make_unique<controller::LifeCycle>(static_cast<controller::ServerOperator&>(*this),
                                                     clock, log());
-    saver_.emplace([this] { return save_pending(); });
+    saver_.emplace([this] { return save_pending() ? usual_pause : pause_after_error; });
     life_->mode_changed(config.machine.mode);
     life_->power_on();
 }
@@ -75,9 +81,44 @@ bool Machine::save_pending()
     if (!execution_log_) {
         return is_kept;
     }
-    const bool is_logged = execution_log_->write_pending().has_value();
+    look_for_medium();
+    const bool is_logged = save_records();
     look_for_log_files();
     return is_logged && is_kept;
+}
+
+void Machine::look_for_medium()
+{
+    const auto space = medium_.free_space();
+    const bool is_there = space || space.error() != StorageError::Away;
+    if (is_there != is_medium_there_) {
+        is_medium_there_ = is_there;
+        medium_found_(is_there);
+    }
+}
+
+/// What waits for a medium is no error; it is not tried before the life knows that it is there.
+bool Machine::save_records()
+{
+    const bool is_in = is_medium_in_;
+    if (is_in != is_medium_used_) {
+        is_medium_used_ = is_in;
+        tell_log_of_medium(is_in);
+    }
+    if (is_in && !is_medium_there_) {
+        return true;
+    }
+    return execution_log_->write_pending().has_value() || !is_in;
+}
+
+void Machine::tell_log_of_medium(bool is_in)
+{
+    if (is_in || !is_medium_there_) {
+        execution_log_->medium_changed(is_in ? controller::LogMedium::In
+                                             : controller::LogMedium::Out);
+    } else { // who is going to take it out gets what waits (seed 000, 7-4-3)
+        static_cast<void>(execution_log_->release_medium());
+    }
 }
 
 void Machine::look_for_log_files()
@@ -149,6 +190,9 @@ LogSink& Machine::log()
 void Machine::run(MachineProgram& program, const std::string& endpoint_url)
 {
     events_.tell(&program.events());
+    if (!settings_.is_used) {
+        return;
+    }
     tell(log(), program.publication());
     life_->prepared(preparation_, endpoint_url);
 }
@@ -182,6 +226,16 @@ void Machine::replace(Cause cause, MachineProgram& program, const ControllerConf
         life_->reset();
     }
     run(program, config.server.endpoint_url);
+}
+
+void Machine::changed(Change change, const MachineProgram& program, const std::string& endpoint_url)
+{
+    const std::uint32_t before = preparation_;
+    (*life_.*change)();
+    if (preparation_ != before) {
+        tell(log(), program.publication());
+        life_->prepared(preparation_, endpoint_url);
+    }
 }
 
 Configured<void> Machine::edit(const MachineProgram& program, Adding add)
@@ -220,6 +274,35 @@ void Machine::shut_down()
     events_.tell(nullptr);
 }
 
+bool Machine::happen(HardwareEvent event)
+{
+    using controller::FaultOrigin;
+    const auto before = life_->operating_status();
+    switch (event) {
+    case HardwareEvent::MajorFault:
+        life_->major_fault();
+        break;
+    case HardwareEvent::PartialFault:
+    case HardwareEvent::PartialServerFault:
+        life_->partial_fault(event == HardwareEvent::PartialFault ? FaultOrigin::Elsewhere
+                                                                  : FaultOrigin::OpcUaServer);
+        break;
+    case HardwareEvent::MinorFault:
+    case HardwareEvent::MinorServerFault:
+        life_->minor_fault(event == HardwareEvent::MinorFault ? FaultOrigin::Elsewhere
+                                                              : FaultOrigin::OpcUaServer);
+        break;
+    case HardwareEvent::Watchdog:
+        life_->watchdog();
+        break;
+    case HardwareEvent::MediumOut:
+    case HardwareEvent::MediumIn:
+        life_->medium_changed(event == HardwareEvent::MediumIn);
+        break;
+    }
+    return before == controller::OperatingStatus::Running && life_->operating_status() != before;
+}
+
 void Machine::initialize()
 {
     life_->initialized(settings_);
@@ -242,11 +325,14 @@ void Machine::stop(const controller::StopNotice&)
     save_now();
 }
 
+/// The saver tells the log: that waits while a medium is written to.
 void Machine::medium_changed(bool is_in)
 {
-    if (execution_log_) {
-        execution_log_->medium_changed(is_in ? controller::LogMedium::In
-                                             : controller::LogMedium::Out);
+    if (execution_log_ && is_medium_in_.exchange(is_in) != is_in) {
+        log().write(is_in ? LogLevel::Info : LogLevel::Warning, "execution log",
+                    config_.medium_folder +
+                        (is_in ? ": the medium is in again, and records are saved"
+                               : ": the medium is away, and records wait for it"));
     }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -18,10 +19,11 @@
 #include <busbar/storage/folder_storage.hpp>
 
 #include "config.hpp"
+#include "hardware.hpp"
 #include "machine_events.hpp"
 #include "machine_program.hpp"
 #include "machine_retained.hpp"
-#include "machine_saver.hpp"
+#include "ticker.hpp"
 
 namespace busbar::example {
 
@@ -36,10 +38,16 @@ public:
     /// Why there is another server.
     enum class Cause : std::uint8_t { Restart, Download };
 
+    /// What has a server that runs reconfigured (seed 000, 4-2-5).
+    using Change = void (controller::LifeCycle::*)();
     using Adding = FunctionRef<Configured<controller::ProgramAddition>()>;
+    /// Has the servers' thread call medium_is(). Called by another one.
+    using MediumFound = std::function<void(bool is_in)>;
 
-    /// `config` has a program. Throws ConfigError. The others must outlive it.
-    Machine(const ControllerConfig& config, const WallClock& clock, LogSink& lines);
+    /// `config` has a program. Throws ConfigError. The others must outlive it, and so must what
+    /// `medium_found` uses.
+    Machine(const ControllerConfig& config, const WallClock& clock, LogSink& lines,
+            MediumFound medium_found);
     ~Machine() override;
 
     /// The log that everything goes through.
@@ -52,8 +60,13 @@ public:
     void save_retained();
     /// Power may be gone soon: saves what there is.
     void power_going() { life_->power_going(); }
-    /// The server with this program is served from now on, at this URL. `program` must outlive it,
-    /// or shut_down().
+    /// The medium of the execution log was taken out or put in: its folder is gone or there again.
+    void medium_is(bool is_in) { life_->medium_changed(is_in); }
+    /// What the hardware would tell. True if the server has to halt: the state is Halt error or
+    /// Shutdown until a restart.
+    [[nodiscard]] bool happen(HardwareEvent event);
+    /// The server with this program is served from now on, at this URL, if there is to be one.
+    /// `program` must outlive it, or shut_down().
     void run(MachineProgram& program, const std::string& endpoint_url);
     /// Whether this is still the machine that `config` would make.
     [[nodiscard]] bool fits(const ControllerConfig& config) const;
@@ -63,6 +76,8 @@ public:
     /// The program that runs was edited online: `add` adds to it what is new. The problem is that
     /// of `add`, or that there is no server that runs.
     [[nodiscard]] Configured<void> edit(const MachineProgram& program, Adding add);
+    /// The server that runs goes on with that: here it needs not be stopped for it.
+    void changed(Change change, const MachineProgram& program, const std::string& endpoint_url);
     /// It cannot be served: the state is Halt error.
     void cannot_start(const std::string& why);
     /// It is not served any more: the state is Shutdown, and logs are saved.
@@ -98,6 +113,10 @@ private:
     /// All is well. The saver's thread.
     [[nodiscard]] bool save_pending();
     void look_for_log_files();
+    void look_for_medium();
+    void tell_log_of_medium(bool is_in);
+    /// The saver's thread: to the medium, if there is one.
+    [[nodiscard]] bool save_records();
 
     MachineConfig config_; // that it was made with
     std::size_t max_variables_;
@@ -109,7 +128,13 @@ private:
     std::unique_ptr<controller::MachineEventLog> event_log_;
     std::unique_ptr<controller::ExecutionLog> execution_log_; // before it
     StorageFolder log_folder_;
-    std::vector<std::string> log_files_; // of the saver's thread
+    MediumFound medium_found_;
+    // Of the saver's thread.
+    std::vector<std::string> log_files_;
+    bool is_medium_there_{true};
+    bool is_medium_used_{true};
+    /// What the machine's life says; at the start a medium counts as in.
+    std::atomic<bool> is_medium_in_{true};
     std::atomic<bool> has_changed_files_{false};
     std::optional<MachineRetained> retained_;
     std::unique_ptr<controller::LifeCycle> life_;
@@ -118,7 +143,7 @@ private:
     const Adding* adding_{nullptr};
     std::optional<Configured<controller::ProgramAddition>> added_;
     std::mutex saving_; // while the saver works
-    std::optional<MachineSaver> saver_;
+    std::optional<Ticker> saver_;
 };
 
 } // namespace busbar::example

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include <busbar/core/record.hpp>
 #include <busbar/core/status_codes.hpp>
 #include <busbar/types/ids.hpp>
 
@@ -19,6 +20,8 @@ namespace {
 /// The one that administration::finish_changes looks after.
 constexpr const char* transaction = "transaction";
 constexpr const char* source = "memory";
+/// Before the text of a RestoreCommand.ini.
+constexpr std::string_view by_command = "restore by command\n";
 
 std::string problem_report(const Problem& problem)
 {
@@ -30,12 +33,16 @@ std::string problem_report(const Problem& problem)
     return json.take();
 }
 
-std::string flag_report(std::string_view name, bool flag)
+std::string restore_report(bool has_data, bool lacks_profile)
 {
     detail::JsonWriter json;
     json.begin_object();
-    json.name(name);
-    json.word(flag ? "true" : "false");
+    json.name("restored");
+    json.word(has_data ? "true" : "false");
+    if (lacks_profile) {
+        json.name("security_profile");
+        json.word("false");
+    }
     json.end_object();
     return json.take();
 }
@@ -63,6 +70,27 @@ std::string report_of(const std::vector<controller::VerifiedItem>& items)
     return json.take();
 }
 
+/// What is another one now, for audit events: there is a record for each that the system knows.
+void tell_replaced(LogSink& log, const TransferRequest& request, bool with_security, bool is_clear)
+{
+    Record record{.source = source};
+    record.actor.session_id = &request.session;
+    record.actor.user = request.user.name;
+    const auto tell_of = [&](RecordKind kind) {
+        record.kind = kind;
+        tell(log, record);
+    };
+    tell_of(RecordKind::SettingsChanged);
+    if (with_security) {
+        tell_of(RecordKind::UsersChanged);
+        tell_of(RecordKind::RolesChanged);
+        tell_of(RecordKind::TrustListUpdated);
+    }
+    if (with_security && is_clear) {
+        tell_of(RecordKind::CertificateUpdated);
+    }
+}
+
 std::vector<std::byte> bytes_of_text(std::string_view text)
 {
     const auto bytes = std::as_bytes(std::span{text.data(), text.size()});
@@ -78,9 +106,16 @@ struct MachineBackup::Wish {
     bool with_security;
 };
 
-std::optional<MachineBackup::Wish> MachineBackup::wish_of(const Variant& options)
+Configured<MachineBackup::Wish> MachineBackup::wish_of(const Variant& options)
 {
     using Task = Wish::Task;
+    const auto* const text = options.get_if<String>();
+    if (text != nullptr && text->view().starts_with(by_command)) {
+        return controller::read_restore_command(text->view().substr(by_command.size()))
+            .map([](const controller::RestoreChoice& choice) {
+                return Wish{Task::Restore, choice.security_profile};
+            });
+    }
     static constexpr std::array<std::pair<std::string_view, Wish>, 6> wishes{
         {{"restore", {Task::Restore, true}},
          {"restore without security profile", {Task::Restore, false}},
@@ -88,11 +123,12 @@ std::optional<MachineBackup::Wish> MachineBackup::wish_of(const Variant& options
          {"verify without security profile", {Task::Verify, false}},
          {"clear", {Task::Clear, false}},
          {"clear with security", {Task::Clear, true}}}};
-    const auto* const text = options.get_if<String>();
-    const auto found = std::find_if(wishes.begin(), wishes.end(), [&](const auto& each) {
+    const auto* const found = std::find_if(wishes.begin(), wishes.end(), [&](const auto& each) {
         return text != nullptr && text->view() == each.first;
     });
-    return found != wishes.end() ? std::optional{found->second} : std::nullopt;
+    return found != wishes.end()
+               ? Configured<Wish>{found->second}
+               : misconfigured("options", "found none of a backup's", status::Bad_InvalidArgument);
 }
 
 MachineBackup::MachineBackup(Needs needs)
@@ -110,12 +146,13 @@ administration::TemporaryFileTransfer MachineBackup::transfer()
 Result<std::vector<std::byte>> MachineBackup::generate(const TransferRequest& request,
                                                        std::size_t max_size)
 {
-    if (request.options.is_null()) {
-        auto made = make_backup();
+    const auto* const what = request.options.get_if<String>();
+    const bool is_without = what != nullptr && what->view() == "backup without security profile";
+    if (request.options.is_null() || is_without) {
+        auto made = make_backup({.security_profile = !is_without});
         const bool is_too_large = made && made->size() > max_size;
         return is_too_large ? fail(status::Bad_EncodingLimitsExceeded) : std::move(made);
     }
-    const auto* const what = request.options.get_if<String>();
     if (what == nullptr || what->view() != "report") {
         return fail(status::Bad_InvalidArgument);
     }
@@ -125,11 +162,13 @@ Result<std::vector<std::byte>> MachineBackup::generate(const TransferRequest& re
     return bytes_of_text(report_.text);
 }
 
-Result<std::vector<std::byte>> MachineBackup::make_backup()
+Result<std::vector<std::byte>> MachineBackup::make_backup(const controller::BackupChoice& choice)
 {
     Configured<std::vector<std::byte>> made;
     needs_.gate.hold([&] {
-        needs_.hold_events([&] { made = memory_.backup({needs_.controller, needs_.clock.now()}); });
+        needs_.hold_events([&] {
+            made = memory_.backup({needs_.controller, needs_.clock.now()}, choice);
+        });
     });
     if (!made) {
         needs_.log.write(LogLevel::Error, source, "no backup was made: " + text(made.error()));
@@ -144,6 +183,7 @@ StatusCode MachineBackup::may_take(const TransferRequest& request)
 {
     const auto wish = wish_of(request.options);
     if (!wish) {
+        report_ = {request.session, problem_report(wish.error())};
         return status::Bad_InvalidArgument;
     }
     const bool is_run = needs_.mode() == controller::MachineMode::Run;
@@ -158,17 +198,21 @@ StatusCode MachineBackup::take(const TransferRequest& request, std::span<const s
     if (const StatusCode may = may_take(request); may.is_bad()) {
         return may;
     }
-    const auto done = carry_out(*wish_of(request.options), bytes);
+    auto wish = wish_of(request.options);
+    const auto done = carry_out(*wish, bytes);
     report_ = {request.session, done ? *done : problem_report(done.error())};
     if (!done) {
+        const std::string_view options = request.options.get_if<String>()->view();
         needs_.log.write(LogLevel::Error, source,
-                         request.options.get_if<String>()->str() +
+                         std::string{options.substr(0, options.find('\n'))} +
                              ": nothing was changed: " + text(done.error()));
+    } else if (wish->task != Wish::Task::Verify) {
+        tell_replaced(needs_.log, request, wish->with_security, wish->task == Wish::Task::Clear);
     }
     return done ? StatusCode{status::Good} : done.error().status;
 }
 
-Configured<std::string> MachineBackup::carry_out(const Wish& wish, std::span<const std::byte> bytes)
+Configured<std::string> MachineBackup::carry_out(Wish& wish, std::span<const std::byte> bytes)
 {
     Configured<std::string> done;
     needs_.gate.hold([&] {
@@ -195,19 +239,22 @@ Configured<std::string> MachineBackup::carry_out(const Wish& wish, std::span<con
     return done;
 }
 
-Configured<std::string> MachineBackup::restore(const Wish& wish, std::span<const std::byte> bytes)
+Configured<std::string> MachineBackup::restore(Wish& wish, std::span<const std::byte> bytes)
 {
     const auto restored = memory_.restore(bytes, {.security_profile = wish.with_security});
     if (!restored) {
         return tl::unexpected{restored.error()};
     }
-    const bool has_data = *restored == controller::Restored::Data;
+    const bool has_data = *restored != controller::Restored::Nothing;
+    const bool lacks_profile = *restored == controller::Restored::WithoutProfile;
     needs_.log.write(LogLevel::Info, source,
                      std::string{has_data ? "restored from a backup"
                                           : "cleared: the backup is of a controller without OPC UA "
                                             "server"} +
+                         (lacks_profile ? ", which has no security profile" : "") +
                          "; it counts after a restart, which is due");
-    return flag_report("restored", has_data);
+    wish.with_security = wish.with_security && !lacks_profile;
+    return restore_report(has_data, lacks_profile);
 }
 
 Configured<std::string> MachineBackup::verify(const Wish& wish,
@@ -221,7 +268,7 @@ Configured<std::string> MachineBackup::clear(const Wish& wish)
     return memory_.clear_all(wish.with_security, needs_.mode()).map([&] {
         needs_.log.write(LogLevel::Info, source,
                          "all memory was cleared; it counts after a restart, which is due");
-        return flag_report("cleared", true);
+        return std::string{R"({"cleared":true})"};
     });
 }
 

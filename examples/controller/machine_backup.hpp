@@ -18,22 +18,29 @@ namespace busbar::example {
 /// 8-3): the Object "Backup" below Objects, a TemporaryFileTransferType. Its generateOptions are
 /// null for GenerateFileForRead of a backup file, and else one of these texts:
 ///
-///     GenerateFileForRead   "report": what the session's last CloseAndCommit came to
+///     GenerateFileForRead   "backup without security profile": to be given away
+///                           "report": what the session's last CloseAndCommit came to
 ///     GenerateFileForWrite  "restore"                          a backup file follows
 ///                           "restore without security profile"
+///                           "restore by command\n" and what is in a RestoreCommand.ini, of which
+///                               OpcuaSPF decides (seed 000, 8-2-2): a backup file follows
 ///                           "verify"                           a backup file follows
 ///                           "verify without security profile"
 ///                           "clear"                            an empty file follows
 ///                           "clear with security"              certificate and profile, too
 ///
 /// A report is JSON: {"problem": "backup: found ..."} for what was refused; {"restored": true}, or
-/// false for a file of a controller without OPC UA server; {"cleared": true}; and
+/// false for a file of a controller without OPC UA server, with "security_profile": false if that
+/// was to be restored and the file has none; {"cleared": true}; and
 /// {"items": [{"name": "Users", "differences": ["users.json"]}]} for a verification.
 ///
 /// After a restore and after a clearing a restart is due: until then nothing of the machine's
 /// memory changes, what would answers Bad_InvalidState, and so do another restore and another
 /// clearing. Clear All Memory wants PROGRAM mode, and answers Bad_InvalidState in RUN (seed 000,
 /// 8-3).
+///
+/// What a restore or a clearing has replaced is told as records of settings, users, roles, trust
+/// lists and certificates, of which audit events are made (Part 5, 6.4).
 ///
 /// What a power cut left is finished by administration::finish_changes at the next start, whose
 /// transaction it is. On the server's thread.
@@ -78,12 +85,11 @@ private:
         std::string text;
     };
 
-    [[nodiscard]] static std::optional<Wish> wish_of(const Variant& options);
-    [[nodiscard]] Result<std::vector<std::byte>> make_backup();
-    [[nodiscard]] Configured<std::string> carry_out(const Wish& wish,
-                                                    std::span<const std::byte> bytes);
-    [[nodiscard]] Configured<std::string> restore(const Wish& wish,
-                                                  std::span<const std::byte> bytes);
+    [[nodiscard]] static Configured<Wish> wish_of(const Variant& options);
+    [[nodiscard]] Result<std::vector<std::byte>>
+    make_backup(const controller::BackupChoice& choice);
+    [[nodiscard]] Configured<std::string> carry_out(Wish& wish, std::span<const std::byte> bytes);
+    [[nodiscard]] Configured<std::string> restore(Wish& wish, std::span<const std::byte> bytes);
     [[nodiscard]] Configured<std::string> verify(const Wish& wish,
                                                  std::span<const std::byte> bytes) const;
     [[nodiscard]] Configured<std::string> clear(const Wish& wish);

@@ -12,6 +12,7 @@
 #include <busbar/storage/memory_storage.hpp>
 
 #include "machine_files.hpp"
+#include "setting_keys.hpp"
 
 namespace busbar::example {
 
@@ -32,14 +33,74 @@ Configured<void> check_file(std::string_view name, std::span<const std::byte> by
     return load(memory, std::string{name});
 }
 
-MemoryItem settings_item(Settings& settings)
+using administration::SettingValues;
+using Bytes = controller::FilePart::Bytes;
+
+/// What a file of settings says; nothing if it has no bytes.
+Configured<SettingValues> values_in(const Settings& settings, std::span<const std::byte> bytes)
 {
-    MemoryItem item{.name = "Server settings", .files = {Settings::file_name}};
-    item.check = [&settings](std::string_view name, std::span<const std::byte> bytes) {
-        return check_file(name, bytes, [&](Storage& memory, std::string file) {
+    if (bytes.empty()) {
+        return SettingValues{};
+    }
+    SettingValues values;
+    const auto read =
+        check_file(Settings::file_name, bytes, [&](Storage& memory, std::string file) {
             const auto all = settings.list().settings();
             administration::SettingList list{memory, std::move(file), {all.begin(), all.end()}};
-            return list.load().and_then([&] { return settings.check(list.changes()); });
+            auto loaded = list.load();
+            values = list.changes();
+            return loaded;
+        });
+    return read.map([&] { return std::move(values); });
+}
+
+Bytes document_of(const SettingValues& values)
+{
+    if (values.empty()) {
+        return {};
+    }
+    const std::string document = administration::settings_document(values);
+    const auto bytes = std::as_bytes(std::span{document});
+    return {bytes.begin(), bytes.end()};
+}
+
+/// The settings that are of the security profile, or those that are not.
+controller::FilePart settings_part(const Settings& settings, bool is_of_profile)
+{
+    const auto is_other = [is_of_profile](const SettingValues::value_type& each) {
+        return is_security_setting(each.first) != is_of_profile;
+    };
+    controller::FilePart part{.file = Settings::file_name};
+    part.take = [&settings, is_other](std::span<const std::byte> whole) -> Configured<Bytes> {
+        auto values = values_in(settings, whole);
+        if (!values) {
+            return tl::unexpected{std::move(values.error())};
+        }
+        std::erase_if(*values, is_other);
+        return document_of(*values);
+    };
+    part.put = [&settings, is_other](std::span<const std::byte> whole,
+                                     std::span<const std::byte> own) -> Configured<Bytes> {
+        auto all = values_in(settings, whole);
+        auto values = values_in(settings, own);
+        if (!all || !values) {
+            return tl::unexpected{std::move(all ? values.error() : all.error())};
+        }
+        std::erase_if(*all, [&](const auto& each) { return !is_other(each); });
+        std::erase_if(*values, is_other);
+        all->merge(*values);
+        return document_of(*all);
+    };
+    return part;
+}
+
+MemoryItem settings_item(Settings& settings, std::string name, std::string file, MemoryGroup group)
+{
+    MemoryItem item{.name = std::move(name), .group = group, .files = {std::move(file)}};
+    item.part = settings_part(settings, group == MemoryGroup::SecurityProfile);
+    item.check = [&settings](std::string_view, std::span<const std::byte> bytes) {
+        return values_in(settings, bytes).and_then([&](const SettingValues& values) {
+            return settings.check(values);
         });
     };
     return item;
@@ -85,12 +146,15 @@ MemoryItem certificates_item(std::string name, std::vector<std::string> folders)
 
 std::vector<MemoryItem> machine_items(Settings& settings)
 {
-    return {settings_item(settings),
+    return {settings_item(settings, "Server settings", Settings::file_name,
+                          MemoryGroup::ServerSettings),
             certificates_item("Client certificates", {"trusted/certs"}),
             certificates_item("CA certificates", {"issuers/certs"}),
             certificates_item("Certificate revocation lists", {"trusted/crl", "issuers/crl"}),
             certificates_item("User certificates", {"users/trusted/certs", "users/trusted/crl",
                                                     "users/issuers/certs", "users/issuers/crl"}),
+            settings_item(settings, "Security settings", "security-settings.json",
+                          MemoryGroup::SecurityProfile),
             users_item(settings),
             roles_item(),
             {.name = "Event log",

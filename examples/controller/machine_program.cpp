@@ -2,6 +2,11 @@
 
 #include <utility>
 
+#ifdef BUSBAR_HAS_PLCOPEN
+#include <busbar/di/nodes.hpp>
+#include <busbar/plcopen/nodes.hpp>
+#endif
+
 #include "machine_section.hpp"
 #include "toml_reader.hpp"
 
@@ -10,6 +15,16 @@ namespace busbar::example {
 namespace {
 
 constexpr const char* machine_uri = "urn:busbar:machine";
+
+/// The nodes that MachineTypes and MachineNodes look for: with them the DeviceSet has a
+/// configuration of PLCopen.
+void add_plcopen([[maybe_unused]] model::AddressSpace& space)
+{
+#ifdef BUSBAR_HAS_PLCOPEN
+    expect(space.add(di::nodes()), "the nodes of DI");
+    expect(space.add(plcopen::nodes()), "the nodes of PLCopen");
+#endif
+}
 
 } // namespace
 
@@ -25,6 +40,9 @@ MachineProgram::MachineProgram(const ControllerConfig& config)
 
 std::unique_ptr<controller::Plc> MachineProgram::make_plc(server::Server& server)
 {
+    if (config_.machine.types.elementary == controller::ElementaryTypes::Plcopen) {
+        add_plcopen(server.address_space());
+    }
     const std::uint16_t index =
         expect(server.address_space().add_namespace(machine_uri), "the machine's namespace");
     image_ =
@@ -66,7 +84,8 @@ Configured<controller::ProgramAddition> MachineProgram::edit(const controller::P
     if (!added) {
         return added;
     }
-    if (auto shown = nodes_->add_variables(server.address_space(), program_->publication());
+    if (auto shown = nodes_->add_variables(server.address_space(), program_->publication(),
+                                           program_->handles());
         !shown) {
         return tl::unexpected{std::move(shown).error()};
     }

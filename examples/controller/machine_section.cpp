@@ -1,44 +1,12 @@
 #include "machine_section.hpp"
 
-#include <filesystem>
-#include <fstream>
 #include <utility>
 
-#include <busbar/controller/declaration_reader.hpp>
-#include <busbar/controller/plcopen_xml.hpp>
+#include "program_file.hpp"
 
 namespace busbar::example {
 
 namespace {
-
-constexpr std::string_view xml_ending = ".xml";
-
-std::string read_program_file(const TomlTable& table, const std::string& path)
-{
-    const controller::DeclarationLimits limits;
-    std::ifstream file{path, std::ios::binary | std::ios::ate};
-    const auto size = file ? static_cast<std::streamoff>(file.tellg()) : std::streamoff{-1};
-    if (size < 0 || std::filesystem::is_directory(path)) {
-        table.fail("program", "a file of declarations (IEC 61131-3) or PLCopen XML");
-    }
-    if (static_cast<std::uint64_t>(size) > limits.max_text_size) {
-        table.fail("program",
-                   "a file of at most " + std::to_string(limits.max_text_size) + " bytes");
-    }
-    std::string text(static_cast<std::size_t>(size), '\0');
-    file.seekg(0);
-    file.read(text.data(), size);
-    text.resize(static_cast<std::size_t>(file.gcount()));
-    return text;
-}
-
-controller::Program read_program(const std::string& text, const std::string& path)
-{
-    if (path.ends_with(xml_ending)) {
-        return expect(controller::read_plcopen_xml(text, path));
-    }
-    return expect(controller::read_declarations(text, path));
-}
 
 void read_execution_log(const TomlTable& table, controller::ExecutionLogSettings& log)
 {
@@ -48,14 +16,36 @@ void read_execution_log(const TomlTable& table, controller::ExecutionLogSettings
         table.integer("execution_log_records", log.records, 100, 65'536));
 }
 
-/// A problem of the program as a whole has no file yet.
-Problem in_file(Problem problem, const std::string& file)
+/// Which DataTypes variables have, if not those of the preset.
+void read_types(const TomlTable& table, controller::MachineTypeOptions& types)
 {
-    problem.where = problem.where.empty() ? file : file + ":" + problem.where;
-    return problem;
+#ifdef BUSBAR_HAS_PLCOPEN
+    constexpr const char* expected = "\"plcopen\" or \"built-in\"";
+#else
+    constexpr const char* expected = "\"built-in\", as PLCopen is no part of this build";
+#endif
+    const std::string name = table.text("types", "");
+    if (name == "built-in") {
+        types.elementary = controller::ElementaryTypes::BuiltIn;
+#ifdef BUSBAR_HAS_PLCOPEN
+    } else if (name == "plcopen") {
+        types = controller::MachineTypeOptions{};
+#endif
+    } else if (!name.empty()) {
+        table.fail("types", expected);
+    }
 }
 
 } // namespace
+
+controller::MachineTypeOptions default_types()
+{
+#ifdef BUSBAR_HAS_PLCOPEN
+    return {};
+#else
+    return {.elementary = controller::ElementaryTypes::BuiltIn};
+#endif
+}
 
 std::unique_ptr<controller::PublishedProgram> publish_program(const ControllerConfig& config)
 {
@@ -68,8 +58,9 @@ std::unique_ptr<controller::PublishedProgram> publish_program(const ControllerCo
 
 void read_machine(const TomlTable& table, ControllerConfig& config)
 {
-    table.allow({"program", "name", "mode", "state", "medium", "execution_log",
-                 "execution_log_files", "execution_log_records", "retained_ms"});
+    table.allow({"program", "name", "use", "mode", "state", "medium", "execution_log",
+                 "execution_log_files", "execution_log_records", "retained_ms", "types",
+                 "simulated_hardware"});
     MachineConfig& machine = config.machine;
     machine.program_file = table.text("program", "");
     machine.name = table.text("name", "");
@@ -80,16 +71,19 @@ void read_machine(const TomlTable& table, ControllerConfig& config)
         table.fail("mode", "\"RUN\" or \"PROGRAM\"");
     }
     machine.mode = mode == "RUN" ? controller::MachineMode::Run : controller::MachineMode::Program;
+    machine.simulates_hardware = table.flag("simulated_hardware", false);
     read_execution_log(table, machine.execution_log);
+    read_types(table, machine.types);
     machine.retained = std::chrono::milliseconds{
         table.integer("retained_ms", machine.retained.count(), 100, 3'600'000)};
+    // As the rest, it means nothing without a program.
+    machine.is_used = table.flag("use", true) || machine.program_file.empty();
     if (machine.program_file.empty()) {
         return;
     }
-    machine.program_text =
-        std::make_shared<const std::string>(read_program_file(table, machine.program_file));
-    machine.program = std::make_shared<const controller::Program>(
-        read_program(*machine.program_text, machine.program_file));
+    ProgramFile file = read_program_file(table, "program");
+    machine.program_text = std::move(file.text);
+    machine.program = std::move(file.program);
     static_cast<void>(publish_program(config));
 }
 
