@@ -13,6 +13,7 @@
 #include "admission.hpp"
 #include "config.hpp"
 #include "file_systems.hpp"
+#include "listener_roles.hpp"
 #include "settings.hpp"
 #include "setup.hpp"
 
@@ -52,7 +53,7 @@ public:
 
     /// The server's log.
     [[nodiscard]] LogSink& log() { return audit_; }
-    [[nodiscard]] const server::RoleMapper& roles() const { return roles_; }
+    [[nodiscard]] const server::RoleMapper& roles() const { return listener_roles_; }
     /// Users who were added while it ran come to those of the file, and `config` offers them. Once,
     /// before the server is made. Throws ConfigError. `admission` must outlive it.
     void add_users(Admission& admission, ControllerConfig& config);
@@ -86,6 +87,7 @@ private:
     std::optional<Setup> setup_;
     std::optional<crypto::Secret> new_code_;
     administration::RoleList roles_;
+    ListenerRoles listener_roles_{roles_};
     std::optional<administration::UserList> users_;
     administration::ManagedCertificates certificates_;
     FileSystems file_systems_;

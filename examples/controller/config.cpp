@@ -14,6 +14,7 @@
 #include "default_config.hpp"
 #include "endpoint_section.hpp"
 #include "files_section.hpp"
+#include "labels_section.hpp"
 #include "limits_section.hpp"
 #include "machine_section.hpp"
 #include "plc_section.hpp"
@@ -146,8 +147,9 @@ std::vector<server::NetworkServer> read_network_servers(const TomlTable& table)
 ControllerConfig read_root(const TomlTable& root)
 {
     root.allow({"server", "reverse_connect", "discovery", "certificates", "endpoint", "security",
-                "users", "files", "limits", "machine", "plc"});
+                "users", "files", "limits", "machine", "labels", "plc"});
     ControllerConfig config;
+    config.machine.types = default_types();
     read_preset(root.table("limits"), config);
     read_server(root.table("server"), config);
     read_reverse_connect(root.table("reverse_connect"), config);
@@ -159,6 +161,7 @@ ControllerConfig read_root(const TomlTable& root)
     read_users(root.table("users"), config);
     read_endpoints(root, config);
     read_machine(root.table("machine"), config);
+    read_labels(root.table("labels"), config);
     read_plc(root.table("plc"), config);
     return config;
 }

@@ -14,6 +14,7 @@
 #include <busbar/controller/machine_settings.hpp>
 #include <busbar/controller/plc_config.hpp>
 #include <busbar/controller/published_program.hpp>
+#include <busbar/controller/simulated_labels.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
 #include <busbar/crypto/jwt.hpp>
 #include <busbar/crypto/store_limits.hpp>
@@ -104,17 +105,46 @@ struct MachineConfig {
     std::shared_ptr<const std::string> program_text;
     /// Of the folder that has everything; empty: the server's name.
     std::string name;
+    /// Whether there is an OPC UA server for clients (seed 000, 3-2-2): without one the program
+    /// runs, and no port is opened. Counts from a start on.
+    bool is_used{true};
     controller::MachineMode mode{controller::MachineMode::Run};
     /// Where events are kept.
     std::string state_folder{"busbar-machine"};
     /// The memory card: where the execution log is.
     std::string medium_folder{"busbar-medium"};
     controller::ExecutionLogSettings execution_log;
+    /// Whether clients may tell what its hardware would (see publish_hardware).
+    bool simulates_hardware{false};
     /// How often values of RETAIN variables are saved, if they have changed.
     std::chrono::milliseconds retained{10'000};
-    // As the preset has them.
+    // As the preset has them; the types also as the configuration says.
     controller::PublishingLimits publishing;
     controller::MachineTypeOptions types{.elementary = controller::ElementaryTypes::BuiltIn};
+};
+
+/// The PLC whose variables are labels, for a server of model mode (seed 001, 8.3).
+struct LabelConfig {
+    /// Null: there are none.
+    std::shared_ptr<const controller::Program> program;
+    std::string program_file;
+    /// The file's, to tell whether it is another one; null without a program.
+    std::shared_ptr<const std::string> program_text;
+    controller::SimulatedLabelsOptions options;
+    /// Minutes that the PLC's clock is ahead of UTC; nothing: as many as this machine's.
+    std::optional<std::int32_t> utc_offset;
+};
+
+/// What a listener is for, as a number for net::ServerLoop::listen.
+enum class ListenerUse : std::uint32_t { All, Data, Administration };
+
+/// Where else clients connect to than at the address and port of the server.
+struct FurtherListener {
+    std::string address;
+    std::uint16_t port{4840};
+    ListenerUse use{ListenerUse::All};
+
+    friend bool operator==(const FurtherListener&, const FurtherListener&) = default;
 };
 
 /// Everything a configuration file says.
@@ -123,6 +153,9 @@ struct ControllerConfig {
     /// "" is every address of the machine.
     std::string address;
     std::uint16_t port{4840};
+    ListenerUse use{ListenerUse::All};
+    /// Of a project of model mode.
+    std::vector<FurtherListener> further_listeners;
     /// By which clients reach the machine, beyond the address and its own name.
     std::vector<std::string> host_names;
     /// Listeners of clients that cannot reach the server; it connects to them.
@@ -141,7 +174,8 @@ struct ControllerConfig {
     int realtime_priority{0};
     server::ImageOptions image;
     MachineConfig machine;
-    /// Without variables where the machine has a program.
+    LabelConfig labels;
+    /// Without variables where the machine has a program, or labels have.
     controller::PlcConfig plc;
 };
 

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <utility>
 
 #include "machine_items.hpp"
@@ -26,6 +27,16 @@ ControllerConfig complete(ControllerConfig config, const Surroundings& around)
     return config;
 }
 
+/// In minutes.
+std::int32_t local_utc_offset(DateTime now)
+{
+    const std::time_t seconds = now.unix_seconds();
+    std::tm local{};
+    return ::localtime_r(&seconds, &local) != nullptr
+               ? static_cast<std::int32_t>(local.tm_gmtoff / 60)
+               : 0;
+}
+
 /// What the task does after each scan, on its thread. All must outlive it.
 void follow_scans(controller::PlcTask& task, Plant& plant, Administered& administered,
                   Machine* machine, LogSink& log)
@@ -45,21 +56,69 @@ void follow_scans(controller::PlcTask& task, Plant& plant, Administered& adminis
 Generation::Generation(const Origin& origin, Reading reading, const Surroundings& around,
                        const Requests& requests)
     : origin_{origin}, around_{around}, settings_{std::move(reading.settings)},
-      config_{complete(std::move(reading.config), around)}, plant_{config_},
+      config_{complete(std::move(reading.config), around)}, plant_{config_}, project_{std::move(
+                                                                                 reading.project)},
       administered_{config_, settings_->files(), *around.environment.wall_clock, log_of(around)},
       admission_{config_, settings_->files(), administered_.log()}, server_{make_server()},
       worker_{64, &around.lines}, live_{server_, administered_, config_, administered_.log()},
-      lookout_{server_, manages_certificates(config_) ? &admission_.client_store() : nullptr,
-               *around.environment.wall_clock, administered_.log(),
-               [this] { return present_hosts(config_); }}
+      lookout_{server_,
+               manages_certificates(config_) ? &admission_.client_store() : nullptr,
+               *around.environment.wall_clock,
+               administered_.log(),
+               [this] { return present_hosts(config_); },
+               requests.address_changed}
 {
     attach(requests);
-    plant_.publish(server_, around.lines,
-                   around.machine != nullptr ? &around.machine->event_log() : nullptr);
+    publish(requests);
     admission_.check_passwords_on(worker_);
-    task_.emplace(plant_.plc(), *around.environment.wall_clock, config_.scan,
-                  config_.realtime_priority);
-    follow_scans(*task_, plant_, administered_, around.machine, around.lines);
+    if (config_.labels.program == nullptr) {
+        task_.emplace(plant_.plc(), *around.environment.wall_clock, config_.scan,
+                      config_.realtime_priority);
+        follow_scans(*task_, plant_, administered_, around.machine, around.lines);
+    }
+}
+
+void Generation::publish(const Requests& requests)
+{
+    plant_.publish(server_, around_.lines,
+                   around_.machine != nullptr ? &around_.machine->event_log() : nullptr,
+                   requests.hardware);
+    if (project_ == nullptr) {
+        return;
+    }
+    const auto published = project_->publish(server_, BUSBAR_VERSION, administered_.log());
+    if (project_->project() != nullptr) {
+        const WallClock& clock = *around_.environment.wall_clock;
+        mapped_.emplace(MappedModel::Needs{
+            .server = server_,
+            .mapping = published.mapping,
+            .project = *project_->project(),
+            .labels = around_.labels->labels(),
+            .utc_offset_minutes = config_.labels.utc_offset.value_or(local_utc_offset(clock.now())),
+            .clock = clock,
+            .log = administered_.log(),
+            .module = published.module});
+    }
+}
+
+void Generation::start()
+{
+    if (task_) {
+        task_->start();
+    }
+    if (mapped_) {
+        mapped_->start();
+    }
+}
+
+void Generation::halt()
+{
+    if (mapped_) {
+        mapped_->stop();
+    }
+    if (task_) {
+        task_->stop();
+    }
 }
 
 /// A problem names the file where the configuration is from.
@@ -93,7 +152,7 @@ void Generation::attach(const Requests& requests)
                           .offer_changed = [this] { live_.apply(settings_->config()); },
                           .renewed = requests.renewed,
                           .file_systems = files,
-                          .file_transfers = backups(requests)});
+                          .file_transfers = transfers(requests)});
     settings_->run({.check = [this](const ControllerConfig& next) { return live_.check(next); },
                     .apply = [this](const ControllerConfig& next) { live_.apply(next); }});
 }
@@ -118,12 +177,23 @@ std::vector<administration::TemporaryFileTransfer> Generation::backups(const Req
     return {backup_->transfer()};
 }
 
+std::vector<administration::TemporaryFileTransfer> Generation::transfers(const Requests& requests)
+{
+    auto all = backups(requests);
+    if (project_ != nullptr) {
+        all.push_back(project_->transfer(
+            server_, BUSBAR_VERSION, administered_.log(),
+            [restart = requests.restart] { restart({.reason = "the project was updated"}); }));
+    }
+    return all;
+}
+
 Configured<void> Generation::edit(const Reading& next)
 {
     const MachineConfig& machine = next.config.machine;
     if (next.settings->text() != settings_->text() ||
         !keeps_all(*config_.machine.program, *machine.program)) {
-        return misconfigured(machine.program_file, "not only variables are new");
+        return misconfigured("", "not only variables are new");
     }
     MachineProgram& program = *plant_.program();
     const auto add = [&] { return program.edit(*machine.program, server_); };
@@ -141,14 +211,17 @@ void Generation::print_welcome() const
         std::printf("setup: log in as \"setup\" with the code %.*s, which is shown this once\n",
                     static_cast<int>(code->size()), code->text().data());
     }
-    const std::string text = welcome_text(config_, plant_.plc().variables().size(),
-                                          around_.environment.wall_clock->now());
+    const std::string text =
+        welcome_text(config_, plant_.visible_variables(), around_.environment.wall_clock->now());
     std::fputs(text.c_str(), stdout);
     std::fflush(stdout);
 }
 
 void Generation::print_statistics() const
 {
+    if (!task_) {
+        return;
+    }
     const auto microseconds = [](Duration time) {
         return static_cast<long long>(
             std::chrono::duration_cast<std::chrono::microseconds>(time).count());

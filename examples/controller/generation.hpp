@@ -13,11 +13,13 @@
 
 #include "administered.hpp"
 #include "admission.hpp"
+#include "label_plant.hpp"
 #include "live_config.hpp"
 #include "lookout.hpp"
 #include "machine.hpp"
 #include "machine_backup.hpp"
 #include "machine_files.hpp"
+#include "mapped_model.hpp"
 #include "plant.hpp"
 #include "reading.hpp"
 
@@ -30,6 +32,8 @@ struct Surroundings {
     LogSink& lines;
     /// Null if there is none.
     Machine* machine;
+    /// Null without a project of model mode.
+    LabelPlant* labels;
     /// Where it listens.
     std::uint16_t port;
 };
@@ -40,6 +44,10 @@ struct Requests {
     std::function<void(const administration::RestartWish& wish)> restart;
     /// The certificate is another one.
     std::function<void()> renewed;
+    /// The machine has other addresses.
+    std::function<void()> address_changed;
+    /// Its hardware is simulated. The client has no answer yet.
+    std::function<void(HardwareEvent)> hardware;
     /// The machine's memory was restored or cleared; the client has no answer yet.
     std::function<void()> memory_replaced;
 };
@@ -63,10 +71,10 @@ public:
     [[nodiscard]] crypto::CertificateValidator& clients() { return administered_.clients(); }
     [[nodiscard]] Plant& plant() { return plant_; }
 
-    /// The PLC scans from now on.
-    void start() { task_->start(); }
-    /// The PLC stops; start() has it go on.
-    void halt() { task_->stop(); }
+    /// The PLC scans from now on, and labels are served.
+    void start();
+    /// The PLC stops, and another server may serve labels; start() has it go on.
+    void halt();
     /// See Lookout.
     void look() { lookout_.look(); }
     /// Adds to the PLC's program, which may run, what `next` has and it has not. The problem is
@@ -82,10 +90,14 @@ public:
 
 private:
     [[nodiscard]] server::Server make_server();
+    void publish(const Requests& requests);
     void attach(const Requests& requests);
     /// A machine's backups (seed 000, 8-2 and 8-3).
     [[nodiscard]] std::vector<administration::TemporaryFileTransfer>
     backups(const Requests& requests);
+    /// Those, and the project of model mode (seed 001, 9.13).
+    [[nodiscard]] std::vector<administration::TemporaryFileTransfer>
+    transfers(const Requests& requests);
 
     Origin origin_;
     Surroundings around_;
@@ -95,12 +107,15 @@ private:
     // Before the Administration, which they outlive.
     std::optional<MachineFiles> memory_files_;
     std::optional<MachineBackup> backup_;
+    std::unique_ptr<KeptProject> project_;
     Administered administered_;
     Admission admission_;
     server::Server server_;
     net::WorkerThread worker_;
     LiveConfig live_;
     Lookout lookout_;
+    std::optional<MappedModel> mapped_;
+    /// None if the PLC is that of the labels.
     std::optional<controller::PlcTask> task_;
 };
 

@@ -14,9 +14,10 @@ std::vector<std::string> present_hosts(const ControllerConfig& config)
 }
 
 Lookout::Lookout(server::Server& server, crypto::CertificateStore* clients, const WallClock& clock,
-                 LogSink& log, Hosts hosts)
+                 LogSink& log, Hosts hosts, std::function<void()> changed)
     : server_{server}, clients_{clients}, clock_{clock}, log_{log}, hosts_{std::move(hosts)},
-      trusted_{log, std::string{crypto::name(crypto::StoreList::Trusted)}}
+      changed_{std::move(changed)}, trusted_{log,
+                                             std::string{crypto::name(crypto::StoreList::Trusted)}}
 {
 }
 
@@ -44,6 +45,8 @@ void Lookout::look_at_hosts()
         log_.write(LogLevel::Error, "controller",
                    "the machine has other addresses, which the server cannot have: " +
                        text(done.error()));
+    } else if (changed_) {
+        changed_();
     }
 }
 

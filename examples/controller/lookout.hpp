@@ -32,9 +32,10 @@ public:
     using Hosts = std::function<std::vector<std::string>()>;
 
     /// `hosts` gives what ServerConfig::host_names should have now. Clients' certificates are those
-    /// in `clients`; null: everybody is trusted. All must outlive it.
+    /// in `clients`; null: everybody is trusted. All must outlive it. `changed` is called when the
+    /// server has got other names, in look(); it may be null.
     Lookout(server::Server& server, crypto::CertificateStore* clients, const WallClock& clock,
-            LogSink& log, Hosts hosts);
+            LogSink& log, Hosts hosts, std::function<void()> changed = {});
 
     /// At the start, after a change, and from then on at least once a day: what comes up is told
     /// once, records go to the log. Not in a callback of the server's.
@@ -48,6 +49,7 @@ private:
     const WallClock& clock_;
     LogSink& log_;
     Hosts hosts_;
+    std::function<void()> changed_;
     crypto::TrustedCertificateWatch trusted_;
 };
 

@@ -94,6 +94,11 @@ int run(int argc, char** argv)
                    "the limits of a product instead of the configuration's: nj501, nx102 or "
                    "rd81opc96")
         ->type_name("NAME");
+    app.add_option(
+           "--project", origin.project,
+           "the folder of a project of model mode, which `busbar project write` puts there; "
+           "it says network, users, security and information models")
+        ->type_name("FOLDER");
     app.add_flag("--print-config", wants_config, "print the built-in configuration, commented");
     app.add_flag("--hash-password", wants_hash,
                  "read a password from standard input, print what a configuration may store");

@@ -7,7 +7,8 @@ namespace busbar::example {
 
 namespace {
 
-constexpr std::array<std::string_view, 6> guarded{
+constexpr std::array<std::string_view, 7> guarded{
+    "machine.use",
     "server.port",
     "machine.execution_log",
     "machine.execution_log_files",

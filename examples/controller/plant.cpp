@@ -1,6 +1,7 @@
 #include "plant.hpp"
 
 #include <string>
+#include <utility>
 
 #include <busbar/controller/plc_methods.hpp>
 #include <busbar/controller/plc_nodes.hpp>
@@ -18,8 +19,13 @@ Plant::Plant(const ControllerConfig& config) : config_{config}
 }
 
 void Plant::publish(server::Server& server, LogSink& log,
-                    const controller::MachineEventLog* machine_log)
+                    const controller::MachineEventLog* machine_log,
+                    std::function<void(HardwareEvent)> hardware)
 {
+    if (config_.labels.program != nullptr) {
+        load_models(server, config_.nodesets, log);
+        return; // the PLC is a machine of its own, of which clients see what is mapped
+    }
     plc_ = program_ ? program_->make_plc(server)
                     : expect(controller::Plc::create(config_.plc, config_.image));
     source_.emplace(plc_->image());
@@ -33,6 +39,11 @@ void Plant::publish(server::Server& server, LogSink& log,
     load_models(server, config_.nodesets, log);
     events_ = expect(controller::PlcEvents::create(space, folder, *plc_, server.event_queue()),
                      "the events");
+    if (program_ && config_.machine.simulates_hardware) {
+        expect(publish_hardware(space, folder, methods_, server.add_source(methods_),
+                                std::move(hardware)),
+               "the hardware");
+    }
     if (!program_) {
         expect(controller::publish_methods(space, folder, *plc_, methods_,
                                            server.add_source(methods_)),

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -9,6 +11,7 @@
 #include <busbar/server/process_image.hpp>
 
 #include "config.hpp"
+#include "hardware.hpp"
 #include "machine_program.hpp"
 
 namespace busbar::example {
@@ -22,14 +25,24 @@ public:
 
     /// Adds the PLC's variables, which may be those of a machine's program, its events and Methods,
     /// and information models beside them. `machine_log` is there if the configuration has a
-    /// program, and must outlive it. Once; throws ConfigError.
+    /// program, and must outlive it. `hardware` learns what clients tell of it. Once; throws
+    /// ConfigError.
     void publish(server::Server& server, LogSink& log,
-                 const controller::MachineEventLog* machine_log);
-    /// From publish() on.
+                 const controller::MachineEventLog* machine_log,
+                 std::function<void(HardwareEvent)> hardware);
+    /// From publish() on, but not with a program of labels.
     [[nodiscard]] controller::Plc& plc() { return *plc_; }
     [[nodiscard]] const controller::Plc& plc() const { return *plc_; }
     /// Null if there is none.
     [[nodiscard]] MachineProgram* program() { return program_ ? &*program_ : nullptr; }
+    /// How many variables clients see.
+    [[nodiscard]] std::size_t visible_variables() const
+    {
+        if (program_) {
+            return program_->publication().published().size();
+        }
+        return plc_ != nullptr ? plc_->variables().size() : 0;
+    }
     /// Tells of the events of a scan, by the thread that scans.
     void raise(DateTime time) const { events_->raise(time); }
 

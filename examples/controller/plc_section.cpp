@@ -12,6 +12,7 @@
 
 #include <busbar/controller/plc.hpp>
 
+#include "labels_section.hpp"
 #include "limits_section.hpp"
 #include "machine_section.hpp"
 
@@ -87,18 +88,19 @@ PlcVariable read_variable(const TomlTable& table, const server::ServerLimits& li
 
 PlcProgram read_program(const TomlTable& table)
 {
-    static constexpr std::array<std::pair<std::string_view, PlcProgramKind>, 4> kinds = {
+    static constexpr std::array<std::pair<std::string_view, PlcProgramKind>, 5> kinds = {
         {{"increment", PlcProgramKind::Increment},
          {"sine", PlcProgramKind::Sine},
          {"toggle", PlcProgramKind::Toggle},
-         {"copy", PlcProgramKind::Copy}}};
-    table.allow({"kind", "target", "source", "period_ms", "amplitude", "offset"});
+         {"copy", PlcProgramKind::Copy},
+         {"acknowledge", PlcProgramKind::Acknowledge}}};
+    table.allow({"kind", "target", "source", "period_ms", "amplitude", "offset", "sets", "to"});
     PlcProgram program;
     const std::string text = table.text("kind");
     const auto* kind = std::find_if(kinds.begin(), kinds.end(),
                                     [&](const auto& known) { return known.first == text; });
     if (kind == kinds.end()) {
-        table.fail("kind", "increment, sine, toggle or copy");
+        table.fail("kind", "increment, sine, toggle, copy or acknowledge");
     }
     program.kind = kind->second;
     program.target = table.text("target");
@@ -106,6 +108,8 @@ PlcProgram read_program(const TomlTable& table)
     program.period = std::chrono::milliseconds{table.integer("period_ms", 0, 0, 86'400'000)};
     program.amplitude = table.number("amplitude", 1);
     program.offset = table.number("offset", 0);
+    program.sets = table.text("sets", "");
+    program.to = table.number("to", 0);
     return program;
 }
 
@@ -163,11 +167,16 @@ std::optional<std::pair<TomlTable, std::string>> find_entry(std::string_view whe
 /// Whether there could be such a PLC.
 Configured<std::unique_ptr<controller::Plc>> try_plc(const ControllerConfig& config)
 {
+    if (config.labels.program) {
+        const auto program = make_labels(config.labels)->program();
+        return controller::Plc::create(config.plc, program->types(), program->image());
+    }
     if (!config.machine.program) {
         return controller::Plc::create(config.plc);
     }
     const auto program = publish_program(config);
-    const auto image = program->make_image(1, {.image = config.image});
+    const auto image = program->make_image(
+        1, {.image = config.image, .elementary = config.machine.types.elementary});
     return image ? controller::Plc::create(config.plc, program->types(), *image)
                  : tl::unexpected{image.error()};
 }
@@ -199,6 +208,9 @@ void read_plc(const TomlTable& table, ControllerConfig& config)
     }
     const auto events = table.tables("event");
     for (const TomlTable& entry : events) {
+        if (config.labels.program) {
+            entry.refuse("variable", "found an event, expected none of a program of labels");
+        }
         config.plc.events.push_back(read_event(entry));
     }
     if (const auto plc = try_plc(config); !plc) {

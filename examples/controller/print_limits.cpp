@@ -44,9 +44,6 @@ std::string value_text(const MemoryRow& row)
 /// What the controller has beside the server's limits.
 void add_own(const ControllerConfig& config, std::vector<MemoryRow>& rows)
 {
-    rows.push_back({"ImageOptions::max_waiting_bytes", config.image.max_waiting_bytes,
-                    LimitUnit::Bytes, 1, config.image.max_waiting_bytes,
-                    "Write requests that wait for a scan's edge"});
     rows.push_back({"net::ServerLoop", bytes_of_link, LimitUnit::Bytes,
                     2 * std::uint64_t{config.server.limits.max_connections}, bytes_of_link,
                     "bytes of connections that were just received"});
@@ -69,14 +66,16 @@ std::vector<Line> lines_of(const server::WorstCaseMemory& all)
     return lines;
 }
 
-/// The image of the machine's program; null without one.
-std::shared_ptr<const server::ProcessImage> program_image(const ControllerConfig& config)
+/// The image of the machine's program; without one an empty one, as the PLC's has no structures.
+std::shared_ptr<const server::ProcessImage> image_of(const ControllerConfig& config)
 {
     if (!config.machine.program) {
-        return nullptr;
+        return server::ProcessImage::create({}, config.image);
     }
     const auto program = publish_program(config);
-    return expect(program->make_image(1, {.image = config.image})).image();
+    return expect(program->make_image(
+                      1, {.image = config.image, .elementary = config.machine.types.elementary}))
+        .image();
 }
 
 /// Numbers to the right, texts to the left, nothing behind the last.
@@ -129,12 +128,12 @@ std::string describe_limits(const ControllerConfig& config)
     image.max_batches =
         std::max(image.max_batches, std::size_t{config.image.max_waiting_writes} + 2);
     const bool has_passwords = !config.users.accounts.empty();
-    const auto machine = program_image(config);
-    const server::ProcessImage* const images[] = {machine.get()};
+    const auto held = image_of(config);
+    const server::ProcessImage* const images[] = {held.get()};
     server::WorstCaseMemory all =
         server::worst_case_memory(config.server.limits, {.password_checks = has_passwords ? 1U : 0U,
                                                          .slow_sources = {&image, 1},
-                                                         .images = {images, machine ? 1U : 0U}});
+                                                         .images = images});
     add_own(config, all.rows);
     return in_columns(lines_of(all));
 }

@@ -11,6 +11,10 @@ Reading read(const Origin& origin)
     reading.config = reading.settings->config();
     ControllerConfig& config = reading.config;
     config.port = origin.port.value_or(config.port);
+    if (!origin.project.empty()) {
+        reading.project = std::make_unique<KeptProject>(origin.project);
+        reading.project->apply(config, origin.port.has_value());
+    }
     if (origin.file.empty()) {
         add_first_account(config);
     } else if (is_nobody(config.users) && !config.users.has_setup) {

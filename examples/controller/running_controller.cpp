@@ -1,5 +1,6 @@
 #include "running_controller.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <utility>
 
@@ -25,8 +26,15 @@ bool has_terminal()
 
 Standing standing_of(const ControllerConfig& config)
 {
-    Standing standing{config.address,   config.port, config.reverse_urls,
-                      config.discovery, {},          config.key_log};
+    Standing standing{.is_used = config.machine.is_used,
+                      .address = config.address,
+                      .port = config.port,
+                      .use = config.use,
+                      .further_listeners = config.further_listeners,
+                      .reverse_urls = config.reverse_urls,
+                      .discovery = config.discovery,
+                      .application_uri = {},
+                      .key_log = config.key_log};
     if (!config.discovery.url.empty()) {
         ControllerConfig named = config;
         set_names(named);
@@ -42,7 +50,12 @@ RunningController::RunningController(Origin origin, Reading reading)
 {
     const ControllerConfig config = reading.config;
     if (config.machine.program) {
-        machine_.emplace(config, clock_, log_);
+        machine_.emplace(config, clock_, log_, [this](bool is_in) {
+            loop_.post([this, is_in] { machine_->medium_is(is_in); });
+        });
+    }
+    if (reading.project != nullptr) {
+        labels_.emplace(config, clock_);
     }
 #ifdef BUSBAR_KEY_LOG
     if (!config.key_log.empty()) {
@@ -61,22 +74,35 @@ RunningController::RunningController(Origin origin, Reading reading)
 /// For clients that come, and those that wait to be connected to.
 void RunningController::listen(const ControllerConfig& config)
 {
-    const auto port = loop_.listen(config.address, config.port);
-    if (!port) {
-        if (machine_) {
-            machine_->cannot_start("it cannot listen on port " + std::to_string(config.port));
-        }
-        throw ConfigError{Problem{port.error(), "listening", "failed"}};
+    if (!config.machine.is_used) {
+        port_ = config.port;
+        return;
     }
-    port_ = *port;
+    port_ = expect_listener({config.address, config.port, config.use});
+    for (const FurtherListener& each : config.further_listeners) {
+        static_cast<void>(expect_listener(each));
+    }
     net::ReverseConnectConfig reverse;
     reverse.client_urls = config.reverse_urls;
     expect(loop_.connect_to_clients(reverse), "connecting to clients");
 }
 
+std::uint16_t RunningController::expect_listener(const FurtherListener& listener)
+{
+    const auto port =
+        loop_.listen(listener.address, listener.port, static_cast<std::uint32_t>(listener.use));
+    if (!port) {
+        if (machine_) {
+            machine_->cannot_start("it cannot listen on port " + std::to_string(listener.port));
+        }
+        throw ConfigError{Problem{port.error(), "listening", "failed"}};
+    }
+    return *port;
+}
+
 void RunningController::register_with_discovery_server(const ControllerConfig& config)
 {
-    if (config.discovery.url.empty()) {
+    if (config.discovery.url.empty() || !config.machine.is_used) {
         return;
     }
     client::SecurityWishes wishes;
@@ -103,15 +129,45 @@ Surroundings RunningController::surroundings()
 #ifdef BUSBAR_KEY_LOG
     environment.key_log = key_log_.get();
 #endif
-    return {environment, log_, machine_ ? &*machine_ : nullptr, port_};
+    return {environment, log_, machine_ ? &*machine_ : nullptr, labels_ ? &*labels_ : nullptr,
+            port_};
 }
 
 Requests RunningController::requests()
 {
-    return {.stop = [this] { loop_.stop(); },
-            .restart = [this](const administration::RestartWish& wish) { restart(wish); },
-            .renewed = [this] { renewed(); },
-            .memory_replaced = [this] { loop_.post([this] { machine_->memory_replaced(); }); }};
+    return {
+        .stop = [this] { loop_.stop(); },
+        .restart = [this](const administration::RestartWish& wish) { restart(wish); },
+        .renewed =
+            [this] {
+                renewed();
+                changed(&controller::LifeCycle::certificate_renewed);
+            },
+        .address_changed = [this] { changed(&controller::LifeCycle::address_changed); },
+        .hardware = [this](HardwareEvent event) { loop_.post([this, event] { happen(event); }); },
+        .memory_replaced = [this] { loop_.post([this] { machine_->memory_replaced(); }); }};
+}
+
+/// Not in a callback of the server's, and of the server that serves then.
+void RunningController::changed(Machine::Change change)
+{
+    if (machine_) {
+        loop_.post([this, change] {
+            machine_->changed(change, *current_->plant().program(),
+                              current_->config().server.endpoint_url);
+        });
+    }
+}
+
+/// Clients may see why, and an administrator may have it start again.
+void RunningController::happen(HardwareEvent event)
+{
+    if (machine_->happen(event)) {
+        log_.write(LogLevel::Error, "controller",
+                   "the hardware has the OPC UA server halt, until a restart");
+        server::RunningServer{current_->server()}.change_state(
+            ServerState::Failed, "the hardware has the OPC UA server halt", {});
+    }
 }
 
 /// Not to a generation that is being left: nobody can ask it any more.
@@ -147,11 +203,28 @@ void RunningController::replace(Machine::Cause cause, Reading reading, net::Hand
 {
     const bool has_fitting_machine =
         machine_ ? machine_->fits(reading.config) : reading.config.machine.program == nullptr;
-    if (!has_fitting_machine || !(standing_of(reading.config) == standing_)) {
+    Standing next = standing_of(reading.config);
+    if (!has_fitting_machine || !(next == standing_ || moves(next))) {
+        check_listeners(next);
         return start_again(handover);
     }
-    take_over(std::make_unique<Generation>(origin_, std::move(reading), surroundings(), requests()),
-              std::move(handover));
+    const std::uint16_t port_before = port_;
+    if (!(next == standing_)) {
+        port_ = expect_port(next);
+    }
+    try {
+        take_over(
+            std::make_unique<Generation>(origin_, std::move(reading), surroundings(), requests()),
+            std::move(handover));
+    } catch (const ConfigError&) {
+        leave_port(std::exchange(port_, port_before));
+        throw;
+    }
+    leave_port(port_before);
+    standing_ = std::move(next);
+    if (labels_) {
+        labels_->download(current_->config());
+    }
     if (machine_) {
         machine_->replace(cause, *current_->plant().program(), current_->config());
     }
@@ -159,6 +232,73 @@ void RunningController::replace(Machine::Cause cause, Reading reading, net::Hand
     renewed();
     leaving_.back()->print_statistics();
     current_->print_welcome();
+}
+
+/// Nothing but where it listens, and so that both can be open at the same time. A registration has
+/// the old URL in it.
+bool RunningController::moves(const Standing& next) const
+{
+    Standing before = standing_;
+    before.address = next.address;
+    before.port = next.port;
+    return before == next && next.is_used && next.discovery.url.empty() && next.port != port_ &&
+           next.further_listeners.empty(); // a port is left at all addresses
+}
+
+std::uint16_t RunningController::expect_port(const Standing& next)
+{
+    const auto port = loop_.listen(next.address, next.port, static_cast<std::uint32_t>(next.use));
+    if (!port) {
+        throw ConfigError{
+            Problem{port.error(), "server.port", "cannot listen on " + std::to_string(next.port)}};
+    }
+    return *port;
+}
+
+/// Whether all can be opened, so that it is not left with none in the end. One at a port that is
+/// open now cannot be tried there: its address can.
+void RunningController::check_listeners(const Standing& next)
+{
+    if (!next.is_used) {
+        return;
+    }
+    std::vector<FurtherListener> all = next.further_listeners;
+    all.insert(all.begin(), {next.address, next.port, next.use});
+    for (const FurtherListener& each : all) {
+        const bool is_open = each.port == port_ ||
+                             std::ranges::any_of(standing_.further_listeners, [&](const auto& now) {
+                                 return now.port == each.port;
+                             });
+        const auto port = loop_.listen(each.address, is_open ? std::uint16_t{0} : each.port);
+        if (!port) {
+            const std::string at = each.address.empty() ? "" : " of " + each.address;
+            throw ConfigError{Problem{port.error(), "server.port",
+                                      "cannot listen on " + std::to_string(each.port) + at}};
+        }
+        loop_.stop_listening(*port);
+    }
+}
+
+void RunningController::leave_port(std::uint16_t port)
+{
+    if (port != port_) {
+        loop_.stop_listening(port);
+    }
+}
+
+void RunningController::check_download(const ControllerConfig& next, const Problem& edit) const
+{
+    if (next.machine.is_used != current_->config().machine.is_used) {
+        throw ConfigError{"machine.use", "changes with a restart of the controller only"};
+    }
+    const auto is_in_run = [](const MachineConfig& machine) {
+        return machine.mode == controller::MachineMode::Run;
+    };
+    if (is_in_run(current_->config().machine) && is_in_run(next.machine)) {
+        throw ConfigError{next.machine.program_file,
+                          text(edit) + "; a download waits until the machine is not in RUN: set "
+                                       "mode = \"PROGRAM\" in [machine] for it"};
+    }
 }
 
 bool RunningController::download()
@@ -169,14 +309,27 @@ bool RunningController::download()
         return false;
     }
     const std::string file = machine.program_file;
-    if (const auto edited = current_->edit(reading)) {
+    const auto edited = current_->edit(reading);
+    if (edited) {
         log_.write(LogLevel::Info, "controller", "edited online: " + file);
         return false;
     }
+    check_download(reading.config, edited.error());
     replace(Machine::Cause::Download, std::move(reading),
             {.reason = "a program is downloaded to the controller"});
     log_.write(LogLevel::Info, "controller", "downloaded: " + file);
     return true;
+}
+
+void RunningController::download_labels()
+{
+    if (!labels_ || origin_.file.empty()) {
+        return;
+    }
+    const ControllerConfig next = Settings{origin_.file, origin_.preset}.config();
+    if (labels_->download(next)) {
+        log_.write(LogLevel::Info, "controller", "downloaded: " + next.labels.program_file);
+    }
 }
 
 void RunningController::take_over(std::unique_ptr<Generation> next, net::Handover handover)
@@ -243,6 +396,7 @@ void RunningController::hang_up()
         if (machine_ && download()) {
             return;
         }
+        download_labels();
         log_.write(LogLevel::Info, "controller", current_->reload());
     });
 }
@@ -254,6 +408,9 @@ void RunningController::look_soon()
 
 bool RunningController::run()
 {
+    if (labels_) {
+        labels_->start();
+    }
     start();
     loop_.stop_on_signals([this] {
         if (machine_) {
@@ -265,7 +422,10 @@ bool RunningController::run()
     if (machine_) {
         machine_->run(*current_->plant().program(), current_->config().server.endpoint_url);
     }
-    const Ticker ticker{lookout_period, [this] { look_soon(); }};
+    const Ticker ticker{[this] {
+        look_soon();
+        return lookout_period;
+    }};
     loop_.run(current_->server());
     current_->halt();
     if (machine_) {

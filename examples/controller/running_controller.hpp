@@ -22,8 +22,12 @@ namespace busbar::example {
 
 /// What of a configuration stays while servers come and go, beside the machine.
 struct Standing {
+    /// Whether clients are served at all.
+    bool is_used;
     std::string address;
     std::uint16_t port;
+    ListenerUse use;
+    std::vector<FurtherListener> further_listeners;
     std::vector<std::string> reverse_urls;
     DiscoveryConfig discovery;
     /// Under which it is registered with a discovery server; empty without one.
@@ -52,14 +56,34 @@ private:
     [[nodiscard]] Requests requests();
     void hang_up();
     void renewed();
+    void happen(HardwareEvent event);
+    /// The machine's life learns of it.
+    void changed(Machine::Change change);
     /// Soon, and not at all if there is nothing to replace the server with: the log says why.
     void restart(const administration::RestartWish& wish);
-    /// Makes another generation, which takes over. Throws ConfigError, and all is as it was. What
-    /// stands may be other than it is: then the controller ends, and starts again.
+    /// Makes another generation, which takes over. Throws ConfigError, and all is as it was. An
+    /// old port is left once the new one listens. What stands may be other than it is: then the
+    /// controller ends, and starts again.
     void replace(Machine::Cause cause, Reading reading, net::Handover handover);
-    /// Takes over another program, if there is one: what is only added by an online edit, all else
-    /// as a download. True for the latter, in which everything was read again.
+    /// Takes over another program, if there is one: what is only added by an online edit, whatever
+    /// the mode, all else as a download. True for the latter, in which everything was read again.
     [[nodiscard]] bool download();
+    /// A download may bring other settings of the server, which change in PROGRAM only (seed 000,
+    /// 3-2-2), and takes the server out (4-1-4): the machine has to be in PROGRAM, or `next` puts
+    /// it there. Whether the server is used takes a restart (3-2-3). `edit` is why it is no online
+    /// edit. Throws ConfigError.
+    void check_download(const ControllerConfig& next, const Problem& edit) const;
+    /// Takes over another program of labels, if there is one.
+    void download_labels();
+    /// Whether it can go to another port while it listens at the one that it has.
+    [[nodiscard]] bool moves(const Standing& next) const;
+    /// Listens there, too. Throws ConfigError.
+    [[nodiscard]] std::uint16_t expect_port(const Standing& next);
+    /// Throws ConfigError, also in the machine's log.
+    [[nodiscard]] std::uint16_t expect_listener(const FurtherListener& listener);
+    void check_listeners(const Standing& next);
+    /// If it is not the one that it has now.
+    void leave_port(std::uint16_t port);
     void take_over(std::unique_ptr<Generation> next, net::Handover handover);
     void save_retained();
     void start();
@@ -79,6 +103,8 @@ private:
     std::unique_ptr<net::KeyLogFile> key_log_;
 #endif
     std::optional<Machine> machine_;
+    /// With a project of model mode.
+    std::optional<LabelPlant> labels_;
     std::uint16_t port_{0};
     CurrentValidator clients_;
     /// The current generation's, for the discovery server.

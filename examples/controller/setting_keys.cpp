@@ -96,6 +96,7 @@ std::vector<Setting> machine_settings()
 {
     return {
         {.name = "machine.name", .otherwise = Variant{""}},
+        {.name = "machine.use", .otherwise = Variant{true}},
         {.name = "machine.mode", .otherwise = Variant{"RUN"}},
         {.name = "machine.execution_log", .otherwise = Variant{false}},
         {.name = "machine.execution_log_files", .otherwise = number(24), .range = Range{2, 100}},
@@ -172,6 +173,12 @@ bool is_table_list(std::string_view name)
     constexpr std::array<std::string_view, 5> lists{"discovery.server", "endpoint", "plc.event",
                                                     "plc.program", "plc.variable"};
     return std::find(lists.begin(), lists.end(), name) != lists.end();
+}
+
+bool is_security_setting(std::string_view name)
+{
+    return name == "endpoint" || name == "certificates.trust_all_clients" ||
+           name == "certificates.suppress" || name.starts_with("users.");
 }
 
 bool is_live(std::string_view name)

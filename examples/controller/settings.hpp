@@ -40,6 +40,7 @@ public:
     /// The file's, as it was read last.
     [[nodiscard]] const std::string& text() const { return text_; }
     [[nodiscard]] administration::SettingList& list() { return list_; }
+    [[nodiscard]] const administration::SettingList& list() const { return list_; }
     /// The folder of certificates, as everybody changes it; and what is behind the gate, for a
     /// restore.
     [[nodiscard]] StorageGate& files() { return files_; }

@@ -4,10 +4,7 @@
 
 namespace busbar::example {
 
-Ticker::Ticker(std::chrono::seconds period, std::function<void()> tick)
-    : period_{period}, tick_{std::move(tick)}, thread_{[this] { work(); }}
-{
-}
+Ticker::Ticker(Tick tick) : tick_{std::move(tick)}, thread_{[this] { work(); }} {}
 
 Ticker::~Ticker()
 {
@@ -24,9 +21,9 @@ void Ticker::work()
     std::unique_lock lock{mutex_};
     while (!is_ending_) {
         lock.unlock();
-        tick_();
+        const std::chrono::milliseconds pause = tick_();
         lock.lock();
-        ends_.wait_for(lock, period_, [this] { return is_ending_; });
+        ends_.wait_for(lock, pause, [this] { return is_ending_; });
     }
 }
 

@@ -8,11 +8,13 @@
 
 namespace busbar::example {
 
-/// Calls something at once and then once in each period, in a thread of its own.
+/// Calls something at once and then again and again, in a thread of its own: it may wait for media.
 class Ticker {
 public:
-    /// `tick` must not throw.
-    Ticker(std::chrono::seconds period, std::function<void()> tick);
+    using Tick = std::function<std::chrono::milliseconds()>;
+
+    /// `tick` gives the pause until it is called again, and must not throw.
+    explicit Ticker(Tick tick);
     Ticker(const Ticker&) = delete;
     Ticker& operator=(const Ticker&) = delete;
     /// Waits for the call that runs.
@@ -21,8 +23,7 @@ public:
 private:
     void work();
 
-    std::chrono::seconds period_;
-    std::function<void()> tick_;
+    Tick tick_;
     std::mutex mutex_; // of the two below
     std::condition_variable ends_;
     bool is_ending_{false};

@@ -50,6 +50,10 @@ std::string certificate_lines(const ControllerConfig& config, DateTime now)
 std::string welcome_text(const ControllerConfig& config, std::size_t variables, DateTime now)
 {
     const server::ServerConfig& server = config.server;
+    if (!config.machine.is_used) {
+        return server.application_name + " with " + std::to_string(variables) +
+               " variables and no port: use = false in [machine]\nready; stop with Ctrl+C\n";
+    }
     std::string text = server.application_name + " with " + std::to_string(variables) +
                        " variables at " + server.endpoint_url + "\n" + hosts_text(server);
     for (const server::EndpointConfig& endpoint : server.endpoints) {
