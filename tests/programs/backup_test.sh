@@ -112,10 +112,32 @@ says_not 'pat'
 # Without the security profile the users are those of before.
 as chief 0 admin user add "$url" pat --new-password-file password
 as chief 0 admin setting set "$url" limits.sessions 20
-as chief 0 --json admin restore "$url" press.backup --without-security-profile --yes
+as chief 0 admin setting set "$url" users.passwords.needs_letters_and_digit true
+printf '[Restore]\nUserProgram=yes\nOpcuaSPF=perhaps\n' > RestoreCommand.ini
+as chief 2 admin restore "$url" press.backup --command RestoreCommand.ini \
+    --without-security-profile --yes
+as chief 1 admin restore "$url" press.backup --command RestoreCommand.ini --yes
+says 'RestoreCommand.ini:3: OpcuaSPF: found perhaps'
+sed -i 's/perhaps/no/' RestoreCommand.ini
+as chief 0 --json admin restore "$url" press.backup --command RestoreCommand.ini --yes
 says '^{"done":"restored; '
 restart
 as chief 0 admin verify "$url" press.backup --without-security-profile
+as chief 1 admin verify "$url" press.backup
+says '^Server settings *none'
+says '^Security settings *security-settings.json'
+as chief 0 admin setting list "$url" --changed
+says 'limits.sessions *30 '
+says 'users.passwords.needs_letters_and_digit *true '
+as chief 0 admin user list "$url"
+says 'pat'
+
+# A backup for others has no security profile, which stays when it is restored.
+as chief 0 admin backup "$url" given.backup --without-security-profile
+grep -q -a -e '"pat"' -e needs_letters given.backup && fail "the security profile is given away"
+as chief 0 admin restore "$url" given.backup --yes
+says 'restored; the file has no security profile: '
+restart
 as chief 0 admin user list "$url"
 says 'pat'
 
@@ -128,7 +150,8 @@ as chief 0 admin clear "$url" --yes
 says 'all memory was cleared; .*which is due'
 restart
 as chief 0 admin setting list "$url" --changed
-says 'No settings were changed'
+says 'users.passwords.needs_letters_and_digit *true '
+says_not 'limits.sessions'
 as chief 0 admin user list "$url"
 says 'pat'
 grep -q 95D40000 state/events/events.log && fail "an event says that security was cleared"
@@ -144,6 +167,8 @@ await cleared
 mv pki/rejected/certs/* pki/trusted/certs/
 as chief 0 admin user list "$url"
 says_not 'pat'
+as chief 0 admin setting list "$url" --changed
+says 'No settings were changed'
 as chief 0 admin cert show "$url"
 grep -q "$own" out && fail "the certificate of the server was not cleared"
 

@@ -55,6 +55,7 @@ port = 0
 [certificates]
 folder = "pki"
 [machine]
+mode = "RUN"
 program = "program.st"
 state = "state"
 medium = "medium"
@@ -89,6 +90,18 @@ is Total 42 || fail "a RETAIN variable is not restored"
 is Recipe '"cover plate"' || fail "a RETAIN text is not restored"
 is Speed 100 || fail "a variable that is not RETAIN is restored"
 
+# In RUN an online edit is taken, and what would be a download is not.
+program 'Speed : INT := 100; Early : INT := 8;'
+kill -HUP "$pid"
+await logged 'edited online: program.st'
+is Early 8 || fail "the variable that was added in RUN is not there"
+program 'Pace : INT := 200;'
+kill -HUP "$pid"
+await logged 'program.st: not only variables are new; .*PROGRAM.*; nothing was changed'
+is Speed 100 || fail "the program was changed in RUN"
+lived "Start Prepare Run Start Prepare Run" || fail "the life went on in RUN: $(life)"
+sed -i 's/^mode = .*/mode = "PROGRAM"/' machine.toml
+
 # A download: other variables behind the same port, and clients learn why.
 timeout 60 "$busbar" --json --insecure subscribe "$url" "$(variable Total)" --duration 60 \
     > followed 2>&1 &
@@ -117,7 +130,8 @@ await grep -q -s '"value":44\b' followed
 program 'Pace : INT := 200; Depth : INT := 12;'
 sed -i 's/^    Total .*/&\n    Shifts : DINT := 3;/' program.st
 kill -HUP "$pid"
-await logged 'edited online: program.st'
+edited_twice() { [ "$(grep -c 'edited online: program.st' log)" -eq 2 ]; }
+await edited_twice
 is Depth 12 || fail "the variable that was added is not there"
 is Shifts 3 || fail "the RETAIN variable that was added is not there"
 run 0 --insecure write "$url" "$(variable Total)" 45 "$(variable Shifts)" 4
@@ -159,6 +173,75 @@ kill "$pid"
 await ended && wait "$pid"
 serve --config machine.toml
 is Total '"6"' || fail "what is to be saved when power goes is lost"
+kill "$pid"
+await ended && wait "$pid"
+
+# RETAIN variables that clients do not see are kept as well.
+cat >> program.st << END
+VAR_GLOBAL RETAIN
+    Hidden : INT := 7;
+END_VAR
+END
+serve --config machine.toml
+timeout 60 "$busbar" --insecure read "$url" "$(variable Hidden)" > out 2>&1 &&
+    fail "a variable without publish attribute is seen"
+kill "$pid"
+await ended && wait "$pid"
+sed -i "s/Hidden : INT := 7;/{attribute 'publish' := 'publish only'} Hidden : INT := 1;/" program.st
+serve --config machine.toml
+is Hidden 7 || fail "a RETAIN variable that is not published is not kept"
+kill "$pid"
+await ended && wait "$pid"
+
+# A machine whose OPC UA server is not used opens no port.
+sed -i 's/^mode = .*/&\nuse = false/; s/^port = .*/port = '"${url##*:}/" machine.toml
+before=$(life)
+served=$url
+serve --config machine.toml
+logged 'no port: use = false' || fail "it does not say that there is no port"
+url=$served
+[ -z "$(listening)" ] || fail "a port is open without an OPC UA server"
+program 'Pace : INT := 9;'
+kill -HUP "$pid"
+await logged 'downloaded: program.st'
+sed -i 's/^use = .*/use = true/' machine.toml
+program 'Pace : INT := 10;'
+kill -HUP "$pid"
+await logged 'machine.use: changes with a restart .*; nothing was changed'
+[ -z "$(listening)" ] || fail "a port is open before the restart"
+lived "${before% }" || fail "a server that is not used has a life: $(life)"
+kill "$pid"
+await ended && wait "$pid"
+serve --config machine.toml
+is Pace 10 || fail "the server is not used after the restart"
+kill "$pid"
+await ended && wait "$pid"
+
+# The DataTypes of PLCopen, and its configuration with what runs the program.
+sed -i '/^use = .*/d' machine.toml
+program 'Dwell : TIME := T#5s;'
+cat >> program.st << END
+CONFIGURATION Press
+    RESOURCE Main ON CPU
+        TASK Fast (INTERVAL := T#10ms, PRIORITY := 1);
+        PROGRAM Cycle WITH Fast : CycleType;
+    END_RESOURCE
+END_CONFIGURATION
+END
+serve --config machine.toml
+is Dwell '"5000"' || fail "TIME is not the Int64 of PLCopen"
+run 0 --insecure browse "$url" "$(variable PLCopen/Configuration)" --depth 6
+for part in Resources Fast Cycle GlobalVars; do
+    says "$part"
+done
+kill "$pid"
+await ended && wait "$pid"
+
+# Or plain ones, as a product has them: TIME is a Double.
+sed -i 's/^program = .*/&\ntypes = "built-in"/' machine.toml
+serve --config machine.toml
+is Dwell 5000 || fail "TIME is not a Double of milliseconds"
+run 1 --insecure browse "$url" "$(variable PLCopen/Configuration)"
 kill "$pid"
 wait "$pid"
 pid=""

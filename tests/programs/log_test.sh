@@ -124,4 +124,12 @@ before=$(wc -l < followed)
 as chief 0 read "$url" i=2259
 await has_more
 wait "$follower" || fail "the one who follows ends with $?: $(cat followed)"
+
+# Another certificate has the server prepared anew (4-2-5).
+host=${url#opc.tcp://}
+host=${host%:*}
+as chief 0 admin cert regenerate "$url" --subject "CN=Press 4/O=Works" --days 365 \
+    --host "$host" --yes
+has_prepared() { grep -q -s -e Prepare "$folder/OPCUA_ExecutionLog.log"; }
+await has_prepared
 exit $((failures > 0))

@@ -85,10 +85,35 @@ await logged 'read again: 1 accounts'
 as_admin 0 admin shutdown "$url" --restart --seconds 0 --yes
 await restarted 3
 
-# Another address takes other listeners.
-sed -i 's/^port = 0/&\naddress = "127.0.0.1"/' controller.toml
+# A port that somebody has is not taken, and the one before is not closed.
+sed 's/^folder = .*/folder = "other"/' controller.toml > other.toml
+"$controller" --config other.toml > other.log 2>&1 < /dev/null &
+other=$!
+await grep -q -s '^ready' other.log
+taken=$(sed -n 's/.* variables at opc.tcp:[^ ]*:\([0-9]*\)$/\1/p' other.log)
+sed -i "s/^port = .*/port = $taken/" controller.toml
+as_admin 0 admin shutdown "$url" --restart --seconds 0 --yes
+await logged "server.port: cannot listen on $taken .*; nothing was changed"
+[ "$(listening)" = "$before" ] || fail "the port was closed"
+as_admin 0 read "$url" "$speed"
+kill "$other"
+wait "$other"
+
+# Once nobody has it any more, the controller is at it without a time in which it is nowhere.
+old=$url
 as_admin 0 admin shutdown "$url" --restart --seconds 0 --yes
 await restarted 4
+logged 'starting again' && fail "the listeners were closed before there were others"
+gone() { [ -z "$(url=$old; listening)" ]; }
+await gone
+url=$(sed -n 's/.* variables at \(opc.tcp:[^ ]*\)$/\1/p' log | tail -1)
+[ "${url##*:}" = "$taken" ] || fail "it is at $url instead of port $taken"
+as_admin 0 read "$url" "$speed"
+
+# Another address of the same port cannot be opened beside the one before.
+sed -i 's/^port = .*/&\naddress = "127.0.0.1"/' controller.toml
+as_admin 0 admin shutdown "$url" --restart --seconds 0 --yes
+await restarted 5
 url=$(sed -n 's/.* variables at \(opc.tcp:[^ ]*\)$/\1/p' log | tail -1)
 as_admin 0 read "$url" "$speed"
 kill "$pid"

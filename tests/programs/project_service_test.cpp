@@ -1,0 +1,144 @@
+#include "project_service.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <span>
+#include <string>
+
+#include <busbar/core/status_codes.hpp>
+#include <busbar/storage/memory_storage.hpp>
+#include <busbar/types/ids.hpp>
+
+using namespace busbar;
+using namespace busbar::example;
+
+// 9.13 and 9.14: what a tool does with the project of a server, without the server.
+
+namespace {
+
+const NodeId first_tool{1, "first"};
+const NodeId second_tool{1, "second"};
+
+std::string document_of_host(const std::string& host)
+{
+    controller::Project project;
+    project.network.host_name = host;
+    return *controller::document_of(project);
+}
+
+struct ServiceFixture {
+    ServiceFixture() { REQUIRE(store.recover()); }
+
+    [[nodiscard]] std::string send(const char* wish, const std::string& file,
+                                   const NodeId& session = first_tool)
+    {
+        const Variant options{wish};
+        const administration::TransferRequest request{options, user, session};
+        const StatusCode may = service.may_take(request);
+        return std::string{
+            name(may.is_bad() ? may : service.take(request, std::as_bytes(std::span{file})))};
+    }
+    [[nodiscard]] std::string fetch(const Variant& options, const NodeId& session = first_tool,
+                                    std::size_t max_size = 1U << 20U)
+    {
+        const auto bytes = service.generate({options, user, session}, max_size);
+        return bytes ? std::string{reinterpret_cast<const char*>(bytes->data()), bytes->size()}
+                     : std::string{name(bytes.error())};
+    }
+
+    NullLog log;
+    storage::MemoryStorage storage;
+    server::UserIdentity user;
+    int updates{0};
+    bool can_update{true};
+    controller::ProjectStore store{storage, "project", {}};
+    ProjectService service{
+        {.store = store,
+         .log = log,
+         .status =
+             [] {
+                 return ProjectService::ModuleStatus{"model mode", "Running", "1.2.3"};
+             },
+         .update =
+             [this] {
+                 ++updates;
+                 return can_update
+                            ? Configured<void>{}
+                            : misconfigured("port", "is in use", status::Bad_ResourceUnavailable);
+             }}};
+};
+
+} // namespace
+
+TEST_CASE("9.13 Project service: write, read and update", "[9.13]")
+{
+    ServiceFixture server;
+    CHECK(server.fetch(Variant{}) == "Bad_NotFound");
+    CHECK(server.send("update", "") == "Bad_NotFound");
+    CHECK(server.send("verify", document_of_host("A")) == "Bad_NotFound");
+
+    CHECK(server.send("write", document_of_host("A")) == "Good");
+    CHECK(server.fetch(Variant{"report"}) == R"({"written":true})");
+    CHECK(server.fetch(Variant{}) == document_of_host("A"));
+    CHECK(server.fetch(Variant{}, first_tool, 100) == "Bad_EncodingLimitsExceeded");
+    CHECK(server.updates == 0);
+    CHECK(server.send("update", "") == "Good");
+    CHECK(server.fetch(Variant{"report"}) == R"({"updated":true})");
+    CHECK(server.updates == 1);
+    CHECK(server.send("update", "x") == "Bad_InvalidArgument");
+    server.can_update = false;
+    CHECK(server.send("update", "") == "Bad_ResourceUnavailable");
+    CHECK(server.fetch(Variant{"report"}).find("is in use") != std::string::npos);
+}
+
+TEST_CASE("9.13 Project service: a wrong project changes nothing, and the report says why",
+          "[9.13]")
+{
+    ServiceFixture server;
+    REQUIRE(server.send("write", document_of_host("A")) == "Good");
+    CHECK(server.send("write", document_of_host("a b")) == "Bad_ConfigurationError");
+    CHECK(server.fetch(Variant{"report"}).find(R"([network] host_name: found \"a b\")") !=
+          std::string::npos);
+    CHECK(server.fetch(Variant{}) == document_of_host("A"));
+    // What somebody else did is nobody's business.
+    CHECK(server.fetch(Variant{"report"}, second_tool) == "Bad_NotFound");
+    CHECK(server.send("delete", "") == "Bad_InvalidArgument");
+    CHECK(server.fetch(Variant{"backup"}) == "Bad_InvalidArgument");
+    CHECK(server.fetch(Variant{7}) == "Bad_InvalidArgument");
+}
+
+TEST_CASE("9.13 Project service: a verification lists each difference", "[9.13]")
+{
+    ServiceFixture server;
+    REQUIRE(server.send("write", document_of_host("A")) == "Good");
+    CHECK(server.send("verify", document_of_host("A")) == "Good");
+    CHECK(server.fetch(Variant{"report"}) == R"({"differences":[]})");
+    CHECK(server.send("verify", document_of_host("B")) == "Good");
+    CHECK(server.fetch(Variant{"report"}) ==
+          R"({"differences":[{"where":"network.host_name","file":"\"B\"","server":"\"A\""}]})");
+    CHECK(server.fetch(Variant{}) == document_of_host("A"));
+    CHECK(server.send("verify", "no project") == "Bad_ConfigurationError");
+}
+
+TEST_CASE("9.14 Project service: operation mode, server status and version", "[9.14]")
+{
+    ServiceFixture server;
+    const std::string begin =
+        R"({"operationMode":"model mode","serverStatus":"Running","version":"1.2.3","project":")";
+    CHECK(server.fetch(Variant{"status"}) == begin + "none\"}");
+    REQUIRE(server.send("write", document_of_host("A")) == "Good");
+    CHECK(server.fetch(Variant{"status"}) == begin + "written, an update or restart is due\"}");
+    REQUIRE(server.send("update", "") == "Good");
+    CHECK(server.fetch(Variant{"status"}) == begin + "in use\"}");
+}
+
+TEST_CASE("9.13 Project service: it is for administrators, and for one writer at a time", "[9.13]")
+{
+    ServiceFixture server;
+    const auto transfer = server.service.transfer();
+    // ConfigureAdmin alone could make itself users who may change security.
+    const std::vector<NodeId> administrators{NodeId{0, id::WellKnownRole_SecurityAdmin}};
+    CHECK(transfer.readers == administrators);
+    CHECK(transfer.writers == administrators);
+    CHECK(transfer.limits.max_written == 1);
+}
