@@ -79,7 +79,8 @@ struct LookoutWorld {
     storage::MemoryStorage files;
     crypto::CertificateStore store{files, {}, log};
     server::Server server{make_server()};
-    Lookout lookout{server, &store, clock, log, [this] { return hosts; }};
+    int changes{0};
+    Lookout lookout{server, &store, clock, log, [this] { return hosts; }, [this] { ++changes; }};
 };
 
 using Kinds = std::vector<std::string>;
@@ -92,17 +93,20 @@ TEST_CASE_METHOD(LookoutWorld, "lookout: another address is told as one that the
     static_cast<void>(told());
     lookout.look();
     CHECK(told() == Kinds{});
+    CHECK(changes == 0);
     hosts.push_back("192.0.2.99");
     lookout.look();
     CHECK(server.config().host_names == hosts);
     CHECK(told() == Kinds{"CertificateHostNotNamed", "SettingsChanged"});
     CHECK(log.text.find("does not name 192.0.2.99, by which clients") != std::string::npos);
     lookout.look();
+    CHECK(changes == 1);
     CHECK(told() == Kinds{});
     // Back to the old address, and all is well.
     hosts.pop_back();
     lookout.look();
     CHECK(told() == Kinds{"SettingsChanged"});
+    CHECK(changes == 2);
 }
 
 TEST_CASE_METHOD(LookoutWorld, "lookout: a client's certificate that expires is told (5-1-1)")
@@ -130,16 +134,34 @@ TEST_CASE("ticker: it ticks at once, and not any more when it is gone")
 {
     std::atomic<int> ticks{0};
     {
-        const example::Ticker ticker{std::chrono::hours{1}, [&] { ++ticks; }};
+        const example::Ticker ticker{[&] {
+            ++ticks;
+            return std::chrono::hours{1};
+        }};
     }
     CHECK(ticks <= 1);
     const int before = ticks;
     {
-        const example::Ticker ticker{std::chrono::hours{1}, [&] {
-                                         ++ticks;
-                                         ticks.notify_all();
-                                     }};
+        const example::Ticker ticker{[&] {
+            ++ticks;
+            ticks.notify_all();
+            return std::chrono::hours{1};
+        }};
         ticks.wait(before);
     }
     CHECK(ticks == before + 1);
+}
+
+TEST_CASE("ticker: it ticks again after the pause that is asked for")
+{
+    std::atomic<int> ticks{0};
+    const example::Ticker ticker{[&] {
+        ++ticks;
+        ticks.notify_all();
+        return ticks < 3 ? std::chrono::milliseconds{1} : std::chrono::hours{1};
+    }};
+    for (int seen = 0; seen < 3; seen = ticks) {
+        ticks.wait(seen);
+    }
+    CHECK(ticks == 3);
 }

@@ -1,165 +1,12 @@
-#include "machine_backup.hpp"
+#include "machine_backup_fixture.hpp"
 
 #include <catch2/catch.hpp>
 
-#include <filesystem>
-#include <fstream>
-#include <map>
-#include <memory>
-#include <string>
-#include <vector>
-
 #include <busbar/administration/managed_certificates.hpp>
 #include <busbar/administration/role_list.hpp>
-#include <busbar/core/record.hpp>
-#include <busbar/storage/memory_storage.hpp>
-
-#include "machine_files.hpp"
-#include "machine_items.hpp"
-#include "support/temporary_folder.hpp"
 
 using namespace busbar;
-using namespace busbar::example;
-
-namespace {
-
-using Bytes = std::vector<std::byte>;
-using Files = std::map<std::string, std::string>;
-
-struct StillClock final : WallClock {
-    [[nodiscard]] DateTime now() const override { return DateTime::from_unix_seconds(1'000'000); }
-};
-
-struct RecordedLog final : LogSink {
-    void write(LogLevel, std::string_view, std::string_view text) override
-    {
-        lines += std::string{text} + "\n";
-    }
-    void record(const Record& record) override { kinds.push_back(record.kind); }
-    [[nodiscard]] bool wants(RecordKind) const override { return true; }
-
-    std::string lines;
-    std::vector<RecordKind> kinds;
-};
-
-const Files before{
-    {"settings.json", R"({"version":1,"settings":{"server.name":"Press 4"}})"},
-    {"users.json", R"({"version":1,"users":[]})"},
-    {"trusted/certs/client.der", "client"},
-    {"issuers/crl/ca.crl", "list"},
-    {"users/trusted/certs/pat.der", "pat"},
-    {"own/certs/own.der", "own"},
-    {"rejected/certs/stranger.der", "stranger"},
-    {"setup.code", "code"},
-};
-
-/// A machine's memory, of which the settings decide what makes sense.
-struct BackupFixture {
-    BackupFixture()
-    {
-        const std::string file = folder.path.string() + "/press.toml";
-        std::ofstream{file} << "certificates.folder = \"" + folder.path.string() + "/pki\"\n";
-        settings = std::make_unique<Settings>(file);
-        put_all(before);
-        static_cast<void>(events.replace("events.log", bytes_of("events"), FileAccess::Owner));
-        start();
-    }
-
-    void start()
-    {
-        gate = std::make_unique<StorageGate>(files);
-        backup = std::make_unique<MachineBackup>(
-            MachineBackup::Needs{.files = all,
-                                 .gate = *gate,
-                                 .items = machine_items(*settings),
-                                 .controller = "Press 4",
-                                 .clock = clock,
-                                 .log = log,
-                                 .mode = [this] { return mode; },
-                                 .hold_events =
-                                     [this](FunctionRef<void()> act) {
-                                         ++holds;
-                                         act();
-                                     },
-                                 .replaced = [this] { ++restarts; }});
-    }
-
-    static std::span<const std::byte> bytes_of(std::string_view text)
-    {
-        return std::as_bytes(std::span{text.data(), text.size()});
-    }
-    void put(const std::string& name, const std::string& content)
-    {
-        const std::size_t slash = name.rfind('/');
-        if (slash != std::string::npos) {
-            REQUIRE(files.make_folder(name.substr(0, slash), FileAccess::Everyone));
-        }
-        REQUIRE(files.replace(name, bytes_of(content), FileAccess::Owner));
-    }
-    void put_all(const Files& some)
-    {
-        for (const auto& [name, content] : some) {
-            put(name, content);
-        }
-    }
-    [[nodiscard]] Files there()
-    {
-        Files found;
-        for (const std::string& name : files.names()) {
-            const auto bytes = read_file(files, name, 10'000);
-            REQUIRE(bytes);
-            found[name] = {reinterpret_cast<const char*>(bytes->data()), bytes->size()};
-        }
-        return found;
-    }
-
-    [[nodiscard]] Result<Bytes> generate(const Variant& options, const NodeId& session = {1, 1})
-    {
-        return backup->generate({options, user, session}, 1'000'000);
-    }
-    [[nodiscard]] std::string report(const NodeId& session = {1, 1})
-    {
-        const auto bytes = generate(Variant{"report"}, session);
-        return bytes ? std::string{reinterpret_cast<const char*>(bytes->data()), bytes->size()}
-                     : std::string{name(bytes.error())};
-    }
-    [[nodiscard]] std::string take(const char* options, std::span<const std::byte> bytes,
-                                   const NodeId& session = {1, 1})
-    {
-        const Variant wish{options};
-        const StatusCode may = backup->may_take({wish, user, session});
-        return std::string{name(may.is_bad() ? may : backup->take({wish, user, session}, bytes))};
-    }
-    [[nodiscard]] Bytes made()
-    {
-        auto bytes = generate(Variant{});
-        REQUIRE(bytes);
-        return *std::move(bytes);
-    }
-    void change()
-    {
-        put("settings.json", R"({"version":1,"settings":{"server.port":4901}})");
-        put("users.json", R"({"version":1,"users":[ ]})");
-        put("roles.json", R"({"version":1,"roles":[]})");
-        put("trusted/certs/other.der", "other");
-    }
-
-    test::TemporaryFolder folder;
-    std::unique_ptr<Settings> settings;
-    storage::MemoryStorage files;
-    storage::MemoryStorage events;
-    MachineFiles all{files, events};
-    StillClock clock;
-    RecordedLog log;
-    server::UserIdentity user;
-    controller::MachineMode mode{controller::MachineMode::Program};
-    int holds{0};
-    int restarts{0};
-    std::unique_ptr<StorageGate> gate;
-    std::unique_ptr<MachineBackup> backup;
-};
-
-} // namespace
+using namespace busbar::test;
 
 TEST_CASE_METHOD(BackupFixture, "machine backup: has what it should, and no key (8-2-1)")
 {
@@ -194,6 +41,7 @@ TEST_CASE_METHOD(BackupFixture, "machine backup: a verification tells what diffe
                       R"({"name":"CA certificates","differences":[]},)"
                       R"({"name":"Certificate revocation lists","differences":[]},)"
                       R"({"name":"User certificates","differences":[]},)"
+                      R"({"name":"Security settings","differences":[]},)"
                       R"({"name":"Users","differences":["users.json"]},)"
                       R"({"name":"Roles","differences":["roles.json"]}]})");
     CHECK(report({1, 2}) == "Bad_NotFound");
@@ -214,6 +62,11 @@ TEST_CASE_METHOD(BackupFixture, "machine backup: what is restored stays until th
     CHECK(there() == before);
     CHECK(restarts == 1);
     CHECK(log.lines.find("a restart, which is due") != std::string::npos);
+    using Kinds = std::vector<RecordKind>;
+    CHECK(log.kinds == Kinds{RecordKind::SettingsChanged, RecordKind::UsersChanged,
+                             RecordKind::RolesChanged, RecordKind::TrustListUpdated});
+    CHECK(log.user == "chief");
+    log.kinds.clear();
 
     // What the server has in memory does not come back over it.
     administration::RoleList roles{*gate, "roles.json"};
@@ -224,12 +77,14 @@ TEST_CASE_METHOD(BackupFixture, "machine backup: what is restored stays until th
     CHECK(take("restore", file) == "Bad_InvalidState");
     CHECK(take("clear", {}) == "Bad_InvalidState");
     CHECK(take("verify", file) == "Good");
+    CHECK(log.kinds.empty());
 
     start();
     REQUIRE(administration::RoleList{*gate, "roles.json"}.add("Fitter", ""));
     CHECK(take("restore without security profile", file) == "Good");
     CHECK(there().contains("roles.json"));
     CHECK(restarts == 2);
+    CHECK(log.kinds == Kinds{RecordKind::SettingsChanged});
 }
 
 TEST_CASE_METHOD(BackupFixture, "machine backup: what makes no sense changes nothing")
@@ -237,10 +92,11 @@ TEST_CASE_METHOD(BackupFixture, "machine backup: what makes no sense changes not
     const Bytes file = made();
     Bytes damaged = file;
     damaged[damaged.size() / 2] ^= std::byte{1};
-    put("settings.json", R"({"version":1,"settings":{"limits.sessions":0}})");
-    const Bytes senseless = made();
-    put("settings.json", R"({"version":1,"settings":{"server.address":"here"}})");
-    const Bytes unfit = made();
+    const Bytes senseless = with_settings(R"({"version":1,"settings":{"limits.sessions":0}})");
+    const Bytes unfit = with_settings(R"({"version":1,"settings":{"server.address":"here"}})");
+    CHECK(generate(Variant{}).has_value());
+    put("settings.json", "{");
+    CHECK(generate(Variant{}).error() == status::Bad_ConfigurationError);
     put_all(before);
     put("users.json", R"({"version":1,"users":[{"name":"pat"}]})");
     const Bytes without_password = made();
@@ -286,22 +142,27 @@ TEST_CASE_METHOD(BackupFixture, "machine backup: clears all memory in PROGRAM mo
     Files expected = before;
     expected.erase("settings.json");
     CHECK(there() == expected);
-    CHECK(log.kinds.empty());
+    CHECK(log.kinds == std::vector<RecordKind>{RecordKind::SettingsChanged});
     CHECK(restarts == 1);
 
     start();
+    log.kinds.clear();
     CHECK(take("clear with security", {}) == "Good");
     CHECK(files.names().empty());
     CHECK(events.names() == std::vector<std::string>{"events.log"});
-    CHECK(log.kinds == std::vector<RecordKind>{RecordKind::SecurityCleared});
+    CHECK(log.kinds ==
+          std::vector<RecordKind>{RecordKind::SecurityCleared, RecordKind::SettingsChanged,
+                                  RecordKind::UsersChanged, RecordKind::RolesChanged,
+                                  RecordKind::TrustListUpdated, RecordKind::CertificateUpdated});
 }
 
 TEST_CASE_METHOD(BackupFixture, "machine backup: knows its options, and who may use them (8-1)")
 {
+    CHECK(report() == "Bad_NotFound");
     CHECK(take("restore everything", {}) == "Bad_InvalidArgument");
+    CHECK(report().find("options: found none of a backup's") != std::string::npos);
     CHECK(generate(Variant{"verify"}).error() == status::Bad_InvalidArgument);
     CHECK(generate(Variant{true}).error() == status::Bad_InvalidArgument);
-    CHECK(report() == "Bad_NotFound");
     const Variant number{std::int32_t{1}};
     CHECK(backup->may_take({number, user, NodeId{}}) == status::Bad_InvalidArgument);
     const auto transfer = backup->transfer();

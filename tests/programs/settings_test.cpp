@@ -216,6 +216,7 @@ TEST_CASE_METHOD(SettingsFixture, "a machine in RUN refuses settings that PROGRA
     std::ofstream{folder.path / "press.st"} << "VAR_GLOBAL Speed : INT; END_VAR\n";
     const std::vector<SettingChange> changes{
         {"server.port", Variant{std::int64_t{4'901}}},
+        {"machine.use", Variant{false}},
         {"machine.execution_log", Variant{true}},
         {"machine.execution_log_files", Variant{std::int64_t{7}}},
         {"machine.execution_log_records", Variant{std::int64_t{200}}},
