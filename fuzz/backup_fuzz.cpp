@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -16,6 +17,33 @@ namespace {
 
 using Contents = std::map<std::string, std::vector<std::byte>>;
 
+/// The lines of a file that begin with "p", or the others.
+FilePart lines_part(bool is_of_profile)
+{
+    const auto take = [=](std::span<const std::byte> whole, bool is_mine) {
+        FilePart::Bytes kept;
+        while (!whole.empty()) {
+            const auto end = std::find(whole.begin(), whole.end(), std::byte{'\n'});
+            const auto size = static_cast<std::size_t>(end - whole.begin());
+            const auto line = whole.first(std::min(size + 1, whole.size()));
+            if ((line.front() == std::byte{'p'}) == (is_of_profile == is_mine)) {
+                kept.insert(kept.end(), line.begin(), line.begin() + static_cast<int>(size));
+                kept.push_back(std::byte{'\n'});
+            }
+            whole = whole.subspan(line.size());
+        }
+        return kept;
+    };
+    return {.file = "options",
+            .take = [=](auto whole) -> Configured<FilePart::Bytes> { return take(whole, true); },
+            .put = [=](auto whole, auto part) -> Configured<FilePart::Bytes> {
+                FilePart::Bytes joined = take(whole, false);
+                const FilePart::Bytes own = take(part, true);
+                joined.insert(joined.end(), own.begin(), own.end());
+                return joined;
+            }};
+}
+
 std::vector<MemoryItem> fuzzed_items()
 {
     const auto check = [](std::string_view name, std::span<const std::byte> bytes) {
@@ -33,6 +61,11 @@ std::vector<MemoryItem> fuzzed_items()
                        .files = {"users.json"},
                        .folders = {"trusted"},
                        .access = FileAccess::Everyone},
+            MemoryItem{.name = "Options", .files = {"options"}, .part = lines_part(false)},
+            MemoryItem{.name = "Login",
+                       .group = MemoryGroup::SecurityProfile,
+                       .files = {"login"},
+                       .part = lines_part(true)},
             MemoryItem{.name = "Events", .group = MemoryGroup::EventLog, .files = {"events"}}};
 }
 
@@ -54,7 +87,7 @@ void fill(storage::MemoryStorage& storage)
         static_cast<void>(storage.make_folder(folder, FileAccess::Owner));
     }
     for (const char* name :
-         {"own/key", "trusted/a", "trusted/b", "users.json", "events", "execution"}) {
+         {"own/key", "trusted/a", "trusted/b", "users.json", "events", "execution", "options"}) {
         static_cast<void>(
             storage.replace(name, std::as_bytes(std::span{content}), FileAccess::Owner));
     }
@@ -76,6 +109,33 @@ std::vector<std::byte> sealed(std::span<const std::byte> bytes)
         file.push_back(static_cast<std::byte>(sum >> (8 * i) & 0xFFU));
     }
     return file;
+}
+
+/// A restore that is to leave the security profile leaves it.
+void keep_the_profile(std::span<const std::byte> backup)
+{
+    NullLog log;
+    storage::MemoryStorage storage;
+    fill(storage);
+    const std::string options = "server\nprofile\n";
+    static_cast<void>(
+        storage.replace("options", std::as_bytes(std::span{options}), FileAccess::Owner));
+    MachineMemory memory{storage, "restore", fuzzed_items(), log};
+    const Contents before = contents(storage);
+    const auto restored = memory.restore(backup, {.security_profile = false});
+    if (!restored || *restored == Restored::Nothing) {
+        return;
+    }
+    const Contents after = contents(storage);
+    for (const char* kept : {"trusted/a", "trusted/b", "users.json", "own/key"}) {
+        expect(after.at(kept) == before.at(kept));
+    }
+    const std::vector<std::byte>& now = after.at("options");
+    const std::string text =
+        "\n" + std::string{reinterpret_cast<const char*>(now.data()), now.size()};
+    const std::size_t line = text.find("\np");
+    expect(line != std::string::npos && text.compare(line, 9, "\nprofile\n") == 0);
+    expect(text.find("\np", line + 1) == std::string::npos);
 }
 
 } // namespace
@@ -100,6 +160,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const Contents before = contents(storage);
     const auto backup = sealed(bytes);
     static_cast<void>(memory.verify(bytes, {}));
+    keep_the_profile(backup);
     const auto restored = memory.restore(backup, {});
     const Contents after = contents(storage);
     if (!restored) {
@@ -109,9 +170,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const char* kept : {"events", "execution"}) {
         expect(after.at(kept) == before.at(kept));
     }
-    expect(after.count("own/key") == (*restored == Restored::Data ? 1 : 0));
+    expect(after.count("own/key") == (*restored == Restored::Nothing ? 0 : 1));
     const auto verified = memory.verify(backup, {});
-    expect(verified.has_value() == (*restored == Restored::Data));
+    expect(verified.has_value() == (*restored != Restored::Nothing));
     if (verified) {
         for (const VerifiedItem& item : *verified) {
             // What a new controller has comes in the place of what a backup has not.
