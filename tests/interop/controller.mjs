@@ -93,6 +93,22 @@ scan_ms = 20
 ${programs}`;
 }
 
+function labelsSection(folder, { declarations, programs = "" }) {
+  const file = join(folder, "labels.st");
+  writeFileSync(file, declarations);
+  return `
+[labels]
+program = "${file}"
+[plc]
+scan_ms = 20
+${programs}`;
+}
+
+function plcSection(folder, machine, labels) {
+  if (labels) return labelsSection(folder, labels);
+  return machine ? machineSection(folder, machine) : plc;
+}
+
 const endpoint = ([policy, mode]) => `
 [[endpoint]]
 policy = "${policy}"
@@ -109,10 +125,11 @@ export const openHouse = {
 /**
  * A running controller: its port, its endpoint and stop(), which resolves to the exit code. `prepare` may
  * fill the folder of the certificates before it starts. With a `machine` (declarations) its variables are
- * served instead of the simple ones, with an execution log.
+ * served instead of the simple ones, with an execution log; with `labels` they are the labels of a project, which is
+ * in the folder "project".
  */
 export async function startController({ endpoints, trustsAll = false, users, prepare, nodesets = [],
-  reverseUrls = [], discoveryUrl = "", address = "", accounts = [], machine, args = [] } = openHouse) {
+  reverseUrls = [], discoveryUrl = "", address = "", accounts = [], machine, labels, args = [] } = openHouse) {
   const program = process.env.BUSBAR_CONTROLLER;
   const folder = mkdtempSync(join(tmpdir(), "busbar-interop-"));
   const certificates = join(folder, "pki");
@@ -137,8 +154,10 @@ ${endpoints.map(endpoint).join("")}
 [users]
 ${users}
 ${[user, ...accounts].map((each) => account(program, each)).join("")}
-${machine ? machineSection(folder, machine) : plc}`);
-  const child = spawn(program, ["--config", config, ...args], { stdio: ["ignore", "pipe", "pipe"] });
+${plcSection(folder, machine, labels)}`);
+  // A project has a port of its own, but for this.
+  const model = labels ? ["--project", join(folder, "project"), "--port", String(port)] : [];
+  const child = spawn(program, ["--config", config, ...model, ...args], { stdio: ["ignore", "pipe", "pipe"] });
   let output = "";
   const exited = new Promise((resolve) => child.on("exit", (code, signal) => resolve(code ?? signal)));
   await new Promise((resolve, reject) => {
