@@ -1,0 +1,10 @@
+#pragma once
+
+#include <busbar/channel/channel_types.hpp>
+
+namespace busbar::bench {
+
+/// A self-signed certificate of the moment, for peers that ask for one.
+[[nodiscard]] Result<channel::ApplicationIdentity> make_identity(DateTime now);
+
+} // namespace busbar::bench
