@@ -23,33 +23,40 @@ namespace {
 constexpr int rounds = 5;
 constexpr std::size_t parts = 16;
 constexpr std::size_t items_per_request = 1'000;
+constexpr std::size_t values_per_read = 1'000;
 /// Longer than a measurement: nothing is sampled or published meanwhile.
 constexpr double one_hour_ms = 3'600'000;
 
-/// Microseconds of the server for a Read of one of the variables, all over them.
+/// Microseconds of the server for one of the variables, all over them, where `together` are read by
+/// one request.
 Result<double> read_cost(MemoryServer& server, Guest& guest, std::size_t variables,
-                         std::size_t reads)
+                         std::size_t reads, std::size_t together = 1)
 {
     // A prime, so that neighbours are not read one after the other.
     constexpr std::size_t stride = 104'729;
     ReadRequest request;
     request.timestamps_to_return = TimestampsToReturn::Neither;
-    ReadValueId& item = request.nodes_to_read.emplace_back();
-    item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
+    for (std::size_t i = 0; i < together; ++i) {
+        request.nodes_to_read.emplace_back().attribute_id =
+            static_cast<std::uint32_t>(AttributeId::Value);
+    }
     double best = std::numeric_limits<double>::max();
     std::size_t place = 0; // goes on from round to round: no cache has seen the node before
     for (int round = 0; round < rounds; ++round) {
         static_cast<void>(server.take_time_us());
-        for (std::size_t i = 0; i < reads; ++i) {
-            place = (place + stride) % variables;
-            item.node_id = server.node(place);
+        for (std::size_t i = 0; i < reads; i += together) {
+            for (ReadValueId& item : request.nodes_to_read) {
+                place = (place + stride) % variables;
+                item.node_id = server.node(place);
+            }
             const auto response = guest.call<ReadResponse>(request);
-            if (!response || response->results.size() != 1 ||
+            if (!response || response->results.size() != together ||
                 response->results[0].status.is_bad()) {
                 return fail(response ? StatusCode{status::Bad_NoData} : response.error());
             }
         }
-        best = std::min(best, server.take_time_us() / static_cast<double>(reads));
+        const std::size_t values = (reads + together - 1) / together * together;
+        best = std::min(best, server.take_time_us() / static_cast<double>(values));
     }
     return best;
 }
@@ -183,9 +190,9 @@ Result<Series> items(const GrowthOptions& options)
     return done ? Result<Series>{std::move(series)} : fail(done.error());
 }
 
-Result<Series> variables(const GrowthOptions& options)
+Result<Series> variables(const GrowthOptions& options, const char* name, std::size_t together)
 {
-    Series series{"variables", {}};
+    Series series{name, {}};
     MemoryServer server;
     auto reader = server.admit();
     if (!reader) {
@@ -197,9 +204,21 @@ Result<Series> variables(const GrowthOptions& options)
         there = last;
         return {};
     };
-    const auto done = measure(series, options.variables, server, create,
-                              [&] { return read_cost(server, **reader, there, options.reads); });
+    const auto done = measure(series, options.variables, server, create, [&] {
+        return read_cost(server, **reader, there,
+                         together == 1 ? options.reads : options.reads * 20, together);
+    });
     return done ? Result<Series>{std::move(series)} : fail(done.error());
+}
+
+Result<Series> variables_alone(const GrowthOptions& options)
+{
+    return variables(options, "variables", 1);
+}
+
+Result<Series> variables_together(const GrowthOptions& options)
+{
+    return variables(options, "variables, each of 1000 in a Read", values_per_read);
 }
 
 std::size_t most(const std::vector<std::size_t>& counts)
@@ -228,7 +247,7 @@ Result<std::vector<Series>> measure_growth(const GrowthOptions& options)
 {
     take_memory(options);
     std::vector<Series> all;
-    for (const auto measured : {sessions, items, variables}) {
+    for (const auto measured : {sessions, items, variables_alone, variables_together}) {
         auto series = measured(options);
         if (!series) {
             return fail(series.error());

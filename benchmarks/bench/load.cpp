@@ -4,11 +4,11 @@
 
 #include <busbar/client/response_limits.hpp>
 #include <busbar/core/attribute_id.hpp>
-#include <busbar/crypto/self_signed.hpp>
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/discovery.hpp>
 
 #include "floor.hpp"
+#include "identity.hpp"
 
 namespace busbar::bench {
 
@@ -31,26 +31,6 @@ std::size_t wire_size(const Structure& structure)
 {
     const auto bytes = binary::to_bytes(structure);
     return frame_size + (bytes ? bytes->size() : 0);
-}
-
-/// A self-signed certificate of the moment, for servers that ask for one.
-Result<channel::ApplicationIdentity> make_identity(DateTime now)
-{
-    auto key = crypto::PrivateKey::generate(2048);
-    if (!key) {
-        return fail(key.error());
-    }
-    crypto::CertificateSubject subject;
-    subject.common_name = "Busbar bench";
-    subject.application_uri = "urn:busbar:bench";
-    subject.dns_names = {"localhost"};
-    subject.valid_from = DateTime{now.ticks - 3'600 * DateTime::ticks_per_second};
-    subject.valid_days = 1;
-    auto certificate = crypto::create_self_signed(*key, subject);
-    if (!certificate) {
-        return fail(certificate.error());
-    }
-    return channel::ApplicationIdentity{{*std::move(certificate)}, *std::move(key)};
 }
 
 MessageSecurityMode mode_of(const std::string& name)

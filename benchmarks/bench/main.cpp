@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <malloc.h>
 
+#include "appendix7.hpp"
 #include "growth.hpp"
 #include "hostile.hpp"
 #include "load.hpp"
@@ -94,6 +95,18 @@ int run_startup(const bench::StartupOptions& startup, bool json)
         return 1;
     }
     bench::print(*points, json);
+    return 0;
+}
+
+/// And this starts its server, client and PLC in this process.
+int run_appendix7(const bench::SevenOptions& seven, bool json)
+{
+    const auto rows = bench::measure_appendix7(seven);
+    if (!rows) {
+        std::fprintf(stderr, "busbar-bench: appendix7: %s\n", text(rows.error()).c_str());
+        return 1;
+    }
+    bench::print(*rows, json);
     return 0;
 }
 
@@ -192,6 +205,27 @@ CLI::App* add_startup(CLI::App& app, bench::StartupOptions& options)
     return startup;
 }
 
+CLI::App* add_appendix7(CLI::App& app, bench::SevenOptions& options)
+{
+    CLI::App* const seven = app.add_subcommand(
+        "appendix7", "The load that the manual of model mode measures, beside its figures and what "
+                     "the same costs without model mode.");
+    seven->fallthrough();
+    seven->add_option("--only", options.only, "reads, writes, subscriptions, startup")
+        ->check(CLI::IsMember({"reads", "writes", "subscriptions", "startup"}))
+        ->delimiter(',');
+    seven->add_option("--modes", options.modes, "of sampling: standard, items, all")
+        ->check(CLI::IsMember({"standard", "items", "all"}))
+        ->delimiter(',');
+    seven->add_option("--rounds", options.rounds, "measurements of a figure, of startup at most 3")
+        ->check(CLI::Range(1, 10'000))
+        ->capture_default_str();
+    seven->add_option("--most", options.most, "rows of more Variables are left out")
+        ->check(CLI::Range(100, 25'000))
+        ->capture_default_str();
+    return seven;
+}
+
 } // namespace
 
 int main(int argc, char** argv)
@@ -200,6 +234,7 @@ int main(int argc, char** argv)
     bench::HostileOptions hostile_options;
     bench::GrowthOptions growth_options;
     bench::StartupOptions startup_options;
+    bench::SevenOptions seven_options;
     CLI::App app{"Measures an OPC UA server: connect, read and write of N values, requests in "
                  "flight."};
     add_server(app, options);
@@ -207,6 +242,7 @@ int main(int argc, char** argv)
     const CLI::App* const hostile = add_hostile(app, hostile_options);
     const CLI::App* const growth = add_growth(app, growth_options);
     const CLI::App* const startup = add_startup(app, startup_options);
+    const CLI::App* const seven = add_appendix7(app, seven_options);
     CLI11_PARSE(app, argc, argv);
     options.subscribe.seconds = options.seconds;
     hostile_options.seconds = options.seconds;
@@ -220,6 +256,9 @@ int main(int argc, char** argv)
     }
     if (startup->parsed()) {
         return run_startup(startup_options, options.json);
+    }
+    if (seven->parsed()) {
+        return run_appendix7(seven_options, options.json);
     }
     return growth->parsed() ? run_growth(growth_options, options.json) : run_loads(options);
 }

@@ -61,6 +61,7 @@ private:
     struct Last {
         bool is_known{false};
         std::uint16_t value{0};
+        StatusCode status;
     };
 
     net::ClientLoop* loop_;
@@ -165,13 +166,15 @@ void Subscriber::take(const MonitoredItemNotification& notification)
     Last& last = last_[notification.client_handle];
     const auto now = static_cast<std::uint16_t>(*value);
     const auto step = static_cast<std::uint16_t>(now - last.value);
-    if (last.is_known && (step == 0 || step > 0x7FFF)) {
+    // What only has another status, as with an overload, is the same value again.
+    const bool is_again = step == 0 && notification.value.status != last.status;
+    if (last.is_known && !is_again && (step == 0 || step > 0x7FFF)) {
         ++row_.values_wrong;
-    } else if (last.is_known) {
+    } else if (last.is_known && !is_again) {
         row_.smallest_step = std::min(row_.smallest_step, step);
         row_.largest_step = std::max(row_.largest_step, step);
     }
-    last = {true, now};
+    last = {true, now, notification.value.status};
 }
 
 Result<void> Subscriber::take(const PublishResponse& response)
@@ -209,7 +212,7 @@ Result<void> Subscriber::take(const PublishResponse& response)
 
 Result<void> Subscriber::measure()
 {
-    constexpr double warm_up_s = 2;
+    const double warm_up_s = options_->warm_up_seconds;
     TimePoint begin = clock_now();
     double processor = 0;
     while (elapsed_us(begin) < (is_measuring_ ? options_->seconds : warm_up_s) * 1e6) {

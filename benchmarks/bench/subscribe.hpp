@@ -20,6 +20,8 @@ struct SubscribeOptions {
     double sampling_ms{200};
     std::uint32_t queue_size{1};
     double seconds{10};
+    /// How long it runs before that counts.
+    double warm_up_seconds{2};
     /// Whose processor time and memory are read; 0 for nobody's.
     int server_pid{0};
 };

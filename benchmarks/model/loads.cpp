@@ -7,12 +7,12 @@
 #include <fstream>
 #include <limits>
 
-#include <malloc.h>
 #include <unistd.h>
 
 #include <busbar/model/nodeset.hpp>
 
 #include "growth.hpp"
+#include "memory.hpp"
 #include "spaces.hpp"
 
 namespace busbar::bench {
@@ -40,27 +40,6 @@ public:
 private:
     std::filesystem::path path_;
 };
-
-/// The most that was resident since reset_peak(), in MB.
-double peak_megabytes()
-{
-    std::ifstream status{"/proc/self/status"};
-    for (std::string word; status >> word;) {
-        if (word == "VmHWM:") {
-            double kilobytes = 0;
-            status >> kilobytes;
-            return kilobytes / 1'024;
-        }
-    }
-    return 0;
-}
-
-/// Also gives back what is free, so that it does not count as there before.
-void reset_peak()
-{
-    ::malloc_trim(0);
-    std::ofstream{"/proc/self/clear_refs"} << "5";
-}
 
 struct Load {
     double microseconds{0};
@@ -111,7 +90,7 @@ void add_size(GrowthTable& table, std::uint32_t variables)
     const TemporaryFile file{text};
     text = {};
     text.shrink_to_fit();
-    reset_peak();
+    forget_peak();
     const double before = peak_megabytes();
     const Load result = load({file.path()});
     const auto nodes = static_cast<double>(result.nodes);

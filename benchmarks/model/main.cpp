@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include <busbar/nodes/nodes.hpp>
 #include <busbar/types/ids.hpp>
 #include <model_bench/embedded/nodes.hpp>
@@ -14,6 +16,7 @@
 
 #include "growth.hpp"
 #include "loads.hpp"
+#include "project.hpp"
 #include "services.hpp"
 #include "spaces.hpp"
 
@@ -175,13 +178,8 @@ void print_growth()
     table.print("variables");
 }
 
-} // namespace
-
-/// busbar-model-bench [NodeSet2 files, which are loaded together]
-///
-/// Of PackML these are Opc.Ua.PackML.NodeSet2.xml, Opc.Ua.Di.NodeSet2.xml, and Opc.Ua.NodeSet2.xml
-/// for the type dictionaries that both refer to.
-int main(int argc, char** argv)
+/// What the information model costs, and files of the user's.
+void print_models(const std::vector<std::string>& files)
 {
     std::printf("growth: a figure over that of the size before. For one of a node or variable 1.00 "
                 "is linear,\nthe ratio of the sizes quadratic.\n\n");
@@ -191,8 +189,46 @@ int main(int argc, char** argv)
     std::printf("\n");
     static_cast<void>(subtype_cost(model::AddressSpace{}));
     static_cast<void>(std::fflush(stdout));
-    if (argc > 1) {
-        print_load({argv + 1, argv + argc});
+    if (!files.empty()) {
+        print_load(files);
     }
+}
+
+int print_projects(const ProjectOptions& options, bool json)
+{
+    const auto points = measure_projects(options);
+    if (!points) {
+        std::fprintf(stderr, "busbar-model-bench: project: %s\n", text(points.error()).c_str());
+        return 1;
+    }
+    print(*points, json);
+    return 0;
+}
+
+} // namespace
+
+/// Of PackML the files are Opc.Ua.PackML.NodeSet2.xml, Opc.Ua.Di.NodeSet2.xml, and
+/// Opc.Ua.NodeSet2.xml for the type dictionaries that both refer to.
+int main(int argc, char** argv)
+{
+    std::vector<std::string> files;
+    ProjectOptions options;
+    bool json = false;
+    CLI::App app{"Measures the information model: start, memory, and the View services with ever "
+                 "more nodes."};
+    app.add_option("files", files, "NodeSet2 files, which are loaded together");
+    CLI::App* const project = app.add_subcommand(
+        "project", "What a project of model mode costs for each node: import, check, export, write "
+                   "and verify, with the limits of RD81OPC96 and ten times as large without.");
+    project->add_option("--objects", options.limited.objects, "of 100 mapped Variables each")
+        ->check(CLI::Range(1, 250))
+        ->capture_default_str();
+    project->add_flag("--json", json, "print JSON");
+    CLI11_PARSE(app, argc, argv);
+    if (project->parsed()) {
+        options.open.objects = 10 * options.limited.objects;
+        return print_projects(options, json);
+    }
+    print_models(files);
     return 0;
 }

@@ -56,6 +56,24 @@ has '"running_ms": .*, "growth": null}' startup.json
 has '"count": 10001, "published": 10000, ' startup.json
 has '"count": 10002, "published": 10002, ' startup.json
 
+"$bench" appendix7 --rounds 2 --most 100 > appendix7.txt
+for load in read subscription write startup; do
+    for mode in standard items all; do
+        has "^$load  *$mode  *100 " appendix7.txt
+    done
+done
+"$bench" appendix7 --rounds 2 --most 500 --only writes,startup --modes items --json > seven.json
+is_json seven.json
+has '"load": "write", "mode": "items", "variables": 500, "objects": 5, ' seven.json
+has '"files": 1, "mapped": false, "rounds": 2, "manual_ms": 18200.0, "measured_ms": ' seven.json
+has '"floor_ms": .*, "time": "wall"}' seven.json
+has '"floor_ms": .*, "time": "processor"}' seven.json
+if grep -q '"read"\|"standard"\|: 1000, ' seven.json; then
+    echo "not asked for:"
+    cat seven.json
+    exit 1
+fi
+
 # A server that is not there, and sizes that do not grow.
 refuses "$bench" hostile opc.tcp://127.0.0.1:1
 has "opc.tcp://127.0.0.1:1: Bad_" refused.txt
@@ -63,3 +81,5 @@ refuses "$bench" growth --sessions 2,2
 has "growth: Bad_InvalidArgument" refused.txt
 refuses "$bench" startup --limited 20 --open 20
 has "startup: .* do not grow" refused.txt
+refuses "$bench" appendix7 --only reading
+refuses "$bench" appendix7 --most 99
