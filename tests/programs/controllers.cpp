@@ -53,7 +53,8 @@ void Controller::start(const std::string& port)
     program_ = std::make_unique<Program>(
         std::vector<std::string>{BUSBAR_CONTROLLER, "--config", file}, folder, folder + "/log");
     if (!program_->wait_for("ready; ")) {
-        throw std::runtime_error{name_ + " does not start: " + program_->output()};
+        throw std::runtime_error{name_ + " does not start, " + program_->end_text() + ": " +
+                                 program_->output()};
     }
     port_ = between(program_->output(), "variables at opc.tcp://", "\n");
     port_ = port_.substr(port_.rfind(':') + 1);

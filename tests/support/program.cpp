@@ -1,6 +1,7 @@
 #include "support/program.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -111,6 +112,7 @@ Program::Program(std::vector<std::string> command, const std::string& folder,
         if (::chdir(folder.c_str()) == 0) {
             ::execve(arguments[0], arguments.data(), variable_list.data());
         }
+        ::perror(arguments[0]);
         ::_exit(127);
     }
 }
@@ -136,6 +138,15 @@ bool Program::has_ended()
         status_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     }
     return is_over_;
+}
+
+std::string Program::end_text()
+{
+    if (!has_ended()) {
+        return "runs";
+    }
+    return status_ > 128 ? "ended by signal " + std::to_string(status_ - 128)
+                         : "ended with " + std::to_string(status_);
 }
 
 bool Program::wait_until(const std::function<bool()>& is_done)

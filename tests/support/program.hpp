@@ -58,6 +58,8 @@ public:
     [[nodiscard]] bool wait_for(std::string_view text);
     /// The exit code, or 128 and the signal's number; -1 if it does not end.
     [[nodiscard]] int wait_for_end();
+    /// Whether it runs, or what it has ended with, for messages.
+    [[nodiscard]] std::string end_text();
 
 private:
     bool wait_until(const std::function<bool()>& is_done);
