@@ -64,6 +64,7 @@ enum class ModelCode : std::uint16_t {
     MappingDropped = 315,
     AttributesChanged = 316,
     ArgumentUnknown = 317,
+    TypeUnsupported = 318,
 
     TooManyFiles = 401,
     FilesTooLarge = 402,

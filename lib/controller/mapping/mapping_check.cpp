@@ -9,6 +9,7 @@
 #include <busbar/types/ids.hpp>
 
 #include "extension_attributes.hpp"
+#include "unsupported_types.hpp"
 #include "value_check.hpp"
 
 namespace busbar::controller {
@@ -53,6 +54,7 @@ public:
         check_variables();
         check_methods();
         count_variables();
+        check_types();
         result_.counters.file_size = options_.file_size;
         check_counters();
         return std::move(result_);
@@ -66,6 +68,7 @@ private:
     void check_labels(const NodeId& id, const MappedPart& part, const std::string& path);
     void check_label(const NodeId& id, const std::string& label, const std::string& path);
     void count_variables();
+    void check_types();
     void check_counters();
     [[nodiscard]] ValueDeclaration declaration_of(NodeIndex node) const;
     [[nodiscard]] std::vector<Argument> arguments_of(NodeIndex method) const;
@@ -249,6 +252,20 @@ void Run::count_variables()
                std::to_string(levels) + ", at most " +
                    std::to_string(options_.limits.max_node_levels));
     }
+}
+
+void Run::check_types()
+{
+    if (options_.limits.supports_all_types) {
+        return;
+    }
+    const detail::UnsupportedTypes unsupported{space_};
+    space_.for_each([&](NodeIndex node) {
+        if (const NodeIndex type = unsupported.of(node); type != model::no_node) {
+            report(ModelCode::TypeUnsupported, space_.node_id(node), {},
+                   space_.browse_name(type).name.view());
+        }
+    });
 }
 
 void Run::check_counters()

@@ -30,6 +30,7 @@ ModelLimits rd81opc96_model()
     limits.max_labels = 25'000;
     limits.max_label_length = 800;
     limits.max_total_label_length = 2'500'000;
+    limits.supports_all_types = false;
     limits.max_array_length = 25'000;
     limits.max_string_length = 1U << 10U;
     limits.max_byte_string_length = 10U << 10U;

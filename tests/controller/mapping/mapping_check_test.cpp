@@ -250,3 +250,28 @@ TEST_CASE("2.1 Check: 50,000 nodes with 25,000 mapped Variables", "[2.1][9.4]")
     CHECK(result.reports.is_empty());
     CHECK(count_labels(again.models.mapping()) == mapped);
 }
+
+TEST_CASE("2.1 Check: instances of types that the product does not support", "[2.1]")
+{
+    const std::string nodes =
+        "<UAObjectType NodeId=\"ns=1;s=T\" BrowseName=\"1:T\"><References>"
+        "<Reference ReferenceType=\"i=45\" IsForward=\"false\">i=15298</Reference></References>"
+        "</UAObjectType>\n"
+        "<UAObject NodeId=\"ns=1;s=W\" BrowseName=\"1:W\"><References>"
+        "<Reference ReferenceType=\"i=40\">ns=1;s=T</Reference>"
+        "<Reference ReferenceType=\"i=35\" IsForward=\"false\">i=85</Reference></References>"
+        "</UAObject>\n" +
+        variable("s=R", "", "DataType=\"i=96\"") + variable("s=I", "", "DataType=\"i=6\"");
+    CheckFixture project{nodes};
+    const MappingCheck check = project.check();
+    CAPTURE(lines(check.reports));
+    REQUIRE(check.reports.list().size() == 2);
+    CHECK(check.reports.warning_count() == 2);
+    for (const ModelReport& each : check.reports.list()) {
+        CHECK(each.code == ModelCode::TypeUnsupported);
+    }
+    CHECK(check.reports.list()[0].found == "T");
+    CHECK(check.reports.list()[1].found == "RolePermissionType");
+    CheckFixture any{nodes, ModelLimits{}};
+    CHECK(any.check().reports.is_empty());
+}
