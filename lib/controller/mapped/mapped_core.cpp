@@ -54,6 +54,9 @@ void MappedCore::stop()
     for (auto& operation : std::exchange(waiting_, {})) {
         operation->fail(context_, status::Bad_NoCommunication);
     }
+    for (auto& operation : std::exchange(crowded_, {})) {
+        operation->fail(context_, status::Bad_NoCommunication);
+    }
 }
 
 void MappedCore::start()
@@ -197,7 +200,13 @@ void MappedCore::take(std::unique_ptr<LabelRequest> request)
     if (found != in_flight_.end()) {
         auto operation = std::move(found->second);
         in_flight_.erase(found);
+        const bool is_refused = request->status == LabelStatus::TooManyOperations;
+        if (is_refused && operation->waits_for_room && !in_flight_.empty()) {
+            crowded_.push_back(std::move(operation));
+            return;
+        }
         answered(std::move(operation), *request);
+        use_room();
     }
 }
 
@@ -214,6 +223,16 @@ void MappedCore::answered(std::unique_ptr<MappedOperation> operation, const Labe
     }
     operation->done(context_, request);
     begin(std::move(operation));
+}
+
+/// One has been answered: whoever waits for that may try again.
+void MappedCore::use_room()
+{
+    if (!crowded_.empty()) {
+        auto operation = std::move(crowded_.front());
+        crowded_.pop_front();
+        begin(std::move(operation));
+    }
 }
 
 void MappedCore::repeat(std::unique_ptr<MappedOperation> operation)

@@ -49,6 +49,7 @@ private:
     void take(std::unique_ptr<backend::LabelRequest> request);
     void answered(std::unique_ptr<MappedOperation> operation, const backend::LabelRequest& request);
     void repeat(std::unique_ptr<MappedOperation> operation);
+    void use_room();
     void advance(std::unique_ptr<MappedOperation> operation);
     void send(std::unique_ptr<backend::LabelRequest> request);
     void change_sampling();
@@ -81,6 +82,8 @@ private:
     std::uint64_t sample_id_{0};
     std::unordered_map<std::uint64_t, std::unique_ptr<MappedOperation>> in_flight_;
     std::deque<std::unique_ptr<MappedOperation>> waiting_;
+    /// Those that the PLC had no room for, while others are in flight.
+    std::deque<std::unique_ptr<MappedOperation>> crowded_;
 };
 
 } // namespace busbar::controller::detail

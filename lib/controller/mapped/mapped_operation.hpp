@@ -47,6 +47,8 @@ public:
         return answer.places.size() == places_ && answer.bytes.size() == bytes_;
     }
 
+    /// Where the PLC takes no more requests it waits until one is answered.
+    bool waits_for_room{false};
     /// How often it was restarted.
     unsigned repetitions{0};
     std::uint64_t generation{0};

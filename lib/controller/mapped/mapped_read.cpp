@@ -50,7 +50,10 @@ namespace {
 
 class Read final : public MappedOperation {
 public:
-    explicit Read(server::ReadBatch batch) : batch_{std::move(batch)} {}
+    explicit Read(server::ReadBatch batch) : batch_{std::move(batch)}
+    {
+        waits_for_room = batch_.is_sample();
+    }
 
     std::unique_ptr<backend::LabelRequest> next(MappedContext& context) override;
     void done(MappedContext& context, const backend::LabelRequest& request) override;

@@ -25,6 +25,11 @@ public:
     void start(std::unique_ptr<LabelRequest> request) override
     {
         ++started[request->kind];
+        if (requests.size() >= room) {
+            request->status = LabelStatus::TooManyOperations;
+            listener->done(std::move(request));
+            return;
+        }
         if (request->kind == LabelRequest::Kind::Sample) {
             sample_offsets.clear();
             scan = 0;
@@ -114,6 +119,8 @@ public:
     std::vector<std::size_t> sizes;
     backend::LabelListener* listener{nullptr};
     bool is_prompt{true};
+    /// Requests that wait for an answer; more are refused.
+    std::size_t room{SIZE_MAX};
     LabelStatus fault{LabelStatus::Done};
     LabelStatus sample_fault{LabelStatus::Done};
     DateTime time{1'000'000};

@@ -310,3 +310,60 @@ TEST_CASE_METHOD(AllMode, "8.3 High-speed sampling: errors", "[8.3]")
     source.start();
     CHECK(read(speed).status == status::Good);
 }
+
+TEST_CASE_METHOD(Fixture, "8.3 Subscription: samples wait where the PLC takes no more requests",
+                 "[8.3]")
+{
+    source.start();
+    complete();
+    subscribe();
+    plc->is_prompt = false;
+    plc->room = 2;
+    // Each request samples its items for the first time.
+    for (std::size_t i = 0; i < 6; ++i) {
+        REQUIRE(monitor({i % 2 == 0 ? speed : other})[0].status_code.is_good());
+    }
+    CHECK(plc->requests.size() == 2);
+    while (!plc->requests.empty()) {
+        CHECK(plc->requests.size() <= 2);
+        plc->answer();
+        complete();
+    }
+    plc->is_prompt = true;
+    const auto values = next();
+    REQUIRE(values.size() == 6);
+    for (const DataValue& value : values) {
+        CHECK(value.status.is_good());
+    }
+}
+
+TEST_CASE_METHOD(Fixture, "8.3 Subscription: samples that nobody makes room for are refused",
+                 "[8.3]")
+{
+    source.start();
+    complete();
+    subscribe();
+    plc->room = 0;
+    REQUIRE(monitor({speed})[0].status_code.is_good());
+    const auto values = next();
+    REQUIRE(values.size() == 1);
+    CHECK(values[0].status == status::Bad_TooManyOperations);
+}
+
+TEST_CASE_METHOD(Fixture, "8.3 Subscription: samples that wait for room end with the source",
+                 "[8.3]")
+{
+    source.start();
+    complete();
+    subscribe();
+    plc->is_prompt = false;
+    plc->room = 1;
+    REQUIRE(monitor({speed})[0].status_code.is_good());
+    REQUIRE(monitor({other})[0].status_code.is_good());
+    complete();
+    source.stop();
+    const auto values = next();
+    REQUIRE(values.size() == 2);
+    CHECK(values[0].status == status::Bad_NoCommunication);
+    CHECK(values[1].status == status::Bad_NoCommunication);
+}
