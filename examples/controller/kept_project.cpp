@@ -96,6 +96,7 @@ void apply_names(const Project& project, ControllerConfig& config)
     };
     take(subject.common_name, project.certificate.server_name);
     take(subject.organization, project.certificate.organization);
+    take(subject.organizational_unit, project.certificate.unit);
     take(subject.locality, project.certificate.locality);
     take(subject.state, project.certificate.state);
     take(subject.country, project.certificate.country);

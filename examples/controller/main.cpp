@@ -132,7 +132,7 @@ int run(int argc, char** argv)
         return 0;
     }
     if (wants_certificate) {
-        return regenerate_certificate(example::Settings{origin.file, origin.preset}.config());
+        return regenerate_certificate(example::read_sources(origin).config);
     }
     bool starts = true;
     while (starts) {

@@ -1,25 +1,25 @@
 #include "reading.hpp"
 
-#include "startup.hpp"
+#include <utility>
 
 namespace busbar::example {
 
-Reading read(const Origin& origin)
+Reading read_sources(const Origin& origin)
 {
     Reading reading;
-    reading.settings = std::make_unique<Settings>(origin.file, origin.preset);
-    reading.config = reading.settings->config();
-    ControllerConfig& config = reading.config;
-    config.port = origin.port.value_or(config.port);
+    std::string preset = origin.preset;
     if (!origin.project.empty()) {
         reading.project = std::make_unique<KeptProject>(origin.project);
-        reading.project->apply(config, origin.port.has_value());
+        const controller::Project* const project = reading.project->project();
+        if (preset.empty() && project != nullptr) {
+            preset = project->preset;
+        }
     }
-    if (origin.file.empty()) {
-        add_first_account(config);
-    } else if (is_nobody(config.users) && !config.users.has_setup) {
-        throw ConfigError{origin.file, "nobody can log in, expected an account, anonymous, "
-                                       "certificates or tokens in [users]: see --print-config"};
+    reading.settings = std::make_unique<Settings>(origin.file, std::move(preset));
+    reading.config = reading.settings->config();
+    reading.config.port = origin.port.value_or(reading.config.port);
+    if (reading.project) {
+        reading.project->apply(reading.config, origin.port.has_value());
     }
     return reading;
 }

@@ -15,7 +15,7 @@ namespace busbar::example {
 struct Origin {
     /// Empty: the built-in one.
     std::string file;
-    // What the command line says instead of it.
+    // What the command line says instead of it, and of a project.
     std::optional<std::uint16_t> port;
     std::string preset;
     /// The folder of a project of model mode; empty: there is none.
@@ -25,13 +25,15 @@ struct Origin {
 /// A configuration as it is now, with what was changed online.
 struct Reading {
     std::unique_ptr<Settings> settings;
-    /// The same, ready to be served: somebody can log in.
+    /// The same with what the project says; from read() of startup.hpp, ready to be served:
+    /// somebody can log in.
     ControllerConfig config;
     /// Null if there is none.
     std::unique_ptr<KeptProject> project;
 };
 
-/// Throws ConfigError. Without a file it may make the first account and print its password.
-[[nodiscard]] Reading read(const Origin& origin);
+/// Whether anybody can log in or not. A project's preset counts instead of the file's. Throws
+/// ConfigError.
+[[nodiscard]] Reading read_sources(const Origin& origin);
 
 } // namespace busbar::example

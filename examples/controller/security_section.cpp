@@ -185,7 +185,8 @@ std::vector<std::string> read_roles(const TomlTable& table, std::string_view key
 void read_certificates(const TomlTable& table, ControllerConfig& config)
 {
     table.allow({"folder", "trust_all_clients", "key_bits", "valid_days", "limits", "suppress",
-                 "common_name", "organization", "locality", "state", "country"});
+                 "common_name", "organization", "locality", "state", "country",
+                 "organizational_unit"});
     CertificateConfig& certificates = config.certificates;
     certificates.folder = table.text("folder", certificates.folder);
     certificates.trusts_all_clients = table.flag("trust_all_clients", false);

@@ -84,4 +84,17 @@ void add_first_account(ControllerConfig& config)
     offer_users(config);
 }
 
+Reading read(const Origin& origin)
+{
+    Reading reading = read_sources(origin);
+    ControllerConfig& config = reading.config;
+    if (origin.file.empty()) {
+        add_first_account(config);
+    } else if (is_nobody(config.users) && !config.users.has_setup) {
+        throw ConfigError{origin.file, "nobody can log in, expected an account, anonymous, "
+                                       "certificates or tokens in [users]: see --print-config"};
+    }
+    return reading;
+}
+
 } // namespace busbar::example

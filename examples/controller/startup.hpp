@@ -5,7 +5,7 @@
 #include <busbar/core/date_time.hpp>
 #include <busbar/core/log.hpp>
 
-#include "config.hpp"
+#include "reading.hpp"
 
 namespace busbar::example {
 
@@ -18,5 +18,8 @@ void set_endpoint(ControllerConfig& config, std::uint16_t port, DateTime now, Lo
 /// Without a file there is no account, and a password that everybody knows is none: the controller
 /// makes one of its own, for whoever has the terminal that it is first started from.
 void add_first_account(ControllerConfig& config);
+/// What read_sources() gives, for which somebody can log in: without a file it may make the first
+/// account and print its password.
+[[nodiscard]] Reading read(const Origin& origin);
 
 } // namespace busbar::example

@@ -38,6 +38,7 @@ crypto::CertificateSubject subject_of(const SubjectNames& names, const std::stri
     subject.locality = names.locality;
     subject.state = names.state;
     subject.country = names.country;
+    subject.organizational_unit = names.organizational_unit;
     for (const std::string& host : hosts) {
         crypto::add_host(subject, host);
     }

@@ -18,6 +18,7 @@ struct SubjectNames {
     std::string locality{};
     std::string state{};
     std::string country{}; // two letters
+    std::string organizational_unit{};
 };
 
 /// A key of [certificates] for one of them, with the bytes that it has at most (RFC 5280, A.1).
@@ -33,6 +34,7 @@ inline constexpr std::array subject_keys{
     SubjectKey{"locality", &SubjectNames::locality, 128},
     SubjectKey{"state", &SubjectNames::state, 128},
     SubjectKey{"country", &SubjectNames::country, 2},
+    SubjectKey{"organizational_unit", &SubjectNames::organizational_unit, 64},
 };
 
 /// What seed 000 has its products make by themselves (3-2-4, 5-1-1).
