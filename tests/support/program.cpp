@@ -101,6 +101,8 @@ Program::Program(std::vector<std::string> command, const std::string& folder,
     std::vector<std::string> variables = variables_of(environment);
     const std::vector<char*> arguments = pointers_to(command);
     const std::vector<char*> variable_list = pointers_to(variables);
+    // What a program before it has printed is not this one's, not even until it begins.
+    fs::remove(output_file);
     process_ = ::fork();
     if (process_ < 0) {
         throw std::runtime_error{"no process could be started"};
