@@ -19,6 +19,7 @@
 #include "machine_section.hpp"
 #include "plc_section.hpp"
 #include "security_section.hpp"
+#include "toml_text.hpp"
 
 namespace busbar::example {
 
@@ -181,12 +182,11 @@ bool is_nobody(const UserConfig& users)
 
 toml::table parse_table(std::string_view text, const std::string& file)
 {
-    try {
-        return toml::parse(text, file);
-    } catch (const toml::parse_error& error) {
-        throw ConfigError{file + ":" + std::to_string(error.source().begin.line),
-                          std::string{error.description()}};
+    auto table = parse_toml(text);
+    if (!table) {
+        throw ConfigError{file + ":" + std::to_string(table.error().line), table.error().text};
     }
+    return std::move(*table);
 }
 
 ControllerConfig config_of(const toml::table& table, const std::string& file)

@@ -6,6 +6,7 @@
 
 #include "setting_keys.hpp"
 #include "toml_reader.hpp"
+#include "toml_text.hpp"
 
 namespace busbar::example {
 
@@ -14,14 +15,13 @@ namespace {
 /// A table that a text says: `{ name = "Speed", type = "Int16" }`.
 toml::table table_of(const std::string& name, std::string_view text)
 {
-    try {
-        toml::table parsed = toml::parse("value = " + std::string{text});
-        if (parsed.size() == 1 && parsed.contains("value") && parsed["value"].is_table()) {
-            return *parsed["value"].as_table();
-        }
-    } catch (const toml::parse_error& error) {
-        throw ConfigError{name, std::string{error.description()} +
-                                    ", expected { key = value, ... } in each text"};
+    auto parsed = parse_toml("value = " + std::string{text});
+    if (!parsed) {
+        throw ConfigError{name,
+                          parsed.error().text + ", expected { key = value, ... } in each text"};
+    }
+    if (parsed->size() == 1 && (*parsed)["value"].is_table()) {
+        return *(*parsed)["value"].as_table();
     }
     throw ConfigError{name, "found \"" + std::string{text} +
                                 "\", expected { key = value, ... } in each text"};

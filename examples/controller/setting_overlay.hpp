@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include <toml++/toml.h>
-
 #include <busbar/administration/setting_list.hpp>
+
+#include "toml.hpp"
 
 namespace busbar::example {
 

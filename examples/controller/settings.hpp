@@ -4,14 +4,13 @@
 #include <string>
 #include <utility>
 
-#include <toml++/toml.h>
-
 #include <busbar/administration/setting_list.hpp>
 #include <busbar/core/function_ref.hpp>
 #include <busbar/core/storage_gate.hpp>
 #include <busbar/storage/folder_storage.hpp>
 
 #include "config.hpp"
+#include "toml.hpp"
 
 namespace busbar::example {
 

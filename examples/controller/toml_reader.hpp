@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include <toml++/toml.h>
-
 #include <busbar/core/problem.hpp>
 #include <busbar/core/result.hpp>
+
+#include "toml.hpp"
 
 namespace busbar::example {
 

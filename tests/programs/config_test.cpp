@@ -260,6 +260,37 @@ TEST_CASE("values without sense are refused with line, found, expected and remed
     }
 }
 
+TEST_CASE("characters that TOML has in strings and comments only are refused elsewhere")
+{
+    const auto parse = [](const std::string& text) {
+        static_cast<void>(example::parse_table(text, "plant.toml"));
+    };
+    for (const char* text : {"a = \"\u00E4\" # \u00E4\n", "a = '\u00E4'\n", "\uFEFFa = 1\n",
+                             "a = \"\"\"\n\u00E4\\\"\"\"\"\n", "a = '''\n\u00E4'''\n",
+                             "\"\u00E4\" = \"\\\"\u00E4\"\n"}) {
+        CAPTURE(text);
+        CHECK_NOTHROW(parse(text));
+    }
+    // toml++ has undefined behaviour for some behind numbers.
+    for (const char* text :
+         {"a = 1\nb = 5\u00B5\n", "a = \"b\"\n\u00E4 = 1\n",
+          "a = \"\\\"\" # \u00E4\nb = 0\u01FC9\n", "a = ''\nb = '''c'''\u00E4\n"}) {
+        CAPTURE(text);
+        CHECK_THROWS_WITH(parse(text),
+                          Catch::Contains("plant.toml:2: found a character that is not ASCII"));
+    }
+}
+
+TEST_CASE("texts that toml++ cannot cope with are refused with their line")
+{
+    const auto parse = [](const std::string& text) {
+        static_cast<void>(example::parse_table(text, "plant.toml"));
+    };
+    CHECK_THROWS_WITH(parse("[#"), Catch::Contains("plant.toml:1: found no TOML"));
+    CHECK_THROWS_WITH(parse("a = 1\n[b]\nc = 2\n[#]\n[d]\ne = 3\n"),
+                      Catch::Contains("plant.toml:4: found no TOML"));
+}
+
 TEST_CASE("a configuration that cannot be read says why (D10)")
 {
     const auto complaint_of = [](const std::string& path) -> std::string {
