@@ -1,0 +1,95 @@
+#pragma once
+
+#include <array>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <busbar/binary/dynamic_value.hpp>
+#include <busbar/server/memory_source.hpp>
+#include <busbar/server/method_table.hpp>
+#include <busbar/server/server.hpp>
+
+#include "request_types.hpp"
+#include "support/server_fixture.hpp"
+
+namespace busbar::fuzz {
+
+/// Ends the run, and the fuzzer has found something.
+inline void require(bool condition)
+{
+    if (!condition) {
+        __builtin_trap();
+    }
+}
+
+/// A server of which anything can be asked, with Variables, a Method, events and history of
+/// nothing, and two sessions whose user may do everything. Each answer is looked at: it belongs to
+/// a request, can be decoded whole, and has as many results as the request has operations.
+///
+/// To be used for many inputs, begin() and end() around each.
+class ServiceWorld {
+public:
+    static constexpr std::size_t session_count = 2;
+
+    ServiceWorld();
+
+    /// New connections and sessions.
+    void begin();
+    /// Ends them and lets the time pass; requires that nothing is left.
+    void end();
+    /// Something was changed that end() does not undo: make another one.
+    [[nodiscard]] bool is_used_up() const { return is_used_up_; }
+
+    /// With the session's token, and ids of what there is where the request has small numbers.
+    void send(std::size_t session, const RequestTypes::Entry& entry, binary::DynamicValue request);
+    /// The bytes as they are.
+    void send_raw(std::size_t session, std::uint32_t encoding, std::span<const std::byte> body);
+    void advance(Duration time);
+    /// Values change, Methods are answered, events are raised, whichever bits are set.
+    void act(std::uint8_t choice);
+
+private:
+    /// What is known of an answer before it comes.
+    struct Expected {
+        const binary::DynamicType* response{nullptr};
+        std::optional<std::size_t> result_count;
+    };
+    struct Session {
+        std::optional<test::TestClient> client;
+        std::map<std::uint32_t, Expected> expected;
+    };
+
+    [[nodiscard]] static server::ServerConfig config();
+    void add_variables();
+    void add_method();
+    void set_values(std::int32_t number);
+    [[nodiscard]] bool send(Session& session, Expected expected,
+                            FunctionRef<void(binary::Writer&)> body);
+    void bind(const Session& session, binary::DynamicValue& request) const;
+    [[nodiscard]] bool is_busy() const;
+    void look();
+    void look(Session& session);
+    void check(const Expected& expected, std::span<const std::byte> body);
+    void learn(const binary::DynamicValue& response);
+
+    test::SeededRandom random_;
+    test::FixedWallClock wall_clock_;
+    NullLog log_;
+    test::PlainUsers users_;
+    server::MethodTable methods_;
+    std::deque<server::MethodCall> calls_;
+    server::MemorySource memory_{wall_clock_};
+    TimePoint now_{};
+    server::Server server_;
+    std::vector<std::uint64_t> handles_;
+    std::array<Session, session_count> sessions_;
+    /// Of this input, the newest first.
+    std::deque<std::uint32_t> subscriptions_;
+    std::deque<ByteString> continuation_points_;
+    bool is_used_up_{false};
+};
+
+} // namespace busbar::fuzz
