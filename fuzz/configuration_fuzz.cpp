@@ -1,0 +1,21 @@
+#include <cstdint>
+#include <string_view>
+
+#include "config.hpp"
+
+using namespace busbar;
+
+/// Any text as the configuration of busbar-controller: it is one, or the error says where it is
+/// not.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+{
+    const std::string_view text{reinterpret_cast<const char*>(data), size};
+    try {
+        static_cast<void>(example::parse_config(text, "fuzz.toml"));
+    } catch (const example::ConfigError& error) {
+        if (error.problem().where.empty() && error.problem().text.empty()) {
+            __builtin_trap();
+        }
+    }
+    return 0;
+}
