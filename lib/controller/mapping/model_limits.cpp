@@ -23,7 +23,7 @@ ModelLimits rd81opc96_model()
     limits.max_uri_length = 134;
     limits.max_nodes = 50'000;
     limits.max_variables = 25'000;
-    limits.max_variable_words = 2'048U * 1'024U;
+    limits.max_variable_words = std::uint64_t{2'048} * 1'024;
     limits.max_node_levels = 20;
     limits.max_structure_levels = 20;
     limits.max_elements = 10'240;
