@@ -41,7 +41,7 @@ DataValue FileNodes::value_of(const std::string& path, Aspect aspect)
         expire();
         return DataValue{Variant{static_cast<std::uint16_t>(open_.count(path))}};
     case Aspect::MaxByteStringLength:
-        return DataValue{Variant{static_cast<std::uint32_t>(max_read_size)}};
+        return DataValue{Variant{max_piece(server_)}};
     case Aspect::Size:
     case Aspect::LastModifiedTime: {
         const auto entry = files_.storage->entry(path);

@@ -1,5 +1,6 @@
 #include "file_objects.hpp"
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 
 #include "method_arguments.hpp"
 #include "node_table.hpp"
+#include "open_files.hpp"
 
 namespace busbar::administration::detail {
 
@@ -66,6 +68,12 @@ Result<model::NodeIndex> add_file_object(model::AddressSpace& space, const model
         space.set_node_access(*made, access);
     }
     return added;
+}
+
+std::uint32_t max_piece(const server::Server& server)
+{
+    return std::min(static_cast<std::uint32_t>(max_read_size),
+                    server.config().limits.decode.max_byte_string_length);
 }
 
 Result<model::NodeIndex> add_declared_method(model::AddressSpace& space,

@@ -5,6 +5,7 @@
 #include <busbar/core/node_id.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/model/address_space.hpp>
+#include <busbar/server/server.hpp>
 
 /// Nodes of files: Objects of FileType and Methods as namespace 0 declares them (Part 20, 4.2).
 namespace busbar::administration::detail {
@@ -33,6 +34,9 @@ struct FileFacts {
                                                        const model::NewNode& node,
                                                        const FileFacts& facts,
                                                        const model::NodeAccess& access);
+
+/// MaxByteStringLength of a file: how many bytes a Read or a Write of it may have (Part 20, 4.2.1).
+[[nodiscard]] std::uint32_t max_piece(const server::Server& server);
 
 /// A Method as the one in namespace 0 says, below a node whose NodeId is a text.
 struct DeclaredMethod {

@@ -194,7 +194,7 @@ DataValue TransferNodes::value_of(const TransferFile& file, FileAspect aspect) c
     case FileAspect::OpenCount:
         return DataValue{Variant{std::uint16_t{1}}};
     case FileAspect::MaxByteStringLength:
-        return DataValue{Variant{static_cast<std::uint32_t>(max_read_size)}};
+        return DataValue{Variant{max_piece(server_)}};
     case FileAspect::LastModifiedTime:
         return DataValue{Variant{file.modified}};
     default:

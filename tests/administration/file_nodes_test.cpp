@@ -2,6 +2,7 @@
 #include <string>
 #include <string_view>
 
+#include <busbar/server/running_server.hpp>
 #include <busbar/types/view.hpp>
 
 #include "managed_fixture.hpp"
@@ -160,6 +161,19 @@ TEST_CASE_METHOD(FilesFixture, "file nodes: files and folders are made, written 
           Variant{std::uint64_t{3}});
     CHECK(why(client, "press/4.csv", "Open", {Variant{writing}}) == "Bad_NotWritable");
     CHECK(why(client, "press/4.csv", "Close", {handle}) == "Bad_InvalidArgument"); // another's
+}
+
+TEST_CASE_METHOD(FilesFixture, "file nodes: say how much of a file a call may have")
+{
+    REQUIRE(file_storage.make_folder("", FileAccess::Owner));
+    auto client = log_in_as("eng");
+    REQUIRE(make(client, "", "4.csv") == "Good");
+    CHECK(value(client, "4.csv", "MaxByteStringLength").value == Variant{std::uint32_t{65'536}});
+    // Never more than a request may have (Part 5, 6.3.2).
+    auto config = server.config();
+    config.limits.decode.max_byte_string_length = 10'240;
+    REQUIRE(server::RunningServer{server}.reconfigure(config));
+    CHECK(value(client, "4.csv", "MaxByteStringLength").value == Variant{std::uint32_t{10'240}});
 }
 
 TEST_CASE_METHOD(FilesFixture, "file nodes: names that are none, or taken, are refused")

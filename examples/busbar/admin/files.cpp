@@ -139,8 +139,9 @@ Exit put(Context& context, Connection& connection, const Arguments& arguments)
     const auto opened = on(connection, place, "Open", {Variant{open_to_replace}});
     const Variant handle = opened.empty() ? Variant{} : opened.front();
     const auto bytes = std::as_bytes(std::span{text});
+    const std::size_t most = piece_to_write(connection, place.node);
     for (std::size_t done = 0; done < bytes.size();) {
-        const auto piece = bytes.subspan(done, std::min(transfer_piece, bytes.size() - done));
+        const auto piece = bytes.subspan(done, std::min(most, bytes.size() - done));
         on(connection, place, "Write", {handle, Variant{ByteString{piece}}});
         done += piece.size();
         show_progress(context, done, bytes.size());

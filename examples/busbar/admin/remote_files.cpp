@@ -90,6 +90,16 @@ Variant file_property(Connection& connection, const NodeId& node, const char* na
     return found.is_null() ? Variant{} : read(connection, found);
 }
 
+std::size_t piece_to_write(Connection& connection, const NodeId& file)
+{
+    Variant most = file_property(connection, file, "MaxByteStringLength");
+    if (most.is_null()) {
+        most = read(connection, standard(id::Server_ServerCapabilities_MaxByteStringLength));
+    }
+    const auto size = most.value_or<std::uint32_t>(0); // 0: there is no limit
+    return size == 0 ? transfer_piece : std::min<std::size_t>(transfer_piece, size);
+}
+
 std::vector<Variant> call_on_file(Connection& connection, const NodeId& node,
                                   const std::string& path, const char* method,
                                   const std::vector<Variant>& inputs)

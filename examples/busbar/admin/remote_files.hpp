@@ -12,7 +12,7 @@
 /// Files and folders that a server shares (Part 20, 4.2 and 4.3). All of it throws Failure.
 namespace busbar::cli::admin {
 
-/// Bytes of one call.
+/// Bytes of one call at most.
 inline constexpr std::size_t transfer_piece = 32'768;
 
 /// Where the folders of a server are.
@@ -21,6 +21,8 @@ inline constexpr std::size_t transfer_piece = 32'768;
 [[nodiscard]] NodeId look_for_file(Connection& connection, std::string_view path);
 /// The value of a Property; null if there is none.
 [[nodiscard]] Variant file_property(Connection& connection, const NodeId& node, const char* name);
+/// How many bytes of the file a Write may have (Part 20, 4.2.1): not above `transfer_piece`.
+[[nodiscard]] std::size_t piece_to_write(Connection& connection, const NodeId& file);
 /// The outputs of a Method of the file or folder, which people call `path`.
 std::vector<Variant> call_on_file(Connection& connection, const NodeId& node,
                                   const std::string& path, const char* method,

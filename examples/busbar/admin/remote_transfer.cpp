@@ -86,8 +86,9 @@ void RemoteTransfer::send(const Variant& options, std::string_view file, const P
     const Variant& handle = made[1];
     const NodeId write = find_method(connection_, node, "Write");
     const auto bytes = std::as_bytes(std::span{file.data(), file.size()});
+    const std::size_t most = piece_to_write(connection_, node);
     for (std::size_t done = 0; done < bytes.size();) {
-        const auto piece = bytes.subspan(done, std::min(transfer_piece, bytes.size() - done));
+        const auto piece = bytes.subspan(done, std::min(most, bytes.size() - done));
         on(node, write, "Write", {handle, Variant{ByteString{piece}}}, 0);
         done += piece.size();
         if (progress) {
