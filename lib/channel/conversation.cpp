@@ -46,7 +46,7 @@ void Conversation::feed(std::span<const std::byte> in)
 Result<std::optional<Frame>> Conversation::next_frame()
 {
     const auto waiting = std::span{input_}.subspan(input_begin_);
-    if (waiting.size() < header_size) {
+    if (is_held || waiting.size() < header_size) {
         return std::nullopt;
     }
     const auto header = parse_frame_header(waiting, max_frame_size);
@@ -58,6 +58,12 @@ Result<std::optional<Frame>> Conversation::next_frame()
     }
     input_begin_ += header->size;
     return Frame{*header, waiting.first(header->size)};
+}
+
+void Conversation::hold(const Frame& frame)
+{
+    input_begin_ -= frame.bytes.size();
+    is_held = true;
 }
 
 Token* Conversation::find_token(std::uint32_t id, TimePoint now)

@@ -43,6 +43,9 @@ public:
     void feed(std::span<const std::byte> in);
     /// The next whole frame, or none yet. Bad if what is there can be no frame.
     [[nodiscard]] Result<std::optional<Frame>> next_frame();
+    /// Puts the frame that came last back: next_frame() has none until is_held is false again.
+    void hold(const Frame& frame);
+    bool is_held{false};
     /// Checks a MSG or CLO chunk against token, signature and sequence (Part 6, 6.7.7);
     /// Bad_TcpSecureChannelUnknown, Bad_SecureChannelTokenUnknown, Bad_SecurityChecksFailed or
     /// Bad_SequenceNumberInvalid.

@@ -63,6 +63,26 @@ Checked<void> check_header(const AsymmetricHeader& header, const Conversation& c
     return {};
 }
 
+/// Part 6, 6.7.2.3: the message is for this server's certificate.
+Checked<void> check_receiver(const AsymmetricHeader& header, const ChannelEnvironment& environment)
+{
+    if (header.policy->is_none()) {
+        return {};
+    }
+    if (environment.identity == nullptr || environment.validator == nullptr) {
+        return refuse_policy(header);
+    }
+    const crypto::Certificate& own = environment.identity->certificates.front();
+    if (!std::ranges::equal(own.thumbprint(), header.receiver_thumbprint)) {
+        return refuse({status::Bad_CertificateInvalid, "receiver certificate thumbprint",
+                       "the message is for another certificate than this server's",
+                       "Part 6, 6.7.2.3",
+                       "Let the peer read this server's endpoints again: it has an old certificate",
+                       printable(own.subject()), own.thumbprint_text()});
+    }
+    return {};
+}
+
 /// Who sent the message.
 struct Sender {
     crypto::CertificateChain certificates; // none with policy None
@@ -76,17 +96,7 @@ Checked<Sender> check_sender(const AsymmetricHeader& header, const Conversation&
     if (header.policy->is_none()) {
         return Sender{};
     }
-    if (environment.identity == nullptr || environment.validator == nullptr) {
-        return refuse_policy(header);
-    }
     const crypto::Certificate& own = environment.identity->certificates.front();
-    if (!std::ranges::equal(own.thumbprint(), header.receiver_thumbprint)) {
-        return refuse({status::Bad_CertificateInvalid, "receiver certificate thumbprint",
-                       "the message is for another certificate than this server's",
-                       "Part 6, 6.7.2.3",
-                       "Let the peer read this server's endpoints again: it has an old certificate",
-                       printable(own.subject()), own.thumbprint_text()});
-    }
     auto chain = crypto::parse_chain(header.sender_certificate);
     if (!chain) {
         return refuse_certificate(chain.error(),
@@ -185,8 +195,8 @@ Checked<AsymmetricContent> open_content(const Frame& frame, const AsymmetricHead
 
 } // namespace
 
-Checked<OpenRequest> read_open_request(const Frame& frame, Conversation& conversation,
-                                       const OpenContext& context)
+Checked<AsymmetricHeader> read_open_header(const Frame& frame, const Conversation& conversation,
+                                           const OpenContext& context)
 {
     const auto header = parse_asymmetric_header(frame.bytes);
     if (!header) {
@@ -199,12 +209,21 @@ Checked<OpenRequest> read_open_request(const Frame& frame, Conversation& convers
     if (auto admissible = check_header(*header, conversation, context); !admissible) {
         return refuse(std::move(admissible).error());
     }
-    auto sender = check_sender(*header, conversation, context.is_renewal);
+    if (auto own = check_receiver(*header, conversation.environment()); !own) {
+        return refuse(std::move(own).error());
+    }
+    return *header;
+}
+
+Checked<OpenRequest> read_open_request(const Frame& frame, const AsymmetricHeader& header,
+                                       Conversation& conversation, const OpenContext& context)
+{
+    auto sender = check_sender(header, conversation, context.is_renewal);
     if (!sender) {
         return refuse(std::move(sender).error());
     }
     auto content =
-        open_content(frame, *header, conversation.environment().identity, sender->certificates);
+        open_content(frame, header, conversation.environment().identity, sender->certificates);
     // Part 6, 6.7.7 has the certificate checked first. What was found only counts now: a refusal
     // for that takes as long as one for what the private key found (Part 2, 6.3).
     if (sender->objection) {
@@ -220,10 +239,10 @@ Checked<OpenRequest> read_open_request(const Frame& frame, Conversation& convers
     if (!body) {
         return refuse(protocol_refusal(body.error()));
     }
-    if (auto checked = check_body(*body, *header, conversation, context); !checked) {
+    if (auto checked = check_body(*body, header, conversation, context); !checked) {
         return refuse(std::move(checked).error());
     }
-    return OpenRequest{{header->policy, body->security_mode},
+    return OpenRequest{{header.policy, body->security_mode},
                        std::move(sender->certificates),
                        content->request_id,
                        *std::move(body)};

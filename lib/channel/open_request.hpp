@@ -25,9 +25,17 @@ struct OpenContext {
     const ByteString& last_nonce; // the client's, of the request before
 };
 
-/// Checks an OPN in the order of Part 6, 6.7.7, then what it asks for (Part 4, 5.6.2). The refusal
-/// is exact, for the log; what the peer may learn of it is decided elsewhere.
-[[nodiscard]] Checked<OpenRequest> read_open_request(const Frame& frame, Conversation& conversation,
+/// Checks what costs nothing: that the headers are those of a message to this channel, with a
+/// policy that is offered and for the certificate of this server. Points into the frame.
+[[nodiscard]] Checked<AsymmetricHeader>
+read_open_header(const Frame& frame, const Conversation& conversation, const OpenContext& context);
+
+/// Checks an OPN with these headers in the order of Part 6, 6.7.7, then what it asks for (Part
+/// 4, 5.6.2). The refusal is exact, for the log; what the peer may learn of it is decided
+/// elsewhere.
+[[nodiscard]] Checked<OpenRequest> read_open_request(const Frame& frame,
+                                                     const AsymmetricHeader& header,
+                                                     Conversation& conversation,
                                                      const OpenContext& context);
 
 } // namespace busbar::channel::detail

@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <array>
 
+#include <busbar/channel/open_gate.hpp>
 #include <busbar/core/record.hpp>
 #include <busbar/core/text.hpp>
-#include <busbar/types/secure_channel.hpp>
 
 #include "channel_input.hpp"
-#include "channel_record.hpp"
-#include "key_log.hpp"
-#include "open_request.hpp"
 #include "refusals.hpp"
+#include "server_impl.hpp"
 
 namespace busbar::channel {
 
@@ -19,22 +17,15 @@ using namespace detail;
 
 namespace {
 
-enum class State : std::uint8_t { Hello, Opening, Open, Closed };
-
 /// What a peer may be told; of everything else it learns Bad_SecurityChecksFailed only
 /// (Part 4, 6.1.3 and Part 6, 6.7.7).
 constexpr std::array told = {
-    status::Bad_TcpMessageTypeInvalid,
-    status::Bad_TcpMessageTooLarge,
-    status::Bad_TcpNotEnoughResources,
-    status::Bad_TcpInternalError,
-    status::Bad_TcpEndpointUrlInvalid,
-    status::Bad_TcpSecureChannelUnknown,
-    status::Bad_SecureChannelTokenUnknown,
-    status::Bad_SecurityPolicyRejected,
-    status::Bad_SecurityModeRejected,
-    status::Bad_RequestTypeInvalid,
-    status::Bad_Timeout,
+    status::Bad_TcpMessageTypeInvalid,   status::Bad_TcpMessageTooLarge,
+    status::Bad_TcpNotEnoughResources,   status::Bad_TcpServerTooBusy,
+    status::Bad_TcpInternalError,        status::Bad_TcpEndpointUrlInvalid,
+    status::Bad_TcpSecureChannelUnknown, status::Bad_SecureChannelTokenUnknown,
+    status::Bad_SecurityPolicyRejected,  status::Bad_SecurityModeRejected,
+    status::Bad_RequestTypeInvalid,      status::Bad_Timeout,
 };
 
 StatusCode outward(StatusCode status)
@@ -44,35 +35,6 @@ StatusCode outward(StatusCode status)
 }
 
 } // namespace
-
-struct ServerChannel::Impl {
-    Impl(ServerChannelConfig c, const ChannelEnvironment& environment, TimePoint start)
-        : config{std::move(c)}, conversation{config.limits, environment, Role::Server}, now{start},
-          handshake_deadline{start + config.limits.handshake_timeout}
-    {
-    }
-
-    [[nodiscard]] Checked<void> handle(const Frame& frame);
-    [[nodiscard]] Checked<void> handle_hello(const Frame& frame);
-    [[nodiscard]] Checked<void> handle_open(const Frame& frame);
-    [[nodiscard]] Checked<void> handle_message(const Frame& frame);
-    [[nodiscard]] Result<void> issue(const OpenSecureChannelRequest& request,
-                                     std::uint32_t request_id);
-    void give_up(const Refusal& refusal);
-    void fail_with(StatusCode told_status, StatusCode status, std::string_view reason);
-    void end(StatusCode status, std::string reason);
-
-    ServerChannelConfig config;
-    Conversation conversation;
-    State state{State::Hello};
-    TimePoint now;
-    TimePoint handshake_deadline;
-    std::string endpoint_url;
-    std::uint32_t last_token_id{0};
-    ByteString client_nonce;
-    bool is_reverse{false};
-    PendingEvents events;
-};
 
 /// Which message is allowed in which state; anything else is Bad_TcpMessageTypeInvalid.
 Checked<void> ServerChannel::Impl::handle(const Frame& frame)
@@ -117,77 +79,13 @@ Checked<void> ServerChannel::Impl::handle_hello(const Frame& frame)
     return {};
 }
 
-Checked<void> ServerChannel::Impl::handle_open(const Frame& frame)
-{
-    auto request =
-        read_open_request(frame, conversation, {config, state == State::Open, client_nonce});
-    if (!request) {
-        return refuse(std::move(request).error());
-    }
-    conversation.security = request->security;
-    conversation.peer_certificates = std::move(request->sender);
-    conversation.channel_id = config.channel_id;
-    if (const auto issued = issue(request->body, request->request_id); !issued) {
-        return refuse(protocol_refusal(issued.error()));
-    }
-    return {};
-}
-
-Result<void> ServerChannel::Impl::issue(const OpenSecureChannelRequest& request,
-                                        std::uint32_t request_id)
-{
-    const ChannelEnvironment& environment = conversation.environment();
-    crypto::Secret nonce{conversation.security.policy->nonce_size};
-    if (!environment.random->fill(nonce.span())) {
-        return fail(status::Bad_ResourceUnavailable);
-    }
-    const auto lifetime = std::clamp(std::chrono::milliseconds{request.requested_lifetime},
-                                     config.min_lifetime, config.max_lifetime);
-    auto token = make_token(++last_token_id, conversation.security,
-                            {nonce.span(), request.client_nonce.span()}, lifetime, now);
-    if (!token) {
-        return fail(token.error());
-    }
-#ifdef BUSBAR_KEY_LOG
-    log_keys(environment.key_log, Role::Server,
-             {config.channel_id,
-              last_token_id,
-              conversation.security,
-              {nonce.span(), request.client_nonce.span()}});
-#endif
-    OpenSecureChannelResponse response;
-    response.response_header.timestamp = environment.wall_clock->now();
-    response.response_header.request_handle = request.request_header.request_handle;
-    response.security_token.channel_id = config.channel_id;
-    response.security_token.token_id = last_token_id;
-    response.security_token.created_at = response.response_header.timestamp;
-    response.security_token.revised_lifetime = static_cast<std::uint32_t>(lifetime.count());
-    response.server_nonce = ByteString{nonce.span()};
-    binary::VectorSink sink;
-    binary::Writer writer{sink};
-    encode_message(writer, response);
-    auto body = sink.take(writer.written());
-    const auto& peer = conversation.peer_certificates;
-    const auto sent =
-        conversation.send_open(request_id, body, peer.empty() ? nullptr : &peer.front());
-    crypto::cleanse(body);
-    if (!sent) {
-        return sent;
-    }
-    client_nonce = request.client_nonce;
-    conversation.offer(*std::move(token));
-    const bool is_new = std::exchange(state, State::Open) == State::Opening;
-    record_issued(conversation, config.channel_id, request, is_new);
-    events.push({is_new ? ChannelEvent::Kind::Opened : ChannelEvent::Kind::Renewed, 0, {}, {}, {}});
-    return {};
-}
-
 Checked<void> ServerChannel::Impl::handle_message(const Frame& frame)
 {
     const auto content = conversation.open(frame, now);
     if (!content) {
         return refuse(protocol_refusal(content.error()));
     }
+    prove();
     if (frame.header.type == MessageType::CLO) {
         end({}, {});
         return {};
@@ -209,11 +107,13 @@ Checked<void> ServerChannel::Impl::handle_message(const Frame& frame)
 /// Where an error of the peer becomes an Error message (Part 6, 7.1.5).
 void ServerChannel::Impl::give_up(const Refusal& refusal)
 {
-    Record record{RecordKind::ChannelRefused, LogLevel::Warning, "channel"};
-    record.status = refusal.status;
-    record.refusal = &refusal;
-    record.actor.secure_channel_id = config.channel_id;
-    tell(*conversation.environment().log, record);
+    if (!is_refusal_known) {
+        Record record{RecordKind::ChannelRefused, LogLevel::Warning, "channel"};
+        record.status = refusal.status;
+        record.refusal = &refusal;
+        record.actor.secure_channel_id = config.channel_id;
+        tell(*conversation.environment().log, record);
+    }
     fail_with(outward(refusal.status), refusal.status, name(refusal.status));
 }
 
@@ -227,6 +127,9 @@ void ServerChannel::Impl::fail_with(StatusCode told_status, StatusCode status,
 void ServerChannel::Impl::end(StatusCode status, std::string reason)
 {
     state = State::Closed;
+    turn = no_deadline;
+    conversation.is_held = false;
+    report_failure();
     events.push_closed(status, std::move(reason));
 }
 
@@ -243,7 +146,7 @@ Result<void> ServerChannel::reverse_hello(std::string_view server_uri,
                                           std::string_view endpoint_url)
 {
     if (server_uri.size() > max_url_size || endpoint_url.size() > max_url_size ||
-        impl_->state != State::Hello) {
+        impl_->state != Impl::State::Hello) {
         return fail(status::Bad_InvalidArgument);
     }
     impl_->is_reverse = true;
@@ -254,10 +157,10 @@ Result<void> ServerChannel::reverse_hello(std::string_view server_uri,
 
 Result<void> ServerChannel::feed(std::span<const std::byte> in, TimePoint now)
 {
-    if (impl_->state == State::Closed) {
+    if (impl_->state == Impl::State::Closed) {
         return fail(status::Bad_SecureChannelClosed);
     }
-    impl_->now = now;
+    impl_->advance(now);
     if (impl_->handshake_deadline == no_deadline && !in.empty()) {
         impl_->handshake_deadline = now + impl_->config.limits.handshake_timeout;
     }
@@ -283,12 +186,12 @@ void ServerChannel::consume(std::size_t size)
 TimePoint ServerChannel::next_deadline() const
 {
     switch (impl_->state) {
-    case State::Hello:
-    case State::Opening:
-        return impl_->handshake_deadline;
-    case State::Open:
-        return impl_->conversation.expires_at();
-    case State::Closed:
+    case Impl::State::Hello:
+    case Impl::State::Opening:
+        return std::min(impl_->handshake_deadline, impl_->turn);
+    case Impl::State::Open:
+        return std::min(impl_->conversation.expires_at(), impl_->turn);
+    case Impl::State::Closed:
         break;
     }
     return no_deadline;
@@ -296,13 +199,12 @@ TimePoint ServerChannel::next_deadline() const
 
 void ServerChannel::handle_deadline(TimePoint now)
 {
-    impl_->now = now;
-    if (impl_->state == State::Closed || now < next_deadline()) {
-        return;
-    }
-    if (impl_->state != State::Open) {
-        impl_->give_up(protocol_refusal(status::Bad_Timeout)); // Part 6, 7.1.3
-    } else if (impl_->conversation.expire(now)) {
+    impl_->advance(now);
+    if (impl_->state == Impl::State::Hello || impl_->state == Impl::State::Opening) {
+        if (now >= impl_->handshake_deadline) {
+            impl_->give_up(protocol_refusal(status::Bad_Timeout)); // Part 6, 7.1.3
+        }
+    } else if (impl_->state == Impl::State::Open && impl_->conversation.expire(now)) {
         impl_->give_up(protocol_refusal(status::Bad_SecureChannelTokenUnknown));
     }
 }
@@ -310,7 +212,7 @@ void ServerChannel::handle_deadline(TimePoint now)
 Result<void> ServerChannel::send(std::uint32_t request_id,
                                  FunctionRef<void(binary::Writer&)> encode)
 {
-    if (impl_->state != State::Open) {
+    if (impl_->state != Impl::State::Open) {
         return fail(status::Bad_SecureChannelClosed);
     }
     return impl_->conversation.send(MessageType::MSG, request_id, encode);
@@ -318,7 +220,7 @@ Result<void> ServerChannel::send(std::uint32_t request_id,
 
 void ServerChannel::close(StatusCode status, std::string_view reason)
 {
-    if (impl_->state != State::Closed) {
+    if (impl_->state != Impl::State::Closed) {
         impl_->fail_with(status, status, reason);
     }
 }
@@ -348,14 +250,19 @@ std::size_t ServerChannel::memory_in_use() const
     return impl_->conversation.memory_in_use();
 }
 
+bool ServerChannel::is_waiting() const
+{
+    return impl_->conversation.is_held;
+}
+
 bool ServerChannel::is_open() const
 {
-    return impl_->state == State::Open;
+    return impl_->state == Impl::State::Open;
 }
 
 bool ServerChannel::is_closed() const
 {
-    return impl_->state == State::Closed;
+    return impl_->state == Impl::State::Closed;
 }
 
 std::uint32_t ServerChannel::channel_id() const

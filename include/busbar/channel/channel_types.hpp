@@ -23,6 +23,8 @@
 
 namespace busbar::channel {
 
+class OpenGate;
+
 /// The smallest buffer either side may ask for (Part 6, 7.1.2.3).
 inline constexpr std::uint32_t min_buffer_size = 8'192;
 
@@ -88,6 +90,8 @@ struct ChannelEnvironment {
     const ApplicationIdentity* identity{nullptr};
     /// Optional; null where connections are few.
     AssemblyBudget* budget{nullptr};
+    /// Optional, of servers; null: whatever is asked for is done at once.
+    OpenGate* gate{nullptr};
     /// Optional; null in every product. Builds without BUSBAR_KEY_LOG do not look at it.
     KeyLog* key_log{nullptr};
 };

@@ -76,6 +76,9 @@ public:
     /// Bytes that the buffers of this connection hold now, for the owner's accounts.
     [[nodiscard]] std::size_t memory_in_use() const;
 
+    /// The OpenGate lets an OpenSecureChannel wait until next_deadline() at the latest, and with it
+    /// all that was fed since: feed no more, or it piles up here.
+    [[nodiscard]] bool is_waiting() const;
     [[nodiscard]] bool is_open() const;
     [[nodiscard]] bool is_closed() const;
     [[nodiscard]] std::uint32_t channel_id() const;

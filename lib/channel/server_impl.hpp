@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include <busbar/channel/server_channel.hpp>
+#include <busbar/core/refusal.hpp>
+#include <busbar/types/secure_channel.hpp>
+
+#include "conversation.hpp"
+#include "event_queue.hpp"
+
+namespace busbar::channel {
+
+namespace detail {
+
+enum class ServerChannelState : std::uint8_t { Hello, Opening, Open, Closed };
+
+} // namespace detail
+
+/// The inside of a ServerChannel: server_channel.cpp has the connection, server_open.cpp how a
+/// SecurityToken is issued.
+struct ServerChannel::Impl {
+    using State = detail::ServerChannelState;
+
+    Impl(ServerChannelConfig c, const ChannelEnvironment& environment, TimePoint start)
+        : config{std::move(c)}, conversation{config.limits, environment, detail::Role::Server},
+          now{start}, handshake_deadline{start + config.limits.handshake_timeout}
+    {
+    }
+    Impl(const Impl&) = delete;
+    Impl& operator=(const Impl&) = delete;
+    ~Impl() { report_failure(); }
+
+    /// Lets go on what has waited for its turn until now.
+    void advance(TimePoint time);
+    [[nodiscard]] Checked<void> handle(const detail::Frame& frame);
+    [[nodiscard]] Checked<void> handle_hello(const detail::Frame& frame);
+    [[nodiscard]] Checked<void> handle_open(const detail::Frame& frame);
+    /// True if the asymmetric work for a message with these headers may be done now; else the
+    /// message is held.
+    [[nodiscard]] Checked<bool> has_turn(const detail::Frame& frame,
+                                         const detail::AsymmetricHeader& header);
+    /// The peer has shown that it has the keys.
+    void prove();
+    /// Tells the gate of work that has led to nothing.
+    void report_failure();
+    [[nodiscard]] Checked<void> handle_message(const detail::Frame& frame);
+    [[nodiscard]] Result<void> issue(const OpenSecureChannelRequest& request,
+                                     std::uint32_t request_id);
+    void give_up(const Refusal& refusal);
+    void fail_with(StatusCode told_status, StatusCode status, std::string_view reason);
+    void end(StatusCode status, std::string reason);
+
+    ServerChannelConfig config;
+    detail::Conversation conversation;
+    State state{State::Hello};
+    TimePoint now;
+    TimePoint handshake_deadline;
+    std::string endpoint_url;
+    std::uint32_t last_token_id{0};
+    ByteString client_nonce;
+    bool is_reverse{false};
+    /// When the message that is held goes on.
+    TimePoint turn{no_deadline};
+    /// A request that the gate has let pass is not answered yet.
+    bool is_at_work{false};
+    /// The channel is new, and its peer has not shown that it has the keys.
+    bool is_unproven{false};
+    /// The log has been told of others like the refusal that ends the channel.
+    bool is_refusal_known{false};
+    detail::PendingEvents events;
+};
+
+} // namespace busbar::channel
