@@ -164,6 +164,18 @@ constexpr std::array keys{
         {"limits", "max_login_delay_ms", "max_login_delay", "ms", 0, 60'000}),
     key<Limits, &server::ServerLimits::max_login_entries>(
         {"limits", "login_entries", "max_login_entries", "", 1, most_elements}),
+    key<Limits, &server::ServerLimits::max_channel_burst>(
+        {"limits", "channel_burst", "max_channel_burst", "", 1, 1'000}),
+    key<Limits, &server::ServerLimits::channel_interval>(
+        {"limits", "channel_interval_ms", "channel_interval", "ms", 0, 60'000}),
+    key<Limits, &server::ServerLimits::max_channel_failures>(
+        {"limits", "channel_failures", "max_channel_failures", "", 1, 1'000}),
+    key<Limits, &server::ServerLimits::failed_channel_interval>(
+        {"limits", "failed_channel_interval_ms", "failed_channel_interval", "ms", 0, 60'000}),
+    key<Limits, &server::ServerLimits::max_channel_delay>(
+        {"limits", "max_channel_delay_ms", "max_channel_delay", "ms", 0, 60'000}),
+    key<Limits, &server::ServerLimits::max_channel_entries>(
+        {"limits", "channel_entries", "max_channel_entries", "", 1, most_elements}),
     key<Limits, &server::ServerLimits::max_log_lines_per_minute>(
         {"limits", "log_lines_per_minute", "max_log_lines_per_minute", "", 1, most_elements}),
     key<Decode, &binary::DecodeLimits::max_array_length>(

@@ -249,6 +249,42 @@ TEST_CASE_METHOD(Contradiction, "endpoints must not contradict themselves or eac
     check_refused();
 }
 
+TEST_CASE_METHOD(Contradiction, "channels are rationed by limits that make sense")
+{
+    auto& limits = config.limits;
+    SECTION("nobody could open one")
+    {
+        limits.max_channel_burst = 0;
+        where = "limits.max_channel_burst";
+        reason = "expected 1 to";
+    }
+    SECTION("a table without a place")
+    {
+        limits.max_channel_entries = 0;
+        where = "limits.max_channel_entries";
+        reason = "expected 1 to";
+    }
+    SECTION("each would be a failure")
+    {
+        limits.max_channel_failures = 0;
+        where = "limits.max_channel_failures";
+        reason = "expected 1 to";
+    }
+    SECTION("time that runs backwards")
+    {
+        limits.max_channel_delay = -1ms;
+        where = "limits.max_channel_delay";
+        reason = "-1 ms";
+    }
+    SECTION("failures that are rewarded")
+    {
+        limits.failed_channel_interval = 10ms;
+        where = "limits.failed_channel_interval";
+        reason = "shorter than channel_interval";
+    }
+    check_refused();
+}
+
 TEST_CASE_METHOD(Contradiction, "a server needs room for its namespace")
 {
     while (space.add_namespace("urn:" + std::to_string(space.namespace_count()))) {

@@ -37,13 +37,18 @@ constexpr Source sources[] = {
 
 /// Times, and what is a bound of work or of something that is paid for anyhow.
 const std::set<std::string> holds_nothing{
+    "channel_interval",
     "decode.max_array_length",
     "decode.max_byte_string_length",
     "decode.max_depth",
     "decode.max_diagnostic_depth",
+    "failed_channel_interval",
     "first_login_delay",
     "login_lock",
     "max_browse_path_elements",
+    "max_channel_burst",
+    "max_channel_delay",
+    "max_channel_failures",
     "max_connections_per_address",
     "max_log_lines_per_minute",
     "max_login_delay",

@@ -9,6 +9,7 @@
 
 #include "management_fixture.hpp"
 #include "memory_growth.hpp"
+#include "server/engine/channel_guard.hpp"
 #include "server/users/login_guard.hpp"
 #include "subscription_fixture.hpp"
 
@@ -206,6 +207,20 @@ TEST_CASE("memory of logins")
     }
     CHECK(growth.now() >= 20 * 1'000);
     CHECK(growth.now() <= rows(limits, {"max_login_entries"}));
+}
+
+TEST_CASE("memory of what OpenSecureChannels are rationed by")
+{
+    server::ServerLimits limits;
+    limits.max_channel_entries = 100;
+    server::detail::ChannelGuard guard{limits};
+    const Growth growth;
+    for (int source = 0; source < 1'000; ++source) {
+        const std::string name = std::to_string(source) + ":ffff:ffff:ffff::/64";
+        static_cast<void>(guard.admit(name, Duration::max(), TimePoint{1h}));
+    }
+    CHECK(growth.now() >= 100 * sizeof(std::string));
+    CHECK(growth.now() <= rows(limits, {"max_channel_entries"}));
 }
 
 TEST_CASE("memory of continuation points and of nodes that clients add")

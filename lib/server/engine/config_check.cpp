@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include <busbar/channel/endpoint_url.hpp>
 #include <busbar/core/text.hpp>
@@ -150,6 +151,37 @@ Configured<void> check_operations(const ServerLimits& limits)
     return {};
 }
 
+/// What ChannelGuard takes for granted.
+Configured<void> check_channels(const ServerLimits& limits)
+{
+    using Milliseconds = std::chrono::milliseconds;
+    const auto wrong = [](std::string_view limit, std::string text) {
+        return misconfigured("limits." + std::string{limit}, std::move(text));
+    };
+    constexpr std::size_t most = 1'000'000;
+    for (const auto& [name, limit] :
+         {std::pair{"max_channel_burst", limits.max_channel_burst},
+          std::pair{"max_channel_failures", limits.max_channel_failures},
+          std::pair{"max_channel_entries", limits.max_channel_entries}}) {
+        if (limit == 0 || limit > most) {
+            return wrong(name, "is " + std::to_string(limit) + ", expected 1 to 1000000");
+        }
+    }
+    constexpr Milliseconds longest{3'600'000};
+    for (const auto& [name, time] :
+         {std::pair{"channel_interval", limits.channel_interval},
+          std::pair{"failed_channel_interval", limits.failed_channel_interval},
+          std::pair{"max_channel_delay", limits.max_channel_delay}}) {
+        if (time < Milliseconds::zero() || time > longest) {
+            return wrong(name, "is " + std::to_string(time.count()) + " ms, expected 0 to 3600000");
+        }
+    }
+    if (limits.failed_channel_interval < limits.channel_interval) {
+        return wrong("failed_channel_interval", "is shorter than channel_interval");
+    }
+    return {};
+}
+
 Configured<void> check_environment(const ServerEnvironment& environment)
 {
     const auto missing = [](const char* field) {
@@ -209,6 +241,9 @@ Configured<void> check_config(const ServerConfig& config, const ServerEnvironmen
         return checked;
     }
     if (auto checked = detail::check_operations(config.limits); !checked) {
+        return checked;
+    }
+    if (auto checked = detail::check_channels(config.limits); !checked) {
         return checked;
     }
     return detail::check_endpoints(config, environment);

@@ -33,11 +33,12 @@ std::uint32_t random_channel_id(crypto::Random& random)
 
 Core::Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space, std::uint16_t own)
     : config{std::move(c)}, guards{e, rationed_log}, environment{guards.environment()},
-      own_namespace{own}, life{e.wall_clock->now()}, address_space{std::move(space)},
-      sources{e.waker, guards.report().log}, assembly{config.limits.max_assembly},
-      logins{config.limits}, diagnostics_needs{address_space, config,   *environment.wall_clock,
-                                               life,          counters, sessions,
-                                               subscriptions, own,      conformance},
+      own_namespace{own}, life{e.wall_clock->now()},
+      address_space{std::move(space)}, sources{e.waker, guards.report().log},
+      assembly{config.limits.max_assembly}, logins{config.limits}, channel_guard{config.limits},
+      diagnostics_needs{address_space, config,   *environment.wall_clock,
+                        life,          counters, sessions,
+                        subscriptions, own,      conformance},
       subscription_needs{address_space, sources,  types,         config.limits,
                          environment,   counters, server_object, nullptr},
       session_needs{config,          environment, guards, rationed_log, sessions, logins,

@@ -11,6 +11,7 @@
 #include <busbar/server/server.hpp>
 #include <busbar/types/enumerations.hpp>
 
+#include "channel_guard.hpp"
 #include "parts.hpp"
 #include "server/attribute/attribute_needs.hpp"
 #include "server/data/data_sources.hpp"
@@ -76,6 +77,7 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     channel::AssemblyBudget assembly;
     SessionTable sessions;
     LoginGuard logins;
+    ChannelGuard channel_guard;
     PasswordChecks password_checks{environment.waker};
 
     // What each service set gets of all this.

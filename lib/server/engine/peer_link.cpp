@@ -31,7 +31,7 @@ channel::ServerChannelConfig channel_config(Core& core)
     return config;
 }
 
-channel::ChannelEnvironment channel_environment(Core& core, LogSink& log)
+channel::ChannelEnvironment channel_environment(Core& core, LogSink& log, channel::OpenGate& gate)
 {
     const ServerEnvironment& from = core.environment;
     return {
@@ -41,6 +41,7 @@ channel::ChannelEnvironment channel_environment(Core& core, LogSink& log)
         .validator = from.validator,
         .identity = core.config.identity ? &*core.config.identity : nullptr,
         .budget = &core.assembly,
+        .gate = &gate,
         .key_log = from.key_log,
     };
 }
@@ -104,9 +105,9 @@ private:
 
 PeerLink::PeerLink(Core& core, std::string_view peer_address, TimePoint now)
     : core_{core}, id_{core.next_link_id++}, peer_address_{printable(peer_address)},
-      log_{core, peer_address_}, channel_{channel_config(core), channel_environment(core, log_),
-                                          now},
-      created_{now}, now_{now}, session_check_{now + core.limits().sessionless_timeout}
+      log_{core, peer_address_}, gate_{core.channel_guard, core.limits(), peer_address},
+      channel_{channel_config(core), channel_environment(core, log_, gate_), now}, created_{now},
+      now_{now}, session_check_{now + core.limits().sessionless_timeout}
 {
     core_.links.push_back(this);
     trust_peer();

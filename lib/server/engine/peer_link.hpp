@@ -46,7 +46,10 @@ public:
     [[nodiscard]] Result<void> reverse_hello(std::string_view endpoint_url);
     void came_by(std::uint32_t listener) { listener_ = listener; }
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
-    [[nodiscard]] bool has_enough() const { return has_more_ && !is_closed(); }
+    [[nodiscard]] bool has_enough() const
+    {
+        return (has_more_ || channel_.is_waiting()) && !is_closed();
+    }
     [[nodiscard]] std::optional<ConnectionEvent> next_event();
     [[nodiscard]] std::span<const std::byte> output() const;
     void consume(std::size_t size);
@@ -127,6 +130,7 @@ private:
     std::string peer_address_;
     std::uint32_t listener_{0};
     PeerLog log_;
+    ConnectionGate gate_;
     channel::ServerChannel channel_;
     std::vector<std::unique_ptr<ServiceOperation>> operations_;
     std::vector<Session*> sessions_;

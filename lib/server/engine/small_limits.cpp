@@ -79,6 +79,9 @@ ServerLimits small_controller_limits()
     limits.events.max_raised_events = 64;
     limits.events.max_notifiers = 100;
     limits.subscriptions = small_subscriptions();
+    limits.max_channel_burst = 5;
+    limits.channel_interval = std::chrono::milliseconds{250};
+    limits.max_channel_entries = 32;
     limits.max_login_entries = 32;
     return limits;
 }

@@ -60,6 +60,7 @@ constexpr Number bytes_of_client_reference = 512;
 constexpr Number bytes_of_event = sizeof(Event) + 64;
 constexpr Number bytes_of_notifier = 64;
 constexpr Number bytes_of_login_entry = 4'096;
+constexpr Number bytes_of_channel_entry = 512;
 /// Names of a node in a ReferenceDescription.
 constexpr Number bytes_of_names = 1'024;
 /// Password checks that a Worker lets wait.
@@ -314,6 +315,14 @@ void add_logins(Rows& rows, const ServerLimits& limits, const MemoryAssumptions&
     rows.time("login_lock", limits.login_lock);
     rows.time("first_login_delay", limits.first_login_delay);
     rows.time("max_login_delay", limits.max_login_delay);
+    rows.count("max_channel_burst", limits.max_channel_burst);
+    rows.time("channel_interval", limits.channel_interval);
+    rows.count("max_channel_failures", limits.max_channel_failures);
+    rows.time("failed_channel_interval", limits.failed_channel_interval);
+    rows.time("max_channel_delay", limits.max_channel_delay);
+    rows.count("max_channel_entries", limits.max_channel_entries)
+        .holds(limits.max_channel_entries, bytes_of_channel_entry,
+               "addresses whose OpenSecureChannels are rationed");
     rows.count("max_log_lines_per_minute", limits.max_log_lines_per_minute);
     rows.count("max_login_entries", limits.max_login_entries)
         .holds(std::max<Number>(limits.max_login_entries, 1), bytes_of_login_entry,
