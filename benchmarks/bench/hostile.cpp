@@ -1,8 +1,8 @@
 #include "hostile.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <functional>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -12,6 +12,9 @@
 #include <busbar/types/discovery.hpp>
 #include <busbar/types/ids.hpp>
 #include <busbar/types/view.hpp>
+
+#include "replay.hpp"
+#include "tally.hpp"
 
 namespace busbar::bench {
 
@@ -25,12 +28,6 @@ constexpr std::chrono::milliseconds patience{30'000};
 constexpr std::chrono::milliseconds pause{1};
 /// Of a bomb's size, for all but what explodes.
 constexpr std::size_t room_for_headers = 64U << 10U;
-
-struct Tally {
-    std::atomic<bool> is_over{false};
-    std::atomic<std::size_t> answered{0};
-    std::atomic<std::size_t> refused{0};
-};
 
 /// One parameter, an array of arrays of DiagnosticInfo: each takes one byte and becomes an object
 /// of some hundred.
@@ -196,6 +193,7 @@ public:
         row.reads = times.size();
         row.median_us = times[times.size() / 2];
         row.p90_us = times[times.size() * 9 / 10];
+        row.p99_us = times[times.size() * 99 / 100];
         row.worst_us = times.back();
         return {};
     }
@@ -207,9 +205,35 @@ private:
     ReadRequest request_;
 };
 
+/// The good client's Subscription, on a thread and a connection of its own.
+class GoodSubscriber {
+public:
+    explicit GoodSubscriber(Load& load)
+        : rows_{fail(status::Bad_NothingToDo)}, thread_{[&] { rows_ = load.run_subscriptions(); }}
+    {
+        std::this_thread::sleep_for(warm_up);
+    }
+    [[nodiscard]] Result<void> finish(HostileRow& row)
+    {
+        thread_.join();
+        if (!rows_) {
+            return fail(rows_.error());
+        }
+        row.publishes = rows_->front().publishes;
+        row.longest_gap_ms = rows_->front().worst_interval_ms;
+        return {};
+    }
+
+    static constexpr std::chrono::milliseconds warm_up{400};
+
+private:
+    Result<std::vector<SubscribeRow>> rows_;
+    std::thread thread_;
+};
+
 /// The good client reads while `attackers` threads do `what`.
 Result<HostileRow> play(Load& load, const HostileOptions& options, std::string name,
-                        std::size_t attackers, const std::function<void(Tally&)>& what)
+                        std::size_t attackers, const std::function<void(Tally&, std::size_t)>& what)
 {
     HostileRow row;
     row.attack = std::move(name);
@@ -217,14 +241,22 @@ Result<HostileRow> play(Load& load, const HostileOptions& options, std::string n
     if (const auto connected = client.connect(); !connected) {
         return fail(connected.error());
     }
+    std::optional<GoodSubscriber> subscriber;
+    if (!options.replays.empty()) {
+        subscriber.emplace(load);
+    }
     forget_peak(options.server_process);
     row.before = memory_of(options.server_process);
     Tally tally;
     std::vector<std::thread> threads;
     for (std::size_t i = 0; i < attackers; ++i) {
-        threads.emplace_back([&] { what(tally); });
+        threads.emplace_back([&, i] { what(tally, i); });
     }
-    const auto read = client.read_for(options.seconds, row);
+    auto read = client.read_for(options.seconds, row);
+    if (subscriber) {
+        const auto subscribed = subscriber->finish(row);
+        read = read ? subscribed : read;
+    }
     tally.is_over = true;
     for (std::thread& thread : threads) {
         thread.join();
@@ -239,22 +271,15 @@ Result<HostileRow> play(Load& load, const HostileOptions& options, std::string n
     return row;
 }
 
-} // namespace
+struct Attack {
+    std::string name;
+    std::size_t attackers;
+    std::function<void(Tally&, std::size_t)> what;
+};
 
-Result<std::vector<HostileRow>> attack(Load& load, const HostileOptions& options)
+Result<std::vector<HostileRow>> play_all(Load& load, const HostileOptions& options,
+                                         const std::vector<Attack>& attacks)
 {
-    struct Attack {
-        std::string name;
-        std::size_t attackers;
-        std::function<void(Tally&)> what;
-    };
-    const std::vector<Attack> attacks = {
-        {"none", 0, {}},
-        {"decode bomb before login", 1,
-         [&](Tally& tally) { bomb_without_session(load, options.bomb_size, tally); }},
-        {"Browses of " + std::to_string(options.connections) + " connections", options.connections,
-         [&](Tally& tally) { browse_for_ever(load, options, tally); }},
-    };
     std::vector<HostileRow> rows;
     for (const Attack& one : attacks) {
         auto row = play(load, options, one.name, one.attackers, one.what);
@@ -264,6 +289,52 @@ Result<std::vector<HostileRow>> attack(Load& load, const HostileOptions& options
         rows.push_back(*std::move(row));
     }
     return rows;
+}
+
+Result<std::vector<HostileRow>> replay_all(Load& load, const HostileOptions& options)
+{
+    const auto overheard = overhear(load, load.url());
+    if (!overheard) {
+        return fail(overheard.error());
+    }
+    const bool is_local = overheard->host.starts_with("127.") || overheard->host == "localhost";
+    const auto replay_from = [&](Tally& tally, std::size_t attacker) {
+        const std::size_t number = options.has_own_addresses ? 2 + attacker % 250 : 2;
+        replay(*overheard, is_local ? "127.0.0." + std::to_string(number) : std::string{}, tally);
+    };
+    std::vector<Attack> attacks{{"none", 0, {}}};
+    for (const std::size_t attackers : options.replays) {
+        attacks.push_back(
+            {std::to_string(attackers) + " replay OpenSecureChannel", attackers, replay_from});
+    }
+    return play_all(load, options, attacks);
+}
+
+} // namespace
+
+SubscribeOptions good_subscription(double seconds)
+{
+    SubscribeOptions options;
+    options.item_counts = {1};
+    options.moving = options.still = "i=" + std::to_string(id::Server_ServerStatus_CurrentTime);
+    options.publishing_ms = options.sampling_ms = 50;
+    options.seconds = seconds;
+    options.warm_up_seconds = std::chrono::duration<double>{GoodSubscriber::warm_up}.count() + 0.1;
+    return options;
+}
+
+Result<std::vector<HostileRow>> attack(Load& load, const HostileOptions& options)
+{
+    if (!options.replays.empty()) {
+        return replay_all(load, options);
+    }
+    return play_all(
+        load, options,
+        {{"none", 0, {}},
+         {"decode bomb before login", 1,
+          [&](Tally& tally, std::size_t) { bomb_without_session(load, options.bomb_size, tally); }},
+         {"Browses of " + std::to_string(options.connections) + " connections", options.connections,
+          [&](Tally& tally, std::size_t) { browse_for_ever(load, options, tally); }}});
 }
 
 } // namespace busbar::bench

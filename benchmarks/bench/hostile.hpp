@@ -22,6 +22,13 @@ struct HostileOptions {
     std::size_t nodes{100};
     std::size_t in_flight{50};
     double seconds{1};
+    /// Instead of all that: how many attackers send an overheard OpenSecureChannel again and again,
+    /// while the good client has a Subscription, too. At this machine their address is
+    /// 127.0.0.2, or for each its own from there on.
+    std::vector<std::size_t> replays;
+    bool has_own_addresses{false};
+    /// Our own server lets them.
+    bool is_unrationed{false};
     /// Whose memory is read; 0 for nobody's.
     pid_t server_process{0};
 };
@@ -37,7 +44,11 @@ struct HostileRow {
     std::size_t failed{0};
     double median_us{0};
     double p90_us{0};
+    double p99_us{0};
     double worst_us{0};
+    /// Its notifications, if it has a Subscription, and the longest time between two of them.
+    std::size_t publishes{0};
+    double longest_gap_ms{0};
     /// Of the server.
     Memory before;
     Memory after;
@@ -49,5 +60,8 @@ struct HostileRow {
 /// First nothing, then each attack for the time of the options. Fails where the good client gets
 /// no connection, before, while or after the server is attacked.
 [[nodiscard]] Result<std::vector<HostileRow>> attack(Load& load, const HostileOptions& options);
+
+/// The Subscription that the good client has beside replays: the server's time each 50 ms.
+[[nodiscard]] SubscribeOptions good_subscription(double seconds);
 
 } // namespace busbar::bench

@@ -100,6 +100,15 @@ Result<void> Load::open(net::ClientLoop& loop, bool wants_session,
     return connected ? loop.wait_until_ready() : connected;
 }
 
+channel::ClientChannel Load::make_channel()
+{
+    channel::ClientChannelConfig config;
+    config.endpoint_url = options_.url;
+    config.security = security_;
+    config.server_certificate = server_certificate_;
+    return {std::move(config), environment(), clock_now()};
+}
+
 Result<void> Load::prepare()
 {
     if (security_.policy == nullptr) {

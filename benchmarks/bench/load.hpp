@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <busbar/channel/client_channel.hpp>
 #include <busbar/net/client_loop.hpp>
 
 #include "subscribe.hpp"
@@ -61,6 +62,10 @@ public:
     /// From any thread once prepare() has returned.
     [[nodiscard]] Result<void> open(net::ClientLoop& loop, bool wants_session,
                                     std::chrono::milliseconds request_timeout = default_timeout);
+
+    /// A channel on the endpoint, as a client begins it. After prepare().
+    [[nodiscard]] channel::ClientChannel make_channel();
+    [[nodiscard]] const std::string& url() const { return options_.url; }
 
     static constexpr std::chrono::milliseconds default_timeout{10'000};
 

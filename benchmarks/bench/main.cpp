@@ -54,8 +54,15 @@ int run_loads(const bench::Options& options)
 int run_hostile(bench::Options options, bench::HostileOptions hostile, bool has_url)
 {
     std::unique_ptr<bench::OwnServer> own;
+    const bool replays = !hostile.replays.empty();
+    if (replays) {
+        options.policy = options.policy == "None" ? "Basic256Sha256" : options.policy;
+        options.mode = options.mode == "None" ? "SignAndEncrypt" : options.mode;
+        options.subscribe = bench::good_subscription(options.seconds);
+    }
     if (!has_url) {
-        auto started = bench::OwnServer::start();
+        auto started =
+            bench::OwnServer::start({.is_secure = replays, .is_unrationed = hostile.is_unrationed});
         if (!started) {
             return complain(options, started.error());
         }
@@ -170,6 +177,15 @@ CLI::App* add_hostile(CLI::App& app, bench::HostileOptions& options)
     hostile->add_option("--browses", options.in_flight, "Browses under way on each connection")
         ->check(CLI::Range(1, 10'000))
         ->capture_default_str();
+    hostile
+        ->add_option("--replays", options.replays,
+                     "instead of all that: attackers that send an overheard OpenSecureChannel "
+                     "again and again; 1,5,20,60")
+        ->delimiter(',');
+    hostile->add_flag("--own-addresses", options.has_own_addresses,
+                      "each of them from an address of its own, 127.0.0.2 and so on");
+    hostile->add_flag("--unrationed", options.is_unrationed,
+                      "the server of one's own lets all of them through, as it once did");
     return hostile;
 }
 

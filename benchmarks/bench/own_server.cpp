@@ -12,12 +12,31 @@
 #include <busbar/net/server_loop.hpp>
 #include <busbar/net/system.hpp>
 
+#include "identity.hpp"
+
 namespace busbar::bench {
 
 namespace {
 
+/// Another endpoint, and a certificate for it.
+bool secure(server::ServerConfig& config, DateTime now)
+{
+    auto identity = make_identity(now);
+    if (!identity) {
+        return false;
+    }
+    config.application_uri = identity->certificates.front().application_uri();
+    config.identity = *std::move(identity);
+    server::EndpointConfig endpoint = config.endpoints.front();
+    endpoint.security = {crypto::find_policy_by_name("Basic256Sha256"),
+                         MessageSecurityMode::SignAndEncrypt};
+    config.endpoints.push_back(endpoint);
+    config.limits.max_connections_per_address = config.limits.max_connections;
+    return true;
+}
+
 /// Serves until it is told to stop, and writes the port to `pipe`, or 0 if there is none.
-int serve(int pipe)
+int serve(int pipe, const OwnServerOptions& options)
 {
     NullLog log;
     net::SystemWallClock wall_clock;
@@ -30,8 +49,19 @@ int serve(int pipe)
     config.endpoints[0].allows_anonymous = true;
     config.endpoints[0].allows_user_name = false;
     config.shutdown_delay = std::chrono::milliseconds{0};
-    const server::ServerEnvironment environment{
-        .random = &random, .wall_clock = &wall_clock, .log = &log, .waker = &loop.waker()};
+    crypto::InsecureAcceptAnyCertificate validator;
+    if (options.is_secure && !secure(config, wall_clock.now())) {
+        return 1;
+    }
+    if (options.is_unrationed) {
+        config.limits.channel_interval = std::chrono::milliseconds{0};
+        config.limits.failed_channel_interval = std::chrono::milliseconds{0};
+    }
+    const server::ServerEnvironment environment{.random = &random,
+                                                .wall_clock = &wall_clock,
+                                                .log = &log,
+                                                .validator = &validator,
+                                                .waker = &loop.waker()};
     auto server = server::Server::create(std::move(config), environment);
     const std::uint16_t told = server ? port : 0;
     if (::write(pipe, &told, sizeof told) != sizeof told || told == 0) {
@@ -44,7 +74,7 @@ int serve(int pipe)
 
 } // namespace
 
-Result<std::unique_ptr<OwnServer>> OwnServer::start()
+Result<std::unique_ptr<OwnServer>> OwnServer::start(const OwnServerOptions& options)
 {
     std::array<int, 2> pipe{};
     if (::pipe(pipe.data()) != 0) {
@@ -54,7 +84,7 @@ Result<std::unique_ptr<OwnServer>> OwnServer::start()
     if (process == 0) {
         ::close(pipe[0]);
         ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-        ::_exit(serve(pipe[1]));
+        ::_exit(serve(pipe[1], options));
     }
     ::close(pipe[1]);
     std::uint16_t port = 0;

@@ -9,12 +9,21 @@
 
 namespace busbar::bench {
 
-/// A server of this library with nothing but namespace 0, without security, in a process of its
-/// own: what it takes of memory and time is its alone.
+/// What the server is like.
+struct OwnServerOptions {
+    /// With a certificate and an endpoint Basic256Sha256, SignAndEncrypt.
+    bool is_secure{false};
+    /// Lets OpenSecureChannels come as often as they do.
+    bool is_unrationed{false};
+};
+
+/// A server of this library with nothing but namespace 0, in a process of its own: what it takes of
+/// memory and time is its alone.
 class OwnServer {
 public:
     /// Before this process has threads. Bad_CommunicationError if there is no port or process.
-    [[nodiscard]] static Result<std::unique_ptr<OwnServer>> start();
+    [[nodiscard]] static Result<std::unique_ptr<OwnServer>>
+    start(const OwnServerOptions& options = {});
     OwnServer(const OwnServer&) = delete;
     OwnServer& operator=(const OwnServer&) = delete;
     /// Ends the process.

@@ -1,5 +1,6 @@
 #include "report.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "json_text.hpp"
@@ -43,13 +44,21 @@ void print_json(const Options& options, const std::vector<Row>& rows)
 
 void print_table(const std::vector<HostileRow>& rows, bool has_memory)
 {
-    std::printf("%-26s %9s %9s %8s %7s %11s %11s %11s", "attack", "answered", "refused", "reads",
-                "failed", "median us", "p90 us", "worst us");
+    std::printf("%-28s %9s %9s %8s %7s %11s %11s %11s %11s", "attack", "answered", "refused",
+                "reads", "failed", "median us", "p90 us", "p99 us", "worst us");
+    const bool has_gaps = std::any_of(rows.begin(), rows.end(),
+                                      [](const HostileRow& row) { return row.publishes != 0; });
+    if (has_gaps) {
+        std::printf(" %10s %10s", "publishes", "gap ms");
+    }
     std::printf(has_memory ? " %10s %10s\n" : "\n", "peak MB", "left MB");
     for (const HostileRow& row : rows) {
-        std::printf("%-26s %9zu %9zu %8zu %7zu %11.1f %11.1f %11.1f", row.attack.c_str(),
+        std::printf("%-28s %9zu %9zu %8zu %7zu %11.1f %11.1f %11.1f %11.1f", row.attack.c_str(),
                     row.answered, row.refused, row.reads, row.failed, row.median_us, row.p90_us,
-                    row.worst_us);
+                    row.p99_us, row.worst_us);
+        if (has_gaps) {
+            std::printf(" %10zu %10.1f", row.publishes, row.longest_gap_ms);
+        }
         if (has_memory) {
             std::printf(" %+10.1f %+10.1f", row.peak_growth_mb(), row.growth_mb());
         }
@@ -62,9 +71,11 @@ void print_json(const std::vector<HostileRow>& rows, bool has_memory)
     const char* separator = "";
     for (const HostileRow& row : rows) {
         std::printf("%s\n  {\"attack\": %s, \"answered\": %zu, \"refused\": %zu, \"reads\": %zu, "
-                    "\"failed\": %zu, \"median_us\": %.2f, \"p90_us\": %.2f, \"worst_us\": %.2f",
+                    "\"failed\": %zu, \"median_us\": %.2f, \"p90_us\": %.2f, \"p99_us\": %.2f, "
+                    "\"worst_us\": %.2f, \"publishes\": %zu, \"longest_gap_ms\": %.2f",
                     separator, quoted(row.attack).c_str(), row.answered, row.refused, row.reads,
-                    row.failed, row.median_us, row.p90_us, row.worst_us);
+                    row.failed, row.median_us, row.p90_us, row.p99_us, row.worst_us, row.publishes,
+                    row.longest_gap_ms);
         if (has_memory) {
             std::printf(", \"peak_growth_mb\": %.2f, \"growth_mb\": %.2f", row.peak_growth_mb(),
                         row.growth_mb());
