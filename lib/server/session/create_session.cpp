@@ -214,6 +214,7 @@ Result<std::unique_ptr<Session>> make_session(const SessionNeeds& needs,
     session->client_application_uri =
         request.client_description.application_uri.view().substr(0, max_text_size);
     describe_client(*session, request);
+    session->address = context.peer.address();
     session->security = context.peer.channel().security();
     if (const auto& certificates = context.peer.channel().peer_certificates();
         !certificates.empty()) {

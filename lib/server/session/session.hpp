@@ -79,6 +79,8 @@ public:
     Peer* peer{nullptr};
     /// Of the connection that it was activated over.
     std::uint32_t listener{0};
+    /// Without port; also of the connection that it was created over.
+    std::string address{};
     channel::SecuritySetting security;
     /// The leaf; none with SecurityPolicy None.
     crypto::CertificateChain client_certificate;

@@ -6,6 +6,7 @@
 #include <busbar/core/text.hpp>
 
 #include "peer.hpp"
+#include "server/users/shares.hpp"
 #include "session_needs.hpp"
 #include "session_record.hpp"
 
@@ -22,21 +23,6 @@ TimePoint deadline_of(const UserIdentity& user, DateTime today, TimePoint now)
     constexpr std::int64_t most = std::int64_t{10} * 365 * 86'400 * DateTime::ticks_per_second;
     using Ticks = std::chrono::duration<std::int64_t, std::ratio<1, DateTime::ticks_per_second>>;
     return now + Ticks{std::clamp(user.valid_until.ticks - today.ticks, std::int64_t{0}, most)};
-}
-
-std::string describe(const UserIdentity& user)
-{
-    switch (user.token_type) {
-    case UserTokenType::UserName:
-        return "user \"" + printable(user.name) + "\"";
-    case UserTokenType::Certificate:
-        return "the user of certificate \"" + printable(user.name) + "\"";
-    case UserTokenType::IssuedToken:
-        return "user \"" + printable(user.name) + "\" of \"" + printable(user.issuer) + "\"";
-    case UserTokenType::Anonymous:
-        break;
-    }
-    return "an anonymous user";
 }
 
 } // namespace
@@ -84,6 +70,9 @@ void set_user(const SessionNeeds& needs, const EndpointConfig& endpoint, Session
     const TimePoint end = deadline_of(user, needs.wall_time(), now);
     session.granted = user;
     session.listener = session.peer != nullptr ? session.peer->listener() : 0;
+    if (session.peer != nullptr) {
+        session.address = session.peer->address();
+    }
     session.change_user(with_roles(needs, session, std::move(user)));
     session.user_deadline = endpoint.allows_anonymous ? end : no_deadline;
     session.ends_at = endpoint.allows_anonymous ? no_deadline : end;
