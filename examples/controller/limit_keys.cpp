@@ -243,12 +243,18 @@ constexpr std::array keys{
     key<Subscriptions, &server::SubscriptionLimits::max_subscriptions_per_session>(
         {"limits.subscriptions", "per_session", "subscriptions.max_subscriptions_per_session", "",
          1, most_connections}),
+    key<Subscriptions, &server::SubscriptionLimits::max_subscriptions_per_user>(
+        {"limits.subscriptions", "per_user", "subscriptions.max_subscriptions_per_user", "", 1,
+         most_connections}),
     key<Subscriptions, &server::SubscriptionLimits::max_subscriptions>(
         {"limits.subscriptions", "in_all", "subscriptions.max_subscriptions", "", 1,
          most_connections}),
     key<Subscriptions, &server::SubscriptionLimits::max_items_per_subscription>(
         {"limits.subscriptions", "items_per_subscription",
          "subscriptions.max_items_per_subscription", "", 1, most_count}),
+    key<Subscriptions, &server::SubscriptionLimits::max_items_per_user>(
+        {"limits.subscriptions", "items_per_user", "subscriptions.max_items_per_user", "", 1,
+         most_count}),
     key<Subscriptions, &server::SubscriptionLimits::max_items>(
         {"limits.subscriptions", "items", "subscriptions.max_items", "", 1, most_count}),
     key<Subscriptions, &server::SubscriptionLimits::max_triggering_links>(

@@ -105,7 +105,8 @@ struct SubscriptionParts {
     Counters counters;
     FixedValues values;
     NoEvents events;
-    SubscriptionNeeds needs{space, sources, types, limits, environment, counters, values, &events};
+    SubscriptionNeeds needs{space,    sources, types, limits, environment,
+                            counters, values,  log,   &events};
     SubscriptionTable all{needs};
     Session session{1'000'000};
     Subscription* subscription{nullptr};

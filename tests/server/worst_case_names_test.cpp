@@ -68,6 +68,7 @@ const std::set<std::string> holds_nothing{
     "subscriptions.max_notifications_per_publish",
     "subscriptions.max_publishing_interval",
     "subscriptions.max_subscriptions_per_session",
+    "subscriptions.max_subscriptions_per_user",
     "subscriptions.min_keep_alive",
     "subscriptions.min_lifetime",
     "subscriptions.min_publishing_interval",

@@ -21,6 +21,7 @@ TEST_CASE("memory of Subscriptions and their items")
 {
     server::ServerLimits limits = server::small_controller_limits();
     limits.subscriptions.max_subscriptions_per_session = limits.subscriptions.max_subscriptions;
+    limits.subscriptions.max_subscriptions_per_user = limits.subscriptions.max_subscriptions;
     SubscriptionFixture fixture{limits.subscriptions};
     auto client = fixture.log_in();
     SECTION("without items")

@@ -40,14 +40,22 @@ struct BUSBAR_API SamplingPolicy {
 
 /// Limits of what Subscriptions and MonitoredItems may make a server hold and do. All are finite.
 struct SubscriptionLimits {
-    // Past these CreateSubscription and TransferSubscriptions answer Bad_TooManySubscriptions.
+    // Past these CreateSubscription and TransferSubscriptions answer Bad_TooManySubscriptions,
+    // unless a Subscription whose client has gone gives way. That is the one which is longest
+    // without a session, then without a channel, of the user who has most; nobody takes the place
+    // of a user who has less than himself.
 
     std::size_t max_subscriptions_per_session{100};
+    /// Of all sessions of a user and what ended ones left. Anonymous users of an IPv4 address or
+    /// of the /64 of an IPv6 address count as one.
+    std::size_t max_subscriptions_per_user{500};
     std::size_t max_subscriptions{1'000};
 
-    // Past these an item answers Bad_TooManyMonitoredItems.
+    // Past these an item answers Bad_TooManyMonitoredItems, unless a Subscription gives way as
+    // above.
 
     std::size_t max_items_per_subscription{100'000};
+    std::size_t max_items_per_user{500'000};
     std::size_t max_items{1'000'000};
     /// Links of one item that triggers others, and of one that is triggered (Part 4, 5.13.1.6):
     /// SetTriggering answers Bad_TooManyOperations for one more.

@@ -96,9 +96,11 @@ void add_limits(ConformanceFacts& facts, const ServerLimits& limits)
     facts.sessions = limits.max_sessions;
     facts.channels = limits.max_connections;
     facts.subscriptions =
-        std::min(own.max_subscriptions_per_session, own.max_subscriptions / sharing);
+        std::min({own.max_subscriptions_per_session, own.max_subscriptions_per_user,
+                  own.max_subscriptions / sharing});
     const std::size_t each = half_of(std::min(facts.subscriptions, subscriptions_of_profile));
-    facts.items = std::min(own.max_items_per_subscription, own.max_items / (sharing * each));
+    facts.items = std::min({own.max_items_per_subscription, own.max_items_per_user / each,
+                            own.max_items / (sharing * each)});
     facts.publish = own.max_publish_requests;
     facts.queue = own.max_queue_size;
     facts.continuation_points = limits.max_browse_continuation_points;

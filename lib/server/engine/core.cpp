@@ -40,7 +40,7 @@ Core::Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space
                         life,          counters, sessions,
                         subscriptions, own,      conformance},
       subscription_needs{address_space, sources,  types,         config.limits,
-                         environment,   counters, server_object, nullptr},
+                         environment,   counters, server_object, rationed_log},
       session_needs{config,          environment, guards, rationed_log, sessions, logins,
                     password_checks, counters,    *this,  own,          nullptr,  life.start_time},
       attribute_needs{address_space,
@@ -158,7 +158,7 @@ void Core::close_session(Session& session, StatusCode status, bool deletes_subsc
 
 void Core::session_activated(Session& session)
 {
-    SubscriptionTable::session_moved(session);
+    subscriptions.session_moved(session);
     diagnostics->add(session);
 }
 

@@ -22,8 +22,10 @@ SubscriptionLimits small_subscriptions()
 {
     SubscriptionLimits limits;
     limits.max_subscriptions_per_session = 4;
+    limits.max_subscriptions_per_user = 6;
     limits.max_subscriptions = 10;
     limits.max_items_per_subscription = 500;
+    limits.max_items_per_user = 750;
     limits.max_items = 1'000;
     limits.max_triggering_links = 32;
     limits.min_publishing_interval = std::chrono::milliseconds{50};

@@ -267,11 +267,13 @@ void add_events(Rows& rows, const EventLimits& limits)
 void add_items(Rows& rows, const SubscriptionLimits& limits)
 {
     rows.count("subscriptions.max_subscriptions_per_session", limits.max_subscriptions_per_session);
+    rows.count("subscriptions.max_subscriptions_per_user", limits.max_subscriptions_per_user);
     rows.count("subscriptions.max_subscriptions", limits.max_subscriptions)
         .holds(limits.max_subscriptions, sizeof(detail::Subscription) + bytes_of_subscription,
                "Subscriptions without their items");
     rows.count("subscriptions.max_items_per_subscription", limits.max_items_per_subscription)
         .paid(by_subscription);
+    rows.count("subscriptions.max_items_per_user", limits.max_items_per_user).paid(by_subscription);
     rows.count("subscriptions.max_items", limits.max_items).paid(by_subscription);
     rows.count("subscriptions.max_triggering_links", limits.max_triggering_links)
         .paid(by_subscription);

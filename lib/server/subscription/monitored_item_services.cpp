@@ -48,7 +48,7 @@ bool is_full(const ItemContext& context)
 {
     const SubscriptionLimits& limits = context.all.needs().limits.subscriptions;
     return context.subscription.item_count() >= limits.max_items_per_subscription ||
-           context.all.item_count() >= limits.max_items;
+           !context.all.make_room_for_item(context.subscription, context.now);
 }
 
 std::unique_ptr<MonitoredItem> make_item(const ItemContext& context,

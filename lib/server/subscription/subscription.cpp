@@ -14,16 +14,21 @@ namespace {
 
 SubscriptionOwner owner_of(const Session& session)
 {
-    return {session.user, session.client_application_uri,
-            session.security.mode != MessageSecurityMode::None, is_encrypted(session),
+    return {session.user,
+            session.address,
+            session.client_application_uri,
+            session.security.mode != MessageSecurityMode::None,
+            is_encrypted(session),
             session.locale_ids};
 }
 
 } // namespace
 
 Subscription::Subscription(SubscriptionTable& all, std::uint32_t id, Session& session)
-    : all_{all}, id_{id}, session_{&session},
-      memory_{all.needs().limits.subscriptions.max_subscription_memory, &all.memory()},
+    : all_{all}, id_{id}, session_{&session}, share_{&all.shares().enter(session.user,
+                                                                         session.address)},
+      since_{all.next_serial()}, memory_{all.needs().limits.subscriptions.max_subscription_memory,
+                                         &all.memory()},
       retransmission_{all.needs().limits.subscriptions.max_retransmission_messages, memory_}
 {
 }
@@ -32,6 +37,9 @@ Subscription::~Subscription()
 {
     all_.timers().cancel(*this);
     remove_items(items_.size());
+    if (share_ != nullptr) {
+        all_.shares().leave(*share_);
+    }
 }
 
 SubscriptionVariables Subscription::variables(const Input& input) const
@@ -270,6 +278,7 @@ void Subscription::set_session(Session& session, TimePoint now)
     const UserIdentity before = user();
     session_ = &session;
     PublishPart::of(session).add(*this);
+    update_share();
     if (SubscriptionObserver* const observer = all_.needs().observer) {
         observer->moved(*this);
     }
@@ -314,6 +323,19 @@ void Subscription::detach()
 {
     owner_ = owner_of(*session_);
     session_ = nullptr;
+    since_ = all_.next_serial();
+}
+
+void Subscription::update_share()
+{
+    Share& next = all_.shares().enter(session_->user, session_->address, items_.size());
+    all_.shares().leave(*std::exchange(share_, &next), items_.size());
+}
+
+void Subscription::give_way(TimePoint now)
+{
+    lifetime_counter_ = 1; // row 27
+    handle(SubscriptionEvent::PublishingTimer, {.now = now});
 }
 
 void Subscription::end()
@@ -323,6 +345,7 @@ void Subscription::end()
         PublishPart::of(*session_).remove(*this);
         detach();
     }
+    all_.shares().leave(*std::exchange(share_, nullptr), items_.size());
 }
 
 } // namespace busbar::server::detail

@@ -13,6 +13,7 @@
 
 #include "server/rights/node_rights.hpp"
 #include "server/session/counters.hpp"
+#include "server/users/shares.hpp"
 
 #include "ready_list.hpp"
 #include "retransmission_queue.hpp"
@@ -44,6 +45,7 @@ revise(const SubscriptionLimits& limits, double publishing_interval, std::uint32
 /// Who a Subscription works for. It keeps this when its session ends.
 struct SubscriptionOwner {
     UserIdentity user;
+    std::string address;
     std::string application_uri;
     bool is_signed{false};
     bool is_encrypted{false};
@@ -101,6 +103,15 @@ public:
     [[nodiscard]] std::span<const std::string> locales() const;
     /// The session ends; the Subscription goes on until its lifetime is over.
     void detach();
+    /// Its session has another user or comes from elsewhere.
+    void update_share();
+    /// What its user has, it included.
+    [[nodiscard]] const Share& share() const { return *share_; }
+    [[nodiscard]] Share& share() { return *share_; }
+    /// Grows with each Subscription that was made, or lost its session.
+    [[nodiscard]] std::uint64_t since() const { return since_; }
+    /// Its lifetime is over at once, for another to have its place: State is Closed then.
+    void give_way(TimePoint now);
     /// It is deleted: whatever happens to its items, nobody is told any more.
     void end();
     /// The Subscription works with the rights of another user from now on.
@@ -157,6 +168,7 @@ private:
     {
         return !ready_data_.empty() || !ready_events_.empty();
     }
+    void count_items(std::ptrdiff_t more);
     void perform(SubscriptionAction action, const SubscriptionRow& row, const Input& input);
     void start_publishing_timer(TimePoint now);
     void update_parameters(const SubscriptionParameters& parameters, TimePoint now);
@@ -172,6 +184,9 @@ private:
     Session* session_;
     /// While there is no session.
     SubscriptionOwner owner_;
+    /// Null after end().
+    Share* share_;
+    std::uint64_t since_;
     SubscriptionParameters parameters_;
 
     // The state variables (Part 4, 5.14.1.3).

@@ -15,6 +15,15 @@ void Subscription::user_changed(TimePoint now)
     }
 }
 
+/// Those of a Subscription that has ended are the server's alone.
+void Subscription::count_items(std::ptrdiff_t more)
+{
+    all_.count_items(more);
+    if (share_ != nullptr) {
+        share_->items += static_cast<std::size_t>(more);
+    }
+}
+
 MonitoredItem* Subscription::find_item(std::uint32_t id) const
 {
     const auto found = items_.find(id);
@@ -27,7 +36,7 @@ MonitoredItem& Subscription::add_item(std::unique_ptr<MonitoredItem> item)
         ++last_item_id_;
     } while (last_item_id_ == 0 || items_.contains(last_item_id_));
     item->id_ = last_item_id_;
-    all_.count_items(1);
+    count_items(1);
     return *items_.emplace(last_item_id_, std::move(item)).first->second;
 }
 
@@ -36,7 +45,7 @@ bool Subscription::remove_item(std::uint32_t id)
     if (items_.erase(id) == 0) {
         return false;
     }
-    all_.count_items(-1);
+    count_items(-1);
     return true;
 }
 
@@ -46,7 +55,7 @@ std::size_t Subscription::remove_items(std::size_t most)
     for (std::size_t i = 0; i < count; ++i) {
         items_.erase(items_.begin());
     }
-    all_.count_items(-static_cast<std::ptrdiff_t>(count));
+    count_items(-static_cast<std::ptrdiff_t>(count));
     return count;
 }
 

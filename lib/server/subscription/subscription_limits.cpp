@@ -81,8 +81,10 @@ SubscriptionLimits rd81opc96_subscriptions()
 {
     SubscriptionLimits limits;
     limits.max_subscriptions_per_session = 10;
+    limits.max_subscriptions_per_user = 150;
     limits.max_subscriptions = 150;
     limits.max_items_per_subscription = 15'000;
+    limits.max_items_per_user = 15'000;
     limits.max_items = 15'000;
     limits.min_publishing_interval = milliseconds{50};
     limits.min_keep_alive = milliseconds{5'000};
@@ -96,8 +98,10 @@ SubscriptionLimits rd81opc96_subscriptions()
 SubscriptionLimits nj501_subscriptions()
 {
     SubscriptionLimits limits;
+    limits.max_subscriptions_per_user = 100;
     limits.max_subscriptions = 100;
     limits.max_items_per_subscription = 2'000;
+    limits.max_items_per_user = 2'000;
     limits.max_items = 2'000;
     return limits;
 }

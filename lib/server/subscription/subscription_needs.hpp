@@ -41,6 +41,8 @@ struct SubscriptionNeeds {
     const ServerEnvironment& environment;
     Counters& counters;
     const LiveValues& live_values;
+    /// As bounded as what peers cause has to be.
+    LogSink& log;
     /// Null in a server without events.
     EventItems* event_items{nullptr};
     /// May be null.

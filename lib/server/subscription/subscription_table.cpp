@@ -51,8 +51,8 @@ Result<Subscription*> SubscriptionTable::create(Session& session,
     const SubscriptionLimits& limits = needs_.limits.subscriptions;
     PublishPart& part = PublishPart::of(session);
     // Row 2 of the state table.
-    if (size() >= limits.max_subscriptions ||
-        part.subscriptions().size() >= limits.max_subscriptions_per_session) {
+    if (part.subscriptions().size() >= limits.max_subscriptions_per_session ||
+        !make_place(session, now)) {
         return fail(status::Bad_TooManySubscriptions);
     }
     // Those that go away have memory, too: worst_case_memory() counts max_subscriptions of both.
@@ -121,14 +121,19 @@ void SubscriptionTable::session_ends(Session& session, bool deletes_subscription
 
 void SubscriptionTable::session_moved(Session& session)
 {
-    if (session.publishing != nullptr) {
-        PublishPart::of(session).refuse_others(*session.peer);
+    if (session.publishing == nullptr) {
+        return;
+    }
+    PublishPart::of(session).refuse_others(*session.peer);
+    for (Subscription* subscription : PublishPart::of(session).subscriptions()) {
+        subscription->update_share();
     }
 }
 
 void SubscriptionTable::user_changed(Session& session, TimePoint now)
 {
     for (Subscription* subscription : PublishPart::of(session).subscriptions()) {
+        subscription->update_share();
         subscription->user_changed(now);
     }
 }

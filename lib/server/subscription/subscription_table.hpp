@@ -10,6 +10,7 @@
 #include <busbar/core/result.hpp>
 
 #include "ended_subscriptions.hpp"
+#include "server/users/shares.hpp"
 #include "subscription_needs.hpp"
 #include "timer_queue.hpp"
 #include "value_queue.hpp"
@@ -29,7 +30,8 @@ public:
     SubscriptionTable& operator=(const SubscriptionTable&) = delete;
     ~SubscriptionTable();
 
-    /// Bad_TooManySubscriptions if the session, or the server, has as many as it may have.
+    /// Bad_TooManySubscriptions if the session, its user or the server has as many as it may have
+    /// and none gives way; see SubscriptionLimits.
     [[nodiscard]] Result<Subscription*> create(Session& session,
                                                const SubscriptionParameters& parameters,
                                                bool publishing_enabled, TimePoint now);
@@ -42,12 +44,18 @@ public:
     void remove(Subscription& subscription);
     /// Removes some items of Subscriptions that were removed; false if there are none.
     bool sweep_ended();
+    /// Whether the Subscription's user, and the server, may have one item more; has others give way
+    /// to it if need be.
+    [[nodiscard]] bool make_room_for_item(const Subscription& subscription, TimePoint now);
+    /// Whether the session's user may take the Subscription over.
+    [[nodiscard]] bool has_share_for(const Subscription& subscription,
+                                     const Session& session) const;
 
     /// The session ends: its Subscriptions with it if `deletes_subscriptions`, else they live on
     /// for as long as their lifetime says (Part 4, 5.6.4).
     void session_ends(Session& session, bool deletes_subscriptions);
-    /// The session may have another channel.
-    static void session_moved(Session& session);
+    /// The session may have another channel, and another user.
+    void session_moved(Session& session);
     /// The session has another user.
     void user_changed(Session& session, TimePoint now);
     /// See Server::announce_access_change.
@@ -64,6 +72,7 @@ public:
     [[nodiscard]] Sampler& sampler() { return *sampler_; }
     [[nodiscard]] const Sampler& sampler() const { return *sampler_; }
     [[nodiscard]] MemoryAccount& memory() { return memory_; }
+    [[nodiscard]] Shares& shares() { return shares_; }
     [[nodiscard]] std::size_t size() const { return subscriptions_.size(); }
     [[nodiscard]] std::size_t item_count() const { return item_count_; }
     void count_items(std::ptrdiff_t more)
@@ -78,11 +87,26 @@ public:
     }
 
 private:
+    /// Who wants a place, and what there are too many of.
+    struct Want {
+        const UserIdentity& user;
+        std::string_view address;
+        std::size_t Share::*what;
+        std::string_view limit;
+        TimePoint now;
+    };
     [[nodiscard]] std::uint32_t new_id();
+    [[nodiscard]] bool make_place(const Session& session, TimePoint now);
+    /// Null if none has to give way. With `is_own` only one of the same user.
+    [[nodiscard]] Subscription* find_giving_way(const Share* taker, std::size_t Share::*what,
+                                                bool is_own) const;
+    /// False if there was none.
+    bool displace(const Want& want, bool is_own);
 
     const SubscriptionNeeds& needs_;
     TimerQueue timers_;
     MemoryAccount memory_;
+    Shares shares_;
     std::unique_ptr<Sampler> sampler_;
     std::size_t item_count_{0};
     std::uint64_t serial_{0};

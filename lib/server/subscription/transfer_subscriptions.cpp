@@ -22,7 +22,7 @@ bool is_same_client(const SubscriptionOwner& owner, const Session& session)
            owner.application_uri == session.client_application_uri;
 }
 
-StatusCode transfer(const SubscriptionLimits& limits, const ServiceContext& context,
+StatusCode transfer(const SubscriptionTable& all, const ServiceContext& context,
                     Subscription& subscription, bool sends_initial_values)
 {
     Session& session = *context.session;
@@ -31,7 +31,9 @@ StatusCode transfer(const SubscriptionLimits& limits, const ServiceContext& cont
         subscription.owner().application_uri == session.client_application_uri;
     const bool is_validated = is_same_client(subscription.owner(), session);
     if (is_validated && subscription.session() != &session &&
-        PublishPart::of(session).subscriptions().size() >= limits.max_subscriptions_per_session) {
+        (PublishPart::of(session).subscriptions().size() >=
+             all.needs().limits.subscriptions.max_subscriptions_per_session ||
+         !all.has_share_for(subscription, session))) {
         return status::Bad_TooManySubscriptions;
     }
     const SubscriptionRow& row = subscription.handle(
@@ -64,10 +66,9 @@ StatusCode transfer_subscriptions(SubscriptionTable& all, ServiceContext& contex
     for (const std::uint32_t id : request.subscription_ids) {
         TransferResult result;
         Subscription* const subscription = all.find(id);
-        result.status_code = subscription == nullptr
-                                 ? status::Bad_SubscriptionIdInvalid
-                                 : transfer(all.needs().limits.subscriptions, context,
-                                            *subscription, request.send_initial_values);
+        result.status_code = subscription == nullptr ? status::Bad_SubscriptionIdInvalid
+                                                     : transfer(all, context, *subscription,
+                                                                request.send_initial_values);
         if (result.status_code.is_good()) {
             result.available_sequence_numbers =
                 Array<std::uint32_t>{subscription->retransmission().available()};
