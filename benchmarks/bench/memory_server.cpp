@@ -33,7 +33,10 @@ server::ServerConfig open_config()
     limits.max_connections = plenty;
     limits.max_connections_per_address = plenty;
     limits.max_sessions = plenty;
+    limits.max_sessions_per_user = plenty;
+    limits.subscriptions.max_subscriptions_per_user = limits.subscriptions.max_subscriptions;
     limits.subscriptions.max_items = plenty;
+    limits.subscriptions.max_items_per_user = plenty;
     limits.subscriptions.max_items_per_subscription = plenty;
     limits.subscriptions.max_memory = std::size_t{16} << 30U;
     limits.subscriptions.max_subscription_memory = limits.subscriptions.max_memory;

@@ -109,6 +109,8 @@ constexpr std::array keys{
          most_connections}),
     key<Limits, &server::ServerLimits::max_sessions>(
         {"limits", "sessions", "max_sessions", "", 1, most_connections}),
+    key<Limits, &server::ServerLimits::max_sessions_per_user>(
+        {"limits", "sessions_per_user", "max_sessions_per_user", "", 1, most_connections}),
     key<Limits, &server::ServerLimits::max_sessions_per_channel>(
         {"limits", "sessions_per_channel", "max_sessions_per_channel", "", 1, most_connections}),
     key<Limits, &server::ServerLimits::max_references_per_node>(

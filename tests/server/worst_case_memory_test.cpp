@@ -19,6 +19,7 @@ server::ServerConfig small_config()
 {
     server::ServerConfig config = ServerFixture::insecure_config();
     config.limits = server::small_controller_limits();
+    config.limits.max_sessions_per_user = config.limits.max_sessions; // all of one here
     return config;
 }
 

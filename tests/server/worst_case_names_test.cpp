@@ -57,6 +57,7 @@ const std::set<std::string> holds_nothing{
     "max_session_timeout",
     "max_sessionless_message",
     "max_sessions_per_channel",
+    "max_sessions_per_user",
     "max_token_lifetime",
     "min_session_timeout",
     "min_token_lifetime",

@@ -43,6 +43,7 @@ server::ServerConfig Simulation::config()
     open.password_policy = &crypto::policy_none();
     open.allows_plain_passwords = true;
     config.limits.max_sessions = 400;
+    config.limits.max_sessions_per_user = 400;
     config.limits.max_connections = 400;
     config.limits.max_log_lines_per_minute = 0;
     config.limits.subscriptions.max_publish_requests = 8;

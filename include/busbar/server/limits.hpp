@@ -56,9 +56,15 @@ struct ServerLimits {
 
     // Sessions.
 
-    /// Beyond it CreateSession evicts the oldest session that was never activated, or answers
-    /// Bad_TooManySessions.
+    /// Beyond it a session gives way to the new one, or CreateSession answers
+    /// Bad_TooManySessions: the oldest that was never activated (Part 4, 5.7.2.1), of the network
+    /// that has most; else the oldest without a channel, of the user who has most and more than
+    /// the newcomer's network.
     std::size_t max_sessions{100};
+    /// Activated ones of one user, or of the anonymous users of an IPv4 address or of the /64 of
+    /// an IPv6 address. Beyond it his oldest without a channel gives way, or ActivateSession
+    /// answers Bad_TooManySessions.
+    std::size_t max_sessions_per_user{60};
     std::size_t max_sessions_per_channel{5};
     /// The requested timeout is brought into this range.
     std::chrono::milliseconds min_session_timeout{10'000};

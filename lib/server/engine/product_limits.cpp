@@ -12,6 +12,7 @@ ServerLimits nj501_limits()
 {
     ServerLimits limits;
     limits.max_sessions = 5;
+    limits.max_sessions_per_user = 5;
     limits.subscriptions = nj501_subscriptions();
     return limits;
 }
@@ -25,6 +26,7 @@ ServerLimits rd81opc96_limits()
 {
     ServerLimits limits;
     limits.max_sessions = 15;
+    limits.max_sessions_per_user = 15;
     limits.min_session_timeout = std::chrono::milliseconds{10'000};
     limits.max_session_timeout = std::chrono::milliseconds{180'000};
     limits.transport.max_message_size = 3 * kilobyte * kilobyte;

@@ -64,6 +64,7 @@ ServerLimits small_controller_limits()
     limits.max_pending_requests = 20;
     limits.max_assembly = 192U << 10U;
     limits.max_sessions = 5;
+    limits.max_sessions_per_user = 4;
     limits.max_sessions_per_channel = 2;
     limits.max_session_memory = 256U << 10U;
     limits.max_locale_ids = 4;

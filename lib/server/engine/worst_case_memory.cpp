@@ -204,6 +204,7 @@ void add_sessions(Rows& rows, const ServerLimits& limits)
                sizeof(detail::Session) + texts * bytes_of_text + bytes_of_certificate +
                    bytes_of_diagnostics,
                "sessions with their certificates and diagnostics");
+    rows.count("max_sessions_per_user", limits.max_sessions_per_user);
     rows.count("max_sessions_per_channel", limits.max_sessions_per_channel);
     rows.time("min_session_timeout", limits.min_session_timeout);
     rows.time("max_session_timeout", limits.max_session_timeout);

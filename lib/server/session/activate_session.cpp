@@ -5,6 +5,7 @@
 #include <busbar/core/text.hpp>
 
 #include "server/users/user_token.hpp"
+#include "session_places.hpp"
 #include "session_proof.hpp"
 #include "session_record.hpp"
 #include "session_services.hpp"
@@ -327,6 +328,14 @@ void ActivateSession::accept(UserIdentity user, TimePoint now)
     }
     if (!is_anonymous()) {
         needs_.logins.succeeded(login_attempt(), counted_delay_.has_value());
+    }
+    if (!make_share(needs_, session, user, peer_->address())) {
+        const std::string most = std::to_string(needs_.limits().max_sessions_per_user);
+        return refuse(refusal_of(status::Bad_TooManySessions, "place for a session",
+                                 describe(user) + " has " + most + " sessions, which is the limit",
+                                 "Close sessions that are not needed, or raise the limit "
+                                 "max_sessions_per_user"),
+                      now);
     }
     if (!request().locale_ids.empty()) { // else the old ones stay
         session.locale_ids.clear();

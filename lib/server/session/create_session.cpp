@@ -7,6 +7,7 @@
 #include <busbar/crypto/certificate_notices.hpp>
 
 #include "discovery.hpp"
+#include "session_places.hpp"
 #include "session_proof.hpp"
 #include "session_record.hpp"
 #include "session_services.hpp"
@@ -124,14 +125,9 @@ Checked<void> make_place(const SessionNeeds& needs, const ServiceContext& contex
     if (over_channel >= needs.limits().max_sessions_per_channel) {
         return refuse_place(over_channel, "sessions over this channel");
     }
-    if (needs.sessions.size() < needs.limits().max_sessions) {
-        return {};
-    }
-    Session* oldest = needs.sessions.oldest_unactivated();
-    if (oldest == nullptr) {
+    if (!make_session_place(needs, context.peer.address())) {
         return refuse_place(needs.sessions.size(), "sessions, all activated");
     }
-    needs.keeper.close_session(*oldest, status::Bad_SessionClosed, false);
     return {};
 }
 

@@ -17,6 +17,7 @@
 namespace busbar::server::detail {
 
 class Peer;
+struct Share;
 
 /// What one service set keeps in a session; destroyed with it.
 class SessionPart {
@@ -106,8 +107,12 @@ public:
     /// Subscriptions, and Publish requests that wait.
     std::unique_ptr<SessionPart> publishing;
 
-    /// Where it stands in its SessionTable.
+    // Where it stands in its SessionTable.
+
     TimePoint filed_for{no_deadline};
+    Share* share{nullptr};
+    /// It counts there as activated.
+    bool is_shared_activated{false};
 
     /// Only what is counted; see Diagnostics.
     SessionDiagnosticsDataType diagnostics;

@@ -1,5 +1,7 @@
 #include "session_table.hpp"
 
+#include <tuple>
+
 #include "peer.hpp"
 
 namespace busbar::server::detail {
@@ -14,6 +16,8 @@ Session& SessionTable::add(std::unique_ptr<Session> session)
 {
     NodeId token = session->authentication_token;
     session->filed_for = session->next_deadline();
+    session->is_shared_activated = session->is_activated;
+    session->share = &shares_.enter(session->user, session->address, session->is_activated ? 1 : 0);
     due_.emplace(session->filed_for, session.get());
     return *sessions_.emplace(std::move(token), std::move(session)).first->second;
 }
@@ -24,21 +28,49 @@ void SessionTable::remove(Session& session)
         session.peer->unbind(session);
     }
     due_.erase({session.filed_for, &session});
+    shares_.leave(*session.share, session.is_shared_activated ? 1 : 0);
     const auto found = sessions_.find(session.authentication_token);
     if (found != sessions_.end()) {
         sessions_.erase(found);
     }
 }
 
-Session* SessionTable::oldest_unactivated()
+Session* SessionTable::find_giving_way(const Share* taker) const
 {
-    Session* oldest = nullptr;
+    // The greediest first, and of what is his the oldest.
+    const auto order = [](const Session& s) {
+        return std::tuple{s.is_activated, ~s.share->places, s.created};
+    };
+    const std::size_t had = taker == nullptr ? 0 : taker->places;
+    Session* first = nullptr;
     for (const auto& [token, session] : sessions_) {
-        if (!session->is_activated && (oldest == nullptr || session->created < oldest->created)) {
-            oldest = session.get();
+        const bool is_left =
+            session->peer == nullptr && (session->share == taker || session->share->places > had);
+        if ((!session->is_activated || is_left) &&
+            (first == nullptr || order(*session) < order(*first))) {
+            first = session.get();
         }
     }
-    return oldest;
+    return first;
+}
+
+Session* SessionTable::find_left(const Share& share) const
+{
+    Session* first = nullptr;
+    for (const auto& [token, session] : sessions_) {
+        if (session->share == &share && session->is_activated && session->peer == nullptr &&
+            (first == nullptr || session->created < first->created)) {
+            first = session.get();
+        }
+    }
+    return first;
+}
+
+void SessionTable::update_share(Session& session)
+{
+    Share& next = shares_.enter(session.user, session.address, session.is_activated ? 1 : 0);
+    shares_.leave(*std::exchange(session.share, &next), session.is_shared_activated ? 1 : 0);
+    session.is_shared_activated = session.is_activated;
 }
 
 Session* SessionTable::next_due()

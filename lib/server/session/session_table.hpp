@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "recent_nonces.hpp"
+#include "server/users/shares.hpp"
 #include "session.hpp"
 
 namespace busbar::server::detail {
@@ -21,8 +22,15 @@ public:
     void remove(Session& session);
 
     [[nodiscard]] std::size_t size() const { return sessions_.size(); }
-    /// The oldest that was never activated, or null (Part 4, 5.7.2.1).
-    [[nodiscard]] Session* oldest_unactivated();
+    /// The session that is to end for one more of `taker`, who may have none: the oldest that was
+    /// never activated, of the user who has most (Part 4, 5.7.2.1); else the oldest without a
+    /// channel, of the user who has most and more than the taker. Null if there is none.
+    [[nodiscard]] Session* find_giving_way(const Share* taker) const;
+    /// The user's oldest that is activated and without a channel.
+    [[nodiscard]] Session* find_left(const Share& share) const;
+    [[nodiscard]] const Shares& shares() const { return shares_; }
+    /// To be called when it has another user or address, or was activated.
+    void update_share(Session& session);
     /// The session with the first deadline, or null if there is none at all.
     [[nodiscard]] Session* next_due();
     /// To be called when a session's deadline has come nearer; that it goes away, as it does with
@@ -45,6 +53,7 @@ public:
 private:
     void file(Session& session);
 
+    Shares shares_;
     std::unordered_map<NodeId, std::unique_ptr<Session>> sessions_;
     /// By a time that is not after their deadlines.
     std::set<std::pair<TimePoint, Session*>> due_;

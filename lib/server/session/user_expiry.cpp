@@ -74,6 +74,7 @@ void set_user(const SessionNeeds& needs, const EndpointConfig& endpoint, Session
         session.address = session.peer->address();
     }
     session.change_user(with_roles(needs, session, std::move(user)));
+    needs.sessions.update_share(session);
     session.user_deadline = endpoint.allows_anonymous ? end : no_deadline;
     session.ends_at = endpoint.allows_anonymous ? no_deadline : end;
     session.touch(now);
@@ -105,6 +106,7 @@ void expire_user(const SessionNeeds& needs, Session& session, TimePoint now)
     UserStore* users = needs.environment.users;
     session.granted = users != nullptr ? users->anonymous() : anonymous_reader();
     session.change_user(with_roles(needs, session, session.granted));
+    needs.sessions.update_share(session);
     session.user_deadline = no_deadline;
     needs.keeper.user_changed(session, now);
 }

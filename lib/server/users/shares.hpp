@@ -14,6 +14,7 @@ struct Share {
     /// Who that is, to be shown.
     std::string text{};
     std::size_t places{0};
+    /// Of Subscriptions their items; of sessions those that are activated.
     std::size_t items{0};
     /// It was logged that a place of this share went to somebody else.
     bool is_told{false};
