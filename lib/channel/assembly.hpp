@@ -37,6 +37,14 @@ public:
     void limit_messages(std::uint32_t size) { max_message_size_ = std::min(size, most_); }
     /// True while a message is unfinished.
     [[nodiscard]] bool has_begun() const { return chunks_ != 0; }
+    /// Bytes that it holds of one.
+    [[nodiscard]] std::size_t unfinished_size() const { return charged_; }
+    /// No message is finished any more: gives back what there is of one.
+    void end()
+    {
+        drop();
+        message_ = {};
+    }
     /// Takes a buffer for the next message to be put together in.
     void recycle(std::vector<std::byte> buffer);
     [[nodiscard]] std::size_t capacity() const { return message_.capacity(); }

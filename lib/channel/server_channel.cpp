@@ -130,6 +130,7 @@ void ServerChannel::Impl::end(StatusCode status, std::string reason)
     turn = no_deadline;
     conversation.is_held = false;
     report_failure();
+    conversation.assembly().end();
     events.push_closed(status, std::move(reason));
 }
 
@@ -243,6 +244,11 @@ std::size_t ServerChannel::max_response_size() const
     const std::size_t in_chunks =
         std::size_t{sizes.max_chunk_count} * (sizes.send_buffer_size - overhead);
     return std::min<std::size_t>(sizes.max_message_size, in_chunks);
+}
+
+std::size_t ServerChannel::unfinished_size() const
+{
+    return impl_->conversation.assembly().unfinished_size();
 }
 
 std::size_t ServerChannel::memory_in_use() const

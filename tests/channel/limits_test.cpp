@@ -169,6 +169,17 @@ TEST_CASE("a chunk may not be larger than what was agreed", "[channel][limits]")
     CHECK(client.told() == status::Bad_TcpMessageTooLarge);
 }
 
+TEST_CASE("D4: a closed channel holds nothing of an unfinished message", "[channel][limits]")
+{
+    OpenServer client;
+    const std::size_t whole = client.budget.left();
+    client.feed(client.chunk("MSGC", 1, 60'000));
+    CHECK(client.server.unfinished_size() == 60'000);
+    client.server.close(status::Bad_TcpNotEnoughResources, "no place");
+    CHECK(client.server.unfinished_size() == 0);
+    CHECK(client.budget.left() == whole);
+}
+
 TEST_CASE("unfinished messages are charged to a budget and given back", "[channel][limits]")
 {
     OpenServer client;

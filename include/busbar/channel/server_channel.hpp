@@ -73,6 +73,8 @@ public:
     void limit_messages(std::uint32_t size);
     /// Gives a Message's body back, so that the next one needs no allocation. Optional.
     void recycle(std::vector<std::byte> body);
+    /// Bytes of a message that has begun and is not complete; none once the channel is closed.
+    [[nodiscard]] std::size_t unfinished_size() const;
     /// Bytes that the buffers of this connection hold now, for the owner's accounts.
     [[nodiscard]] std::size_t memory_in_use() const;
 

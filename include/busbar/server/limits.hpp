@@ -48,7 +48,9 @@ struct ServerLimits {
     std::chrono::milliseconds send_timeout{30'000};
     /// Requests of one connection that wait for their answers; more answer Bad_ServerTooBusy.
     std::size_t max_pending_requests{100};
-    /// Bytes that the unfinished messages of all connections may take together.
+    /// Bytes that the unfinished messages of all connections may take together. Before less is
+    /// left than one message may have, or a quarter, connections are closed: the one that holds
+    /// most, from the network that holds most.
     std::size_t max_assembly{64U << 20U};
     /// Range of the lifetime of SecurityTokens.
     std::chrono::milliseconds min_token_lifetime{10'000};

@@ -236,6 +236,7 @@ void PeerLink::work(TimePoint now)
         handle(*std::move(event), now);
         has_more_ = turn_.is_over();
     }
+    core_.relieve_assembly(peer_address_);
     if (send_check_ == no_deadline && !output().empty()) {
         send_check_ = now + core_.limits().send_timeout;
         has_progressed_ = false;
