@@ -54,7 +54,7 @@ private:
     rlimit before_{};
 };
 
-/// A server of one connection for each address, on a thread of its own.
+/// A server without a place for anybody, on a thread of its own.
 class Narrow {
 public:
     Narrow()
@@ -64,7 +64,7 @@ public:
         environment_.log = &log_;
         port = *loop.listen("127.0.0.1", 0);
         server::ServerConfig config = test::server_config(port);
-        config.limits.max_connections_per_address = 1;
+        config.limits.max_connections_per_address = 0;
         server_.emplace(*server::Server::create(std::move(config), environment_));
     }
     ~Narrow()

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <deque>
 
 #include "support/slow_server.hpp"
 
@@ -77,9 +78,12 @@ TEST_CASE("connections are limited, and the oldest without a session gives way")
     config.limits.max_connections_per_address = 2;
     ServerFixture fixture{std::move(config)};
     auto user = fixture.log_in();
+    {
+        auto second = fixture.log_in();
+        CHECK(fixture.server.connect("192.0.2.1", fixture.now).error() ==
+              status::Bad_TcpServerTooBusy); // too many from there
+    }
     auto idle = fixture.connect();
-    CHECK(fixture.server.connect("192.0.2.1", fixture.now).error() ==
-          status::Bad_TcpServerTooBusy); // too many from there
     auto next = fixture.connect({}, client_identity(), "192.0.2.2");
     CHECK(idle.is_closed());
     CHECK(fixture.server.next_changed() == idle.connection.id());
@@ -87,6 +91,60 @@ TEST_CASE("connections are limited, and the oldest without a session gives way")
     REQUIRE(next.open_session() == status::Good);
     CHECK(fixture.server.connect("192.0.2.3", fixture.now).error() == status::Bad_TcpServerTooBusy);
     CHECK(user.status_of<ReadResponse>(SlowFixture::fast()) == status::Good);
+}
+
+TEST_CASE("D4: at the limit of an address its oldest connection without a session gives way")
+{
+    auto config = ServerFixture::insecure_config();
+    config.limits.max_connections_per_address = 3;
+    ServerFixture fixture{std::move(config)};
+    auto user = fixture.log_in();
+    auto silent = fixture.server.connect("192.0.2.1", fixture.now).value();
+    auto open = fixture.connect(); // a channel and no session
+    auto next = fixture.log_in();
+    CHECK(silent.is_closed());
+    CHECK_FALSE(open.is_closed());
+    auto last = fixture.log_in();
+    CHECK(open.is_closed());
+    CHECK(fixture.log.text.find("a connection from 192.0.2.1 takes the place of this one") !=
+          std::string::npos);
+    // Nobody with a session gives way.
+    CHECK(fixture.server.connect("192.0.2.1", fixture.now).error() == status::Bad_TcpServerTooBusy);
+    CHECK(user.status_of<ReadResponse>(SlowFixture::fast()) == status::Good);
+    CHECK(next.status_of<ReadResponse>(SlowFixture::fast()) == status::Good);
+}
+
+TEST_CASE("D4: sixty silent sockets keep nobody behind their address out")
+{
+    ServerFixture fixture;
+    std::deque<server::Connection> silent;
+    for (int i = 0; i < 200; ++i) {
+        auto made = fixture.server.connect("192.0.2.1", fixture.now);
+        REQUIRE(made);
+        silent.push_back(*std::move(made));
+        if (silent.size() > 60) {
+            CHECK(silent.front().is_closed());
+            silent.pop_front(); // as whoever drives it does
+        }
+    }
+    auto user = fixture.log_in();
+    CHECK(user.status_of<ReadResponse>(SlowFixture::fast()) == status::Good);
+}
+
+TEST_CASE("D4: at the limit of all the network with most connections without a session gives way")
+{
+    auto config = ServerFixture::insecure_config();
+    config.limits.max_connections = 4;
+    ServerFixture fixture{std::move(config)};
+    auto good = fixture.connect({}, client_identity(), "192.0.2.9"); // the oldest
+    std::deque<server::Connection> greedy;
+    for (int i = 0; i < 5; ++i) {
+        greedy.push_back(fixture.server.connect("192.0.2.66", fixture.now).value());
+    }
+    CHECK_FALSE(good.is_closed());
+    CHECK(greedy[0].is_closed());
+    CHECK(greedy[1].is_closed());
+    CHECK_FALSE(greedy[2].is_closed());
 }
 
 TEST_CASE("shutdown")

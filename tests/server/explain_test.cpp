@@ -107,9 +107,19 @@ TEST_CASE("the log says that there is no place, and who gave way", "[explain]")
     CHECK_FALSE(user.create_session());
     check(news(fixture),
           {"place for a session failed", "1 sessions over this channel", "Bad_TooManySessions"});
-    CHECK_FALSE(fixture.server.connect("192.0.2.1", fixture.now));
-    check(news(fixture), {"place for a connection failed", "2 connections from this address",
-                          "Bad_TcpServerTooBusy"});
+    {
+        auto second = fixture.connect(); // in the place of the idle one
+        check(news(fixture), {"a connection from 192.0.2.1 takes the place of this one, the oldest "
+                              "without an activated session; the limit is "
+                              "max_connections_per_address"});
+        REQUIRE(second.open_session() == status::Good);
+        static_cast<void>(news(fixture));
+        CHECK_FALSE(fixture.server.connect("192.0.2.1", fixture.now));
+        check(news(fixture), {"place for a connection failed", "2 connections from this address",
+                              "Bad_TcpServerTooBusy"});
+    }
+    auto again = fixture.connect();
+    static_cast<void>(news(fixture));
     auto next = fixture.connect({}, client_identity(), "192.0.2.2");
     check(news(fixture), {"the oldest without an activated session", "Part 4, 5.6.2.1"});
 }

@@ -38,7 +38,8 @@ struct ServerLimits {
     std::size_t max_connections{120};
     std::size_t max_connections_per_address{60};
     /// A connection without an activated session is closed after this time; the oldest one is
-    /// closed earlier if a new one needs its place (Part 4, 5.6.2.1).
+    /// closed earlier if a new one needs its place (Part 4, 5.6.2.1): of that address, or of the
+    /// network that has most. Only if all have sessions a new one is refused.
     std::chrono::milliseconds sessionless_timeout{30'000};
     /// Bytes of a request over a channel to which no activated session is bound.
     std::uint32_t max_sessionless_message{64U << 10U};

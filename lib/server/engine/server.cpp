@@ -170,48 +170,6 @@ Configured<void> Server::Impl::check_modules(const ServerConfig& wanted) const
     return {};
 }
 
-std::string Server::Impl::find_obstacle(std::string_view peer_address)
-{
-    if (is_shutting_down()) {
-        return "the server is stopping";
-    }
-    const auto from_there =
-        std::count_if(links.begin(), links.end(), [&](const detail::PeerLink* link) {
-            return link->address() == peer_address;
-        });
-    if (static_cast<std::size_t>(from_there) >= limits().max_connections_per_address) {
-        return std::to_string(from_there) +
-               " connections from this address, the limit max_connections_per_address";
-    }
-    if (!make_place()) {
-        return std::to_string(links.size()) +
-               " connections, all with sessions, the limit max_connections";
-    }
-    return {};
-}
-
-bool Server::Impl::make_place()
-{
-    const auto open = static_cast<std::size_t>(
-        std::count_if(links.begin(), links.end(),
-                      [](const detail::PeerLink* link) { return !link->is_closed(); }));
-    if (open < limits().max_connections) {
-        return links.size() < 2 * limits().max_connections;
-    }
-    const Refusal displaced{status::Bad_TcpServerTooBusy, "activity",
-                            "all connections are taken and this one is the oldest without an "
-                            "activated session",
-                            "Part 4, 5.6.2.1", "Raise max_connections if all of them are needed"};
-    for (detail::PeerLink* link : links) { // the oldest first
-        if (!link->is_closed() && !link->has_activated_session()) {
-            link->close(displaced);
-            sweep();
-            return links.size() < 2 * limits().max_connections;
-        }
-    }
-    return false;
-}
-
 TimePoint Server::next_deadline() const
 {
     if (impl_->events->has_model_changes()) {

@@ -15,10 +15,11 @@ struct Server::Impl : detail::Core {
 
     /// Refused if the configuration asks for what no module has.
     [[nodiscard]] Configured<void> check_modules(const ServerConfig& wanted) const;
-    /// Why a peer cannot be taken; nothing if it can.
+    /// Why a peer cannot be taken; nothing if it can, for which another may have been closed.
     [[nodiscard]] std::string find_obstacle(std::string_view peer_address);
-    /// Makes place by closing the oldest connection that has no session (Part 4, 5.6.2.1).
-    [[nodiscard]] bool make_place();
+    /// Makes place by closing the oldest connection that has no session (Part 4, 5.6.2.1), of the
+    /// network that has most such.
+    [[nodiscard]] bool make_place(std::string_view peer_address);
     void expire_sessions(TimePoint now);
     /// Is in the state, with the sources as it wants them, and tells clients by an event.
     void enter(ServerState state, std::string_view reason, DateTime return_time);
