@@ -1,5 +1,7 @@
 #include <catch2/catch.hpp>
 
+#include <deque>
+
 #include "user_fixture.hpp"
 
 using namespace busbar;
@@ -228,6 +230,27 @@ public:
     bool is_full{false};
 };
 
+/// As net::WorkerThread is.
+class SmallWorker final : public server::Worker {
+public:
+    [[nodiscard]] bool run(std::function<void()> job) override
+    {
+        if (jobs.size() >= 6) {
+            return false;
+        }
+        jobs.push_back(std::move(job));
+        return true;
+    }
+    void work_once()
+    {
+        REQUIRE_FALSE(jobs.empty());
+        jobs.front()();
+        jobs.pop_front();
+    }
+
+    std::deque<std::function<void()>> jobs;
+};
+
 class CountingWaker final : public server::Waker {
 public:
     void wake() override { ++count; }
@@ -315,6 +338,107 @@ TEST_CASE_METHOD(Working, "passwords are checked by a worker while others are se
         worker.is_full = true;
         CHECK(client.take_activate(send(client, "operator-secret")) == status::Bad_ServerTooBusy);
     }
+}
+
+namespace {
+
+/// A server whose worker takes few logins, and clients without certificates of many addresses.
+struct Crowded {
+    Crowded()
+    {
+        fixture.users.used_worker = &worker;
+        for (int i = 0; i < 8; ++i) {
+            strangers.push_back(connect("192.0.2." + std::to_string(60 + i)));
+        }
+    }
+    TestClient connect(const std::string& address)
+    {
+        TestClient client = fixture.connect({}, client_identity(), address);
+        REQUIRE(client.create_session());
+        return client;
+    }
+    /// Each time another user, so that none is guessed at by many.
+    std::uint32_t send(TestClient& client, bool is_right)
+    {
+        const std::string name = "user" + std::to_string(++users);
+        return client.send_activate(client.user(name, is_right ? name + "-secret" : "guess"));
+    }
+    /// One check of those that wait.
+    void work(TestClient& client)
+    {
+        worker.work_once();
+        fixture.server.handle_completions(fixture.now);
+        client.run();
+    }
+
+    CountingWaker waker;
+    SmallWorker worker;
+    ServerFixture fixture{waker};
+    std::deque<TestClient> strangers;
+    int users{0};
+};
+
+} // namespace
+
+TEST_CASE_METHOD(Crowded, "D4: who has logged in before does not wait behind strangers")
+{
+    auto good = connect("192.0.2.1");
+    const auto first = send(good, true);
+    work(good);
+    REQUIRE(good.take_activate(first) == status::Good);
+    std::vector<std::uint32_t> sent;
+    for (TestClient& stranger : strangers) {
+        sent.push_back(send(stranger, false));
+    }
+    CHECK(strangers[6].take_activate(sent[6]) == status::Bad_ServerTooBusy); // the newest of all
+    CHECK(strangers[0].take_activate(sent[0]) == status::Bad_WouldBlock);
+    const auto again = send(good, true); // in place of a stranger's
+    CHECK(good.take_activate(again) == status::Bad_WouldBlock);
+    CHECK(strangers[5].take_activate(sent[5]) == status::Bad_ServerTooBusy);
+    work(good);
+    CHECK(good.take_activate(again) == status::Good);
+    CHECK(fixture.log.text.find("place for a login") != std::string::npos);
+}
+
+TEST_CASE_METHOD(Crowded, "D4: of strangers those who ask for most are refused and wait longest")
+{
+    TestClient& greedy = strangers[0];
+    for (int i = 0; i < 4; ++i) {
+        static_cast<void>(send(greedy, false));
+    }
+    const auto modest = send(strangers[1], true);
+    const auto second = send(strangers[2], true);
+    REQUIRE(worker.jobs.size() == 6);
+    const auto third = send(strangers[3], true); // in place of the greedy one's
+    CHECK(strangers[3].take_activate(third) == status::Bad_WouldBlock);
+    CHECK(worker.jobs.size() == 6);
+    work(strangers[1]);
+    CHECK(strangers[1].take_activate(modest) == status::Good);
+    work(strangers[2]);
+    CHECK(strangers[2].take_activate(second) == status::Good);
+    work(strangers[3]);
+    CHECK(strangers[3].take_activate(third) == status::Good);
+}
+
+TEST_CASE_METHOD(Crowded, "D4: strangers are not starved by those who are known")
+{
+    std::deque<TestClient> known;
+    for (int i = 0; i < 5; ++i) {
+        known.push_back(connect("192.0.2." + std::to_string(10 + i)));
+        const auto first = send(known.back(), true);
+        work(known.back());
+        REQUIRE(known.back().take_activate(first) == status::Good);
+    }
+    const auto waiting = send(strangers[0], true);
+    for (TestClient& client : known) {
+        static_cast<void>(send(client, true));
+    }
+    for (int i = 0; i < 3; ++i) {
+        work(strangers[0]);
+        CHECK(strangers[0].take_activate(waiting) == status::Bad_WouldBlock);
+    }
+    work(strangers[0]);
+    CHECK(strangers[0].take_activate(waiting) == status::Good);
 }
 
 TEST_CASE_METHOD(Working, "many guesses at the same time are as many as one after the other")

@@ -64,6 +64,7 @@ private:
     [[nodiscard]] LoginStep begin_user() const;
     void start_check(std::shared_ptr<PasswordCheck> check, TimePoint now);
     void password_checked(TimePoint now) override;
+    void password_displaced(TimePoint now) override;
     void end_user(Login user, TimePoint now);
     [[nodiscard]] bool is_anonymous() const;
     [[nodiscard]] LoginAttempt login_attempt() const;
@@ -249,11 +250,14 @@ void ActivateSession::start_check(std::shared_ptr<PasswordCheck> check, TimePoin
     }
     check_ = std::move(check);
     check_->owner = this;
+    check_->source = LoginGuard::source_of(login_attempt());
+    check_->is_known = needs_.logins.knows(check_->source);
     checked_nonce_ = session()->server_nonce;
-    const bool is_started = needs_.guards.report().guard("Worker::run", false, [&] {
-        return needs_.password_checks.start(check_, *worker, needs_.guards.unguarded_users());
-    });
-    if (!is_started) {
+    const auto run = [&](std::function<void()> job) {
+        return needs_.guards.report().guard("Worker::run", false,
+                                            [&] { return worker->run(std::move(job)); });
+    };
+    if (!needs_.password_checks.start(check_, needs_.guards.unguarded_users(), run, now)) {
         return fault(status::Bad_ServerTooBusy);
     }
     counted_delay_ = needs_.logins.failed(login_attempt(), now);
@@ -275,6 +279,18 @@ void ActivateSession::password_checked(TimePoint now)
                       now);
     }
     end_user(end_log_in(*check), now);
+}
+
+void ActivateSession::password_displaced(TimePoint now)
+{
+    check_ = nullptr;
+    if (is_finished()) {
+        return;
+    }
+    refuse(refusal_of(status::Bad_ServerTooBusy, "place for a login",
+                      "no other client has as many logins waiting, and others wait too",
+                      "Let the client try again later"),
+           now);
 }
 
 void ActivateSession::end_user(Login user, TimePoint now)

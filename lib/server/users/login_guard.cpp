@@ -75,6 +75,17 @@ LoginGuard::Names LoginGuard::source_names(const LoginAttempt& attempt)
     return {"certificate " + std::string{attempt.certificate}, "certificates from " + network};
 }
 
+std::string LoginGuard::source_of(const LoginAttempt& attempt)
+{
+    return source_names(attempt).first;
+}
+
+bool LoginGuard::knows(std::string_view source) const
+{
+    return std::any_of(known_good_.begin(), known_good_.end(),
+                       [&](const Success& success) { return success.source == cut(source); });
+}
+
 bool LoginGuard::is_known_good(std::string_view user, std::string_view source) const
 {
     return !user.empty() &&

@@ -62,6 +62,12 @@ public:
     /// The attempt was right. What failed() counted for it before that was known is taken back.
     void succeeded(const LoginAttempt& attempt, bool was_counted = false);
 
+    /// Who that is for the rationing of what logins cost: the client's certificate, without one
+    /// its network.
+    [[nodiscard]] static std::string source_of(const LoginAttempt& attempt);
+    /// Somebody has logged in from there.
+    [[nodiscard]] bool knows(std::string_view source) const;
+
     /// Entries of all tables, for tests.
     [[nodiscard]] std::size_t size() const
     {

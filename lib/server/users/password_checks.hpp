@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -7,6 +9,7 @@
 
 #include <busbar/core/clock.hpp>
 #include <busbar/core/detail/guarded.hpp>
+#include <busbar/core/function_ref.hpp>
 #include <busbar/crypto/secret.hpp>
 #include <busbar/server/access_control.hpp>
 #include <busbar/server/waker.hpp>
@@ -22,6 +25,8 @@ public:
     PasswordCheckOwner& operator=(const PasswordCheckOwner&) = delete;
 
     virtual void password_checked(TimePoint now) = 0;
+    /// It will not be looked at: others, who have asked for less, took its place.
+    virtual void password_displaced(TimePoint now) = 0;
 
 protected:
     ~PasswordCheckOwner() = default;
@@ -33,6 +38,9 @@ struct PasswordCheck {
     crypto::Secret password;
     /// False for a stand-in: whatever the store says, the login fails.
     bool is_readable{false};
+    /// Where it comes from (see LoginGuard::source_of), and that somebody has logged in from there.
+    std::string source{};
+    bool is_known{false};
     Result<UserIdentity> result{fail(status::Bad_UserAccessDenied)};
     /// Only touched on the server's thread; null if nobody waits any more.
     PasswordCheckOwner* owner{nullptr};
@@ -53,6 +61,11 @@ struct PasswordCheck {
 };
 
 /// Password checks that workers do. Lives on the server's thread.
+///
+/// The worker decides how many wait, these which is next: what comes from where somebody has logged
+/// in before strangers', though every fourth is a stranger's; of either the sources that have
+/// fewest waiting before the others. When there is no room for one more, the last of the stranger
+/// who has most waiting goes.
 class PasswordChecks {
 public:
     /// `waker` may be null; it must be valid as long as this.
@@ -63,20 +76,33 @@ public:
 
     /// The worker of the store; null if it has none, or there is no way back from it.
     [[nodiscard]] Worker* worker_for(UserStore& users) const;
-    /// Has `worker` ask the store; the check's owner is told later. False if the worker is full.
-    [[nodiscard]] bool start(const std::shared_ptr<PasswordCheck>& check, Worker& worker,
-                             UserStore& users);
+    /// Has a worker ask the store by `run`, which is Worker::run; the check's owner is told later.
+    /// False if there is no room and nobody else has more waiting.
+    [[nodiscard]] bool start(const std::shared_ptr<PasswordCheck>& check, UserStore& users,
+                             FunctionRef<bool(std::function<void()>)> run, TimePoint now);
     /// Tells the owners of checks that are done.
     void drain(TimePoint now);
 
 private:
     /// Outlives the server if a worker is late.
     struct Done {
-        void push(std::shared_ptr<PasswordCheck> check);
+        using Check = std::shared_ptr<PasswordCheck>;
+        using Checks = std::vector<Check>;
+
+        void work(UserStore& users);
+        /// Takes out what is to be looked at next; null if nothing waits.
+        [[nodiscard]] Check take_next();
+        /// Takes out what is not to be looked at.
+        [[nodiscard]] Check take_greediest();
+        [[nodiscard]] std::size_t count_from(const PasswordCheck& check) const;
 
         std::mutex mutex;
         Waker* waker;
-        std::vector<std::shared_ptr<PasswordCheck>> checks;
+        /// The oldest first, one for each job that the worker has not begun.
+        Checks waiting;
+        /// Those that had their turn while strangers waited.
+        unsigned known_in_turn{0};
+        Checks checks;
     };
     std::shared_ptr<Done> done_;
 };
