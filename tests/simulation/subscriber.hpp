@@ -103,6 +103,8 @@ private:
     [[nodiscard]] bool republish();
     void republished(std::uint32_t id, bool had_gap, std::uint32_t number,
                      const Result<RepublishResponse>& response);
+    /// Has the server send the values of all items once more (Part 5, 9.1).
+    void resend(WatchedSubscription& subscription);
 
     // subscriber_wishes.cpp
 

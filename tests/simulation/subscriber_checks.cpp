@@ -59,7 +59,7 @@ void Subscriber::check_arrivals()
     for (const auto& [id, subscription] : subscriptions_) {
         for (const auto& [handle, watch] : subscription.watches) {
             const std::int64_t count = parts_.plant.count(watch.kind, watch.counter);
-            // A value is sampled anew after a gap; an event that was missed does not come back.
+            // A value is sent anew after a gap; an event that was missed does not come back.
             const bool has_news = watch.kind != Plant::Kind::Event ||
                                   (count > watch.first_count && !watch.check.may_miss());
             if (watch.state == Watch::State::Live && watch.mode == MonitoringMode::Reporting &&

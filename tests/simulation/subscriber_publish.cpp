@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <utility>
 
+#include <busbar/types/ids.hpp>
+#include <busbar/types/method.hpp>
+
 #include "subscriber.hpp"
 
 namespace busbar::test {
@@ -208,8 +211,27 @@ void Subscriber::republished(std::uint32_t id, bool had_gap, std::uint32_t numbe
         parts_.trace.note(number_, "lost for good", id, number);
         subscription->sequence.give_up();
         subscription->allow_gaps();
+        subscription->needs_values = true;
         deliver(*subscription);
     }
+}
+
+void Subscriber::resend(WatchedSubscription& subscription)
+{
+    subscription.allow_repeats(); // whether or not the answer arrives
+    CallRequest request;
+    request.methods_to_call.resize(1);
+    request.methods_to_call[0].object_id = NodeId{0, id::Server};
+    request.methods_to_call[0].method_id = NodeId{0, id::Server_ResendData};
+    request.methods_to_call[0].input_arguments.push_back(Variant{subscription.id});
+    step<CallResponse>(request, [this, id = subscription.id](const auto& response) {
+        WatchedSubscription* const found = find(id);
+        const StatusCode status = response ? response->results[0].status_code : response.error();
+        if (found != nullptr && !is_subscription_lost(id, status)) {
+            expect(status == status::Good, "ResendData", status);
+            found->needs_values = false;
+        }
+    });
 }
 
 } // namespace busbar::test

@@ -46,6 +46,10 @@ void Subscriber::next_step()
 /// True if there was something to ask for.
 bool Subscriber::adjust(WatchedSubscription& subscription)
 {
+    if (subscription.needs_values) {
+        resend(subscription);
+        return true;
+    }
     if (subscription.interval != subscription.wanted_interval) {
         modify_subscription(subscription);
         return true;

@@ -71,6 +71,15 @@ void WatchedSubscription::allow_gaps()
     }
 }
 
+void WatchedSubscription::allow_repeats()
+{
+    for (auto& [handle, watch] : watches) {
+        if (watch.kind != Plant::Kind::Event) {
+            watch.check.allow_gap();
+        }
+    }
+}
+
 Watch* WatchedSubscription::find(std::uint32_t handle,
                                  const std::function<void(const std::string&)>& violation)
 {

@@ -55,6 +55,8 @@ public:
     void add_watch(Plant::Kind kind, std::size_t counter, std::uint32_t queue_size);
     /// Notifications may be missing, or come twice, for a reason.
     void allow_gaps();
+    /// Each item's value is to come once more.
+    void allow_repeats();
 
     std::uint32_t id;
     SequenceCheck sequence;
@@ -75,6 +77,8 @@ public:
     bool is_transfer_open{false};
     /// Republish until there is nothing more, whether or not something is known to be missing.
     bool asks_for_more{false};
+    /// Messages are lost for good: the last value of an item may have been in one of them.
+    bool needs_values{false};
     /// When a request was sent that the server has answered and that kept the Subscription alive.
     TimePoint last_use;
 
