@@ -103,6 +103,7 @@ struct ServerLimits {
     /// to the second value.
     std::chrono::milliseconds first_login_delay{250};
     std::chrono::milliseconds max_login_delay{4'000};
+
     // OpenSecureChannel with a policy other than None (Part 2, 5.1.2.2): how many one address may
     // send at once, one more each interval, and how long one may wait for that before it is refused
     // with Bad_TcpServerTooBusy; how many may fail before the address gets the longer interval; the
@@ -114,6 +115,7 @@ struct ServerLimits {
     std::chrono::milliseconds failed_channel_interval{2'000};
     std::chrono::milliseconds max_channel_delay{5'000};
     std::size_t max_channel_entries{512};
+
     /// Lines that sessions may write to the log.
     std::size_t max_log_lines_per_minute{600};
     /// Clients and users that are remembered for failures, and pairs of both for successes.

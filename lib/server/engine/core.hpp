@@ -123,10 +123,10 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     [[nodiscard]] bool is_shutting_down() const { return life.is_shutting_down(); }
     /// Only so many lines a minute: what peers cause must not fill a disk (Part 2, 5.1.2.3).
     void log(LogLevel level, std::string_view source, std::string_view text);
-    /// Null if it has gone.
     /// Has connections give way whose unfinished messages leave too little for others' (see
     /// ServerLimits::max_assembly), because of what came from `taker`.
     void relieve_assembly(std::string_view taker);
+    /// Null if it has gone.
     [[nodiscard]] PeerLink* find_link(std::uint64_t link_id) const;
     /// To be called at the end of whatever is called from outside.
     void sweep();
