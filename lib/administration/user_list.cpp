@@ -228,7 +228,7 @@ Checked<std::string> UserList::hash(std::string_view name, std::string_view pass
         refusal.status = status::Bad_OutOfRange;
         return refuse(std::move(refusal));
     }
-    auto hashed = crypto::hash_password(password, random);
+    auto hashed = crypto::hash_password(password, random, rules_.cost);
     if (!hashed) {
         return refuse_user(status::Bad_ResourceUnavailable, name, "has no hash of the password");
     }

@@ -109,6 +109,36 @@ TEST_CASE("users: the list has a limit, and names and passwords rules")
     CHECK(status_of(list.add(user, "abcde1234", random)) == "Bad_ResourceUnavailable");
 }
 
+TEST_CASE("users: hashes cost what the rules say, and those of before stay")
+{
+    storage::MemoryStorage storage;
+    crypto::SystemRandom random;
+    server::PasswordUsers passwords;
+    User user;
+    user.name = "pat";
+    server::PasswordRules rules;
+    rules.cost.log_n = 4;
+    UserList before{storage, "users.json", rules, passwords};
+    REQUIRE(before.add(user, good_password, random));
+
+    rules.cost = {.scheme = crypto::PasswordScheme::Pbkdf2, .iterations = 1'000};
+    UserList list{storage, "users.json", rules, passwords};
+    REQUIRE(list.load());
+    user.name = "ann";
+    REQUIRE(list.add(user, good_password, random));
+    const auto scheme_of = [&](const char* name) {
+        return crypto::cost_of(list.find(name)->password_hash)->scheme;
+    };
+    CHECK(scheme_of("pat") == crypto::PasswordScheme::Scrypt);
+    CHECK(scheme_of("ann") == crypto::PasswordScheme::Pbkdf2);
+    CHECK(passwords.log_in("pat", good_password));
+    CHECK(passwords.log_in("ann", good_password));
+
+    REQUIRE(list.change_password("pat", good_password, "another horse 2", random));
+    CHECK(scheme_of("pat") == crypto::PasswordScheme::Pbkdf2);
+    CHECK(passwords.log_in("pat", "another horse 2"));
+}
+
 TEST_CASE("users: what waits for a restart is not changed before")
 {
     storage::MemoryStorage storage;

@@ -13,6 +13,10 @@ using server::PasswordUsers;
 
 namespace {
 
+constexpr crypto::PasswordCost cheap_pbkdf2{.scheme = crypto::PasswordScheme::Pbkdf2,
+                                            .iterations = 1'000};
+constexpr crypto::PasswordCost cheap_scrypt{.log_n = 4};
+
 /// "" for a password that the rules allow, else what is wrong with it.
 std::string fault(const PasswordRules& rules, std::string_view password)
 {
@@ -153,6 +157,44 @@ TEST_CASE("users from a file need a name and a hash")
     CHECK(users.set("", crypto::hash_password("secret", random).value()).error() ==
           status::Bad_InvalidArgument);
     CHECK(users.anonymous() == server::anonymous_reader());
+}
+
+TEST_CASE("new hashes cost what the rules say, and those that there are go on")
+{
+    SeededRandom random;
+    const PasswordRules rules{.cost = cheap_pbkdf2};
+    PasswordUsers users{rules};
+    REQUIRE(users.set("maria", crypto::hash_password("correct horse", random, cheap_scrypt).value(),
+                      {1, {"Observer"}}));
+    REQUIRE(users.add("bert", "correct horse", random, {3, {"Operator"}}));
+    const auto cost = [&](const char* name) { return crypto::cost_of(users.password_hash(name)); };
+    CHECK(cost("maria") == cheap_scrypt);
+    CHECK(cost("bert") == cheap_pbkdf2);
+    CHECK(users.log_in("maria", "correct horse")->access_level_mask == 1);
+    CHECK(users.log_in("bert", "correct horse")->access_level_mask == 3);
+
+    REQUIRE(users.change_password("maria", "correct horse", "battery staple", random));
+    CHECK(cost("maria") == cheap_pbkdf2);
+    CHECK(users.log_in("maria", "battery staple")->access_level_mask == 1);
+
+    PasswordRules impossible;
+    impossible.cost.log_n = 16;
+    PasswordUsers nobody{impossible};
+    CHECK(nobody.add("carl", "correct horse", random).error().status ==
+          status::Bad_InvalidArgument);
+    CHECK(nobody.password_hash("carl").empty());
+}
+
+TEST_CASE("a name that is not there logs in with nobody's password")
+{
+    SeededRandom random;
+    PasswordUsers users;
+    REQUIRE(users.set("a", crypto::hash_password("secret", random, cheap_scrypt).value()));
+    REQUIRE(users.set("b", crypto::hash_password("secret", random, cheap_pbkdf2).value()));
+    for (int i = 0; i < 20; ++i) {
+        CHECK(users.log_in("nobody" + std::to_string(i), "secret").error() ==
+              status::Bad_UserAccessDenied);
+    }
 }
 
 TEST_CASE("a directory gives rights to certificates and tokens")

@@ -7,6 +7,7 @@
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/refusal.hpp>
+#include <busbar/crypto/password_hash.hpp>
 
 namespace busbar::server {
 
@@ -15,9 +16,9 @@ inline constexpr std::string_view letters_and_digits =
 inline constexpr std::string_view letters_digits_and_underscore =
     "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ_abcdefghijklmnopqrstuvwxyz";
 
-/// What names and passwords of users must look like. Checked when a user is added or a password
-/// changed, never at a login: whoever logs in must not learn the rules, and passwords from before a
-/// change of the rules stay valid.
+/// What names and passwords of users must look like, and how passwords are stored. Counts when a
+/// user is added or a password changed, never at a login: whoever logs in must not learn the rules,
+/// and passwords from before a change of the rules stay valid.
 ///
 /// The default asks for length, not for kinds of characters, and is bounded by what every client
 /// can send: 64 bytes in the legacy format (Part 4, 7.40.2.1).
@@ -36,6 +37,8 @@ struct PasswordRules {
     /// Names that nobody can have, in any case.
     std::vector<std::string> reserved_names{};
     std::size_t max_users{1'000};
+    /// Of the hashes that are made; those that there are keep theirs.
+    crypto::PasswordCost cost{};
 };
 
 /// Names of 4 to 32 and passwords of 8 to 32 letters and digits, six reserved names, 20 users. The

@@ -24,7 +24,7 @@ Checked<void> PasswordUsers::add(std::string_view name, std::string_view passwor
     if (auto checked = check_password(rules_, name, password); !checked) {
         return checked;
     }
-    auto hash = crypto::hash_password(password, random);
+    auto hash = crypto::hash_password(password, random, rules_.cost);
     if (!hash) {
         return refuse_change(hash.error(), name, "has no hash of the password");
     }
@@ -49,7 +49,7 @@ Checked<void> PasswordUsers::change_password(std::string_view name, std::string_
     if (auto checked = check_password(rules_, name, new_password); !checked) {
         return checked;
     }
-    auto hash = crypto::hash_password(new_password, random);
+    auto hash = crypto::hash_password(new_password, random, rules_.cost);
     if (!hash) {
         return refuse_change(hash.error(), name, "has no hash of the new password");
     }
