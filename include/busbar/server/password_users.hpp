@@ -14,8 +14,9 @@
 
 namespace busbar::server {
 
-/// Users in memory, with scrypt hashes of their passwords (crypto::hash_password). A login costs
-/// one hash, some tens of milliseconds, whether the name exists or not; see set_worker. Any thread.
+/// Users in memory, with hashes of their passwords (crypto::hash_password). A login costs one hash,
+/// by default some tens of milliseconds and 16.8 MB (PasswordRules::cost); a name that is not there
+/// costs what one of the users does. See set_worker. Any thread.
 class BUSBAR_API PasswordUsers final : public UserStore {
 public:
     explicit PasswordUsers(PasswordRules rules = {}) : rules_{std::move(rules)} {}

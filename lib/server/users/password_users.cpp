@@ -1,7 +1,12 @@
 #include <busbar/server/password_users.hpp>
 
+#include <optional>
+#include <vector>
+
 #include <busbar/core/text.hpp>
 #include <busbar/crypto/password_hash.hpp>
+
+#include "stand_in.hpp"
 
 namespace busbar::server {
 
@@ -92,25 +97,32 @@ std::string PasswordUsers::password_hash(std::string_view name) const
 
 Result<UserIdentity> PasswordUsers::log_in(std::string_view name, std::string_view password)
 {
-    User user;
-    bool is_there = false;
+    std::optional<UserRights> rights;
+    std::string hash;
     {
         const std::lock_guard lock{mutex_};
         if (users_.empty()) {
             return fail(status::Bad_UserAccessDenied);
         }
-        const auto found = users_.find(name);
-        is_there = found != users_.end();
-        // A name that is not there costs as much time as one that is.
-        user = is_there ? found->second : users_.begin()->second;
+        std::vector<std::string_view> hashes;
+        hashes.reserve(users_.size());
+        for (const auto& [other, user] : users_) {
+            hashes.push_back(user.password_hash);
+        }
+        // Chosen in any case: a name that is not there takes as long as one that is.
+        hash = hashes[detail::stand_in_for(name, hashes)];
+        if (const auto found = users_.find(name); found != users_.end()) {
+            hash = found->second.password_hash;
+            rights = found->second.rights;
+        }
     }
-    const bool is_right = crypto::verify_password(password, user.password_hash);
-    if (!is_there || !is_right) {
+    const bool is_right = crypto::verify_password(password, hash);
+    if (!rights || !is_right) {
         return fail(status::Bad_UserAccessDenied);
     }
-    UserIdentity identity{UserTokenType::UserName, std::string{name}, user.rights.access_level_mask,
-                          std::move(user.rights.roles)};
-    identity.must_change_password = user.rights.must_change_password;
+    UserIdentity identity{UserTokenType::UserName, std::string{name}, rights->access_level_mask,
+                          std::move(rights->roles)};
+    identity.must_change_password = rights->must_change_password;
     return identity;
 }
 
