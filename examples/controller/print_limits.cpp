@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <busbar/controller/published_program.hpp>
+#include <busbar/crypto/password_hash.hpp>
 #include <busbar/server/process_image.hpp>
 #include <busbar/server/worst_case_memory.hpp>
 
@@ -78,6 +79,19 @@ std::shared_ptr<const server::ProcessImage> image_of(const ControllerConfig& con
         .image();
 }
 
+/// What takes most memory of the hashes that there are and those that will be made.
+crypto::PasswordCost costliest(const UserConfig& users)
+{
+    crypto::PasswordCost most = users.password_rules.cost;
+    for (const Account& account : users.accounts) {
+        const auto cost = crypto::cost_of(account.password_hash);
+        if (cost && crypto::memory_of(*cost) > crypto::memory_of(most)) {
+            most = *cost;
+        }
+    }
+    return most;
+}
+
 /// Numbers to the right, texts to the left, nothing behind the last.
 std::string in_columns(const std::vector<Line>& lines)
 {
@@ -132,6 +146,7 @@ std::string describe_limits(const ControllerConfig& config)
     const server::ProcessImage* const images[] = {held.get()};
     server::WorstCaseMemory all =
         server::worst_case_memory(config.server.limits, {.password_checks = has_passwords ? 1U : 0U,
+                                                         .password_cost = costliest(config.users),
                                                          .slow_sources = {&image, 1},
                                                          .images = images});
     add_own(config, all.rows);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <busbar/crypto/password_hash.hpp>
 #include <busbar/server/worst_case_memory.hpp>
 
 #include "limit_keys.hpp"
@@ -153,9 +154,17 @@ TEST_CASE("limits that are no numbers")
 TEST_CASE("passwords cost memory only where there are some")
 {
     example::ControllerConfig config = parse("[users]\nanonymous = \"read\"\n");
-    CHECK(words_of(describe_limits(config), "crypto::password_hash_memory")[3] != "16.0");
+    const std::string row = "MemoryAssumptions::password_cost";
+    CHECK(words_of(describe_limits(config), row)[3] != "16.0");
     config.users.accounts.emplace_back();
-    CHECK(words_of(describe_limits(config), "crypto::password_hash_memory")[3] == "16.0");
+    CHECK(words_of(describe_limits(config), row)[3] == "16.0");
+
+    // The costliest hash counts, whether there is one or one will be made.
+    config.users.password_rules.cost.scheme = crypto::PasswordScheme::Pbkdf2;
+    CHECK(words_of(describe_limits(config), row)[1] == "2048");
+    config.users.accounts.front().password_hash = "$scrypt$15$8$1$AAAAAAAAAAAAAAAAAAAAAA==$"
+                                                  "AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA=";
+    CHECK(words_of(describe_limits(config), row)[3] == "32.0");
 }
 
 TEST_CASE("sizes are printed as people read them")

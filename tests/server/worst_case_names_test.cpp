@@ -113,7 +113,7 @@ TEST_CASE("each limit has a row, and each row a limit")
 {
     std::set<std::string> in_headers{"subscriptions.sampling.min_interval",
                                      "subscriptions.sampling.max_interval",
-                                     "crypto::password_hash_memory"};
+                                     "MemoryAssumptions::password_cost"};
     for (const Source& source : sources) {
         const auto found = members(source);
         CHECK(found.size() >= 2);
@@ -177,11 +177,25 @@ TEST_CASE("small limits fit a machine of 16 MiB, but for what passwords take")
     const auto whole = server::Server::worst_case_memory(limits).total();
     const auto without = server::worst_case_memory(limits, {.password_checks = 0}).total();
     CHECK(without <= 16U << 20U);
-    CHECK(whole - without == crypto::password_hash_memory);
+    CHECK(whole - without == crypto::memory_of({}));
     CHECK(server::worst_case_memory({}).total() > whole);
     // Part 4, 5.14.1.1
     CHECK(limits.subscriptions.max_retransmission_messages >=
           2 * limits.subscriptions.max_publish_requests);
+}
+
+TEST_CASE("small limits fit a machine of 16 MiB with passwords whose hashes take no memory (E10)")
+{
+    const server::ServerLimits limits = server::small_controller_limits();
+    const auto total = [&](std::size_t checks, const crypto::PasswordCost& cost) {
+        return server::worst_case_memory(limits, {.password_checks = checks, .password_cost = cost})
+            .total();
+    };
+    const crypto::PasswordCost pbkdf2{.scheme = crypto::PasswordScheme::Pbkdf2};
+    CHECK(total(1, pbkdf2) <= 16U << 20U);
+    CHECK(total(2, pbkdf2) - total(0, pbkdf2) == 2 * crypto::memory_of(pbkdf2));
+    const crypto::PasswordCost large{.log_n = 15};
+    CHECK(total(1, large) - total(0, large) == crypto::memory_of(large));
 }
 
 TEST_CASE("a source that answers late is counted")
@@ -204,6 +218,6 @@ TEST_CASE("hashing a password takes exactly what is said")
         // Only checks its numbers if there is no place for a key.
         return EVP_PBE_scrypt(nullptr, 0, nullptr, 0, 16'384, 8, 1, memory, nullptr, 0) == 1;
     };
-    CHECK(fits(crypto::password_hash_memory));
-    CHECK_FALSE(fits(crypto::password_hash_memory - 1));
+    CHECK(fits(crypto::memory_of({})));
+    CHECK_FALSE(fits(crypto::memory_of({}) - 1));
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -11,10 +10,6 @@
 #include <busbar/crypto/random.hpp>
 
 namespace busbar::crypto {
-
-/// Bytes that each call of hash_password or verify_password takes while it lasts; with a hash that
-/// others made with larger numbers up to twice as many. So that guessing takes them too.
-inline constexpr std::size_t password_hash_memory = 16'780'288;
 
 enum class PasswordScheme : std::uint8_t {
     Scrypt, // RFC 7914: guessing takes memory, too

@@ -124,7 +124,8 @@ struct ServerLimits {
 
 /// For a machine with little memory: a handful of clients with a thousand items. What peers can
 /// make a server hold with these is below 16 MiB (see worst_case_memory); the time that each
-/// password takes, and its crypto::password_hash_memory, come on top.
+/// password takes, and its memory (crypto::memory_of), come on top. With hashes of
+/// crypto::PasswordScheme::Pbkdf2 that memory is no matter.
 [[nodiscard]] BUSBAR_API ServerLimits small_controller_limits();
 
 } // namespace busbar::server

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <busbar/core/api.hpp>
+#include <busbar/crypto/password_hash.hpp>
 #include <busbar/server/data_source.hpp>
 #include <busbar/server/limits.hpp>
 
@@ -40,6 +41,9 @@ struct MemoryAssumptions {
     /// Passwords that are hashed at a time: 1 with PasswordUsers, on whichever thread; 0 where
     /// nobody logs in with a password.
     std::size_t password_checks{1};
+    /// What each of them costs: PasswordRules::cost, or what the costliest of the hashes that there
+    /// are does (crypto::cost_of).
+    crypto::PasswordCost password_cost{};
     /// Of the sources that do not complete their batches inline. They must outlive the call.
     std::span<const DataSourceOptions> slow_sources{};
     /// For which Write requests wait, and whose structures Reads and sampling turn into what is on

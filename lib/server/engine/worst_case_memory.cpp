@@ -330,9 +330,9 @@ void add_logins(Rows& rows, const ServerLimits& limits, const MemoryAssumptions&
     rows.count("max_login_entries", limits.max_login_entries)
         .holds(std::max<Number>(limits.max_login_entries, 1), bytes_of_login_entry,
                "clients and users that failed or logged in");
-    rows.bytes("crypto::password_hash_memory", crypto::password_hash_memory)
-        .holds(other.password_checks, crypto::password_hash_memory,
-               "passwords that are being checked");
+    const Number password = crypto::memory_of(other.password_cost);
+    rows.bytes("MemoryAssumptions::password_cost", password)
+        .holds(other.password_checks, password, "passwords that are being checked");
 }
 
 /// What a batch was asked for stays with a slow source when its request has long timed out.
