@@ -44,7 +44,7 @@ void Administered::add_users(Admission& admission, ControllerConfig& config)
                                                 "trusts all clients, expected certificates that "
                                                 "decide"};
         }
-        new_code_ = setup_->begin(random_);
+        new_code_ = setup_->begin(random_, config.users.password_rules.cost);
     }
     offer_passwords(config.server.endpoints);
 }

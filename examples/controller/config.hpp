@@ -54,7 +54,7 @@ struct UserConfig {
     bool has_setup{false};
     /// Who may look at what administrators change.
     administration::Authorities authorities{administration::Authorities::Standard};
-    /// Of users who are added online.
+    /// Of users who are added online; the cost is also that of all other new hashes.
     server::PasswordRules password_rules;
 };
 

@@ -1,6 +1,5 @@
 #include "first_account.hpp"
 
-#include <busbar/crypto/password_hash.hpp>
 #include <busbar/storage/folder_storage.hpp>
 
 namespace busbar::example {
@@ -63,10 +62,11 @@ std::optional<FirstAccount> load_first_account(const std::string& folder)
     return FirstAccount{account_with(std::move(hash)), std::nullopt};
 }
 
-FirstAccount make_first_account(const std::string& folder, crypto::Random& random)
+FirstAccount make_first_account(const std::string& folder, crypto::Random& random,
+                                const crypto::PasswordCost& cost)
 {
     crypto::Secret password = new_password(random);
-    auto hash = crypto::hash_password(password.text(), random);
+    auto hash = crypto::hash_password(password.text(), random, cost);
     if (!hash) {
         throw ConfigError{Problem{hash.error(), "the first password", "cannot be hashed"}};
     }

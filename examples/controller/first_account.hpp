@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include <busbar/crypto/password_hash.hpp>
 #include <busbar/crypto/random.hpp>
 #include <busbar/crypto/secret.hpp>
 
@@ -23,7 +24,8 @@ struct FirstAccount {
 
 /// The same with a new random password, whose hash is saved for its owner alone. Throws
 /// ConfigError.
-[[nodiscard]] FirstAccount make_first_account(const std::string& folder, crypto::Random& random);
+[[nodiscard]] FirstAccount make_first_account(const std::string& folder, crypto::Random& random,
+                                              const crypto::PasswordCost& cost);
 
 /// 100 random bits as "xxxxx-xxxxx-xxxxx-xxxxx". Throws ConfigError.
 [[nodiscard]] crypto::Secret new_password(crypto::Random& random);

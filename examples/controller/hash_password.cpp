@@ -2,17 +2,20 @@
 
 #include <cstdio>
 #include <iostream>
-#include <string>
 
 #include <busbar/core/problem.hpp>
-#include <busbar/crypto/password_hash.hpp>
 #include <busbar/crypto/random.hpp>
 #include <busbar/server/password_rules.hpp>
 
+#include "config.hpp"
+#include "security_section.hpp"
+
 namespace busbar::example {
 
-int hash_password()
+int hash_password(const std::string& config_file)
 {
+    const toml::table file = parse_table(read_config_text(config_file), config_file);
+    const auto cost = read_password_cost(TomlTable{file, config_file}.table("users"));
     std::string password;
     if (!std::getline(std::cin, password) || password.empty()) {
         std::fprintf(stderr, "expected a password on standard input\n");
@@ -24,7 +27,7 @@ int hash_password()
         return 1;
     }
     crypto::SystemRandom random;
-    const auto hash = crypto::hash_password(password, random);
+    const auto hash = crypto::hash_password(password, random, cost);
     if (!hash) {
         return 1;
     }

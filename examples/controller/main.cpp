@@ -101,7 +101,8 @@ int run(int argc, char** argv)
         ->type_name("FOLDER");
     app.add_flag("--print-config", wants_config, "print the built-in configuration, commented");
     app.add_flag("--hash-password", wants_hash,
-                 "read a password from standard input, print what a configuration may store");
+                 "read a password from standard input, print what a configuration may store, "
+                 "hashed as [users] of --config says");
     app.add_flag("--regenerate-certificate", wants_certificate,
                  "make a new certificate and key with the names of the configuration, and end");
     app.add_flag("--forget-changes", forgets_changes,
@@ -117,7 +118,7 @@ int run(int argc, char** argv)
         return 0;
     }
     if (wants_hash) {
-        return example::hash_password();
+        return example::hash_password(origin.file);
     }
     if (const auto end = prints.run(origin.file)) {
         return *end;

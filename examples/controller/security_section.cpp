@@ -5,13 +5,14 @@
 #include <iterator>
 #include <utility>
 
-#include <busbar/crypto/password_hash.hpp>
-
 namespace busbar::example {
 
 namespace {
 
 constexpr std::int64_t days_of_a_century = 36'525;
+
+constexpr std::int64_t least_iterations = 10'000;
+constexpr std::int64_t most_iterations = 10'000'000;
 
 /// "read" or "write"; `otherwise` if the key is not there.
 Access read_access(const TomlTable& table, std::string_view key, std::string otherwise)
@@ -201,11 +202,29 @@ void read_certificates(const TomlTable& table, ControllerConfig& config)
     certificates.validation = read_suppressed(table);
 }
 
+crypto::PasswordCost read_password_cost(const TomlTable& table)
+{
+    crypto::PasswordCost cost;
+    const std::string scheme = table.text("password_hash", "scrypt");
+    if (scheme == "pbkdf2") {
+        cost.scheme = crypto::PasswordScheme::Pbkdf2;
+        cost.iterations = static_cast<std::uint32_t>(table.integer(
+            "password_iterations", cost.iterations, least_iterations, most_iterations));
+    } else if (scheme != "scrypt") {
+        table.fail("password_hash", "\"scrypt\" or \"pbkdf2\"");
+    } else if (table.has("password_iterations")) {
+        table.refuse("password_iterations", "found it with scrypt, which has none, expected it "
+                                            "with password_hash = \"pbkdf2\"");
+    }
+    return cost;
+}
+
 void read_users(const TomlTable& table, ControllerConfig& config)
 {
-    table.allow(
-        {"anonymous", "account", "certificates", "tokens", "setup", "authorities", "passwords"});
+    table.allow({"anonymous", "account", "certificates", "tokens", "setup", "authorities",
+                 "passwords", "password_hash", "password_iterations"});
     UserConfig& users = config.users;
+    users.password_rules.cost = read_password_cost(table);
     users.anonymous = read_optional_access(table, "anonymous");
     users.certified = read_optional_access(table, "certificates");
     for (const TomlTable& entry : table.tables("account")) {

@@ -3,8 +3,6 @@
 #include <string>
 #include <utility>
 
-#include <busbar/crypto/password_hash.hpp>
-
 #include "first_account.hpp"
 #include "toml_reader.hpp"
 
@@ -18,7 +16,7 @@ constexpr std::uint8_t all_access = 0xFF;
 
 } // namespace
 
-std::optional<crypto::Secret> Setup::begin(crypto::Random& random)
+std::optional<crypto::Secret> Setup::begin(crypto::Random& random, const crypto::PasswordCost& cost)
 {
     std::string hash;
     std::optional<crypto::Secret> code;
@@ -29,7 +27,7 @@ std::optional<crypto::Secret> Setup::begin(crypto::Random& random)
         throw ConfigError{files_.place(code_file), std::string{text(bytes.error())}};
     } else {
         code = new_password(random);
-        auto made = crypto::hash_password(code->text(), random);
+        auto made = crypto::hash_password(code->text(), random, cost);
         if (!made || !files_.make_folder("", FileAccess::Everyone) ||
             !files_.replace(code_file, std::as_bytes(std::span{*made}), FileAccess::Owner)) {
             throw ConfigError{files_.place(code_file),

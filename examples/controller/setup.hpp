@@ -4,6 +4,7 @@
 
 #include <busbar/core/storage.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
+#include <busbar/crypto/password_hash.hpp>
 #include <busbar/crypto/random.hpp>
 #include <busbar/crypto/secret.hpp>
 #include <busbar/server/password_users.hpp>
@@ -26,8 +27,9 @@ public:
     }
 
     /// Lets the user in. The code, if it was made just now: to be shown once, and kept nowhere; its
-    /// hash is in the file setup.code. Throws ConfigError.
-    [[nodiscard]] std::optional<crypto::Secret> begin(crypto::Random& random);
+    /// hash, which costs `cost`, is in the file setup.code. Throws ConfigError.
+    [[nodiscard]] std::optional<crypto::Secret> begin(crypto::Random& random,
+                                                      const crypto::PasswordCost& cost);
     [[nodiscard]] bool is_active() const { return is_active_; }
     /// For good: no such user, no such file, and strangers are strangers again.
     void end();

@@ -74,7 +74,7 @@ void add_first_account(ControllerConfig& config)
     }
     if (!first) {
         crypto::SystemRandom random;
-        first = make_first_account(folder, random);
+        first = make_first_account(folder, random, config.users.password_rules.cost);
         std::printf("user \"%s\", password \"%.*s\": shown this once; %s/operator.password has its "
                     "hash\n",
                     first->account.name.c_str(), static_cast<int>(first->password->size()),

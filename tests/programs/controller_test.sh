@@ -133,6 +133,23 @@ run 0 read i=2258 --url "$url" $login
 grep -q scrypt log && fail "a hash in the log (D6)"
 stop
 
+# E10: hashes cost what the file says, of which nothing else has to make sense yet.
+{ cat plain.toml; printf 'password_hash = "pbkdf2"\npassword_iterations = 10000\n'; } > small.toml
+{ cat small.toml; printf '[[users.account]]\nname = "anna"\npassword = ""\n'; } > begun.toml
+hash=$(printf 'third-password' | "$controller" --hash-password --config begun.toml)
+case $hash in '$pbkdf2-sha256$10000$'*) ;; *) fail "the hash $hash (E10)" ;; esac
+{ cat small.toml; printf '[[users.account]]\nname = "anna"\npassword = "%s"\n' "$hash"; } > users.toml
+serve --config users.toml
+echo third-password > secret
+run 0 read i=2258 --url "$url" $login
+echo second-password > secret
+run 4 read i=2258 --url "$url" $login
+limits --print-limits users.toml
+grep -q '^MemoryAssumptions::password_cost  *2048 B  *2.0 KiB' out || fail "the memory of a login (E10)"
+stop
+sed 's/"pbkdf2"/"bcrypt"/' small.toml > wrong.toml
+refused 'wrong.toml:9: password_hash: found ' --hash-password --config wrong.toml
+
 # D10: what is refused is told with its reason.
 refused "/nowhere: the file cannot be read: No such file or directory" --config /nowhere
 refused "$work: found a directory, expected a file" --config "$work"

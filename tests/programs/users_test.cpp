@@ -13,6 +13,8 @@
 #include "admission.hpp"
 #include "first_account.hpp"
 #include "reload.hpp"
+#include "security_section.hpp"
+#include "setup.hpp"
 #include "support/seeded_random.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -21,6 +23,9 @@ using namespace busbar::example;
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr crypto::PasswordCost cheap{.scheme = crypto::PasswordScheme::Pbkdf2,
+                                     .iterations = 10'000};
 
 void write(const fs::path& path, const std::string& text)
 {
@@ -87,13 +92,14 @@ TEST_CASE("the first account has a password of its own, and keeps it (D8)")
     const std::string certificates = folder.path.string() + "/pki";
     CHECK_FALSE(load_first_account(certificates));
     test::SeededRandom random{7};
-    const FirstAccount made = make_first_account(certificates, random);
+    const FirstAccount made = make_first_account(certificates, random, cheap);
     REQUIRE(made.password);
     const std::string password{made.password->text()};
     CHECK(made.account.name == "operator");
     CHECK(password.size() == 23); // four groups of five characters of 32
     CHECK(std::count(password.begin(), password.end(), '-') == 3);
     CHECK(crypto::verify_password(password, made.account.password_hash));
+    CHECK(crypto::cost_of(made.account.password_hash) == cheap);
 
     const fs::path file = fs::path{certificates} / "operator.password";
     CHECK((fs::status(file).permissions() & fs::perms::mask) ==
@@ -106,8 +112,95 @@ TEST_CASE("the first account has a password of its own, and keeps it (D8)")
     CHECK(again->account.password_hash == made.account.password_hash);
     CHECK(again->account.name == "operator");
 
-    const FirstAccount other = make_first_account(certificates, random);
+    const FirstAccount other = make_first_account(certificates, random, cheap);
     CHECK(other.password->text() != password);
+}
+
+TEST_CASE("E10: what new hashes cost is configured")
+{
+    const auto cost = [](const std::string& users) {
+        return parse_config("[users]\n" + users, "plant.toml").users.password_rules.cost;
+    };
+    CHECK(cost("") == crypto::PasswordCost{});
+    CHECK(cost("password_hash = \"scrypt\"") == crypto::PasswordCost{});
+    CHECK(cost("password_hash = \"pbkdf2\"") ==
+          crypto::PasswordCost{.scheme = crypto::PasswordScheme::Pbkdf2, .iterations = 600'000});
+    CHECK(cost("password_hash = \"pbkdf2\"\npassword_iterations = 10000") == cheap);
+    CHECK(cost("password_iterations = 10000000\npassword_hash = \"pbkdf2\"").iterations ==
+          10'000'000);
+    // A product's limits say nothing of it.
+    const std::string preset = "[limits]\npreset = \"nj501\"\n[users]\npassword_hash = \"pbkdf2\"";
+    const UserConfig users = parse_config(preset, "plant.toml").users;
+    CHECK(users.password_rules.cost.scheme == crypto::PasswordScheme::Pbkdf2);
+    CHECK(users.password_rules.max_users == 20);
+}
+
+TEST_CASE("E10: a cost without sense is refused with its line")
+{
+    struct Row {
+        std::string users;
+        std::string said;
+    };
+    const std::string pbkdf2 = "password_hash = \"pbkdf2\"\n";
+    const Row rows[] = {
+        {"password_hash = \"bcrypt\"",
+         "plant.toml:2: password_hash: found 'bcrypt', expected \"scrypt\" or \"pbkdf2\""},
+        {"password_hash = 2", "plant.toml:2: password_hash: found "},
+        {"password_iterations = 600000",
+         "plant.toml:2: password_iterations: found it with scrypt, which has none, expected it "
+         "with password_hash = \"pbkdf2\""},
+        {"password_hash = \"scrypt\"\npassword_iterations = 600000",
+         "plant.toml:3: password_iterations: found it with scrypt"},
+        {pbkdf2 + "password_iterations = 9999",
+         "plant.toml:3: password_iterations: found 9999, expected a number from 10000 to 10000000"},
+        {pbkdf2 + "password_iterations = 10000001", "plant.toml:3: password_iterations: found "},
+        {pbkdf2 + "password_iterations = -10000", "plant.toml:3: password_iterations: found "},
+        {pbkdf2 + "password_iterations = \"many\"", "plant.toml:3: password_iterations: found "},
+    };
+    for (const Row& row : rows) {
+        const std::string said = complaint(
+            [&] { static_cast<void>(parse_config("[users]\n" + row.users, "plant.toml")); });
+        INFO(said);
+        CHECK(said.find(row.said) == 0);
+    }
+}
+
+TEST_CASE("E10: accounts of either scheme log in, whatever new hashes cost")
+{
+    test::SeededRandom random;
+    const auto with = [&](const crypto::PasswordCost& cost) {
+        return "password = \"" + crypto::hash_password("first password", random, cost).value() +
+               "\"\n";
+    };
+    Plant plant;
+    for (const char* scheme : {"scrypt", "pbkdf2"}) {
+        write(plant.file, "[users]\nanonymous = \"read\"\npassword_hash = \"" +
+                              std::string{scheme} + "\"\n[[users.account]]\nname = \"anna\"\n" +
+                              with({.log_n = 4}) + "[[users.account]]\nname = \"bert\"\n" +
+                              with(cheap));
+        static_cast<void>(plant.reload());
+        CHECK(plant.lets_in("anna", "first password"));
+        CHECK(plant.lets_in("bert", "first password"));
+        CHECK_FALSE(plant.lets_in("carl", "first password"));
+    }
+}
+
+TEST_CASE("E10: the code of a setup costs what passwords do")
+{
+    Plant plant;
+    test::SeededRandom random;
+    storage::FolderStorage files{plant.folder.path.string() + "/setup"};
+    Setup setup{files, plant.admission->clients(), plant.admission->passwords()};
+    const auto code = setup.begin(random, cheap);
+    REQUIRE(code);
+    CHECK(crypto::cost_of(read(plant.folder.path / "setup" / "setup.code")) == cheap);
+    CHECK(plant.lets_in("setup", std::string{code->text()}));
+    // One that was made before lasts.
+    setup.end();
+    REQUIRE(setup.begin(random, cheap));
+    Setup again{files, plant.admission->clients(), plant.admission->passwords()};
+    CHECK_FALSE(again.begin(random, {}));
+    CHECK(crypto::cost_of(plant.admission->passwords().password_hash("setup")) == cheap);
 }
 
 TEST_CASE("a first account whose file is damaged lets nobody in (D8)")
