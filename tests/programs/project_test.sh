@@ -64,6 +64,10 @@ echo "Secret_123" > password
 run 0 project user press.busbar hmi --new-password-file password --permission client
 grep -q 'Secret' press.busbar && fail "the project has a password"
 grep -q '^password_hash = \$scrypt\$' press.busbar || fail "the project has no hash"
+cp press.busbar small.busbar
+run 0 project user small.busbar hmi --new-password-file password --pbkdf2-iterations 10000
+grep -q '^password_hash = \$pbkdf2-sha256\$10000\$' small.busbar || fail "the hash is another one"
+run 2 project user small.busbar hmi --new-password-file password --pbkdf2-iterations 9999
 echo "secret" > password
 run 1 project user press.busbar chief --new-password-file password
 

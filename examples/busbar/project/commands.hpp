@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -23,6 +24,8 @@ struct Arguments {
     std::string preset;
     std::string permission;
     std::string new_password_file;
+    /// 0: the hash is scrypt's.
+    std::uint32_t pbkdf2_iterations{0};
     /// Of a table that is read.
     std::string table;
     std::string part;
