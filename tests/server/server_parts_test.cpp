@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include <busbar/server/config_check.hpp>
+#include <busbar/server/worst_case_memory.hpp>
 
 #include "support/server_fixture.hpp"
 
@@ -283,6 +284,18 @@ TEST_CASE_METHOD(Contradiction, "channels are rationed by limits that make sense
         reason = "shorter than channel_interval";
     }
     check_refused();
+}
+
+TEST_CASE_METHOD(Contradiction, "limits for a machine's memory do not contradict each other")
+{
+    const auto least = server::worst_case_memory(server::small_controller_limits()).total();
+    for (std::uint64_t memory = least; memory <= std::uint64_t{32} << 30U; memory += memory / 3) {
+        CAPTURE(memory);
+        const auto limits = server::limits_for(memory);
+        REQUIRE(limits);
+        config.limits = *limits;
+        CHECK(server::check_config(config, environment));
+    }
 }
 
 TEST_CASE_METHOD(Contradiction, "a server needs room for its namespace")

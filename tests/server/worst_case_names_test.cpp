@@ -221,3 +221,48 @@ TEST_CASE("hashing a password takes exactly what is said")
     CHECK(fits(crypto::memory_of({})));
     CHECK_FALSE(fits(crypto::memory_of({}) - 1));
 }
+
+TEST_CASE("limits for a machine's memory are as large as it allows (D9)")
+{
+    constexpr std::uint64_t mega = 1'000'000;
+    std::uint64_t before = 0;
+    for (const std::uint64_t memory : {64 * mega, 256 * mega, 1'000 * mega, 8'000 * mega}) {
+        CAPTURE(memory);
+        const auto limits = server::limits_for(memory);
+        REQUIRE(limits);
+        const std::uint64_t total = server::worst_case_memory(*limits).total();
+        CHECK(total <= memory);
+        CHECK(total > memory * 9 / 10);
+        CHECK(total > before);
+        before = total;
+    }
+    // Where there is more than the defaults can use they stay.
+    const auto most = server::limits_for(std::numeric_limits<std::uint64_t>::max());
+    REQUIRE(most);
+    CHECK(server::worst_case_memory(*most).total() == server::worst_case_memory({}).total());
+
+    const auto least = server::worst_case_memory(server::small_controller_limits()).total();
+    CHECK(server::limits_for(least + mega));
+    const auto refused = server::limits_for(mega);
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().text.find(std::to_string(1'000'000)) != std::string::npos);
+}
+
+TEST_CASE("limits for a machine's memory lie between the small ones and the defaults")
+{
+    const auto small = server::worst_case_memory(server::small_controller_limits()).rows;
+    const auto large = server::worst_case_memory({}).rows;
+    const auto limits = server::limits_for(512'000'000);
+    REQUIRE(limits);
+    const auto between = server::worst_case_memory(*limits).rows;
+    REQUIRE(between.size() == large.size());
+    for (std::size_t i = 0; i < large.size(); ++i) {
+        INFO(large[i].limit);
+        if (large[i].unit == server::LimitUnit::Milliseconds || small[i].value == large[i].value) {
+            CHECK(between[i].value == large[i].value);
+        } else if (large[i].limit != "max_channel_burst") { // as times are: no matter of memory
+            CHECK(between[i].value >= small[i].value);
+            CHECK(between[i].value < large[i].value);
+        }
+    }
+}

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <busbar/core/api.hpp>
+#include <busbar/core/problem.hpp>
 #include <busbar/crypto/password_hash.hpp>
 #include <busbar/server/data_source.hpp>
 #include <busbar/server/limits.hpp>
@@ -49,6 +50,8 @@ struct MemoryAssumptions {
     /// For which Write requests wait, and whose structures Reads and sampling turn into what is on
     /// the wire. They must outlive the call; variables that are added later are not counted.
     std::span<const ProcessImage* const> images{};
+    /// What drives the server holds for each connection; net::ServerLoop has 64 KiB.
+    std::size_t connection_bytes{0};
 };
 
 struct WorstCaseMemory {
@@ -64,9 +67,15 @@ struct WorstCaseMemory {
 /// all is used up at once takes many peers who are logged in.
 ///
 /// Not in it are the server's own address space and users, and the values that its data sources
-/// give: a Read holds those of all its nodes until it is answered. Nor is what drives the server:
-/// net::ServerLoop has 64 KiB for each connection.
+/// give: a Read holds those of all its nodes until it is answered.
 [[nodiscard]] BUSBAR_API WorstCaseMemory worst_case_memory(const ServerLimits& limits,
                                                            const MemoryAssumptions& other = {});
+
+/// The largest limits with which that is at most `memory` bytes. All that hold memory, or are a
+/// share of what does, lie in one proportion between those of small_controller_limits() and the
+/// defaults; times are the defaults'. A firmware calls it with its constant. Refused: less than
+/// small_controller_limits() needs.
+[[nodiscard]] BUSBAR_API Configured<ServerLimits> limits_for(std::uint64_t memory,
+                                                             const MemoryAssumptions& other = {});
 
 } // namespace busbar::server

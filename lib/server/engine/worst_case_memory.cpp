@@ -341,12 +341,24 @@ void add_sources(Rows& rows, const ServerLimits& limits, const MemoryAssumptions
     const Number message = channel::detail::completed(limits.transport).max_message_size;
     const Number request =
         plus(times(message, Number{2} + limits.decode.max_expansion), limits.decode.free_memory);
+    const OperationLimits& operations = limits.operations;
+    const Number in_a_batch =
+        std::max({operations.max_nodes_per_read, operations.max_nodes_per_write,
+                  operations.max_nodes_per_method_call});
     for (const DataSourceOptions& source : other.slow_sources) {
         rows.count("DataSourceOptions::max_batches", source.max_batches)
             .holds(source.max_batches, request, "requests that a source has not completed");
         rows.count("DataSourceOptions::max_items", source.max_items)
-            .holds(source.max_items, detail::WriteJob::bytes_per_item, "the items of these");
+            .holds(std::min<Number>(source.max_items, times(source.max_batches, in_a_batch)),
+                   detail::WriteJob::bytes_per_item, "the items of these");
     }
+}
+
+void add_driver(Rows& rows, const ServerLimits& limits, const MemoryAssumptions& other)
+{
+    rows.bytes("MemoryAssumptions::connection_bytes", other.connection_bytes)
+        .holds(all_connections(limits), other.connection_bytes,
+               "what drives the server holds for connections");
 }
 
 void add_images(Rows& rows, const MemoryAssumptions& other)
@@ -401,6 +413,9 @@ WorstCaseMemory worst_case_memory(const ServerLimits& limits, const MemoryAssump
     add_logins(rows, limits, other);
     add_sources(rows, limits, other);
     add_images(rows, other);
+    if (other.connection_bytes != 0) {
+        add_driver(rows, limits, other);
+    }
     return all;
 }
 

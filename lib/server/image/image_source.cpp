@@ -22,8 +22,7 @@ DataSourceOptions ImageSource::options() const
     // Ranges to read are left to the server: it cuts them out of the shared value.
     options.writes_ranges = true;
     // Writes that wait are limited by the image; a Read, done at once, goes past them.
-    options.max_batches =
-        std::max(options.max_batches, std::size_t{image_->options().max_waiting_writes} + 2);
+    options.max_batches = std::size_t{image_->options().max_waiting_writes} + 2;
     return options;
 }
 
