@@ -17,6 +17,7 @@
 #include "labels_section.hpp"
 #include "limits_section.hpp"
 #include "machine_section.hpp"
+#include "memory_section.hpp"
 #include "plc_section.hpp"
 #include "security_section.hpp"
 #include "toml_text.hpp"
@@ -151,7 +152,7 @@ ControllerConfig read_root(const TomlTable& root)
                 "users", "files", "limits", "machine", "labels", "plc"});
     ControllerConfig config;
     config.machine.types = default_types();
-    read_preset(root.table("limits"), config);
+    read_preset(root, config);
     read_server(root.table("server"), config);
     read_reverse_connect(root.table("reverse_connect"), config);
     read_discovery(root.table("discovery"), config.discovery);
@@ -164,6 +165,7 @@ ControllerConfig read_root(const TomlTable& root)
     read_machine(root.table("machine"), config);
     read_labels(root.table("labels"), config);
     read_plc(root.table("plc"), config);
+    check_memory(root.table("limits"), config);
     return config;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "limit_keys.hpp"
+#include "memory_section.hpp"
 #include "presets.hpp"
 
 namespace busbar::example {
@@ -35,7 +36,7 @@ TomlTable table_of(const TomlTable& root, std::string_view path)
 std::vector<std::string_view> other_keys(std::string_view table)
 {
     if (table == "limits") {
-        return {"preset", "events", "subscriptions", "certificates"};
+        return {"preset", "memory", "events", "subscriptions", "certificates"};
     }
     if (table == "limits.subscriptions") {
         return {"samples_each_scan", "sampling_intervals_ms", "overload_percent"};
@@ -205,11 +206,18 @@ std::string key_of(std::string_view limit)
     return {};
 }
 
-void read_preset(const TomlTable& table, ControllerConfig& config)
+void read_preset(const TomlTable& root, ControllerConfig& config)
 {
+    const TomlTable table = root.table("limits");
     const std::string name = table.text("preset", "");
+    const auto memory = read_memory(table);
     if (name.empty()) {
-        return;
+        return memory ? take_memory(root, *memory, config) : void();
+    }
+    if (memory) {
+        table.refuse("memory", "found with the preset \"" + name +
+                                   "\", expected one of the two: a preset has the limits of a "
+                                   "product");
     }
     const auto preset = find_preset(name);
     if (!preset) {
@@ -240,7 +248,9 @@ void read_limits(const TomlTable& root, ControllerConfig& config)
             check_operations(limits, key, config);
         }
     }
-    make_room(limits, config.server.limits);
+    if (!limits.has("memory") || limits.has("message_size")) {
+        make_room(limits, config.server.limits);
+    }
     read_sampling(limits.table("subscriptions"), config.server.limits.subscriptions.sampling);
     read_when_full(limits.table("certificates"), config.certificates.limits);
     read_password_rules(root.table("users").table("passwords"), config.users.password_rules);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "limits_section.hpp"
-#include "print_limits.hpp"
+#include "memory_section.hpp"
 
 namespace busbar::example {
 

@@ -15,6 +15,7 @@
 
 #include "limits_section.hpp"
 #include "machine_section.hpp"
+#include "memory_section.hpp"
 #include "toml_reader.hpp"
 
 namespace busbar::example {
@@ -25,9 +26,6 @@ using server::LimitUnit;
 using server::MemoryRow;
 
 using Line = std::array<std::string, 5>;
-
-/// What one connection takes in net::ServerLoop: the bytes that were just received, and the link.
-constexpr std::uint64_t bytes_of_link = 68'000;
 
 std::string value_text(const MemoryRow& row)
 {
@@ -40,14 +38,6 @@ std::string value_text(const MemoryRow& row)
         break;
     }
     return std::to_string(row.value);
-}
-
-/// What the controller has beside the server's limits.
-void add_own(const ControllerConfig& config, std::vector<MemoryRow>& rows)
-{
-    rows.push_back({"net::ServerLoop", bytes_of_link, LimitUnit::Bytes,
-                    2 * std::uint64_t{config.server.limits.max_connections}, bytes_of_link,
-                    "bytes of connections that were just received"});
 }
 
 std::vector<Line> lines_of(const server::WorstCaseMemory& all)
@@ -79,19 +69,6 @@ std::shared_ptr<const server::ProcessImage> image_of(const ControllerConfig& con
         .image();
 }
 
-/// What takes most memory of the hashes that there are and those that will be made.
-crypto::PasswordCost costliest(const UserConfig& users)
-{
-    crypto::PasswordCost most = users.password_rules.cost;
-    for (const Account& account : users.accounts) {
-        const auto cost = crypto::cost_of(account.password_hash);
-        if (cost && crypto::memory_of(*cost) > crypto::memory_of(most)) {
-            most = *cost;
-        }
-    }
-    return most;
-}
-
 /// Numbers to the right, texts to the left, nothing behind the last.
 std::string in_columns(const std::vector<Line>& lines)
 {
@@ -117,40 +94,9 @@ std::string in_columns(const std::vector<Line>& lines)
 
 } // namespace
 
-std::string size_text(std::uint64_t bytes)
-{
-    if (bytes == std::numeric_limits<std::uint64_t>::max()) {
-        return "no end";
-    }
-    constexpr std::array units{"KiB", "MiB", "GiB", "TiB", "PiB", "EiB"};
-    if (bytes < 1'024) {
-        return std::to_string(bytes) + " B";
-    }
-    double size = static_cast<double>(bytes) / 1'024;
-    std::size_t unit = 0;
-    for (; size >= 1'023.95 && unit + 1 < units.size(); ++unit) {
-        size /= 1'024;
-    }
-    char text[32];
-    static_cast<void>(std::snprintf(text, sizeof text, "%.1f %s", size, units[unit]));
-    return text;
-}
-
 std::string describe_limits(const ControllerConfig& config)
 {
-    server::DataSourceOptions image; // as ProcessImage has them: its writes wait for a scan's edge
-    image.max_batches =
-        std::max(image.max_batches, std::size_t{config.image.max_waiting_writes} + 2);
-    const bool has_passwords = !config.users.accounts.empty();
-    const auto held = image_of(config);
-    const server::ProcessImage* const images[] = {held.get()};
-    server::WorstCaseMemory all =
-        server::worst_case_memory(config.server.limits, {.password_checks = has_passwords ? 1U : 0U,
-                                                         .password_cost = costliest(config.users),
-                                                         .slow_sources = {&image, 1},
-                                                         .images = images});
-    add_own(config, all.rows);
-    return in_columns(lines_of(all));
+    return in_columns(lines_of(worst_case_of(config, *image_of(config))));
 }
 
 int print_limits(const std::string& file)

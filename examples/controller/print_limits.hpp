@@ -11,7 +11,5 @@ namespace busbar::example {
 [[nodiscard]] std::string describe_limits(const ControllerConfig& config);
 /// Prints that of a file, of the built-in configuration without one; 0, as a program's end.
 int print_limits(const std::string& file);
-/// Bytes as people read them: "900 B", "64.0 KiB", "1.5 GiB".
-[[nodiscard]] std::string size_text(std::uint64_t bytes);
 
 } // namespace busbar::example

@@ -150,7 +150,7 @@ std::string setting_name(const SubjectKey& key)
 std::vector<Setting> controller_settings(const toml::table& file)
 {
     ControllerConfig preset;
-    read_preset(TomlTable{file, ""}.table("limits"), preset);
+    read_preset(TomlTable{file, ""}, preset);
     std::vector<Setting> settings = server_settings();
     append(settings, security_settings());
     append(settings, machine_settings());

@@ -98,6 +98,9 @@ anonymous = "read"
     const auto nj501 = parse_config("[limits]\npreset = \"nj501\"\n", "test.toml");
     CHECK(nj501.certificates.limits.max_certificates == 32);
     CHECK(nj501.users.password_rules.max_users == 20);
+    CHECK_THROWS_WITH(
+        parse_config("[limits]\nmemory = \"64 MB\"\npreset = \"nj501\"\n", "test.toml"),
+        Catch::Contains("test.toml:2: memory: found with the preset \"nj501\""));
     CHECK_THROWS_WITH(parse_config("[limits]\npreset = \"s7\"\n", "test.toml"),
                       Catch::Contains("test.toml:2") && Catch::Contains("nj501"));
 }

@@ -11,6 +11,7 @@
 
 #include "limit_keys.hpp"
 #include "limits_section.hpp"
+#include "memory_section.hpp"
 #include "print_capacities.hpp"
 #include "print_limits.hpp"
 
@@ -165,6 +166,42 @@ TEST_CASE("passwords cost memory only where there are some")
     config.users.accounts.front().password_hash = "$scrypt$15$8$1$AAAAAAAAAAAAAAAAAAAAAA==$"
                                                   "AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA=";
     CHECK(words_of(describe_limits(config), row)[3] == "32.0");
+}
+
+TEST_CASE("memory is one number from which the limits come (D9)")
+{
+    const auto total = [](const example::ControllerConfig& config) {
+        return example::worst_case_of(config).total();
+    };
+    const auto with = [](const std::string& memory) {
+        return "[users]\npassword_hash = \"pbkdf2\"\n[limits]\nmemory = \"" + memory + "\"\n";
+    };
+    for (const char* memory : {"64 MB", "256MiB", "1 GB", "900 GB"}) {
+        CAPTURE(memory);
+        CHECK(total(parse(with(memory))) > 0);
+    }
+    CHECK(total(parse(with("64 MB"))) <= 64'000'000);
+    CHECK(total(parse(with("64 MB"))) > 55'000'000);
+    CHECK(total(parse(with("900 GB"))) == total(parse("[users]\npassword_hash = \"pbkdf2\"\n")));
+    // The check of a password with the default's cost is part of it.
+    CHECK(total(parse("[limits]\nmemory = \"64 MB\"\n")) < 64'000'000 - 16'000'000);
+
+    // Other keys win, as long as it is kept.
+    const auto config = parse(with("64 MB") + "sessions = 4\n");
+    CHECK(config.server.limits.max_sessions == 4);
+    CHECK_THROWS_WITH(
+        parse(with("64 MB") + "send_queue = 16777216\n"),
+        Catch::StartsWith("plant.toml:4: memory: found 61.0 MiB and other limits with "
+                          "which clients can take "));
+    CHECK_THROWS_WITH(parse(with("2 MB")),
+                      Catch::StartsWith("plant.toml:4: memory: found 1.9 MiB, expected at least "));
+    CHECK_THROWS_WITH(parse("[limits]\nmemory = \"8 MB\"\n"),
+                      Catch::Contains("of which the check of a password takes 16.0 MiB"));
+    for (const char* wrong : {"64", "MB", "-1 MB", "64 TB", "1 kB", "64 MBit", "1025 GB", ""}) {
+        CAPTURE(wrong);
+        CHECK_THROWS_WITH(parse(with(wrong)), Catch::Contains("expected a size from \"1 MB\""));
+    }
+    CHECK_THROWS_WITH(parse("[limits]\nmemory = 64\n"), Catch::Contains("plant.toml:2"));
 }
 
 TEST_CASE("sizes are printed as people read them")
