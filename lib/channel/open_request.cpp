@@ -90,7 +90,7 @@ struct Sender {
 };
 
 Checked<Sender> check_sender(const AsymmetricHeader& header, const Conversation& conversation,
-                             bool is_renewal)
+                             const OpenContext& context)
 {
     const ChannelEnvironment& environment = conversation.environment();
     if (header.policy->is_none()) {
@@ -111,7 +111,7 @@ Checked<Sender> check_sender(const AsymmetricHeader& header, const Conversation&
                                   "this server's own certificate", "Part 6, 6.7.7",
                                   "Every application needs a certificate of its own", leaf);
     }
-    if (is_renewal && !(*chain == conversation.peer_certificates)) {
+    if (context.is_renewal && !(*chain == conversation.peer_certificates)) {
         return refuse_certificate(status::Bad_CertificateInvalid,
                                   "another certificate than the channel was opened with",
                                   "Part 4, 5.6.2.1: renewal", {}, leaf);
@@ -120,7 +120,8 @@ Checked<Sender> check_sender(const AsymmetricHeader& header, const Conversation&
         *chain, {.policy = header.policy,
                  .now = environment.wall_clock->now(),
                  .application_uri = {},
-                 .purpose = crypto::CertificatePurpose::ClientApplication});
+                 .purpose = crypto::CertificatePurpose::ClientApplication,
+                 .source = context.config.source});
     Sender sender{*std::move(chain), {}};
     if (!valid) {
         sender.objection = std::move(valid).error();
@@ -218,7 +219,7 @@ Checked<AsymmetricHeader> read_open_header(const Frame& frame, const Conversatio
 Checked<OpenRequest> read_open_request(const Frame& frame, const AsymmetricHeader& header,
                                        Conversation& conversation, const OpenContext& context)
 {
-    auto sender = check_sender(header, conversation, context.is_renewal);
+    auto sender = check_sender(header, conversation, context);
     if (!sender) {
         return refuse(std::move(sender).error());
     }

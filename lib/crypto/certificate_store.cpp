@@ -37,9 +37,9 @@ const TrustList& CertificateStore::trust_list(DateTime now)
     return lists_->trust_list(now);
 }
 
-void CertificateStore::reject(const Certificate& certificate, DateTime now)
+void CertificateStore::reject(const Certificate& certificate, DateTime now, std::string_view source)
 {
-    rejected_->save(certificate, now);
+    rejected_->save(certificate, now, source);
 }
 
 std::vector<StoreEntry> CertificateStore::list(StoreList list)

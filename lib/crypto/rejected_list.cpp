@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 #include <busbar/core/text.hpp>
 
@@ -22,22 +23,34 @@ bool is_older(const FileInList& a, const FileInList& b)
 
 } // namespace
 
-bool RejectedList::may_act(DateTime now)
+bool RejectedList::may_act(DateTime now, std::string_view source)
 {
+    constexpr std::size_t sources = 4; // share the limit
     if (now < minute_ || now.ticks - minute_.ticks >= one_minute) {
         minute_ = now;
         acted_ = 0;
+        acted_for_.clear();
+        is_told_ = false;
     }
     const std::size_t limit = lists_->limits().max_rejected_per_minute;
-    if (acted_ < limit) {
+    const auto own = acted_for_.find(source);
+    const bool has_share =
+        own == acted_for_.end() || own->second < limit / sources + (limit % sources != 0 ? 1 : 0);
+    if (acted_ < limit && has_share) {
         ++acted_;
+        if (!source.empty()) {
+            ++acted_for_[std::string{source}];
+        }
         return true;
     }
-    if (acted_ == limit) {
-        ++acted_;
+    if (!std::exchange(is_told_, true)) {
         log_->write(LogLevel::Warning, "certificate store",
-                    "more strangers than the limit within a minute: the certificates of further "
-                    "ones are not saved");
+                    has_share
+                        ? "more strangers than the limit within a minute: the certificates of "
+                          "further ones are not saved"
+                        : "more strangers from " + printable(source) +
+                              " than a quarter of the limit within a minute: the certificates of "
+                              "further ones from there are not saved");
     }
     return false;
 }
@@ -79,10 +92,10 @@ void RejectedList::make_room()
     }
 }
 
-void RejectedList::save(const Certificate& certificate, DateTime now)
+void RejectedList::save(const Certificate& certificate, DateTime now, std::string_view source)
 {
     lists_->refresh(StoreList::Rejected, now);
-    if (contains(certificate) || !may_act(now)) {
+    if (contains(certificate) || !may_act(now, source)) {
         return;
     }
     const StoreLimits& limits = lists_->limits();

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
+#include <string>
 #include <string_view>
 
 #include <busbar/core/record.hpp>
@@ -14,10 +16,10 @@ class RejectedList {
 public:
     RejectedList(StoreLists& lists, LogSink& log) : lists_{&lists}, log_{&log} {}
 
-    void save(const Certificate& certificate, DateTime now);
+    void save(const Certificate& certificate, DateTime now, std::string_view source);
 
 private:
-    [[nodiscard]] bool may_act(DateTime now);
+    [[nodiscard]] bool may_act(DateTime now, std::string_view source);
     [[nodiscard]] bool contains(const Certificate& certificate) const;
     /// The oldest files go until, with a new one, there are no more than the limit.
     void make_room();
@@ -27,6 +29,9 @@ private:
     LogSink* log_;
     DateTime minute_;
     std::size_t acted_{0}; // since minute_
+    /// The same for each source that has one: no more than the limit.
+    std::map<std::string, std::size_t, std::less<>> acted_for_;
+    bool is_told_{false};
 };
 
 } // namespace busbar::crypto::detail

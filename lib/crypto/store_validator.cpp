@@ -50,7 +50,7 @@ Checked<void> StoreValidator::validate(const CertificateChain& chain,
             log_->record(record_of(RecordKind::CertificateRefused, *refusal, chain));
         }
         if (!chain.empty() && is_worth_keeping(refusal->status)) {
-            store_->reject(chain.front(), context.now);
+            store_->reject(chain.front(), context.now, context.source);
         }
         return refuse(*std::move(refusal));
     }

@@ -224,6 +224,29 @@ TEST_CASE("strangers wear out neither disk nor log", "[crypto][store][hostile]")
     CHECK(fixture.count("rejected/certs") == limit + 2);
 }
 
+TEST_CASE("strangers of one network leave others a place in rejected (D4)",
+          "[crypto][store][hostile]")
+{
+    StoreFixture fixture;
+    const std::size_t limit = StoreLimits{}.max_rejected_per_minute;
+    for (std::size_t i = 0; i < 3 * limit; ++i) {
+        fixture.store.reject(stranger(), now, "192.0.2.66");
+    }
+    CHECK(fixture.count("rejected/certs") == 3); // a quarter of 10
+    CHECK(fixture.log.count("more strangers from 192.0.2.66") == 1);
+    const Certificate client = stranger();
+    fixture.store.reject(client, now, "192.0.2.7");
+    CHECK(fixture.in(StoreList::Rejected).contains(client.thumbprint_text()));
+    // All networks together keep to the limit, and so do those that are known by no source.
+    for (std::size_t i = 0; i < limit; ++i) {
+        fixture.store.reject(stranger(), now, "2001:db8:" + std::to_string(i) + "::");
+        fixture.store.reject(stranger(), now);
+    }
+    CHECK(fixture.count("rejected/certs") == limit);
+    fixture.store.reject(stranger(), in_seconds(60), "192.0.2.66");
+    CHECK(fixture.count("rejected/certs") == limit + 1);
+}
+
 TEST_CASE("a crowd of other files in rejected stops the saving", "[crypto][store][hostile]")
 {
     StoreLimits limits;

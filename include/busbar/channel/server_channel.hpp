@@ -25,6 +25,8 @@ struct ServerChannelConfig {
     std::chrono::milliseconds max_lifetime{3'600'000};
     /// Not zero, and of this channel only while it lives.
     std::uint32_t channel_id{1};
+    /// From where the peer is, for the validator (see crypto::ValidationContext).
+    std::string source{};
 };
 
 /// The server's end of one connection: UA TCP (Part 6, 7.1) and the SecureChannel (Part 6, 6.7).

@@ -93,8 +93,9 @@ public:
     [[nodiscard]] const TrustList& trust_list(DateTime now);
 
     /// Saves a certificate that is not trusted in `rejected`, unless it is there already, within
-    /// the limits; the log says what became of it. `now` is for the limit per minute.
-    void reject(const Certificate& certificate, DateTime now);
+    /// the limits; the log says what became of it. `now` is for the limit per minute, of which one
+    /// `source` has a quarter (see ValidationContext).
+    void reject(const Certificate& certificate, DateTime now, std::string_view source = {});
 
     // For the administrator. Refusals say in words what was wrong; the log says what was done.
 

@@ -36,6 +36,9 @@ struct ValidationContext {
     /// server's URL.
     std::string_view host_name{};
     CertificatePurpose purpose{CertificatePurpose::Application};
+    /// From where it came, such as a network's address: what is kept of strangers has a share for
+    /// each. Empty if that is unknown.
+    std::string_view source{};
 };
 
 /// The steps of Part 4, 6.1.3, Table 100 that an administrator may suppress; the others always

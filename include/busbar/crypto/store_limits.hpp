@@ -21,7 +21,7 @@ struct StoreLimits {
     std::size_t max_rejected{100};
     RejectedFull when_rejected_is_full{RejectedFull::OldestOut};
     /// Certificates that are not trusted and are saved, discarded and logged within one minute:
-    /// strangers must not wear out a flash disk.
+    /// strangers must not wear out a flash disk. Those of one network have a quarter of it.
     std::size_t max_rejected_per_minute{10};
 
     // Of one folder: names that are looked at, bytes of a file, and bytes of all files together.

@@ -7,17 +7,19 @@
 #include <busbar/core/text.hpp>
 
 #include "dispatch.hpp"
+#include "server/users/login_guard.hpp"
 
 namespace busbar::server::detail {
 
 namespace {
 
-channel::ServerChannelConfig channel_config(Core& core)
+channel::ServerChannelConfig channel_config(Core& core, std::string_view address)
 {
     channel::ServerChannelConfig config;
     config.limits = core.limits().transport;
     config.min_lifetime = core.limits().min_token_lifetime;
     config.max_lifetime = core.limits().max_token_lifetime;
+    config.source = network_of(address);
     config.channel_id = core.next_channel_id++;
     if (core.next_channel_id == 0) {
         core.next_channel_id = 1;
@@ -106,8 +108,8 @@ private:
 PeerLink::PeerLink(Core& core, std::string_view peer_address, TimePoint now)
     : core_{core}, id_{core.next_link_id++}, peer_address_{printable(peer_address)},
       log_{core, peer_address_}, gate_{core.channel_guard, core.limits(), peer_address},
-      channel_{channel_config(core), channel_environment(core, log_, gate_), now}, created_{now},
-      now_{now}, session_check_{now + core.limits().sessionless_timeout}
+      channel_{channel_config(core, peer_address), channel_environment(core, log_, gate_), now},
+      created_{now}, now_{now}, session_check_{now + core.limits().sessionless_timeout}
 {
     core_.links.push_back(this);
     trust_peer();
