@@ -1,3 +1,4 @@
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/model/address_space.hpp>
 
 #include "tables.hpp"
@@ -140,12 +141,14 @@ Result<NodeIndex> AddressSpace::add_variable(const NewNode& node, const NewVaria
     record.flags = flag(variable.historizing, static_flag::historizing);
     record.source = variable.source;
     record.handle = variable.handle;
+    busbar::detail::Undo undo{[&] { static_cast<void>(remove(*created)); }};
     if (!variable.array_dimensions.is_null()) {
         record.make_extra().array_dimensions = variable.array_dimensions;
     }
     if (!variable.value.is_null()) {
         record.make_extra().value = variable.value;
     }
+    undo.keep();
     return created;
 }
 
@@ -204,10 +207,11 @@ Result<NodeIndex> AddressSpace::add_method(const NewNode& node, const NewMethod&
     record.flags = flag(method.executable, static_flag::executable);
     record.source = method.source;
     record.handle = method.handle;
+    busbar::detail::Undo undo{[&] { static_cast<void>(remove(*created)); }};
     if (const auto added = add_arguments(*created, method); !added) {
-        static_cast<void>(remove(*created));
         return fail(added.error());
     }
+    undo.keep();
     return created;
 }
 

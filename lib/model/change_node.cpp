@@ -63,6 +63,11 @@ Result<void> AddressSpace::remove(NodeIndex node)
         return fail(status::Bad_NoDeleteRights);
     }
     const std::vector<NodeIndex> nodes = subtree(*tables_, node);
+    // Nothing of it fails when it has begun.
+    std::vector<std::uint32_t>& free_records = tables_->free_records;
+    if (free_records.capacity() - free_records.size() < nodes.size()) {
+        free_records.reserve(2 * free_records.size() + nodes.size());
+    }
     for (const NodeIndex each : nodes) { // while it has its NodeVersion
         tables_->note(each, static_cast<unsigned>(ModelChangeStructureVerbMask::NodeDeleted));
     }

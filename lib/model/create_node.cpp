@@ -1,3 +1,4 @@
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/model/address_space.hpp>
 
 #include "tables.hpp"
@@ -114,6 +115,10 @@ Result<NodeIndex> AddressSpace::create(const NewNode& node, NodeClass node_class
                                   ? tables.create(tables.free_id(node.browse_name.namespace_index),
                                                   node.browse_name, node_class)
                                   : tables.create(node.id, node.browse_name, node_class);
+    busbar::detail::Undo undo{[&] {
+        tables.unlink(created);
+        tables.destroy(created);
+    }};
     tables.link(node.parent, reference, created);
     NodeRecord& record = tables.record(created);
     if (!node.display_name.text.is_null()) {
@@ -125,6 +130,7 @@ Result<NodeIndex> AddressSpace::create(const NewNode& node, NodeClass node_class
     if (detail::is_type(node_class)) {
         tables.place_type(created, node.parent);
     }
+    undo.keep();
     return created;
 }
 

@@ -50,11 +50,17 @@ public:
     template <typename HashOf>
     void insert(std::uint64_t hash, std::uint32_t record, HashOf hash_of)
     {
+        make_room(hash_of);
+        ++size_;
+        place(hash, record);
+    }
+    /// The next insert() needs no memory.
+    template <typename HashOf>
+    void make_room(HashOf hash_of)
+    {
         if ((size_ + 1) * 4 > slots_.size() * 3) {
             resize(slots_.empty() ? 64 : slots_.size() * 2, hash_of);
         }
-        ++size_;
-        place(hash, record);
     }
     /// Removes a record that is in the table.
     template <typename HashOf>

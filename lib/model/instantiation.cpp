@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/types/ids.hpp>
 
 namespace busbar::model::detail {
@@ -19,31 +20,34 @@ NodeIndex child_of(const SpaceReader& space, NodeIndex parent, const QualifiedNa
 
 Result<NodeIndex> Instantiation::create(const NewNode& node, NodeIndex type)
 {
+    busbar::detail::Undo undone{[this] { undo(); }};
     const auto root = create_root(node, type);
     if (!root) {
         return root;
     }
     if (const auto noted = note_created(*root); !noted) {
-        undo();
         return fail(noted.error());
     }
     if (const auto done = complete(*root, type); !done) {
         return fail(done.error());
     }
+    undone.keep();
     return root;
 }
 
 Result<void> Instantiation::extend(NodeIndex object, NodeIndex interface_type)
 {
+    busbar::detail::Undo undone{[this] { undo(); }};
     if (auto done = reference(object, space_.find(id::HasInterface), interface_type); !done) {
-        undo();
         return done;
     }
+    undone.keep();
     return complete(object, interface_type);
 }
 
 Result<void> Instantiation::complete(NodeIndex instance, NodeIndex type)
 {
+    busbar::detail::Undo undone{[this] { undo(); }};
     Result<void> done = add_members(instance, with_types({}, type), {}, 1);
     if (done) {
         done = add_other_references();
@@ -51,8 +55,8 @@ Result<void> Instantiation::complete(NodeIndex instance, NodeIndex type)
     if (done) {
         done = check_paths();
     }
-    if (!done) {
-        undo();
+    if (done) {
+        undone.keep();
     }
     return done;
 }

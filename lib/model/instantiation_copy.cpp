@@ -1,5 +1,6 @@
 #include "instantiation.hpp"
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/types/ids.hpp>
 
 namespace busbar::model::detail {
@@ -181,18 +182,22 @@ Result<void> Instantiation::copy_node(NodeIndex parent, NodeIndex declaration, N
         return fail(added.error());
     }
     created = *added;
+    busbar::detail::Undo undone{[&] { static_cast<void>(space_.remove(created)); }};
     if (const NodeAccess* const access = space_.node_access(declaration)) {
         space_.set_node_access(created, NodeAccess{*access});
     }
     if (space_.has_further_texts(declaration)) {
         copy_further_texts(space_, declaration, created);
     }
+    undone.keep();
     return note_created(created);
 }
 
 Result<void> Instantiation::note_created(NodeIndex node)
 {
+    busbar::detail::Undo undone{[&] { static_cast<void>(space_.remove(node)); }};
     created_.push_back(node);
+    undone.keep();
     const bool is_limited = options_.limits.max_memory != SIZE_MAX;
     return is_limited ? charge(memory_of(space_, node)) : Result<void>{};
 }
@@ -289,7 +294,10 @@ Result<void> Instantiation::reference(NodeIndex source, NodeIndex type, NodeInde
     const NodeId type_id = space_.node_id(type);
     const auto added = space_.add_reference(source, type_id, target);
     if (added) {
+        busbar::detail::Undo undone{
+            [&] { static_cast<void>(space_.remove_reference(source, type_id, target)); }};
         references_.push_back({source, type_id, target});
+        undone.keep();
         return charge(bytes_per_reference);
     }
     if (added.error() != status::Bad_DuplicateReferenceNotAllowed) {
@@ -303,9 +311,11 @@ void Instantiation::undo()
     for (auto at = references_.rbegin(); at != references_.rend(); ++at) {
         static_cast<void>(space_.remove_reference(at->source, at->type, at->target));
     }
+    references_.clear();
     for (auto at = created_.rbegin(); at != created_.rend(); ++at) {
         static_cast<void>(space_.remove(*at));
     }
+    created_.clear();
 }
 
 } // namespace busbar::model::detail

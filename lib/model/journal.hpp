@@ -2,8 +2,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <unordered_map>
+#include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/model/space_journal.hpp>
 
 namespace busbar::model::detail {
@@ -42,9 +45,18 @@ public:
                 pending_.is_complete = false;
                 return;
             }
-            versioned.place = changes.size();
+            std::string why;
+            const StatusCode thrown = busbar::detail::caught(why, [&] {
+                ModelChange made;
+                describe(made);
+                changes.push_back(std::move(made));
+            });
+            if (thrown.is_bad()) { // what has happened to the node has happened all the same
+                pending_.is_complete = false;
+                return;
+            }
+            versioned.place = changes.size() - 1;
             versioned.round = round_;
-            describe(changes.emplace_back());
         }
         ModelChange& change = changes[versioned.place];
         change.verb = static_cast<std::uint8_t>(change.verb | verb);

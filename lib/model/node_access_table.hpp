@@ -38,8 +38,8 @@ public:
         if (index / word_bits >= has_one_.size()) {
             has_one_.resize(index / word_bits + 1);
         }
-        has_one_[index / word_bits] |= bit(index);
         entries_.insert_or_assign(index, std::move(access));
+        has_one_[index / word_bits] |= bit(index);
     }
     void erase(NodeIndex node)
     {

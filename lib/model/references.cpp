@@ -1,3 +1,4 @@
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/model/address_space.hpp>
 
 #include "tables.hpp"
@@ -198,7 +199,11 @@ Result<void> AddressSpace::add_reference(NodeIndex source, const NodeId& type, N
         return fail(status::Bad_DuplicateReferenceNotAllowed);
     }
     tables_->add_entry(source, Entry{reference_type, target, true});
+    busbar::detail::Undo undo{[&] {
+        static_cast<void>(tables_->remove_entry(source, Entry{reference_type, target, true}));
+    }};
     tables_->add_entry(target, Entry{reference_type, source, false});
+    undo.keep();
     return {};
 }
 

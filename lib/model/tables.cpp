@@ -3,6 +3,8 @@
 #include <map>
 #include <tuple>
 
+#include <busbar/core/detail/guarded.hpp>
+
 namespace busbar::model::detail {
 
 namespace {
@@ -133,20 +135,24 @@ std::uint64_t Tables::name_hash(std::uint32_t record_number) const
 
 NodeIndex Tables::create(const NodeId& id, const QualifiedName& name, NodeClass node_class)
 {
-    std::uint32_t number_of_record = record_count;
-    if (!free_records.empty()) {
-        number_of_record = free_records.back();
-        free_records.pop_back();
-    } else {
-        if (record_count % block_size == 0) {
-            blocks.push_back(std::make_unique<NodeRecord[]>(block_size));
-        }
-        ++record_count;
+    by_id.make_room(id_hasher());
+    const bool is_reused = !free_records.empty();
+    const std::uint32_t number_of_record = is_reused ? free_records.back() : record_count;
+    if (number_of_record == blocks.size() * block_size) {
+        blocks.push_back(std::make_unique<NodeRecord[]>(block_size));
     }
     NodeRecord& node = at(number_of_record);
+    busbar::detail::Undo undo{[&] { node = NodeRecord{}; }};
+    node.set_names(id, name);
+    undo.keep();
+    // Nothing fails from here on.
+    if (is_reused) {
+        free_records.pop_back();
+    } else {
+        ++record_count;
+    }
     node.generation = ++next_generation;
     node.class_bits = static_cast<std::uint8_t>(node_class);
-    node.set_names(id, name);
     by_id.insert(hash_value(id), number_of_record, id_hasher());
     return index_of(number_of_record);
 }
@@ -154,9 +160,10 @@ NodeIndex Tables::create(const NodeId& id, const QualifiedName& name, NodeClass 
 void Tables::link(NodeIndex parent, NodeIndex reference_type, NodeIndex child)
 {
     NodeRecord& node = record(child);
+    by_name.make_room(name_hasher());
+    node.parent_slot = push(parent, Entry{reference_type, child, true});
     node.parent = parent;
     node.parent_reference = reference_type;
-    node.parent_slot = push(parent, Entry{reference_type, child, true});
     const std::uint32_t number_of_record = number(child) - constant_count;
     by_name.insert(name_hash(number_of_record), number_of_record, name_hasher());
     if (is_node_version(node)) {
@@ -201,13 +208,13 @@ void Tables::unlink(NodeIndex child)
 void Tables::destroy(NodeIndex node)
 {
     const std::uint32_t number_of_record = number(node) - constant_count;
+    free_records.push_back(number_of_record); // first, as it may fail
     by_id.erase(id_hash(number_of_record), number_of_record, id_hasher());
     access.erase(node);
     translations.erase(node);
     // The last source before none is a server's own: its values are looked up when they are read.
     rebindings += record(node).source < no_source - 1 ? 1U : 0U;
     record(node) = NodeRecord{};
-    free_records.push_back(number_of_record);
     watches.tell_removed(node);
 }
 

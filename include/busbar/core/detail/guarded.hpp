@@ -42,6 +42,34 @@ template <typename Function>
     return status::Good;
 }
 
+/// Calls what may be left undone: nobody hears of what it throws.
+template <typename Function>
+void attempt(Function&& function)
+{
+    std::string lost;
+    static_cast<void>(caught(lost, std::forward<Function>(function)));
+}
+
+/// Takes back what was begun, in its destructor, unless keep() was called.
+template <typename Function>
+class Undo {
+public:
+    explicit Undo(Function function) : function_{std::move(function)} {}
+    Undo(const Undo&) = delete;
+    Undo& operator=(const Undo&) = delete;
+    ~Undo()
+    {
+        if (is_armed_) {
+            attempt(function_);
+        }
+    }
+    void keep() { is_armed_ = false; }
+
+private:
+    Function function_;
+    bool is_armed_{true};
+};
+
 /// Writes to a user's log; a line that makes it throw is lost.
 BUSBAR_API void write_safely(LogSink& log, LogLevel level, std::string_view source,
                              std::string_view text);
