@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <busbar/core/detail/guarded.hpp>
+
 #include "buffer_bounds.hpp"
 
 namespace busbar::channel::detail {
@@ -129,13 +131,16 @@ Result<void> Conversation::send(MessageType type, std::uint32_t request_id,
                    {type, channel_id, request_id, security, sizes_.send_buffer_size,
                     sizes_.max_message_size, sizes_.max_chunk_count, too_large}};
     binary::Writer writer{sink};
-    encode(writer);
-    if (!writer.ok() || !sink.finish(writer.filled())) {
-        // Nothing of the message has left: the channel is as it was.
+    // Nothing of a message that fails has left: the channel is as it was.
+    busbar::detail::Undo undo{[&] {
         output_.roll_back(position);
         sent_.reset_to(sequence);
+    }};
+    encode(writer);
+    if (!writer.ok() || !sink.finish(writer.filled())) {
         return fail(writer.ok() ? sink.status() : writer.status());
     }
+    undo.keep();
     return {};
 }
 

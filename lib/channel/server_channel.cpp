@@ -120,6 +120,7 @@ void ServerChannel::Impl::give_up(const Refusal& refusal)
 void ServerChannel::Impl::fail_with(StatusCode told_status, StatusCode status,
                                     std::string_view reason)
 {
+    state = State::Closed; // whether or not there is memory for what follows
     write_error(conversation.output(), told_status, name(told_status));
     end(status, std::string{reason});
 }
@@ -229,6 +230,12 @@ void ServerChannel::close(StatusCode status, std::string_view reason)
 void ServerChannel::limit_messages(std::uint32_t size)
 {
     impl_->conversation.assembly().limit_messages(size);
+}
+
+void ServerChannel::reserve_response()
+{
+    detail::Conversation& conversation = impl_->conversation;
+    static_cast<void>(conversation.output().reserve(conversation.sizes().send_buffer_size));
 }
 
 void ServerChannel::recycle(std::vector<std::byte> body)

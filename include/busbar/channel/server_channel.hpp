@@ -73,6 +73,8 @@ public:
     /// Bad_TcpMessageTooLarge; the limit agreed in Acknowledge stays the upper bound. For peers who
     /// are not to have all that the limits allow yet.
     void limit_messages(std::uint32_t size);
+    /// Takes the memory for a response of one chunk, so that sending one needs no more. Optional.
+    void reserve_response();
     /// Gives a Message's body back, so that the next one needs no allocation. Optional.
     void recycle(std::vector<std::byte> body);
     /// Bytes of a message that has begun and is not complete; none once the channel is closed.
