@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "server/rights/live_values.hpp"
@@ -63,6 +64,7 @@ model::NodeIndex add_part(model::AddressSpace& space, model::NodeIndex parent,
     if (made == model::no_node) {
         return made;
     }
+    busbar::detail::Undo undo{[&] { static_cast<void>(space.remove(made)); }};
     protect(space, made, part.access);
     node.parent = made;
     for (std::size_t i = 0; i < part.fields.size(); ++i) {
@@ -73,6 +75,7 @@ model::NodeIndex add_part(model::AddressSpace& space, model::NodeIndex parent,
                          handle_of(number, part.section, i + 1)),
                 part.access);
     }
+    undo.keep();
     return made;
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "describe.hpp"
@@ -62,9 +63,14 @@ void SessionNodes::add(const Session& session)
     if (!object) {
         return;
     }
+    busbar::detail::Undo removed_object{[&] { static_cast<void>(space.remove(*object)); }};
     const std::uint32_t number = ++last_number_;
-    entries_.emplace(number, Entry{&session, space.handle(*object), {}});
     numbers_.emplace(&session, number);
+    busbar::detail::Undo forgotten{[&] {
+        entries_.erase(number);
+        numbers_.erase(&session);
+    }};
+    entries_.emplace(number, Entry{&session, space.handle(*object), {}});
     const auto add = [&](const PartNodes& part) {
         return add_part(space, *object, needs_.own_namespace, number, part);
     };
@@ -93,6 +99,8 @@ void SessionNodes::add(const Session& session)
     if (subscriptions != model::no_node) {
         entries_.at(number).subscriptions = space.handle(subscriptions);
     }
+    forgotten.keep();
+    removed_object.keep();
 }
 
 model::NodeIndex SessionNodes::subscriptions_of(const Session& session) const
@@ -109,13 +117,32 @@ void SessionNodes::remove(const Session& session)
     if (number == numbers_.end()) {
         return;
     }
-    const auto entry = entries_.find(number->second);
-    const model::NodeIndex object = needs_.space.resolve(entry->second.object);
-    if (object != model::no_node) {
-        static_cast<void>(needs_.space.remove(object));
-    }
-    entries_.erase(entry);
+    entries_.at(number->second).session = nullptr;
     numbers_.erase(number);
+    ++left_;
+    remove_left();
+}
+
+void SessionNodes::remove_left()
+{
+    for (auto entry = entries_.begin(); left_ != 0 && entry != entries_.end();) {
+        if (entry->second.session != nullptr) {
+            ++entry;
+            continue;
+        }
+        const model::NodeIndex object = needs_.space.resolve(entry->second.object);
+        std::string why;
+        const StatusCode thrown = busbar::detail::caught(why, [&] {
+            if (object != model::no_node) {
+                static_cast<void>(needs_.space.remove(object));
+            }
+        });
+        if (thrown.is_bad()) { // with the next one
+            return;
+        }
+        entry = entries_.erase(entry);
+        --left_;
+    }
 }
 
 void SessionNodes::take_flag()
@@ -145,7 +172,7 @@ Result<Variant> SessionNodes::value(std::uint64_t handle, const ReadingUser& rea
                          describe_subscription(needs_.counters, *subscription), field)};
     }
     const auto found = entries_.find(number);
-    if (found == entries_.end()) {
+    if (found == entries_.end() || found->second.session == nullptr) {
         return fail(status::Bad_NodeIdUnknown);
     }
     const Session& session = *found->second.session;

@@ -32,7 +32,10 @@ public:
     [[nodiscard]] Result<Variant> value(std::uint64_t handle, const ReadingUser& reader) const;
 
 private:
+    void remove_left();
+
     struct Entry {
+        /// Null when only the nodes are left, for want of memory to remove them.
         const Session* session;
         model::NodeHandle object;
         model::NodeHandle subscriptions;
@@ -41,6 +44,8 @@ private:
     const DiagnosticsNeeds& needs_;
     std::unordered_map<std::uint32_t, Entry> entries_;
     std::unordered_map<const Session*, std::uint32_t> numbers_;
+    /// Entries without a session.
+    std::size_t left_{0};
     std::uint32_t last_number_{0};
     bool is_shown_{true};
 };

@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "part_nodes.hpp"
@@ -28,10 +29,14 @@ void SubscriptionNodes::added(const Subscription& subscription)
         .type = id::SubscriptionDiagnosticsType,
         .fields = subscription_field_names(),
         .name_space = needs_.own_namespace};
+    Entry& entry = entries_[subscription.id()];
+    busbar::detail::Undo undo{[&] { removed(subscription); }};
     const model::NodeIndex made =
         add_part(space, array, needs_.own_namespace, subscription.id(), part);
     if (made != model::no_node) {
-        refer(subscription, entries_[subscription.id()] = {space.handle(made), {}});
+        entry.element = space.handle(made);
+        refer(subscription, entry);
+        undo.keep();
     }
 }
 
@@ -70,11 +75,31 @@ void SubscriptionNodes::removed(const Subscription& subscription)
     if (found == entries_.end()) {
         return;
     }
-    const model::NodeIndex element = needs_.space.resolve(found->second.element);
-    if (element != model::no_node) {
-        static_cast<void>(needs_.space.remove(element));
+    found->second.is_left = true;
+    ++left_;
+    remove_left();
+}
+
+void SubscriptionNodes::remove_left()
+{
+    for (auto entry = entries_.begin(); left_ != 0 && entry != entries_.end();) {
+        if (!entry->second.is_left) {
+            ++entry;
+            continue;
+        }
+        const model::NodeIndex element = needs_.space.resolve(entry->second.element);
+        std::string why;
+        const StatusCode thrown = busbar::detail::caught(why, [&] {
+            if (element != model::no_node) {
+                static_cast<void>(needs_.space.remove(element));
+            }
+        });
+        if (thrown.is_bad()) { // with the next one
+            return;
+        }
+        entry = entries_.erase(entry);
+        --left_;
     }
-    entries_.erase(found);
 }
 
 void SubscriptionNodes::take_flag()

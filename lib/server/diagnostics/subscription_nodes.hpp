@@ -29,10 +29,14 @@ public:
     void take_flag();
 
 private:
+    void remove_left();
+
     struct Entry {
         model::NodeHandle element;
         /// The session's array that refers to it, if any.
         model::NodeHandle array;
+        /// The Subscription is gone: there was no memory to remove its nodes.
+        bool is_left{false};
     };
 
     /// Has the array of the Subscription's session refer to it, and no other.
@@ -41,6 +45,8 @@ private:
     const DiagnosticsNeeds& needs_;
     const SessionNodes& sessions_;
     std::unordered_map<std::uint32_t, Entry> entries_;
+    /// Entries that are.
+    std::size_t left_{0};
     bool is_shown_{true};
 };
 

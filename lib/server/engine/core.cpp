@@ -5,6 +5,7 @@
 #include <bit>
 
 #include <busbar/channel/endpoint_url.hpp>
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/text.hpp>
 #include <busbar/types/data_types.hpp>
 #include <busbar/types/session.hpp>
@@ -21,6 +22,18 @@
 namespace busbar::server::detail {
 
 namespace {
+
+void tell_closed(LogSink& log, const Session& session, StatusCode status)
+{
+    const std::array fields{RecordField{"WasActivated", Variant{session.is_activated}}};
+    Record record{RecordKind::SessionClosed, LogLevel::Info, "session"};
+    record.text = "\"" + printable(session.name) + "\" ended: " + std::string{name(status)};
+    record.status = status;
+    record.actor = actor_of(session);
+    record.certificate = certificate_of(session);
+    record.fields = fields;
+    tell(log, record);
+}
 
 std::uint32_t random_channel_id(crypto::Random& random)
 {
@@ -144,14 +157,7 @@ void Core::close_session(Session& session, StatusCode status, bool deletes_subsc
         (*link)->end_operations(session, status);
     }
     subscriptions.session_ends(session, deletes_subscriptions);
-    const std::array fields{RecordField{"WasActivated", Variant{session.is_activated}}};
-    Record record{RecordKind::SessionClosed, LogLevel::Info, "session"};
-    record.text = "\"" + printable(session.name) + "\" ended: " + std::string{name(status)};
-    record.status = status;
-    record.actor = actor_of(session);
-    record.certificate = certificate_of(session);
-    record.fields = fields;
-    tell(rationed_log, record);
+    busbar::detail::attempt([&] { tell_closed(rationed_log, session, status); });
     diagnostics->remove(session);
     sessions.remove(session);
 }
@@ -159,7 +165,9 @@ void Core::close_session(Session& session, StatusCode status, bool deletes_subsc
 void Core::session_activated(Session& session)
 {
     subscriptions.session_moved(session);
-    diagnostics->add(session);
+    // A session without nodes is better than none.
+    busbar::detail::guarded(rationed_log, "diagnostics of a session",
+                            [&] { diagnostics->add(session); });
 }
 
 void Core::user_changed(Session& session, TimePoint now)

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
+#include <list>
 #include <memory>
 #include <string>
 #include <vector>
@@ -103,8 +103,8 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     std::vector<PeerLink*> links;
     /// Those with operations that have answered and can be destroyed, each once.
     std::vector<PeerLink*> to_sweep;
-    /// Ids of connections with news for whoever drives them.
-    std::deque<std::uint64_t> changed;
+    /// Connections with news for whoever drives them, each once.
+    std::list<PeerLink*> changed;
     std::uint64_t next_link_id{1};
     /// Of the next channel; begins at a random number (Part 6, 6.7.2.2).
     std::uint32_t next_channel_id{1};

@@ -156,7 +156,8 @@ void dispatch(Core& core, PeerLink& link, std::vector<std::byte> message, std::u
     } else if (service != nullptr || encoding_id.is_null()) {
         return link.fault(incoming.reply, reader.status());
     }
-    run(service, core, link, incoming, now);
+    const Reply reply = incoming.reply;
+    link.serve(reply, [&] { run(service, core, link, incoming, now); });
 }
 
 } // namespace busbar::server::detail

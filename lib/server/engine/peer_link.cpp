@@ -98,7 +98,7 @@ public:
     ~Running()
     {
         link_.is_running_ = false;
-        link_.core_.sweep();
+        busbar::detail::guarded(link_.log_, "the end of a call", [&] { link_.core_.sweep(); });
     }
 
 private:
@@ -111,6 +111,9 @@ PeerLink::PeerLink(Core& core, std::string_view peer_address, TimePoint now)
       channel_{channel_config(core, peer_address), channel_environment(core, log_, gate_), now},
       created_{now}, now_{now}, session_check_{now + core.limits().sessionless_timeout}
 {
+    // So that nothing that ends a request or the connection needs memory.
+    events_.reserve(2);
+    core_.to_sweep.reserve(core_.links.size() + 1);
     core_.links.push_back(this);
     trust_peer();
 }
@@ -120,6 +123,9 @@ PeerLink::~PeerLink()
     handle_closed(status::Good, {});
     if (waits_for_sweep_) {
         std::erase(core_.to_sweep, this);
+    }
+    if (mark_.empty()) {
+        core_.changed.remove(this);
     }
     std::erase(core_.links, this);
 }
@@ -136,8 +142,11 @@ Result<void> PeerLink::feed(std::span<const std::byte> in, TimePoint now)
     if (session_check_ == no_deadline) {
         session_check_ = now + core_.limits().sessionless_timeout;
     }
-    auto fed = channel_.feed(in, now);
-    work(now);
+    Result<void> fed;
+    survive([&] {
+        fed = channel_.feed(in, now);
+        work(now);
+    });
     return fed;
 }
 
@@ -165,7 +174,7 @@ void PeerLink::consume(std::size_t size)
         send_check_ = no_deadline;
     }
     if (!has_more_) { // else others come first
-        work(now_);
+        survive([&] { work(now_); });
     }
 }
 
@@ -191,6 +200,11 @@ TimePoint PeerLink::next_deadline() const
 void PeerLink::handle_deadline(TimePoint now)
 {
     const Running running{*this, now};
+    survive([&] { pass_time(now); });
+}
+
+void PeerLink::pass_time(TimePoint now)
+{
     check_silence(now);
     if (is_closed()) {
         return;
@@ -202,7 +216,7 @@ void PeerLink::handle_deadline(TimePoint now)
         if (!operation.is_finished() && operation.client_deadline() <= now) {
             operation.fault(status::Bad_Timeout); // Part 4, 7.32 timeoutHint
         } else if (!operation.is_finished() && operation.next_deadline() <= now) {
-            operation.handle_deadline(now);
+            serve(operation, [&] { operation.handle_deadline(now); });
         }
     }
     if (session_check_ <= now) {
@@ -259,7 +273,7 @@ void PeerLink::handle(channel::ChannelEvent event, TimePoint now)
         break;
     case channel::ChannelEvent::Kind::Message:
         turn_.spend(Turn::units_of_request + event.body.size());
-        serve([&] { dispatch(core_, *this, std::move(event.body), event.request_id, now); });
+        dispatch(core_, *this, std::move(event.body), event.request_id, now);
         break;
     case channel::ChannelEvent::Kind::Closed:
         handle_closed(event.status, std::move(event.reason));
@@ -270,13 +284,35 @@ void PeerLink::handle(channel::ChannelEvent event, TimePoint now)
     }
 }
 
-/// A request that takes more memory than there is ends its connection, and nothing else: how far
-/// it came nobody knows.
-void PeerLink::serve(FunctionRef<void()> service)
+/// What takes more memory than there is and is no one request's ends the connection, and nothing
+/// else.
+void PeerLink::survive(FunctionRef<void()> work)
 {
-    const StatusCode thrown = busbar::detail::guarded(log_, "a service", [&] { service(); });
+    const StatusCode thrown = busbar::detail::guarded(log_, "a connection", [&] { work(); });
     if (thrown.is_bad()) {
-        close(thrown, "the server cannot go on with a request");
+        busbar::detail::attempt([&] { close(thrown, "no memory"); });
+        handle_closed(thrown, {});
+    }
+}
+
+void PeerLink::serve(const Reply& reply, FunctionRef<void()> service)
+{
+    unanswered_ = reply.request_id;
+    const StatusCode thrown = busbar::detail::guarded(log_, "a service", [&] {
+        channel_.reserve_response(); // before anything is done that could not be answered
+        service();
+    });
+    if (thrown.is_bad() && unanswered_) {
+        fault(reply, thrown);
+    }
+    unanswered_.reset();
+}
+
+void PeerLink::serve(ServiceOperation& operation, FunctionRef<void()> part)
+{
+    const StatusCode thrown = busbar::detail::guarded(log_, "a service", [&] { part(); });
+    if (thrown.is_bad()) {
+        operation.fault(thrown);
     }
 }
 
@@ -303,11 +339,11 @@ bool PeerLink::has_activated_session() const
 void PeerLink::bind(Session& session)
 {
     if (session.peer != this) {
+        sessions_.push_back(&session);
         if (session.peer != nullptr) {
             session.peer->unbind(session);
         }
         session.peer = this;
-        sessions_.push_back(&session);
     }
     trust_peer();
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -90,6 +91,9 @@ public:
     // For dispatch.
 
     [[nodiscard]] bool has_place_for_operation() const;
+    /// Has the request answered with what was thrown while `service` began with it, unless it was
+    /// answered before that.
+    void serve(const Reply& reply, FunctionRef<void()> service);
     /// Gives back the memory of a message that is done with.
     void recycle(std::vector<std::byte> message) { channel_.recycle(std::move(message)); }
     /// Takes the operation with its message, decodes the parameters that begin at `offset` and
@@ -108,8 +112,8 @@ public:
     /// Destroys the operations that have answered.
     void sweep();
     [[nodiscard]] TimePoint created() const { return created_; }
-    /// Clears the mark that next_changed() reports; false if it was not set.
-    bool take_mark() { return std::exchange(is_marked_, false); }
+    /// Takes it out of Core::changed, where it is the first.
+    void take_mark() { mark_.splice(mark_.end(), core_.changed, core_.changed.begin()); }
 
 private:
     /// While one of the engine's own members runs, whose caller looks at the output anyhow.
@@ -120,9 +124,12 @@ private:
     void work(TimePoint now);
     void give_turns(TimePoint now);
     void handle(channel::ChannelEvent event, TimePoint now);
-    void serve(FunctionRef<void()> service);
+    void survive(FunctionRef<void()> work);
+    void serve(ServiceOperation& operation, FunctionRef<void()> part);
     void handle_closed(StatusCode status, std::string reason);
+    void pass_time(TimePoint now);
     void check_silence(TimePoint now);
+    void answered(const Reply& reply);
     void check_send_queue();
 
     Core& core_;
@@ -136,6 +143,8 @@ private:
     std::vector<Session*> sessions_;
     std::vector<ConnectionEvent> events_;
     Turn turn_;
+    /// The request that is being begun, while it has no answer.
+    std::optional<std::uint32_t> unanswered_;
     /// The turn was over before all that has come was worked on.
     bool has_more_{false};
     TimePoint created_;
@@ -147,7 +156,8 @@ private:
     TimePoint send_check_{no_deadline};
     bool has_progressed_{false};
     bool is_running_{false};
-    bool is_marked_{false};
+    /// Its place in Core::changed while it is not there, so that there always is one.
+    std::list<PeerLink*> mark_{this};
     bool waits_for_sweep_{false};
     bool has_ended_{false};
     /// The peer took nothing for too long; what is left is not offered any more.

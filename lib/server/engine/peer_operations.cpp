@@ -24,7 +24,7 @@ void PeerLink::give_turns(TimePoint now)
             ServiceContext context{*this, operation.session(), now};
             const RequestFault::Serving serving{core_.guards.request(), this,
                                                 operation.request_id()};
-            serve([&] { operation.take_turn(context); });
+            serve(operation, [&] { operation.take_turn(context); });
             if (has_thrown() && !operation.is_finished()) {
                 operation.fault(status::Bad_InternalError);
             }
@@ -53,41 +53,52 @@ void PeerLink::respond(const Reply& reply, std::uint32_t encoding_id,
     if (thrown.is_bad()) {
         return fault(reply, thrown);
     }
-    const auto sent = channel_.send(reply.request_id, [&](binary::Writer& writer) {
-        encode(writer, NodeId{0, encoding_id});
-        encode_response(writer);
-        turn_.spend(writer.written());
-        if (reply.max_size != 0 && writer.written() > reply.max_size) {
-            writer.fail(status::Bad_ResponseTooLarge); // Part 4, 5.7.2.2
-        }
+    Result<void> sent;
+    const StatusCode failed = busbar::detail::guarded(log_, "a response", [&] {
+        sent = channel_.send(reply.request_id, [&](binary::Writer& writer) {
+            encode(writer, NodeId{0, encoding_id});
+            encode_response(writer);
+            turn_.spend(writer.written());
+            if (reply.max_size != 0 && writer.written() > reply.max_size) {
+                writer.fail(status::Bad_ResponseTooLarge); // Part 4, 5.7.2.2
+            }
+        });
     });
-    if (!sent) {
-        fault(reply, sent.error());
-        return;
+    if (failed.is_bad() || !sent) {
+        return fault(reply, failed.is_bad() ? failed : sent.error());
     }
-    check_send_queue();
-    mark();
+    answered(reply);
 }
 
 void PeerLink::fault(const Reply& reply, StatusCode status)
 {
     const StatusCode answer = core_.guards.request().answer(this, reply.request_id, status);
-    // It fails only if the channel is gone, or so small that there is nothing to say.
-    static_cast<void>(channel_.send(reply.request_id, [&](binary::Writer& writer) {
-        encode(writer, NodeId{0, ServiceFault::binary_encoding_id});
-        ReturnDiagnostics diagnostics{reply.return_diagnostics};
-        ResponseHeader header = response_header(reply, answer);
-        header.service_diagnostics = diagnostics.of_service(answer);
-        header.string_table = diagnostics.string_table();
-        encode(writer, header);
-    }));
+    survive([&] {
+        // It fails only if the channel is gone, or so small that there is nothing to say.
+        static_cast<void>(channel_.send(reply.request_id, [&](binary::Writer& writer) {
+            encode(writer, NodeId{0, ServiceFault::binary_encoding_id});
+            ReturnDiagnostics diagnostics{reply.return_diagnostics};
+            ResponseHeader header = response_header(reply, answer);
+            header.service_diagnostics = diagnostics.of_service(answer);
+            header.string_table = diagnostics.string_table();
+            encode(writer, header);
+        }));
+    });
+    answered(reply);
+}
+
+void PeerLink::answered(const Reply& reply)
+{
+    if (unanswered_ == reply.request_id) {
+        unanswered_.reset();
+    }
     check_send_queue();
     mark();
 }
 
 void PeerLink::count_fault(Session* session, std::uint32_t encoding_id, StatusCode status)
 {
-    core_.counters.count_fault(session, encoding_id, status);
+    busbar::detail::attempt([&] { core_.counters.count_fault(session, encoding_id, status); });
 }
 
 void PeerLink::start(std::unique_ptr<ServiceOperation> operation, std::vector<std::byte> message,
@@ -98,10 +109,10 @@ void PeerLink::start(std::unique_ptr<ServiceOperation> operation, std::vector<st
     if (bad.is_bad()) {
         return fault(question.reply, bad);
     }
-    operation->open(question, context);
     operations_.push_back(std::move(operation));
     ServiceOperation& started = *operations_.back();
-    started.start(context);
+    started.open(question, context);
+    serve(started, [&] { started.start(context); });
     if (core_.guards.request().is_noted()) {
         started.fault(status::Bad_InternalError);
     }
@@ -165,14 +176,14 @@ void PeerLink::sweep()
 void PeerLink::check_send_queue()
 {
     if (!is_closed() && channel_.output().size() > core_.limits().max_send_queue) {
-        close(takes_too_little(core_.limits()));
+        survive([&] { close(takes_too_little(core_.limits())); });
     }
 }
 
 void PeerLink::mark()
 {
-    if (!is_running_ && !std::exchange(is_marked_, true)) {
-        core_.changed.push_back(id_);
+    if (!is_running_) {
+        core_.changed.splice(core_.changed.end(), mark_);
     }
 }
 

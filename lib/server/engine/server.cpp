@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/text.hpp>
 #include <busbar/core/text_forms.hpp>
 #include <busbar/model/nodeset_types.hpp>
@@ -152,7 +153,14 @@ Result<Connection> Server::connect(std::string_view peer_address, TimePoint now)
         impl_->log(LogLevel::Warning, "connection", printable(peer_address) + ": " + text(refusal));
         return fail(status::Bad_TcpServerTooBusy);
     }
-    return Connection{std::make_unique<detail::PeerLink>(*impl_, peer_address, now)};
+    std::unique_ptr<detail::PeerLink> link;
+    std::string why;
+    const StatusCode thrown = busbar::detail::caught(
+        why, [&] { link = std::make_unique<detail::PeerLink>(*impl_, peer_address, now); });
+    if (thrown.is_bad()) {
+        return fail(thrown);
+    }
+    return Connection{std::move(link)};
 }
 
 Configured<void> Server::Impl::check_modules(const ServerConfig& wanted) const
@@ -192,22 +200,33 @@ void Server::start(TimePoint now)
 void Server::handle_deadline(TimePoint now)
 {
     impl_->latest = now;
-    if (impl_->certificate_check <= now) {
-        impl_->watch_certificate(now);
-    }
-    impl_->events->announce_model_changes();
-    impl_->expire_sessions(now);
-    impl_->subscriptions.handle_deadline(now);
-    if (impl_->old_channels_deadline <= now) {
-        impl_->close_old_channels();
-    }
-    if (impl_->trust_check_deadline <= now) {
-        impl_->close_untrusted_channels();
-    }
+    impl_->survive("a check of certificates", [&] {
+        if (impl_->certificate_check <= now) {
+            impl_->watch_certificate(now);
+        }
+    });
+    impl_->survive("model changes", [&] { impl_->events->announce_model_changes(); });
+    impl_->survive("the end of a session", [&] { impl_->expire_sessions(now); });
+    impl_->survive("a Subscription", [&] { impl_->subscriptions.handle_deadline(now); });
+    impl_->survive("the end of channels", [&] {
+        if (impl_->old_channels_deadline <= now) {
+            impl_->close_old_channels();
+        }
+        if (impl_->trust_check_deadline <= now) {
+            impl_->close_untrusted_channels();
+        }
+    });
     if (impl_->shutdown_deadline <= now) {
         impl_->finish_shutdown();
     }
-    impl_->sweep();
+    impl_->survive("the end of a call", [&] { impl_->sweep(); });
+}
+
+/// What fails ends what it was done for; the rest of the call is done, and what is due still is
+/// done with the next.
+void Server::Impl::survive(std::string_view what, FunctionRef<void()> work)
+{
+    busbar::detail::guarded(rationed_log, what, [&] { work(); });
 }
 
 void Server::Impl::expire_sessions(TimePoint now)
@@ -227,25 +246,22 @@ void Server::Impl::expire_sessions(TimePoint now)
 void Server::handle_completions(TimePoint now)
 {
     impl_->latest = now;
-    impl_->sources.handle_completions();
-    impl_->password_checks.drain(now);
-    impl_->events->announce_model_changes();
-    impl_->events->handle_raised();
-    impl_->subscriptions.sampler().handle_scans(now);
-    impl_->sweep();
+    impl_->survive("the answer of a source", [&] { impl_->sources.handle_completions(); });
+    impl_->survive("a password", [&] { impl_->password_checks.drain(now); });
+    impl_->survive("model changes", [&] { impl_->events->announce_model_changes(); });
+    impl_->survive("an Event", [&] { impl_->events->handle_raised(); });
+    impl_->survive("a scan", [&] { impl_->subscriptions.sampler().handle_scans(now); });
+    impl_->survive("the end of a call", [&] { impl_->sweep(); });
 }
 
 std::optional<std::uint64_t> Server::next_changed()
 {
-    while (!impl_->changed.empty()) {
-        const std::uint64_t id = impl_->changed.front();
-        impl_->changed.pop_front();
-        detail::PeerLink* link = impl_->find_link(id);
-        if (link != nullptr && link->take_mark()) {
-            return id;
-        }
+    if (impl_->changed.empty()) {
+        return std::nullopt;
     }
-    return std::nullopt;
+    detail::PeerLink& link = *impl_->changed.front();
+    link.take_mark();
+    return link.id();
 }
 
 void Server::announce_semantics_change(const NodeId& variable)

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <busbar/binary/codec.hpp>
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/model/instance.hpp>
 #include <busbar/types/ids.hpp>
 
@@ -233,8 +234,10 @@ Result<NodeId> add_node(NodeManagementContext& context, const AddNodesItem& item
     if (!added) {
         return fail(as_service_code(added.error()));
     }
+    busbar::detail::Undo undo{[&] { static_cast<void>(context.space.remove(*added)); }};
     charge(context, *added, bytes);
-    return node->id;
+    undo.keep();
+    return std::move(node->id);
 }
 
 } // namespace busbar::server::detail

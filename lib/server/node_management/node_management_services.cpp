@@ -2,6 +2,8 @@
 
 #include <optional>
 
+#include <busbar/core/detail/guarded.hpp>
+
 #include "add_nodes.hpp"
 #include "node_record.hpp"
 #include "references.hpp"
@@ -82,7 +84,9 @@ private:
         const std::size_t before = management_->visits_left;
         Result result = WorkOne(*management_, (this->request().*Items)[index]);
         turn.spend(units_of_change + before - management_->visits_left);
-        record_change(needs_.log, *this->session(), (this->request().*Items)[index], result);
+        busbar::detail::attempt([&] {
+            record_change(needs_.log, *this->session(), (this->request().*Items)[index], result);
+        });
         return result;
     }
     void undo(const Response& response) override

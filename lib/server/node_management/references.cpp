@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "reference_rules.hpp"
@@ -124,7 +125,10 @@ StatusCode add_reference(NodeManagementContext& context, const AddReferencesItem
     if (!added) {
         return added.error();
     }
+    busbar::detail::Undo undo{
+        [&] { static_cast<void>(space.remove_reference(source, item.reference_type_id, target)); }};
     context.client_nodes.add_reference(space, source, type, target);
+    undo.keep();
     return status::Good;
 }
 

@@ -2,6 +2,7 @@
 #include <optional>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/text.hpp>
 
 #include "server/users/user_token.hpp"
@@ -70,6 +71,7 @@ private:
     [[nodiscard]] LoginAttempt login_attempt() const;
     void refuse(StatusCode answer, Refusal refusal, Duration delay, TimePoint now);
     void refuse(Refusal refusal, TimePoint now);
+    [[nodiscard]] std::vector<std::string> chosen_locales() const;
     void accept(UserIdentity user, TimePoint now);
 
     const SessionNeeds& needs_;
@@ -335,6 +337,20 @@ void ActivateSession::refuse(StatusCode answer, Refusal refusal, Duration delay,
     deadline_changed();
 }
 
+std::vector<std::string> ActivateSession::chosen_locales() const
+{
+    if (request().locale_ids.empty()) { // the old ones stay
+        return session()->locale_ids;
+    }
+    std::vector<std::string> chosen;
+    for (const String& locale : request().locale_ids) {
+        if (chosen.size() < needs_.limits().max_locale_ids && locale.size() <= max_locale_size) {
+            chosen.push_back(locale.str());
+        }
+    }
+    return chosen;
+}
+
 void ActivateSession::accept(UserIdentity user, TimePoint now)
 {
     Session& session = *this->session();
@@ -353,22 +369,17 @@ void ActivateSession::accept(UserIdentity user, TimePoint now)
                                  "max_sessions_per_user"),
                       now);
     }
-    if (!request().locale_ids.empty()) { // else the old ones stay
-        session.locale_ids.clear();
-        for (const String& locale : request().locale_ids) {
-            if (session.locale_ids.size() < needs_.limits().max_locale_ids &&
-                locale.size() <= max_locale_size) {
-                session.locale_ids.push_back(locale.str());
-            }
-        }
-    }
+    std::vector<std::string> locales = chosen_locales();
     // Also the same user, with other rights than before.
     const UserIdentity before = session.user;
-    session.server_nonce = *std::move(nonce);
     const bool is_first = !std::exchange(session.is_activated, true);
+    busbar::detail::Undo undo{[&] { session.is_activated = !is_first; }};
     peer_->bind(session);
     set_user(needs_, *find_endpoint(needs_.config, session), session, std::move(user), now);
-    tell_activated(needs_, session, is_first, audit_entry_id_);
+    undo.keep();
+    session.server_nonce = *std::move(nonce);
+    session.locale_ids = std::move(locales);
+    busbar::detail::attempt([&] { tell_activated(needs_, session, is_first, audit_entry_id_); });
     needs_.keeper.session_activated(session);
     if (!(session.user == before)) {
         needs_.keeper.user_changed(session, now);

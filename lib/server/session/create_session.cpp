@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <busbar/channel/endpoint_url.hpp>
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/text.hpp>
 #include <busbar/crypto/certificate_notices.hpp>
 
@@ -301,19 +302,21 @@ StatusCode create_session(const SessionNeeds& needs, ServiceContext& context,
     if (!made) {
         return made.error();
     }
-    Session& session = needs.sessions.add(*std::move(made));
-    context.peer.bind(session);
-    ++needs.counters.summary.cumulated_session_count;
-    response.session_id = session.id;
-    response.authentication_token = session.authentication_token;
-    response.revised_session_timeout = static_cast<double>(session.timeout.count());
-    response.server_nonce = session.server_nonce;
+    response.session_id = (*made)->id;
+    response.authentication_token = (*made)->authentication_token;
+    response.revised_session_timeout = static_cast<double>((*made)->timeout.count());
+    response.server_nonce = (*made)->server_nonce;
     response.server_certificate = server_certificates(needs);
     response.server_endpoints = describe_endpoints(needs, request.endpoint_url.view());
     response.server_signature = *std::move(signature);
     response.max_request_message_size = needs.limits().transport.max_message_size;
-    tell_created(needs, session, context);
-    tell_other_url(needs, session, context);
+    Session& session = needs.sessions.add(*std::move(made));
+    busbar::detail::Undo undo{[&] { needs.sessions.remove(session); }};
+    context.peer.bind(session);
+    undo.keep();
+    ++needs.counters.summary.cumulated_session_count;
+    busbar::detail::attempt([&] { tell_created(needs, session, context); });
+    busbar::detail::attempt([&] { tell_other_url(needs, session, context); });
     return status::Good;
 }
 

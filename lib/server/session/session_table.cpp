@@ -2,6 +2,8 @@
 
 #include <tuple>
 
+#include <busbar/core/detail/guarded.hpp>
+
 #include "peer.hpp"
 
 namespace busbar::server::detail {
@@ -17,9 +19,16 @@ Session& SessionTable::add(std::unique_ptr<Session> session)
     NodeId token = session->authentication_token;
     session->filed_for = session->next_deadline();
     session->is_shared_activated = session->is_activated;
-    session->share = &shares_.enter(session->user, session->address, session->is_activated ? 1 : 0);
-    due_.emplace(session->filed_for, session.get());
-    return *sessions_.emplace(std::move(token), std::move(session)).first->second;
+    const std::size_t items = session->is_activated ? 1 : 0;
+    Share& share = shares_.enter(session->user, session->address, items);
+    busbar::detail::Undo left{[&] { shares_.leave(share, items); }};
+    session->share = &share;
+    const auto due = due_.emplace(session->filed_for, session.get()).first;
+    busbar::detail::Undo unfiled{[&] { due_.erase(due); }};
+    Session& added = *sessions_.emplace(std::move(token), std::move(session)).first->second;
+    unfiled.keep();
+    left.keep();
+    return added;
 }
 
 void SessionTable::remove(Session& session)

@@ -4,6 +4,8 @@
 #include <optional>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
+
 #include "service.hpp"
 #include "session.hpp"
 
@@ -33,6 +35,7 @@ public:
         if (const StatusCode status = resume(context); status.is_bad()) {
             return this->fault(status);
         }
+        busbar::detail::Undo taken_back{[&] { undo(response_); }};
         Turn& turn = context.peer.turn();
         do {
             if (auto result = work(response_.results.size(), turn)) {
@@ -44,6 +47,7 @@ public:
         if (has_thrown) {
             undo(response_);
         }
+        taken_back.keep();
         pause(context);
         if (has_thrown) {
             return this->fault(status::Bad_InternalError);

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
+
 #include "subscription.hpp"
 
 namespace busbar::server::detail {
@@ -25,8 +27,10 @@ EndedSubscriptions::~EndedSubscriptions()
 void EndedSubscriptions::add(std::unique_ptr<Subscription> subscription)
 {
     if (subscription->item_count() > items_at_once) {
-        all_.push_back(std::move(subscription));
-        timers_.set(*this, TimePoint::min());
+        busbar::detail::attempt([&] { // else it goes at once
+            timers_.set(*this, TimePoint::min());
+            all_.push_back(std::move(subscription));
+        });
     }
 }
 

@@ -23,6 +23,9 @@ void MonitoredHandles::add(const Use& use)
     if (use.source == model::no_source) {
         return;
     }
+    if (changed_.capacity() <= entries_.size()) { // so that to note a change needs no memory
+        changed_.reserve(2 * entries_.size() + 8);
+    }
     const Key key{use.source, use.handle};
     Entry& entry = entries_[key];
     ++entry.items[use.interval];
@@ -55,9 +58,11 @@ void MonitoredHandles::tell(DataSources& sources)
     if (changed_.empty()) {
         return;
     }
-    std::vector<Key> changed = std::exchange(changed_, {});
-    std::sort(changed.begin(), changed.end());
+    std::vector<Key> changed = changed_;
     std::vector<Monitoring> batch;
+    batch.reserve(changed.size());
+    changed_.clear(); // nothing fails from here on
+    std::sort(changed.begin(), changed.end());
     for (std::size_t i = 0; i < changed.size(); ++i) {
         const auto found = entries_.find(changed[i]);
         Entry& entry = found->second;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
+
 #include "subscription.hpp"
 
 namespace busbar::server::detail {
@@ -87,8 +89,10 @@ StatusCode MonitoredItem::add_link(MonitoredItem& triggered, std::size_t max_lin
     if (!subscription_->memory().charge(link_cost)) {
         return status::Bad_OutOfMemory;
     }
+    busbar::detail::Undo undo{[&] { forget_link(triggered); }};
     links_.push_back(&triggered);
     triggered.triggers_.push_back(this);
+    undo.keep();
     return status::Good;
 }
 

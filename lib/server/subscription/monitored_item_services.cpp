@@ -4,6 +4,7 @@
 
 #include <busbar/binary/codec.hpp>
 #include <busbar/core/attribute_id.hpp>
+#include <busbar/core/detail/guarded.hpp>
 
 #include "sampler.hpp"
 #include "server/rights/nodes_ahead.hpp"
@@ -93,12 +94,15 @@ MonitoredItemCreateResult create_one(const ItemContext& context,
         return result;
     }
     MonitoredItem& item = context.subscription.add_item(std::move(made));
+    busbar::detail::Undo undo{
+        [&] { static_cast<void>(context.subscription.remove_item(item.id())); }};
     result.monitored_item_id = item.id();
     result.revised_sampling_interval = revision.sampling_interval;
     result.revised_queue_size = revision.queue_size;
     if (item.kind() == MonitoredItem::Kind::Data && item.mode() != MonitoringMode::Disabled) {
         context.all.sampler().add(static_cast<ValueItem&>(item), context.now);
     }
+    undo.keep();
     return result;
 }
 
@@ -156,7 +160,8 @@ private:
     void pause(ServiceContext&) override
     {
         subscription_ = nullptr;
-        all_.sampler().sample_new(now_);
+        // What does not come to its first sample now is sampled with the others of its interval.
+        busbar::detail::attempt([&] { all_.sampler().sample_new(now_); });
     }
 
     SubscriptionTable& all_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <busbar/core/detail/guarded.hpp>
+
 namespace busbar::server::detail {
 
 void RetransmissionQueue::drop_oldest()
@@ -23,7 +25,10 @@ std::uint32_t RetransmissionQueue::add(std::uint32_t sequence_number,
         }
         drop_oldest();
     }
-    messages_.push_back({sequence_number, std::move(message)});
+    busbar::detail::Undo undo{[&] { account_->release(message.capacity()); }};
+    messages_.push_back({sequence_number, {}});
+    undo.keep();
+    messages_.back().bytes = std::move(message);
     return lost;
 }
 

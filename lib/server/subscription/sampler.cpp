@@ -60,11 +60,11 @@ SamplingGroup& Sampler::group_of(const ValueItem& item)
     // What used to lie in an image, and does not any more, is sampled as fast as can be.
     const Duration interval =
         std::max<Duration>(item.interval(), needs_.limits.subscriptions.sampling.min_interval);
-    auto& group = groups_[interval];
-    if (group == nullptr) {
-        group = std::make_unique<SamplingGroup>(*this, interval);
+    auto found = groups_.find(interval);
+    if (found == groups_.end()) {
+        found = groups_.emplace(interval, std::make_unique<SamplingGroup>(*this, interval)).first;
     }
-    return *group;
+    return *found->second;
 }
 
 void Sampler::add(ValueItem& item, TimePoint now)

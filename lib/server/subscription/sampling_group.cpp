@@ -40,19 +40,19 @@ SamplingGroup::~SamplingGroup()
 
 void SamplingGroup::add(ValueItem& item, TimePoint now)
 {
-    item.group_ = this;
-    put_in(item);
-    ++item_count_;
     if (next_sample_ == no_deadline && interval_ != Duration::zero()) {
+        sampler_.timers().set(*this, now + interval_);
         next_sample_ = now + interval_;
-        arm();
     }
+    put_in(item);
+    item.group_ = this;
+    ++item_count_;
 }
 
 void SamplingGroup::put_in(ValueItem& item)
 {
-    item.place_ = {ValueItem::Place::no_image, static_cast<std::uint32_t>(members_.size())};
     members_.push_back({&item});
+    item.place_ = {ValueItem::Place::no_image, static_cast<std::uint32_t>(members_.size() - 1)};
 }
 
 void SamplingGroup::take_out(ValueItem& item)
@@ -76,8 +76,11 @@ void SamplingGroup::remove(ValueItem& item)
 
 void SamplingGroup::rebind(ValueItem& item)
 {
+    const ValueItem::Place before = item.place_;
+    put_in(item); // first, as it may fail
+    const ValueItem::Place after = std::exchange(item.place_, before);
     take_out(item);
-    put_in(item);
+    item.place_ = after;
 }
 
 void SamplingGroup::node_changed(ValueItem& item)
@@ -153,7 +156,6 @@ void SamplingGroup::bind_one(std::size_t index)
         member.binding = Binding::AddressSpace;
         return item.stop();
     }
-    member.binding = Binding::Source;
     const model::NodeIndex node = space.find(item.value_id().node_id);
     space.journal().watch(node, model::NodeAspect::Binding, item);
     sampler_.watch_roles(node);
@@ -165,6 +167,7 @@ void SamplingGroup::bind_one(std::size_t index)
         ++holes_;
         return;
     }
+    member.binding = Binding::Source;
     member.source = plan.source_index;
     member.handle = plan.handle;
     member.is_cut_by_source = item.range() != nullptr && plan.source->options().reads_ranges;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
+
 #include "notification_message.hpp"
 #include "publish_queue.hpp"
 #include "server/session/session.hpp"
@@ -25,12 +27,11 @@ SubscriptionOwner owner_of(const Session& session)
 } // namespace
 
 Subscription::Subscription(SubscriptionTable& all, std::uint32_t id, Session& session)
-    : all_{all}, id_{id}, session_{&session}, share_{&all.shares().enter(session.user,
-                                                                         session.address)},
-      since_{all.next_serial()}, memory_{all.needs().limits.subscriptions.max_subscription_memory,
-                                         &all.memory()},
+    : all_{all}, id_{id}, session_{&session}, since_{all.next_serial()},
+      memory_{all.needs().limits.subscriptions.max_subscription_memory, &all.memory()},
       retransmission_{all.needs().limits.subscriptions.max_retransmission_messages, memory_}
 {
+    share_ = &all.shares().enter(session.user, session.address); // last: it has to be left
 }
 
 Subscription::~Subscription()
@@ -157,6 +158,8 @@ void Subscription::expire(TimePoint now)
     if (session_ != nullptr) {
         PublishPart::of(*session_).refuse_overdue(now);
     }
+    // Whatever happens here, it goes on.
+    all_.timers().set(*this, now + parameters_.publishing_interval);
     handle(SubscriptionEvent::PublishingTimer, {.now = now});
     if (state_ == State::Closed) {
         all_.remove(*this);
@@ -226,6 +229,7 @@ void Subscription::return_notifications()
         }
         // Though it may have more to send for ever: of equal priorities it is the others' turn now.
         last_served_ = all_.next_serial();
+        busbar::detail::Undo undo{[&] { give_up(*request); }};
         count(&SubscriptionDiagnosticsDataType::publish_request_count);
         const DateTime now = all_.needs().wall_time();
         const std::size_t room = request->room_for_message(retransmission_.size() + 1);
@@ -236,16 +240,31 @@ void Subscription::return_notifications()
                                            events_first_);
         more_notifications_ = notifications_available();
         if (!message) {
+            undo.keep();
             request->refuse(message.error());
             continue;
         }
-        sequence_number_ = next_sequence_number();
         const std::span<const std::byte> bytes{*message};
         // Which keeps the bytes where they are.
-        const std::uint32_t discarded = retransmission_.add(sequence_number_, *message);
+        const std::uint32_t discarded = retransmission_.add(next_sequence_number(), *message);
+        sequence_number_ = next_sequence_number();
         count(&SubscriptionDiagnosticsDataType::discarded_message_count, discarded);
         request->answer({*this, bytes, more_notifications_});
+        undo.keep();
     } while (more_notifications_);
+}
+
+/// There was no memory for the message: what it had is not told any more, but each item's last
+/// value is.
+void Subscription::give_up(PublishOperation& request)
+{
+    for (const auto& [id, item] : items_) {
+        if (item->mode() == MonitoringMode::Reporting) {
+            item->resend(context(next_publishing_));
+        }
+    }
+    more_notifications_ = notifications_available();
+    request.refuse(status::Bad_OutOfMemory);
 }
 
 void Subscription::return_keep_alive()
@@ -254,9 +273,11 @@ void Subscription::return_keep_alive()
         return;
     }
     if (PublishOperation* const request = PublishPart::of(*session_).take_request()) {
+        busbar::detail::Undo undo{[&] { request->refuse(status::Bad_OutOfMemory); }};
         count(&SubscriptionDiagnosticsDataType::publish_request_count);
         const auto message = write_keep_alive(next_sequence_number(), all_.needs().wall_time());
         request->answer({*this, message, false});
+        undo.keep();
     }
     last_served_ = all_.next_serial();
 }
@@ -264,23 +285,30 @@ void Subscription::return_keep_alive()
 void Subscription::issue_status_change(StatusCode status)
 {
     if (session_ != nullptr) {
-        PublishPart::of(*session_).add_status_change(
-            all_.needs().limits.subscriptions.max_status_changes,
-            {id_, write_status_change(next_sequence_number(), all_.needs().wall_time(), status)});
+        busbar::detail::attempt([&] { // what has ended has ended, told or not
+            PublishPart::of(*session_).add_status_change(
+                all_.needs().limits.subscriptions.max_status_changes,
+                {id_,
+                 write_status_change(next_sequence_number(), all_.needs().wall_time(), status)});
+        });
     }
 }
 
 void Subscription::set_session(Session& session, TimePoint now)
 {
+    const UserIdentity before = user();
+    PublishPart& part = PublishPart::of(session);
+    Share& share = all_.shares().enter(session.user, session.address, items_.size());
+    busbar::detail::Undo left{[&] { all_.shares().leave(share, items_.size()); }};
+    part.add(*this);
+    left.keep();
     if (session_ != nullptr) {
         PublishPart::of(*session_).remove(*this);
     }
-    const UserIdentity before = user();
     session_ = &session;
-    PublishPart::of(session).add(*this);
-    update_share();
+    all_.shares().leave(*std::exchange(share_, &share), items_.size());
     if (SubscriptionObserver* const observer = all_.needs().observer) {
-        observer->moved(*this);
+        busbar::detail::attempt([&] { observer->moved(*this); });
     }
     if (!(before == session.user)) {
         user_changed(now);
@@ -321,6 +349,9 @@ bool Subscription::is_encrypted() const
 
 void Subscription::detach()
 {
+    if (session_ == nullptr) {
+        return;
+    }
     owner_ = owner_of(*session_);
     session_ = nullptr;
     since_ = all_.next_serial();
@@ -343,7 +374,8 @@ void Subscription::end()
     all_.timers().cancel(*this);
     if (session_ != nullptr) {
         PublishPart::of(*session_).remove(*this);
-        detach();
+        busbar::detail::attempt([&] { detach(); });
+        session_ = nullptr;
     }
     all_.shares().leave(*std::exchange(share_, nullptr), items_.size());
 }

@@ -23,6 +23,7 @@
 namespace busbar::server::detail {
 
 class Session;
+class PublishOperation;
 class SubscriptionTable;
 
 /// What a client asks of a Subscription, as it was revised (Part 4, 5.14.2.2).
@@ -174,6 +175,7 @@ private:
     void update_parameters(const SubscriptionParameters& parameters, TimePoint now);
     void set_publishing_enabled(bool is_enabled);
     void return_notifications();
+    void give_up(PublishOperation& request);
     void return_keep_alive();
     void issue_status_change(StatusCode status);
     void set_session(Session& session, TimePoint now);
@@ -185,7 +187,7 @@ private:
     /// While there is no session.
     SubscriptionOwner owner_;
     /// Null after end().
-    Share* share_;
+    Share* share_{nullptr};
     std::uint64_t since_;
     SubscriptionParameters parameters_;
 

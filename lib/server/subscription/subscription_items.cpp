@@ -36,8 +36,9 @@ MonitoredItem& Subscription::add_item(std::unique_ptr<MonitoredItem> item)
         ++last_item_id_;
     } while (last_item_id_ == 0 || items_.contains(last_item_id_));
     item->id_ = last_item_id_;
+    MonitoredItem& added = *items_.emplace(last_item_id_, std::move(item)).first->second;
     count_items(1);
-    return *items_.emplace(last_item_id_, std::move(item)).first->second;
+    return added;
 }
 
 bool Subscription::remove_item(std::uint32_t id)

@@ -3,6 +3,8 @@
 #include <array>
 #include <bit>
 
+#include <busbar/core/detail/guarded.hpp>
+
 #include "publish_queue.hpp"
 #include "sampler.hpp"
 #include "server/session/session.hpp"
@@ -64,10 +66,16 @@ Result<Subscription*> SubscriptionTable::create(Session& session,
         return fail(status::Bad_TooManySubscriptions);
     }
     const std::uint32_t id = new_id();
-    ++needs_.counters.summary.cumulated_subscription_count;
     Subscription& made =
         *subscriptions_.emplace(id, std::make_unique<Subscription>(*this, id, session))
              .first->second;
+    busbar::detail::Undo undo{[&] {
+        if (needs_.observer != nullptr) {
+            needs_.observer->removed(made);
+        }
+        part.remove(made);
+        subscriptions_.erase(id);
+    }};
     part.add(made);
     made.handle(SubscriptionEvent::CreateSubscription, {.now = now});
     made.handle(SubscriptionEvent::Created,
@@ -75,6 +83,8 @@ Result<Subscription*> SubscriptionTable::create(Session& session,
     if (needs_.observer != nullptr) {
         needs_.observer->added(made);
     }
+    undo.keep();
+    ++needs_.counters.summary.cumulated_subscription_count;
     return &made;
 }
 
@@ -132,6 +142,9 @@ void SubscriptionTable::session_moved(Session& session)
 
 void SubscriptionTable::user_changed(Session& session, TimePoint now)
 {
+    if (session.publishing == nullptr) {
+        return;
+    }
     for (Subscription* subscription : PublishPart::of(session).subscriptions()) {
         subscription->update_share();
         subscription->user_changed(now);

@@ -46,8 +46,8 @@ void TimerQueue::set(Timer& timer, TimePoint due)
     if (due == no_deadline) {
         return;
     }
-    timer.due_ = due;
     heap_.push_back(&timer);
+    timer.due_ = due;
     sift_up(timer, heap_.size() - 1);
 }
 
@@ -103,13 +103,14 @@ private:
 
 void TimerQueue::expire(TimePoint now)
 {
+    std::erase(expiring_, nullptr); // of those that were left behind
     while (!heap_.empty() && heap_.front()->due_ <= now) {
         Timer* const timer = heap_.front();
+        expiring_.push_back(timer);
         cancel(*timer);
         timer->is_expiring_ = true;
-        expiring_.push_back(timer);
+        has_rest_ = true;
     }
-    std::erase(expiring_, nullptr); // of those that were left behind
     std::stable_sort(expiring_.begin(), expiring_.end(),
                      [](const Timer* a, const Timer* b) { return a->rank() > b->rank(); });
     // One that ends another's life cancels it, which clears its place here.

@@ -1,3 +1,7 @@
+#include <utility>
+
+#include <busbar/core/detail/guarded.hpp>
+
 #include "publish_queue.hpp"
 #include "server/session/session.hpp"
 #include "subscription.hpp"
@@ -47,7 +51,7 @@ StatusCode transfer(const SubscriptionTable& all, const ServiceContext& context,
                            ? &SubscriptionDiagnosticsDataType::transferred_to_same_client_count
                            : &SubscriptionDiagnosticsDataType::transferred_to_alt_client_count);
     if (sends_initial_values) {
-        subscription.resend_data(context.now);
+        busbar::detail::attempt([&] { subscription.resend_data(context.now); });
     }
     return status::Good;
 }
@@ -66,17 +70,20 @@ StatusCode transfer_subscriptions(SubscriptionTable& all, ServiceContext& contex
     for (const std::uint32_t id : request.subscription_ids) {
         TransferResult result;
         Subscription* const subscription = all.find(id);
+        Array<std::uint32_t> available;
+        if (subscription != nullptr) { // before it moves, which is not taken back
+            available = Array<std::uint32_t>{subscription->retransmission().available()};
+        }
         result.status_code = subscription == nullptr ? status::Bad_SubscriptionIdInvalid
                                                      : transfer(all, context, *subscription,
                                                                 request.send_initial_values);
         if (result.status_code.is_good()) {
-            result.available_sequence_numbers =
-                Array<std::uint32_t>{subscription->retransmission().available()};
+            result.available_sequence_numbers = std::move(available);
         }
         response.results.push_back(std::move(result));
     }
     // Publish requests of the session may have waited for what came with them.
-    PublishPart::of(*context.session).serve(context.now);
+    busbar::detail::attempt([&] { PublishPart::of(*context.session).serve(context.now); });
     return status::Good;
 }
 

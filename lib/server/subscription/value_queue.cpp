@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <busbar/binary/codec.hpp>
+#include <busbar/core/detail/guarded.hpp>
 
 namespace busbar::server::detail {
 
@@ -53,14 +54,18 @@ std::uint32_t ValueQueue::set_capacity(std::uint32_t capacity, bool discards_old
     }
     const std::size_t old_cost = ring_ != nullptr ? capacity_ * sizeof(DataValue) : 0;
     account_->release(old_cost);
+    busbar::detail::Undo undo{[&] { static_cast<void>(account_->charge(old_cost)); }};
     const std::size_t most = account_->left() / sizeof(DataValue);
     capacity = std::max(static_cast<std::uint32_t>(std::min<std::size_t>(capacity, most)), 1U);
     std::unique_ptr<DataValue[]> ring;
     if (capacity > 1) {
-        static_cast<void>(account_->charge(capacity * sizeof(DataValue))); // there is that much
         ring = std::make_unique<DataValue[]>(capacity);
     }
     move_to(std::move(ring), capacity);
+    undo.keep();
+    if (capacity > 1) {
+        static_cast<void>(account_->charge(capacity * sizeof(DataValue))); // there is that much
+    }
     return capacity_;
 }
 
@@ -84,9 +89,9 @@ void ValueQueue::discard(std::vector<DataValue>& values, std::size_t most) const
 void ValueQueue::move_to(std::unique_ptr<DataValue[]> ring, std::uint32_t capacity)
 {
     const bool is_taken = size_ == 0;
-    size_ = std::max(size_, has_newest_ ? 1U : 0U);
     std::vector<DataValue> values;
-    values.reserve(size_);
+    values.reserve(std::max(size_, 1U)); // and nothing is to fail from here on
+    size_ = std::max(size_, has_newest_ ? 1U : 0U);
     for (std::uint32_t i = 0; i < size_; ++i) {
         values.push_back(std::move(at((oldest_index() + i) % capacity_)));
     }
@@ -123,11 +128,18 @@ std::uint32_t ValueQueue::make_place(bool& is_overflow)
 void ValueQueue::set(DataValue& to, const DataValue& data, const Variant& value)
 {
     account_->release(held_bytes(to.value));
-    if (!account_->charge(held_bytes(value))) {
-        to.value = Variant{};
+    to.value = Variant{};
+    const std::size_t size = held_bytes(value);
+    bool is_kept = account_->charge(size);
+    if (is_kept) {
+        std::string why;
+        is_kept = busbar::detail::caught(why, [&] { to.value = value; }).is_good();
+        if (!is_kept) {
+            account_->release(size);
+        }
+    }
+    if (!is_kept) {
         to.status = status::Bad_OutOfMemory;
-    } else {
-        to.value = value;
     }
     to.source_timestamp = data.source_timestamp;
     to.source_picoseconds = data.source_picoseconds;

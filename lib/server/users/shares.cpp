@@ -37,15 +37,18 @@ std::string describe(const UserIdentity& user)
 
 Share& Shares::enter(const UserIdentity& user, std::string_view address, std::size_t items)
 {
-    const auto [found, is_new] = shares_.try_emplace(key_of(user, address));
-    Entry& share = found->second;
-    if (is_new) {
-        share.key = found->first;
-        share.text = describe(user);
+    std::string key = key_of(user, address);
+    auto found = shares_.find(key);
+    if (found == shares_.end()) {
+        Entry made;
+        made.key = key;
+        made.text = describe(user);
         if (user.token_type == UserTokenType::Anonymous) {
-            share.text += " from " + printable(network_of(address));
+            made.text += " from " + printable(network_of(address));
         }
+        found = shares_.emplace(std::move(key), std::move(made)).first;
     }
+    Entry& share = found->second;
     ++share.places;
     share.items += items;
     return share;

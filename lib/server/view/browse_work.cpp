@@ -159,6 +159,12 @@ bool BrowseWork::go_on(ViewContext& context, const BrowseRequest& request, Brows
     return is_complete;
 }
 
+void BrowseWork::undo(Session& session) const
+{
+    ViewPart::Points none;
+    ViewPart::of(session).take_back(session, none);
+}
+
 bool BrowseWork::take_turn(ViewContext& context, const BrowseRequest& request,
                            BrowseResponse& response)
 {
@@ -207,7 +213,7 @@ StatusCode BrowseNextWork::begin(ViewContext& context, const BrowseNextRequest& 
     part.begin_request();
     if (request.release_continuation_points) {
         for (const ByteString& id : request.continuation_points) {
-            static_cast<void>(part.take(context.session, id));
+            static_cast<void>(part.take(context.session, id, used_));
         }
         return status::Good; // and no results
     }
@@ -225,6 +231,11 @@ bool BrowseNextWork::go_on(ViewContext& context, const BrowseNextRequest& reques
     return is_complete;
 }
 
+void BrowseNextWork::undo(Session& session)
+{
+    ViewPart::of(session).take_back(session, used_);
+}
+
 bool BrowseNextWork::take_turn(ViewContext& context, const BrowseNextRequest& request,
                                BrowseNextResponse& response)
 {
@@ -235,7 +246,7 @@ bool BrowseNextWork::take_turn(ViewContext& context, const BrowseNextRequest& re
         BrowseResult& result = response.results[next_];
         if (!place_.state) {
             auto taken = ViewPart::of(context.session)
-                             .take(context.session, request.continuation_points[next_]);
+                             .take(context.session, request.continuation_points[next_], used_);
             if (!taken) {
                 result.status_code = taken.error();
                 ++next_;

@@ -30,6 +30,8 @@ public:
     /// True once the response is complete; false if the turn is over before.
     [[nodiscard]] bool go_on(ViewContext& context, const BrowseRequest& request,
                              BrowseResponse& response);
+    /// Takes back what it has done to the session's continuation points.
+    void undo(Session& session) const;
 
 private:
     [[nodiscard]] bool take_turn(ViewContext& context, const BrowseRequest& request,
@@ -50,6 +52,7 @@ public:
                                    BrowseNextResponse& response);
     [[nodiscard]] bool go_on(ViewContext& context, const BrowseNextRequest& request,
                              BrowseNextResponse& response);
+    void undo(Session& session);
 
 private:
     [[nodiscard]] bool take_turn(ViewContext& context, const BrowseNextRequest& request,
@@ -58,6 +61,7 @@ private:
     std::size_t next_{0};
     std::size_t kept_{0};
     BrowsePlace place_;
+    ViewPart::Points used_;
 };
 
 } // namespace busbar::server::detail

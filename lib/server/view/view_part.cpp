@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <busbar/core/detail/guarded.hpp>
+
 namespace busbar::server::detail {
 
 ViewPart& ViewPart::of(Session& session)
@@ -27,13 +29,18 @@ Result<ByteString> ViewPart::add(Session& session, crypto::Random& random,
     if (!random.fill(id) || !session.charge(point_memory)) {
         return fail(status::Bad_NoContinuationPoints);
     }
-    Point& point = points_.emplace_back(request_, state);
+    busbar::detail::Undo paid{[&] { session.release(point_memory); }};
+    ByteString given{std::span<const std::byte>{id}};
+    Points made;
+    Point& point = made.emplace_back(request_, state);
     point.id = id;
     space.journal().watch(state.node.index, model::NodeAspect::ReferencePositions, point);
-    return ByteString{std::span<const std::byte>{id}};
+    points_.splice(points_.end(), made);
+    paid.keep();
+    return given;
 }
 
-Result<BrowseState> ViewPart::take(Session& session, const ByteString& id)
+Result<BrowseState> ViewPart::take(Session& session, const ByteString& id, Points& used)
 {
     const auto bytes = id.span();
     const auto found = std::find_if(points_.begin(), points_.end(), [&](const Point& point) {
@@ -44,9 +51,23 @@ Result<BrowseState> ViewPart::take(Session& session, const ByteString& id)
     }
     const auto state = found->is_lost ? fail(status::Bad_ContinuationPointInvalid)
                                       : Result<BrowseState>{found->state};
-    points_.erase(found);
+    used.splice(used.end(), points_, found);
     session.release(point_memory);
     return state;
+}
+
+void ViewPart::take_back(Session& session, Points& used)
+{
+    while (!points_.empty() && points_.back().request == request_) {
+        points_.pop_back();
+        session.release(point_memory);
+    }
+    for (; !used.empty(); points_.splice(points_.end(), used, used.begin())) {
+        if (!session.charge(point_memory)) {
+            return used.clear();
+        }
+        used.front().request = request_;
+    }
 }
 
 } // namespace busbar::server::detail

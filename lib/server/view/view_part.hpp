@@ -40,7 +40,20 @@ struct BrowseState {
 /// another session leads nowhere. A point lives until it is used, released or needed for another,
 /// or the session ends (Part 4, 7.9), whatever happens to other nodes than its own.
 class ViewPart final : public SessionPart {
+    static constexpr std::size_t id_size = 16;
+
 public:
+    struct Point final : model::NodeWatch {
+        Point(std::uint64_t of_request, const BrowseState& s) : request{of_request}, state{s} {}
+        void node_changed(model::NodeIndex, bool is_removed) override { is_lost = !is_removed; }
+
+        std::array<std::byte, id_size> id{};
+        std::uint64_t request;
+        BrowseState state;
+        bool is_lost{false};
+    };
+    using Points = std::list<Point>;
+
     /// That of the session, made when it is not there yet.
     [[nodiscard]] static ViewPart& of(Session& session);
 
@@ -53,27 +66,18 @@ public:
                                          const model::AddressSpace& space, const BrowseState& state,
                                          std::size_t most);
     /// Gives up the point of that id; Bad_ContinuationPointInvalid if there is none, or its
-    /// position leads elsewhere by now. Its node may be gone.
-    [[nodiscard]] Result<BrowseState> take(Session& session, const ByteString& id);
+    /// position leads elsewhere by now. Its node may be gone. What is left of it goes to `used`.
+    [[nodiscard]] Result<BrowseState> take(Session& session, const ByteString& id, Points& used);
+    /// The request has failed: what it has used is as before, and what it has made is not there.
+    void take_back(Session& session, Points& used);
     [[nodiscard]] std::size_t size() const { return points_.size(); }
 
 private:
-    static constexpr std::size_t id_size = 16;
-
-    struct Point final : model::NodeWatch {
-        Point(std::uint64_t of_request, const BrowseState& s) : request{of_request}, state{s} {}
-        void node_changed(model::NodeIndex, bool is_removed) override { is_lost = !is_removed; }
-
-        std::array<std::byte, id_size> id{};
-        std::uint64_t request;
-        BrowseState state;
-        bool is_lost{false};
-    };
     static constexpr std::size_t point_memory =
         sizeof(Point) + 2 * sizeof(void*) + model::node_watch_memory;
 
     /// Oldest first.
-    std::list<Point> points_;
+    Points points_;
     std::uint64_t request_{0};
 };
 

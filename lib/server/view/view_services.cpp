@@ -4,6 +4,8 @@
 #include <optional>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
+
 #include "browse_work.hpp"
 #include "server/rights/nodes_ahead.hpp"
 #include "server/session/session_rights.hpp"
@@ -48,12 +50,14 @@ public:
         view.visits_left = visits_left_;
         view.references_left = references_left_;
         view.turn = context.peer.turn();
+        busbar::detail::Undo undo{[&] { work_.undo(*context.session); }};
         const bool is_complete = work_.go_on(view, this->request(), response_);
         context.peer.turn() = view.turn;
         const std::size_t added =
             references_left_ - std::min(references_left_, view.references_left);
         visits_left_ = view.visits_left;
         references_left_ = view.references_left;
+        undo.keep();
         if (is_complete) {
             this->respond_results(response_);
         } else if (!this->charge(added * sizeof(ReferenceDescription) + view.text_bytes)) {
