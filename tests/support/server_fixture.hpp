@@ -88,6 +88,15 @@ public:
         run();
     }
 
+    /// The same that says nothing before it is told to.
+    struct Silent {};
+    TestClient(server::Connection accepted, channel::SecuritySetting security,
+               const channel::ChannelEnvironment& environment, TimePoint& now, Silent /*tag*/)
+        : connection{std::move(accepted)}, channel{config(security), environment, now},
+          identity_{environment.identity}, now_{&now}
+    {
+    }
+
     /// Lets both sides talk until nothing moves.
     void run()
     {

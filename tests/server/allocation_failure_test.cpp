@@ -1,0 +1,179 @@
+#include "failure_cases.hpp"
+
+/// D3: each service with the k-th of its allocations failing, for k = 1, 2, ... until it goes
+/// through. Whatever fails ends the request with Bad_OutOfMemory, or its connection, and leaves
+/// nothing behind: another session is served at once, and the same request succeeds.
+using namespace busbar;
+using namespace busbar::test;
+
+namespace {
+
+struct Row {
+    const char* service;
+    FailureCase (*prepare)(FailureFixture&);
+};
+
+constexpr Row rows[] = {
+    {"FindServers", failing::find_servers},
+    {"GetEndpoints", failing::get_endpoints},
+    {"CreateSession", failing::create_session},
+    {"ActivateSession", failing::activate_session},
+    {"CloseSession", failing::close_session},
+    {"Cancel", failing::cancel},
+    {"Read", failing::read},
+    {"Write", failing::write},
+    {"Browse", failing::browse},
+    {"Browse in parts", failing::browse_in_part},
+    {"BrowseNext", failing::browse_next},
+    {"TranslateBrowsePathsToNodeIds", failing::translate_browse_paths},
+    {"RegisterNodes", failing::register_nodes},
+    {"UnregisterNodes", failing::unregister_nodes},
+    {"Call", failing::call},
+    {"CreateSubscription", failing::create_subscription},
+    {"ModifySubscription", failing::modify_subscription},
+    {"SetPublishingMode", failing::set_publishing_mode},
+    {"DeleteSubscriptions", failing::delete_subscriptions},
+    {"TransferSubscriptions", failing::transfer_subscriptions},
+    {"CreateMonitoredItems", failing::create_items},
+    {"CreateMonitoredItems of events", failing::create_event_item},
+    {"ModifyMonitoredItems", failing::modify_items},
+    {"SetMonitoringMode", failing::set_monitoring_mode},
+    {"SetTriggering", failing::set_triggering},
+    {"DeleteMonitoredItems", failing::delete_items},
+    {"Publish of data", failing::publish_data},
+    {"Publish of events", failing::publish_events},
+    {"Republish", failing::republish},
+    {"AddNodes", failing::add_nodes},
+    {"DeleteNodes", failing::delete_nodes},
+    {"AddReferences", failing::add_references},
+    {"DeleteReferences", failing::delete_references},
+};
+
+/// Each of the first 300, where a request's own allocations are, and then every seventh: the whole
+/// takes seconds so.
+std::size_t next(std::size_t k)
+{
+    return k < 300 ? k + 1 : k + 7;
+}
+
+/// What has to hold when something failed and `answer` came of it.
+void check_after(FailureFixture& world, const FailureCase& asked, StatusCode answer,
+                 const std::vector<std::size_t>& before)
+{
+    CHECK(use(world.other) == status::Good);
+    if (answer == status::Good || answer == status::Bad_NoData) {
+        return;
+    }
+    CHECK((answer == status::Bad_OutOfMemory || world.client.is_closed()));
+    if (world.client.is_closed()) {
+        if (asked.dies_with_connection) {
+            return;
+        }
+        world.client = world.again(world.client);
+    }
+    CHECK(world.counts() == before);
+    StatusCode second = status::Bad_NoData;
+    for (int i = 0; i < 3 && second == status::Bad_NoData; ++i) {
+        second = world.ask(world.client, asked);
+    }
+    CHECK(second == status::Good);
+}
+
+/// False if the request went through without a failure.
+bool fail_once(const Row& row, std::size_t k)
+{
+    FailureFixture world;
+    const FailureCase asked = row.prepare(world);
+    const auto before = world.counts();
+    fail_allocation(k);
+    const StatusCode answer = world.ask(world.client, asked);
+    const bool has_failed = has_allocation_failed();
+    fail_allocation(0);
+    INFO(row.service << ", allocation " << k << ": " << name(answer) << "\n" << world.log.text);
+    CHECK(world.thrown == 0);
+    if (has_failed) {
+        check_after(world, asked, answer, before);
+        world.advance(std::chrono::seconds{1});
+        CHECK(world.server.next_deadline() > world.now);
+    } else {
+        CHECK(answer == status::Good);
+    }
+    return has_failed;
+}
+
+} // namespace
+
+namespace {
+
+const channel::SecuritySetting secure =
+    setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt);
+
+/// False if the channel was opened without a failure.
+bool fail_opening(const channel::SecuritySetting& security, std::size_t k)
+{
+    FailureFixture world;
+    const auto before = world.counts();
+    fail_allocation(k);
+    auto opened = world.open(security);
+    const bool has_failed = has_allocation_failed();
+    fail_allocation(0);
+    INFO("allocation " << k << "\n" << world.log.text);
+    CHECK(world.thrown == 0);
+    CHECK(use(world.other) == status::Good);
+    const bool is_open = opened != nullptr && opened->channel.is_open();
+    CHECK((is_open || (has_failed && (opened == nullptr || opened->is_closed()))));
+    opened.reset();
+    CHECK(world.server.connection_count() == 2);
+    CHECK(world.counts() == before);
+    const auto second = world.open(security);
+    CHECK((second != nullptr && second->channel.is_open()));
+    return has_failed;
+}
+
+/// False if the channel was renewed without a failure.
+bool fail_renewal(const channel::SecuritySetting& security, std::size_t k)
+{
+    FailureFixture world;
+    auto opened = world.open(security);
+    REQUIRE(opened != nullptr);
+    world.now = opened->channel.next_deadline();
+    opened->channel.handle_deadline(world.now);
+    fail_allocation(k);
+    world.carry(*opened);
+    const bool has_failed = has_allocation_failed();
+    fail_allocation(0);
+    INFO("allocation " << k << "\n" << world.log.text);
+    CHECK(world.thrown == 0);
+    CHECK((opened->is_closed() ? has_failed : opened->create_session().has_value()));
+    CHECK(use(world.other) == status::Good);
+    return has_failed;
+}
+
+} // namespace
+
+TEST_CASE("D3: an allocation that fails while a channel is opened ends its connection")
+{
+    const channel::SecuritySetting security = GENERATE(channel::SecuritySetting{}, secure);
+    for (std::size_t k = 1; fail_opening(security, k); k = next(k)) {
+    }
+}
+
+TEST_CASE("D3: an allocation that fails while a channel is renewed ends its connection")
+{
+    const channel::SecuritySetting security = GENERATE(channel::SecuritySetting{}, secure);
+    for (std::size_t k = 1; fail_renewal(security, k); k = next(k)) {
+    }
+}
+
+TEST_CASE("D3: an allocation that fails ends one request")
+{
+    for (const Row& row : rows) {
+        DYNAMIC_SECTION(row.service)
+        {
+            std::size_t k = 1;
+            while (fail_once(row, k)) {
+                k = next(k);
+            }
+        }
+    }
+}

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+
+/// Memory that runs out once, where a test says. Needs failing_allocation.cpp in the test, which
+/// replaces operator new; one thread.
+namespace busbar::test {
+
+/// Counts anew: of what is allocated while a Counted lives, the `k`-th fails, and only that. None
+/// fails with 0.
+void fail_allocation(std::size_t k);
+/// Whether it has come to that.
+[[nodiscard]] bool has_allocation_failed();
+/// What was allocated, counted or not, and not freed.
+[[nodiscard]] std::size_t live_allocations();
+
+/// While it lives the code under test runs, and not the test's own.
+class Counted {
+public:
+    Counted();
+    Counted(const Counted&) = delete;
+    Counted& operator=(const Counted&) = delete;
+    ~Counted();
+};
+
+/// While it lives in that, a callback of the test's own runs.
+class Uncounted {
+public:
+    Uncounted();
+    Uncounted(const Uncounted&) = delete;
+    Uncounted& operator=(const Uncounted&) = delete;
+    ~Uncounted();
+
+private:
+    bool was_counted_;
+};
+
+} // namespace busbar::test
