@@ -34,8 +34,29 @@ Client::Impl::Impl(Client& owner, ClientConfig c, const channel::ChannelEnvironm
 void Client::Impl::tell(TimePoint time)
 {
     now = std::max(now, time);
-    requests.tell(now);
+    busbar::detail::attempt([&] { requests.tell(now); }); // else it is told the next time
     transport.check(now);
+}
+
+/// What has found no memory on its way is the connection's end, as nobody knows how far it came.
+void Client::Impl::survive(FunctionRef<void()> work)
+{
+    const StatusCode thrown =
+        busbar::detail::guarded(*environment.log, "a Client's work", [&] { work(); });
+    if (thrown.is_bad()) {
+        failure = thrown;
+    }
+}
+
+/// True if something had failed.
+bool Client::Impl::end_failed()
+{
+    const StatusCode why = std::exchange(failure, StatusCode{});
+    if (!why.is_bad() || transport.is_none()) {
+        return why.is_bad();
+    }
+    survive([&] { lose(why); });
+    return true;
 }
 
 void Client::Impl::set_state(ClientState next, StatusCode why)
@@ -110,7 +131,8 @@ TimePoint Client::Impl::next_deadline() const
 bool Client::Impl::has_work() const
 {
     const bool has_told = !user_changes.empty() && user_changes.front().result.has_value();
-    return !changes.empty() || has_told || requests.has_results() || transport.lost().has_value() ||
+    return failure.is_bad() || !changes.empty() || has_told || requests.has_results() ||
+           transport.lost().has_value() ||
            (state == ClientState::Ready && requests.has_waiting()) ||
            (state == ClientState::Closing && transport.is_none());
 }
@@ -252,7 +274,9 @@ Result<void> Client::feed(std::span<const std::byte> in, TimePoint now)
     if (!in.empty()) {
         impl_->keep_alive.heard(impl_->now);
     }
-    return impl_->connection->feed(in, impl_->now);
+    Result<void> fed;
+    impl_->survive([&] { fed = impl_->connection->feed(in, impl_->now); });
+    return fed;
 }
 
 std::span<const std::byte> Client::output() const
@@ -286,6 +310,7 @@ bool Client::poll(TimePoint now, std::size_t max_steps)
         &Impl::announce, &Impl::tell_user_change, &Impl::deliver,           &Impl::expire,
         &Impl::receive,  &Impl::advance,          &Impl::run_subscriptions, &Impl::send_waiting};
     impl_->tell(now);
+    impl_->end_failed();
     bool has_moved = true;
     while (has_moved) {
         has_moved = false;
@@ -293,10 +318,12 @@ bool Client::poll(TimePoint now, std::size_t max_steps)
             if (max_steps == 0) {
                 return true;
             }
-            if ((impl_.get()->*step)()) {
+            bool has_done = false;
+            impl_->survive([&] { has_done = (impl_.get()->*step)(); });
+            if (impl_->end_failed() || has_done) {
                 has_moved = true;
                 --max_steps;
-                impl_->requests.tell(impl_->now);
+                impl_->tell(impl_->now);
             }
         }
     }

@@ -42,6 +42,8 @@ struct Client::Impl {
     Impl(Client& owner, ClientConfig c, const channel::ChannelEnvironment& e, TimePoint start);
 
     void tell(TimePoint time);
+    void survive(FunctionRef<void()> work);
+    bool end_failed();
     [[nodiscard]] bool has_work() const;
     [[nodiscard]] TimePoint next_deadline() const;
 
@@ -104,6 +106,8 @@ struct Client::Impl {
     std::function<void(ClientState, StatusCode)> state_handler;
     std::deque<std::pair<ClientState, StatusCode>> changes;
 
+    /// What the connection is to be ended for.
+    StatusCode failure;
     bool is_wanted{false};
     bool deletes_subscriptions{true};
     detail::BackOff back_off;

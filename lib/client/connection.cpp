@@ -245,10 +245,12 @@ void Connection::Impl::abandon(StatusCode status)
 
 void Connection::Impl::end(StatusCode status)
 {
-    if (std::exchange(state, State::Closed) == State::Closed) {
+    if (state == State::Closed) {
         return;
     }
-    for (const auto& [id, context] : pending.take_all()) {
+    const auto ended = pending.take_all();
+    state = State::Closed;
+    for (const auto& [id, context] : ended) {
         events.push_back(
             {ConnectionEvent::Kind::Response, id, status::Bad_SecureChannelClosed, {}, context});
     }

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include <busbar/core/detail/guarded.hpp>
+
 #include "deadline_heap.hpp"
 
 namespace busbar::client::detail {
@@ -22,7 +24,9 @@ public:
     void add(std::uint32_t id, TimePoint deadline, std::uint64_t context, std::uint32_t handle = 0)
     {
         requests_[id] = {deadline, context, handle};
+        busbar::detail::Undo undo{[&] { requests_.erase(id); }};
         deadlines_.add(deadline, id);
+        undo.keep();
     }
     /// 0 if there is none with that id.
     [[nodiscard]] std::uint32_t handle_of(std::uint32_t id) const

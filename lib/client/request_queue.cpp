@@ -77,11 +77,17 @@ bool RequestQueue::send_one(Connection& connection, TimePoint now)
         finish(request, fail(status::Bad_Timeout));
         return true;
     }
-    const auto handle = connection.send_encoded(
-        [&](binary::Writer& writer, const RequestHeader& header) { sent.encode(writer, header); },
-        sent.deadline == no_deadline ? sent.timeout : sent.deadline - now, request->first);
-    if (!handle) {
-        finish(request, fail(handle.error()));
+    Result<std::uint32_t> handle = 0;
+    std::string why;
+    const StatusCode thrown = busbar::detail::caught(why, [&] {
+        handle = connection.send_encoded(
+            [&](binary::Writer& writer, const RequestHeader& header) {
+                sent.encode(writer, header);
+            },
+            sent.deadline == no_deadline ? sent.timeout : sent.deadline - now, request->first);
+    });
+    if (thrown.is_bad() || !handle) { // it may have been sent, and is not sent again
+        finish(request, fail(thrown.is_bad() ? thrown : handle.error()));
         return true;
     }
     sent.handle = *handle;
@@ -125,11 +131,11 @@ void RequestQueue::finish(Requests::iterator request, Result<ResponseBody> resul
     if (request->second.result) {
         return;
     }
+    finished_.push_back(request->first); // first, as it may fail
     const bool was_waiting = request->second.handle == 0;
     request->second.handle = 0;
     request->second.encode = nullptr;
     request->second.result = std::move(result);
-    finished_.push_back(request->first);
     if (was_waiting) {
         leave();
     }

@@ -9,6 +9,7 @@
 #include <busbar/client/response.hpp>
 #include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/log.hpp>
 #include <busbar/core/result.hpp>
 #include <busbar/types/common.hpp>
@@ -59,12 +60,15 @@ struct RequestOptions {
 struct ResponseBody {
     std::vector<std::byte> bytes;
 
-    /// As a T that owns its strings; Bad_DecodingError if it is none.
+    /// As a T that owns its strings; Bad_DecodingError if it is none, Bad_OutOfMemory.
     template <typename T>
     [[nodiscard]] Result<T> decoded(const binary::DecodeLimits& limits,
                                     const binary::TypeRegistry& types = standard_types()) const
     {
-        return decode_response<T>(bytes, binary::Strings::Own, limits, types);
+        Result<T> response = fail(status::Bad_OutOfMemory);
+        busbar::detail::attempt(
+            [&] { response = decode_response<T>(bytes, binary::Strings::Own, limits, types); });
+        return response;
     }
 };
 
@@ -75,7 +79,7 @@ public:
     /// Called once for each request, never from within call(), but not after cancel(). It may make
     /// requests and cancel others; what it throws is logged. What it gets is the response, the
     /// ServiceResult if that is bad, or why there is none: Bad_Timeout, Bad_ConnectionClosed,
-    /// Bad_ServerNotConnected, Bad_EncodingLimitsExceeded, Bad_TooManyOperations.
+    /// Bad_ServerNotConnected, Bad_EncodingLimitsExceeded, Bad_TooManyOperations, Bad_OutOfMemory.
     template <typename Response>
     using Handler = std::function<void(Result<Response>)>;
 

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include <busbar/client/operation.hpp>
+#include <busbar/core/detail/guarded.hpp>
 
 #include "batch_plan.hpp"
 #include "later.hpp"
@@ -68,7 +70,9 @@ public:
         if (batch->items_.empty()) {
             batch->under_way_.push_back({later(requester, [batch] { batch->finish(); }), {}});
         } else {
+            busbar::detail::Undo undo{[&] { batch->cancel(); }};
             batch->send_parts();
+            undo.keep();
         }
         return batch;
     }
@@ -113,6 +117,8 @@ private:
     }
     void send(BatchPlan::Part part)
     {
+        sending_ = part;
+        under_way_.reserve(under_way_.size() + 1);
         const std::span<const Item> items{items_.data() + part.first, part.count};
         const RequestId id = requester_.call<Response>(
             service_.request(items),
@@ -121,17 +127,40 @@ private:
             },
             options_.request);
         under_way_.push_back({id, part});
+        sending_.reset();
     }
     void answered(BatchPlan::Part part, Result<Response> response)
     {
         std::erase_if(under_way_,
                       [&](const UnderWay& sent) { return sent.part.first == part.first; });
+        bool is_taken = false;
+        busbar::detail::Undo undo{[&] {
+            if (!is_taken) {
+                fail_part(part, status::Bad_OutOfMemory);
+            }
+            give_up(status::Bad_OutOfMemory);
+        }};
         if (response) {
             take_results(part, *response);
         } else if (!is_too_large(response.error(), Service::is_repeatable) || !plan_.halve(part)) {
             fail_part(part, response.error());
         }
+        is_taken = true;
         send_parts();
+        undo.keep();
+    }
+    /// What was not sent yet is not sent any more.
+    void give_up(StatusCode why)
+    {
+        if (const auto part = std::exchange(sending_, std::nullopt)) {
+            fail_part(*part, why);
+        }
+        while (const auto part = plan_.next()) {
+            fail_part(*part, why);
+        }
+        if (under_way_.empty()) {
+            finish();
+        }
     }
     void take_results(BatchPlan::Part part, Response& response)
     {
@@ -166,6 +195,8 @@ private:
     ServiceOptions options_;
     BatchPlan plan_;
     std::vector<UnderWay> under_way_;
+    /// What is not under way yet, and not in the plan any more.
+    std::optional<BatchPlan::Part> sending_;
 };
 
 /// Begins a service that is nothing but a batch.

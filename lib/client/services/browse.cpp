@@ -1,3 +1,4 @@
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/types/ids.hpp>
 
 #include "browse_service.hpp"
@@ -67,6 +68,7 @@ public:
 private:
     void browsed(std::vector<BrowseResult> results)
     {
+        busbar::detail::Undo undo{[this] { give_up(); }};
         for (std::size_t i = 0; i < round_.size(); ++i) {
             const std::size_t node = round_[i];
             results_[node].status_code = results[i].status_code;
@@ -78,10 +80,33 @@ private:
             }
         }
         go_on();
+        undo.keep();
+    }
+    /// There is no memory to go on: the nodes that more was to be done for have failed.
+    void give_up()
+    {
+        for (const auto* const nodes : {&round_, &waiting_}) {
+            for (const std::size_t node : *nodes) {
+                results_[node] = {};
+                results_[node].status_code = status::Bad_OutOfMemory;
+            }
+        }
+        for (ByteString& point : points_) {
+            unused_.push_back(std::move(point));
+        }
+        busbar::detail::attempt([this] { release_unused(); });
+        finish();
+    }
+    void finish()
+    {
+        if (const Done done = std::exchange(done_, nullptr)) {
+            done(std::move(results_));
+        }
     }
     void continued(const std::vector<std::size_t>& asked, const std::vector<ByteString>& points,
                    std::vector<BrowseResult> results)
     {
+        busbar::detail::Undo undo{[this] { give_up(); }};
         for (std::size_t i = 0; i < asked.size(); ++i) {
             const StatusCode status = results[i].status_code.code();
             if (status.is_bad()) {
@@ -96,6 +121,7 @@ private:
             }
         }
         go_on();
+        undo.keep();
     }
 
     /// Adds what came for a node, and keeps its continuation point to go on with or to release.
@@ -136,9 +162,7 @@ private:
         if (!is_cancelled_ && plan_next_round()) {
             return begin_round();
         }
-        if (const Done done = std::exchange(done_, nullptr)) {
-            done(std::move(results_));
-        }
+        finish();
     }
     void browse_next()
     {

@@ -1,13 +1,19 @@
 #include <busbar/client/discovery.hpp>
+#include <busbar/core/detail/guarded.hpp>
 
 namespace busbar::client {
 
 namespace {
 
 template <typename T>
-std::vector<T> moved_out(Array<T>& from)
+Result<std::vector<T>> moved_out(Array<T>& from)
 {
-    return {std::make_move_iterator(from.begin()), std::make_move_iterator(from.end())};
+    Result<std::vector<T>> to = fail(status::Bad_OutOfMemory);
+    busbar::detail::attempt([&] {
+        to = std::vector<T>{std::make_move_iterator(from.begin()),
+                            std::make_move_iterator(from.end())};
+    });
+    return to;
 }
 
 } // namespace
