@@ -24,11 +24,12 @@ public:
     using const_iterator = const T*;
 
     constexpr Array() = default;
-    explicit Array(std::size_t size) { resize(size); }
-    Array(std::initializer_list<T> values) { assign(values.begin(), values.end()); }
-    explicit Array(std::span<const T> values) { assign(values.begin(), values.end()); }
-    explicit Array(const std::vector<T>& values) { assign(values.begin(), values.end()); }
-    Array(const Array& other)
+    // They delegate, so that what throws in them is followed by the destructor.
+    explicit Array(std::size_t size) : Array() { resize(size); }
+    Array(std::initializer_list<T> values) : Array() { assign(values.begin(), values.end()); }
+    explicit Array(std::span<const T> values) : Array() { assign(values.begin(), values.end()); }
+    explicit Array(const std::vector<T>& values) : Array() { assign(values.begin(), values.end()); }
+    Array(const Array& other) : Array()
     {
         if (!other.is_null()) {
             assign(other.begin(), other.end());
@@ -122,9 +123,11 @@ public:
         if (size_ == capacity_) {
             T value(std::forward<Args>(args)...);
             relocate(grown());
-            return *::new (static_cast<void*>(data_ + size_++)) T(std::move(value));
+            ::new (static_cast<void*>(data_ + size_)) T(std::move(value));
+        } else {
+            ::new (static_cast<void*>(data_ + size_)) T(std::forward<Args>(args)...);
         }
-        return *::new (static_cast<void*>(data_ + size_++)) T(std::forward<Args>(args)...);
+        return data_[size_++]; // not before it is there
     }
     void push_back(const T& value) { emplace_back(value); }
     void push_back(T&& value) { emplace_back(std::move(value)); }
