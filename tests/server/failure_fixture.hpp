@@ -189,7 +189,7 @@ public:
         counted([&] { static_cast<void>(client.connection.feed(request, now)); });
         deliver(client);
         StatusCode answer = asked.take(client, id);
-        for (int i = 0; i < 5 && answer == status::Bad_WouldBlock; ++i) {
+        for (int i = 0; i < 10 && answer == status::Bad_WouldBlock; ++i) {
             pass(std::chrono::milliseconds{100}, client);
             answer = asked.take(client, id);
         }

@@ -7,13 +7,14 @@ namespace {
 
 bool is_counting{false};
 std::size_t count{0};
-std::size_t failing{0};
+std::size_t first_failing{0};
+std::size_t last_failing{0};
 std::size_t live{0};
 
-/// Null if this is the one that fails.
+/// Null if it is one of those that fail.
 void* allocate(std::size_t size) noexcept
 {
-    if (is_counting && ++count == failing) {
+    if (is_counting && ++count >= first_failing && count <= last_failing) {
         return nullptr;
     }
     ++live;
@@ -37,15 +38,16 @@ void release(void* memory) noexcept
 
 } // namespace
 
-void busbar::test::fail_allocation(std::size_t k)
+void busbar::test::fail_allocation(std::size_t k, std::size_t most)
 {
     count = 0;
-    failing = k;
+    first_failing = k;
+    last_failing = k == 0 ? 0 : k + most - 1;
 }
 
 bool busbar::test::has_allocation_failed()
 {
-    return failing != 0 && count >= failing;
+    return first_failing != 0 && count >= first_failing;
 }
 
 std::size_t busbar::test::live_allocations()

@@ -2,13 +2,13 @@
 
 #include <cstddef>
 
-/// Memory that runs out once, where a test says. Needs failing_allocation.cpp in the test, which
-/// replaces operator new; one thread.
+/// Memory that runs out for a moment, where a test says. Needs failing_allocation.cpp in the test,
+/// which replaces operator new; one thread.
 namespace busbar::test {
 
-/// Counts anew: of what is allocated while a Counted lives, the `k`-th fails, and only that. None
-/// fails with 0.
-void fail_allocation(std::size_t k);
+/// Counts anew: of what is allocated while a Counted lives, the `k`-th fails and, with a larger
+/// `most`, as many after it. None fails with 0.
+void fail_allocation(std::size_t k, std::size_t most = 1);
 /// Whether it has come to that.
 [[nodiscard]] bool has_allocation_failed();
 /// What was allocated, counted or not, and not freed.
