@@ -74,7 +74,7 @@ public:
 
     /// A connection for a peer that has connected, or that was connected to (see
     /// Connection::reverse_hello). Failed logins are counted by `peer_address`, which has no port.
-    /// Bad_TcpServerTooBusy if there is no room; then just close the socket.
+    /// Bad_TcpServerTooBusy if there is no room, Bad_OutOfMemory; then just close the socket.
     [[nodiscard]] Result<Connection> connect(std::string_view peer_address, TimePoint now);
 
     /// Begins what needs the time but no client: notices before the server's certificate expires,
