@@ -4,6 +4,14 @@
 
 #include "context.hpp"
 
+namespace busbar::cli {
+
+/// All that the program understands: its options and its commands. Of a command that was parsed,
+/// `run` is what carries it out; both must live as long as `app`.
+void add_command_line(CLI::App& app, Options& options, Run& run);
+
+} // namespace busbar::cli
+
 /// One function for each command, in a file of its name: adds the command to the program and has
 /// `run` carry it out if it is the one that the user gave.
 namespace busbar::cli {

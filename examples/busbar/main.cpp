@@ -10,36 +10,6 @@ using namespace busbar::cli;
 
 namespace {
 
-constexpr const char* footer =
-    "Nodes are written i=2258, \"ns=2;s=Name\", \"nsu=urn:x;s=Name\" or\n"
-    "/Objects/2:Machine/2:Speed, a server opc.tcp://host:4840 or host:4840.\n"
-    "`busbar COMMAND --help` has the options of a command; those above may stand\n"
-    "behind it too. Values that begin with - are to stand behind --.\n"
-    "\n"
-    "Exit codes: 0 good, 1 refused by the server or the disk, 2 usage,\n"
-    "3 not connected, 4 security or login, 5 some of the nodes failed,\n"
-    "129 the terminal went away, 130 interrupted.\n"
-    "Environment: BUSBAR_URL, BUSBAR_PASSWORD, XDG_DATA_HOME, NO_COLOR, COLUMNS.";
-
-void add_commands(CLI::App& app, Run& run)
-{
-    add_discover(app, run);
-    add_endpoints(app, run);
-    add_browse(app, run);
-    add_read(app, run);
-    add_write(app, run);
-    add_subscribe(app, run);
-    add_watch(app, run);
-    add_call(app, run);
-    add_events(app, run);
-    add_export(app, run);
-    add_cert(app, run);
-    add_admin(app, run);
-    add_project(app, run);
-    add_bench(app, run);
-    add_completion(app, run);
-}
-
 void report(Context& context, const Failure& failure)
 {
     if (context.options.is_json) {
@@ -67,11 +37,7 @@ int run_program(Context& context, int argc, char** argv)
     Run run;
     CLI::App app{"Looks into OPC UA servers and works with them.", "busbar"};
     app.set_version_flag("--version", "busbar " BUSBAR_VERSION);
-    app.require_subcommand(1);
-    app.fallthrough();
-    app.footer(footer);
-    add_options(app, context.options);
-    add_commands(app, run);
+    add_command_line(app, context.options, run);
     if (argc == 1) {
         context.err.write(app.help());
         return static_cast<int>(Exit::Usage);
