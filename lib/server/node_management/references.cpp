@@ -120,14 +120,15 @@ StatusCode add_reference(NodeManagementContext& context, const AddReferencesItem
     if (!context.client_nodes.has_room_for_reference(context.limits)) {
         return status::Bad_OutOfMemory;
     }
-    const auto& [source, type, target] = *found;
+    const model::NodeIndex source = found->source;
+    const model::NodeIndex target = found->target;
     const auto added = space.add_reference(source, item.reference_type_id, target);
     if (!added) {
         return added.error();
     }
     busbar::detail::Undo undo{
         [&] { static_cast<void>(space.remove_reference(source, item.reference_type_id, target)); }};
-    context.client_nodes.add_reference(space, source, type, target);
+    context.client_nodes.add_reference(space, source, found->type, target);
     undo.keep();
     return status::Good;
 }

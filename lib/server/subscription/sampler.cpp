@@ -41,12 +41,14 @@ SamplingGroup& Sampler::follow(ProcessImage& image)
     if (found != followed_.end()) {
         return *found->group;
     }
+    auto group = std::make_unique<SamplingGroup>(*this, Duration::zero());
+    Followed& followed = followed_.emplace_back(
+        Followed{image.shared_from_this(), std::move(group), 0, image.is_running()});
     image.follow_scans(true);
-    const ImagePin latest = image.pin();
-    followed_.push_back({image.shared_from_this(),
-                         std::make_unique<SamplingGroup>(*this, Duration::zero()),
-                         latest ? latest.scan() : 0, image.is_running()});
-    return *followed_.back().group;
+    if (const ImagePin latest = image.pin()) {
+        followed.last_scan = latest.scan();
+    }
+    return *followed.group;
 }
 
 SamplingGroup& Sampler::group_of(const ValueItem& item)

@@ -190,7 +190,7 @@ bool BrowseWork::take_turn(ViewContext& context, const BrowseRequest& request,
                 ++next_;
                 continue;
             }
-            place_.state = *std::move(begun);
+            place_.state = *begun;
         }
         if (go_on_with(context, place_, result)) {
             ++next_;
@@ -252,7 +252,7 @@ bool BrowseNextWork::take_turn(ViewContext& context, const BrowseNextRequest& re
                 ++next_;
                 continue;
             }
-            place_.state = *std::move(taken);
+            place_.state = *taken;
         }
         if (const StatusCode bad = check_place(context, place_); bad.is_bad()) {
             give_up(context, place_, result, bad);
