@@ -185,8 +185,8 @@ public:
     StatusCode ask(TestClient& client, const FailureCase& asked)
     {
         const std::uint32_t id = asked.send(client);
-        const auto request = take_output(client.channel);
-        counted([&] { static_cast<void>(client.connection.feed(request, now)); });
+        const auto sent = take_output(client.channel);
+        counted([&] { static_cast<void>(client.connection.feed(sent, now)); });
         deliver(client);
         StatusCode answer = asked.take(client, id);
         for (int i = 0; i < 10 && answer == status::Bad_WouldBlock; ++i) {
