@@ -182,16 +182,16 @@ public:
     }
 
     /// Asks, and lets time pass until there is an answer.
-    StatusCode ask(TestClient& client, const FailureCase& asked)
+    StatusCode ask(TestClient& asking, const FailureCase& asked)
     {
-        const std::uint32_t id = asked.send(client);
-        const auto sent = take_output(client.channel);
-        counted([&] { static_cast<void>(client.connection.feed(sent, now)); });
-        deliver(client);
-        StatusCode answer = asked.take(client, id);
+        const std::uint32_t id = asked.send(asking);
+        const auto sent = take_output(asking.channel);
+        counted([&] { static_cast<void>(asking.connection.feed(sent, now)); });
+        deliver(asking);
+        StatusCode answer = asked.take(asking, id);
         for (int i = 0; i < 10 && answer == status::Bad_WouldBlock; ++i) {
-            pass(std::chrono::milliseconds{100}, client);
-            answer = asked.take(client, id);
+            pass(std::chrono::milliseconds{100}, asking);
+            answer = asked.take(asking, id);
         }
         return answer;
     }
