@@ -1,0 +1,206 @@
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <busbar/binary/codec.hpp>
+#include <busbar/types/registry.hpp>
+#include <busbar/types/session.hpp>
+#include <busbar/types/types.hpp>
+
+#include "support/allocation_count.hpp"
+
+// Lengths, dimensions and masks that lie (tests/attacks/attacks.txt, B).
+
+using namespace busbar;
+using namespace busbar::test;
+
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+template <typename... Parts>
+Bytes wire(const Parts&... parts)
+{
+    binary::VectorSink sink;
+    binary::Writer writer{sink};
+    (encode(writer, parts), ...);
+    return sink.take(writer.written());
+}
+
+Bytes joined(std::initializer_list<Bytes> parts)
+{
+    Bytes all;
+    for (const Bytes& part : parts) {
+        all.insert(all.end(), part.begin(), part.end());
+    }
+    return all;
+}
+
+template <typename T>
+StatusCode status_of(const Bytes& bytes)
+{
+    static const binary::TypeRegistry types{binary::namespace0_types()};
+    const auto decoded = binary::from_bytes<T>(bytes, &types);
+    return decoded ? StatusCode{} : decoded.error();
+}
+
+bool is_decoding_status(StatusCode code)
+{
+    return code == status::Bad_DecodingError || code == status::Bad_EncodingLimitsExceeded;
+}
+
+/// A Variant of Int32 with `count` zeros and those dimensions.
+Bytes matrix(std::uint32_t count, const std::vector<std::uint32_t>& dimensions)
+{
+    Bytes all = wire(std::uint8_t{0xC6}, count);
+    all.resize(all.size() + std::size_t{4} * count);
+    const Bytes length = wire(static_cast<std::uint32_t>(dimensions.size()));
+    all.insert(all.end(), length.begin(), length.end());
+    for (const std::uint32_t dimension : dimensions) {
+        const Bytes one = wire(dimension);
+        all.insert(all.end(), one.begin(), one.end());
+    }
+    return all;
+}
+
+/// An ExtensionObject with a Range, 16 bytes, that says it has `length`.
+Bytes range_with(std::uint32_t length)
+{
+    return joined(
+        {wire(NodeId{0, Range::binary_encoding_id}, std::uint8_t{1}, length), wire(1.0, 2.0)});
+}
+
+} // namespace
+
+TEST_CASE("a length that is no length is refused before memory is taken for it", "[attack]")
+{
+    // Each with one byte behind the length.
+    const Bytes tail(1);
+    for (const std::uint32_t length :
+         {0xFFFFFFFEU, 0x7FFFFFFFU, 0x80000000U, 0x40000000U, 0x10000001U, 2U}) {
+        INFO(length);
+        const std::size_t before = allocated_bytes();
+        CHECK(is_decoding_status(status_of<String>(joined({wire(length), tail}))));
+        CHECK(is_decoding_status(status_of<ByteString>(joined({wire(length), tail}))));
+        for (unsigned type = 1; type <= 25; ++type) {
+            INFO("array of " << type);
+            const auto mask = static_cast<std::uint8_t>(0x80U | type);
+            // Two elements of one byte need two.
+            CHECK(is_decoding_status(status_of<Variant>(joined({wire(mask, length), tail}))));
+        }
+        CHECK(allocated_bytes() - before < 32'768);
+    }
+    const Bytes one(1, std::byte{'x'});
+    CHECK(binary::from_bytes<String>(joined({wire(1U), one}))->view() == "x");
+    CHECK(binary::from_bytes<String>(wire(0xFFFFFFFFU))->is_null());
+    CHECK(status_of<String>(joined({wire(1U), one, one})) == status::Bad_DecodingError);
+}
+
+TEST_CASE("dimensions are those of the elements, whatever their product wraps to", "[attack]")
+{
+    constexpr std::uint32_t k64 = 65'536;
+    CHECK(status_of<Variant>(matrix(4, {2, 2})) == status::Good);
+    CHECK(status_of<Variant>(matrix(4, {k64, k64})) == status::Bad_DecodingError);
+    CHECK(status_of<Variant>(matrix(0, {k64, k64})) == status::Bad_DecodingError);
+    CHECK(status_of<Variant>(matrix(4, {k64, k64, k64, k64})) == status::Bad_DecodingError);
+    CHECK(status_of<Variant>(matrix(0, {k64, k64, k64, k64})) == status::Bad_DecodingError);
+    CHECK(status_of<Variant>(matrix(4, {0xFFFFFFFF, 0xFFFFFFFC})) == status::Bad_DecodingError);
+    CHECK(status_of<Variant>(matrix(4, {0, 4})) == status::Bad_DecodingError);
+    CHECK(status_of<Variant>(matrix(4, {2, 2, 2})) == status::Bad_DecodingError);
+    CHECK(status_of<Variant>(matrix(4, {0x80000002, 2})) == status::Bad_DecodingError);
+    // A single one, which is no matrix, and more than anybody has.
+    CHECK(status_of<Variant>(matrix(4, {0})).is_bad());
+    CHECK(status_of<Variant>(matrix(4, {0xFFFFFFFF})).is_bad());
+    CHECK(status_of<Variant>(matrix(4, std::vector<std::uint32_t>(200, 2))).is_bad());
+    // Strange, and takes no more than its bytes.
+    CHECK(status_of<Variant>(matrix(1, std::vector<std::uint32_t>(200, 1))) == status::Good);
+    const std::size_t before = allocated_bytes();
+    CHECK(is_decoding_status(
+        status_of<Variant>(joined({wire(std::uint8_t{0xC6}, 0U, 0x7FFFFFFFU), Bytes(8)}))));
+    CHECK(allocated_bytes() - before < 32'768);
+}
+
+TEST_CASE("a body in an ExtensionObject has the length that it says", "[attack]")
+{
+    const auto in_variant = [](std::uint32_t length) {
+        return joined({wire(std::uint8_t{22}), range_with(length)});
+    };
+    CHECK(status_of<Variant>(in_variant(16)) == status::Good);
+    for (const std::uint32_t length : {15U, 17U, 0U, 1U, 0x7FFFFFFFU, 0x80000000U, 0xFFFFFFFEU}) {
+        INFO(length);
+        CHECK(is_decoding_status(status_of<Variant>(in_variant(length))));
+    }
+    // A body of a known type without its end, whole in itself.
+    CHECK(status_of<ExtensionObject>(joined(
+              {wire(NodeId{0, Range::binary_encoding_id}, std::uint8_t{1}, 8U), wire(1.0)})) ==
+          status::Bad_DecodingError);
+    // The same in the token of a login.
+    const auto activate = [](std::uint32_t length) {
+        return joined({wire(RequestHeader{}, SignatureData{}, -1, -1),
+                       wire(NodeId{0, AnonymousIdentityToken::binary_encoding_id}, std::uint8_t{1},
+                            length, String{"anonymous"}),
+                       wire(SignatureData{})});
+    };
+    CHECK(status_of<ActivateSessionRequest>(activate(13)) == status::Good);
+    for (const std::uint32_t length : {12U, 0U, 3U, 0x7FFFFFFFU, 0x80000000U, 0xFFFFFFFFU}) {
+        INFO(length);
+        CHECK(is_decoding_status(status_of<ActivateSessionRequest>(activate(length))));
+    }
+    // A type that nobody knows is stepped over by its length.
+    const auto unknown = binary::from_bytes<ExtensionObject>(
+        wire(NodeId{7, 99'999U}, std::uint8_t{1}, 3U, std::uint8_t{1}, std::uint16_t{2}));
+    REQUIRE(unknown);
+    CHECK(unknown->binary().span().size() == 3);
+}
+
+TEST_CASE("bytes that are no UTF-8 stay what they are, or are refused", "[attack]")
+{
+    for (const std::string_view text :
+         {"abc\xC8", "\xC0\x80", "\xED\xA0\x80", "\xF4\x90\x80\x80", "\x80", "\xFF\xFE", "\xF0"}) {
+        const auto decoded = binary::from_bytes<String>(wire(String{text}));
+        CHECK((!decoded || decoded->view() == text));
+    }
+    const std::string with_null{"a\0b", 3};
+    CHECK(binary::from_bytes<String>(wire(String{with_null}))->view() == with_null);
+    const std::string large(65'536, '\xC8');
+    CHECK(binary::from_bytes<String>(wire(String{large}))->view() == large);
+}
+
+TEST_CASE("masks, encodings and numbers without a meaning have a defined end", "[attack]")
+{
+    for (unsigned encoding = 0x06; encoding <= 0xFF; ++encoding) {
+        Bytes bytes(40);
+        bytes[0] = static_cast<std::byte>(encoding);
+        INFO("NodeId " << encoding);
+        binary::Reader reader{bytes};
+        NodeId id;
+        decode(reader, id);
+        CHECK(reader.status() == status::Bad_DecodingError);
+    }
+    for (unsigned mask = 0; mask <= 0xFF; ++mask) {
+        for (const std::size_t size : {1U, 2U, 5U, 9U, 17U, 40U}) {
+            Bytes bytes(size);
+            bytes[0] = static_cast<std::byte>(mask);
+            for (const StatusCode code :
+                 {status_of<LocalizedText>(bytes), status_of<DataValue>(bytes),
+                  status_of<DiagnosticInfo>(bytes), status_of<Variant>(bytes),
+                  status_of<QualifiedName>(bytes)}) {
+                CHECK((code.is_good() || is_decoding_status(code)));
+            }
+        }
+    }
+    for (const std::int64_t ticks : {INT64_MIN, INT64_MAX, std::int64_t{-1}}) {
+        CHECK(binary::from_bytes<Variant>(wire(std::uint8_t{13}, ticks)));
+    }
+    for (const double number : {std::nan(""), std::numeric_limits<double>::infinity(), -0.0}) {
+        const auto decoded = binary::from_bytes<Variant>(wire(std::uint8_t{11}, number));
+        REQUIRE(decoded);
+        CHECK(*decoded == Variant{number});
+    }
+    CHECK(binary::from_bytes<Variant>(wire(std::uint8_t{0x86}, 0U)));
+}
