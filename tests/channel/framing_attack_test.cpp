@@ -193,3 +193,20 @@ TEST_CASE("a channel is made once and has two tokens at the most", "[channel][at
     client.feed(client.chunk("MSGF", 1, 4, 2));
     CHECK(client.told() == status::Bad_SecureChannelTokenUnknown);
 }
+
+TEST_CASE("a Hello of one byte in a second ends at its time", "[channel][attack]")
+{
+    ChannelPair pair;
+    const Bytes greeting = hello(0, 65'535, 65'535, 4, 4);
+    for (std::size_t i = 0; i < 9; ++i) {
+        static_cast<void>(pair.server.feed(std::span{greeting}.subspan(i, 1), pair.now));
+        CHECK_FALSE(pair.server.next_event());
+        pair.now += std::chrono::seconds{1};
+        pair.server.handle_deadline(pair.now);
+        CHECK_FALSE(pair.server.is_closed());
+    }
+    CHECK(pair.server.next_deadline() == pair.now + std::chrono::seconds{1});
+    pair.now += std::chrono::seconds{1};
+    pair.server.handle_deadline(pair.now);
+    CHECK(pair.server.is_closed());
+}

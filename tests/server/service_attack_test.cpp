@@ -1,6 +1,8 @@
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include <busbar/types/history.hpp>
 #include <busbar/types/method.hpp>
@@ -255,4 +257,73 @@ TEST_CASE_METHOD(MethodFixture, "a session and its channel end while a hundred C
     CHECK(use(good) == status::Good);
     advance(60s);
     CHECK(server.session_count() == 0);
+}
+
+TEST_CASE_METHOD(MethodFixture, "a request is carried out for whom it came from", "[attack]")
+{
+    std::vector<std::string> callers;
+    const NodeId who = add("Who", {}, {}, [&](server::MethodCall call) {
+        callers.push_back(call.caller().user.name);
+        call.succeed();
+    });
+    const NodeId slow = add_slow("Slow");
+    auto client = log_in(encrypt);
+    // One waits in the backend, one lies in the same bytes before the new user, one behind him.
+    prepare(client, request({to_call(slow, {Variant{1}})}));
+    prepare(client, request({to_call(who)}));
+    ActivateSessionRequest change;
+    change.client_signature = client.signature();
+    change.user_identity_token = client.user("engineer", "engineer-secret");
+    prepare(client, change);
+    prepare(client, request({to_call(who)}));
+    client.run();
+    CHECK(callers == std::vector<std::string>{"operator", "engineer"});
+    REQUIRE(calls.size() == 1);
+    CHECK(calls[0].caller().user.name == "operator");
+    calls[0].succeed({Variant{2}});
+    calls.clear();
+    server.handle_completions(now);
+    client.run();
+    CHECK(client.messages.size() == 4);
+}
+
+TEST_CASE("nobody guesses a session's token", "[attack]")
+{
+    ServerFixture fixture;
+    auto client = fixture.connect();
+    const auto made = client.create_session();
+    auto next = fixture.connect();
+    const auto other = next.create_session();
+    REQUIRE((made && other));
+    const auto bytes = made->authentication_token.opaque().span();
+    CHECK(bytes.size() >= 32);
+    CHECK(other->authentication_token != made->authentication_token);
+    CHECK(other->server_nonce != made->server_nonce);
+    // Neither the session's id nor its nonce says anything of it.
+    CHECK(made->session_id != made->authentication_token);
+    const auto nonce = made->server_nonce.span();
+    CHECK(std::search(nonce.begin(), nonce.end(), bytes.begin(), bytes.begin() + 8) == nonce.end());
+}
+
+TEST_CASE_METHOD(MethodFixture, "two thousand calls for ConditionRefresh refresh nothing",
+                 "[attack]")
+{
+    auto good = log_in();
+    auto client = log_in();
+    const NodeId condition_type{0, 2'782U};
+    const NodeId condition_refresh{0, 3'875U};
+    CallRequest ten;
+    ten.methods_to_call.resize(10);
+    for (CallMethodRequest& call : ten.methods_to_call) {
+        call.object_id = condition_type;
+        call.method_id = condition_refresh;
+        call.input_arguments = {Variant{std::uint32_t{1}}};
+    }
+    for (int i = 0; i < 2'000; ++i) {
+        const auto response = client.call<CallResponse>(ten);
+        REQUIRE(response);
+        REQUIRE(response->results.size() == 10);
+        REQUIRE(response->results[9].status_code.is_bad());
+    }
+    CHECK(use(good) == status::Good);
 }
