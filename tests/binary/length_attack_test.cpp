@@ -14,7 +14,7 @@
 
 #include "support/allocation_count.hpp"
 
-// Lengths, dimensions and masks that lie (tests/attacks/attacks.txt, B).
+// Lengths, dimensions and masks that lie (tests/attacks.txt, B).
 
 using namespace busbar;
 using namespace busbar::test;

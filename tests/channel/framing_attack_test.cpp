@@ -6,7 +6,7 @@
 #include "support/scripted_client.hpp"
 
 // What a stranger may send before and after a channel is open: each ends with an Error message and
-// the end of the connection, at the byte that was wrong (tests/attacks/attacks.txt, A).
+// the end of the connection, at the byte that was wrong (tests/attacks.txt, A).
 
 using namespace busbar;
 using namespace busbar::test;

@@ -13,7 +13,7 @@
 #include "session_use.hpp"
 
 // Requests with no operation, with one too many, and with one that is not the user's among others
-// that are (tests/attacks/attacks.txt, E).
+// that are (tests/attacks.txt, E).
 
 using namespace busbar;
 using namespace busbar::test;

@@ -16,7 +16,7 @@
 #include "session_use.hpp"
 
 // Services that are asked without a session, in floods, with garbage, and for what is not the
-// user's (tests/attacks/attacks.txt, A, D and E).
+// user's (tests/attacks.txt, A, D and E).
 
 using namespace busbar;
 using namespace busbar::test;

@@ -9,7 +9,7 @@
 #include "one_subscription.hpp"
 
 // Subscriptions that change hands, lose their items or their client, while they have something to
-// tell (tests/attacks/attacks.txt, F).
+// tell (tests/attacks.txt, F).
 
 using namespace busbar;
 using namespace busbar::test;
