@@ -106,6 +106,41 @@ TEST_CASE_METHOD(Configuration, "server configuration: another certificate with 
     CHECK(storage.entry("own/replaced/" + before + ".pem"));
 }
 
+TEST_CASE_METHOD(Configuration, "server configuration: changes are applied once, in one Call too",
+                 "[attack]")
+{
+    auto admin = log_in();
+    const auto next = successor();
+    const auto pem = next.key.to_pem();
+    REQUIRE(pem);
+    CallRequest all;
+    all.methods_to_call.resize(4);
+    for (CallMethodRequest& one : all.methods_to_call) {
+        one.object_id = NodeId{0, id::ServerConfiguration};
+        one.method_id = NodeId{0, id::ServerConfiguration_ApplyChanges};
+    }
+    all.methods_to_call[1].method_id = NodeId{0, id::ServerConfiguration_UpdateCertificate};
+    all.methods_to_call[1].input_arguments = {Variant{NodeId{}},
+                                              Variant{rsa},
+                                              Variant{ByteString{next.certificates.front().der()}},
+                                              Variant{Array<ByteString>{}},
+                                              Variant{String{"PEM"}},
+                                              Variant{ByteString{pem->span()}}};
+    const auto sent = admin.send(all);
+    complete();
+    const auto response = admin.take<CallResponse>(sent);
+    REQUIRE(response);
+    REQUIRE(response->results.size() == 4);
+    CHECK(name(response->results[0].status_code) == "Bad_NothingToDo");
+    CHECK(name(response->results[1].status_code) == "Good");
+    CHECK(name(response->results[2].status_code) == "Good");
+    CHECK(name(response->results[3].status_code) == "Bad_NothingToDo");
+    CHECK(stored() == next.certificates.front().thumbprint_text());
+    advance(1s);
+    CHECK(admin.is_closed()); // as its channel has the old certificate
+    CHECK(certificate() == stored());
+}
+
 TEST_CASE_METHOD(Configuration, "server configuration: a request is signed by a CA")
 {
     auto admin = log_in();

@@ -1,5 +1,7 @@
 #include <catch2/catch.hpp>
 
+#include <pthread.h>
+
 #include <cmath>
 #include <initializer_list>
 #include <limits>
@@ -73,6 +75,42 @@ Bytes range_with(std::uint32_t length)
 {
     return joined(
         {wire(NodeId{0, Range::binary_encoding_id}, std::uint8_t{1}, length), wire(1.0, 2.0)});
+}
+
+/// What a thread of a small machine has; also without optimization it is enough. With sanitizers
+/// functions take several times as much.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr std::size_t small_stack = std::size_t{2} << 20U;
+#else
+constexpr std::size_t small_stack = std::size_t{128} << 10U;
+#endif
+
+/// A Variant with `levels` others in one another, each in an array of one.
+Bytes nested(std::size_t levels)
+{
+    Bytes all;
+    for (std::size_t i = 0; i < levels; ++i) {
+        const Bytes one = wire(std::uint8_t{0x98}, 1U);
+        all.insert(all.end(), one.begin(), one.end());
+    }
+    all.insert(all.end(), {std::byte{1}, std::byte{1}});
+    return all;
+}
+
+/// What is done to a value as deep as may be, on a thread's stack of its own; null if all is right.
+void* use_deepest(void*)
+{
+    const Bytes bytes = nested(100);
+    auto value = binary::from_bytes<Variant>(bytes);
+    if (!value) {
+        return const_cast<char*>("wrong");
+    }
+    const Variant copy = *value;
+    const auto again = binary::to_bytes(copy);
+    const bool is_right = copy == *value && again && *again == bytes &&
+                          !binary::from_bytes<Variant>(nested(101)) &&
+                          !binary::from_bytes<Variant>(nested(800'000));
+    return is_right ? nullptr : const_cast<char*>("wrong");
 }
 
 } // namespace
@@ -203,4 +241,17 @@ TEST_CASE("masks, encodings and numbers without a meaning have a defined end", "
         CHECK(*decoded == Variant{number});
     }
     CHECK(binary::from_bytes<Variant>(wire(std::uint8_t{0x86}, 0U)));
+}
+
+TEST_CASE("values as deep as may be are used on a small stack", "[attack]")
+{
+    pthread_attr_t attributes{};
+    REQUIRE(pthread_attr_init(&attributes) == 0);
+    REQUIRE(pthread_attr_setstacksize(&attributes, small_stack) == 0);
+    pthread_t thread{};
+    REQUIRE(pthread_create(&thread, &attributes, use_deepest, nullptr) == 0);
+    void* wrong = nullptr;
+    REQUIRE(pthread_join(thread, &wrong) == 0);
+    CHECK(wrong == nullptr);
+    pthread_attr_destroy(&attributes);
 }

@@ -305,6 +305,39 @@ TEST_CASE("nobody guesses a session's token", "[attack]")
     CHECK(std::search(nonce.begin(), nonce.end(), bytes.begin(), bytes.begin() + 8) == nonce.end());
 }
 
+TEST_CASE("a server that starts again numbers its channels from elsewhere", "[attack]")
+{
+    // Part 6, 6.7.2.2: an id is not likely to be that of a channel before the restart.
+    ServerFixture outside;
+    const auto first_channel = [&](std::size_t drawn) {
+        SeededRandom random;
+        std::vector<std::byte> before(drawn);
+        REQUIRE(random.fill(before));
+        auto server = server::Server::create(ServerFixture::insecure_config(),
+                                             {.random = &random,
+                                              .wall_clock = &outside.wall_clock,
+                                              .log = &outside.log,
+                                              .validator = &outside.validator,
+                                              .users = &outside.users});
+        REQUIRE(server);
+        const TestClient client{server->connect("192.0.2.1", outside.now).value(),
+                                {},
+                                {.random = &random,
+                                 .wall_clock = &outside.wall_clock,
+                                 .log = &outside.log,
+                                 .validator = &outside.validator,
+                                 .identity = &client_identity()},
+                                outside.now};
+        REQUIRE(client.channel.is_open());
+        return client.channel.channel_id();
+    };
+    const std::uint32_t one = first_channel(0);
+    const std::uint32_t two = first_channel(16);
+    CHECK(one > 1);
+    CHECK(two > 1);
+    CHECK(one != two);
+}
+
 TEST_CASE_METHOD(MethodFixture, "two thousand calls for ConditionRefresh refresh nothing",
                  "[attack]")
 {
