@@ -3,6 +3,7 @@
 #include <charconv>
 
 #include <busbar/core/text.hpp>
+#include <core/utf8.hpp>
 
 namespace busbar::administration::detail {
 
@@ -45,6 +46,21 @@ Configured<std::optional<Json>> read_json_file(Storage& storage, std::string_vie
             wrong_member(storage, file, "version", json->find("version"), std::to_string(version))};
     }
     return std::optional{*std::move(json)};
+}
+
+bool is_kept_whole(std::string_view text)
+{
+    while (!text.empty()) {
+        // Control characters of two bytes are no trouble in a file, unlike on a terminal.
+        const bool is_control = text.size() > 1 && text[0] == '\xC2' &&
+                                (static_cast<unsigned char>(text[1]) & 0xE0U) == 0x80U;
+        const std::size_t size = is_control ? 2 : busbar::detail::utf8_sequence(text);
+        if (size == 0 || text.front() == '\0') {
+            return false;
+        }
+        text.remove_prefix(size);
+    }
+    return true;
 }
 
 const std::string* text_of(const Json& object, std::string_view name)

@@ -27,6 +27,10 @@ read_json_file(Storage& storage, std::string_view file, std::uint32_t version);
                                    std::string_view member, const Json* found,
                                    std::string_view expected);
 
+/// Whether a text is the same when it was written and is read again: it is UTF-8 without NUL. A
+/// file with any other could not be read, or would have another text.
+[[nodiscard]] bool is_kept_whole(std::string_view text);
+
 /// A member that is a text; null if it is none.
 [[nodiscard]] const std::string* text_of(const Json& object, std::string_view name);
 /// A member that is a whole number of 32 bits.

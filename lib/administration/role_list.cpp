@@ -7,6 +7,7 @@
 #include <busbar/core/status_codes.hpp>
 #include <busbar/core/text.hpp>
 
+#include "json_file.hpp"
 #include "role_access.hpp"
 #include "role_file.hpp"
 #include "role_rules.hpp"
@@ -197,6 +198,9 @@ Checked<void> RoleList::add(std::string name, std::string namespace_uri)
     if (name.empty() || name.size() > limits_.max_text || namespace_uri.size() > limits_.max_text) {
         return refuse_role(status::Bad_InvalidArgument, name, "has an empty or overlong name");
     }
+    if (!detail::is_kept_whole(name) || !detail::is_kept_whole(namespace_uri)) {
+        return refuse_role(status::Bad_InvalidArgument, name, "has a name that is no text");
+    }
     if (find(name) != nullptr) {
         return refuse_role(status::Bad_AlreadyExists, name, "is there already");
     }
@@ -249,7 +253,7 @@ Checked<void> RoleList::remove_identity(std::string_view role, const IdentityMap
 Checked<void> RoleList::add_application(std::string_view role, std::string_view uri)
 {
     return change(role, [&](RoleRules& changed) -> Checked<void> {
-        if (uri.empty() || uri.size() > limits_.max_text) {
+        if (uri.empty() || uri.size() > limits_.max_text || !detail::is_kept_whole(uri)) {
             return refuse_role(status::Bad_InvalidArgument, role, "was to get no ApplicationUri");
         }
         return check_fixed(changed).and_then([&] {
@@ -272,7 +276,10 @@ Checked<void> RoleList::add_endpoint(std::string_view role, const EndpointType& 
                                  endpoint.security_policy_uri.size() +
                                  endpoint.transport_profile_uri.size();
         const auto mode = static_cast<std::int32_t>(endpoint.security_mode);
-        if (size > limits_.max_text || mode < 0 || mode > 3) {
+        const bool is_text = detail::is_kept_whole(endpoint.endpoint_url.view()) &&
+                             detail::is_kept_whole(endpoint.security_policy_uri.view()) &&
+                             detail::is_kept_whole(endpoint.transport_profile_uri.view());
+        if (size > limits_.max_text || !is_text || mode < 0 || mode > 3) {
             return refuse_role(status::Bad_InvalidArgument, role,
                                "was to get an endpoint that makes no sense");
         }

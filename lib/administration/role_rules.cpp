@@ -5,6 +5,8 @@
 #include <busbar/channel/endpoint_url.hpp>
 #include <busbar/core/status_codes.hpp>
 
+#include "json_file.hpp"
+
 namespace busbar::administration::detail {
 
 namespace {
@@ -119,7 +121,7 @@ bool fits(const RoleRules& role, const server::RoleQuestion& question)
 StatusCode check_rule(const IdentityMappingRuleType& rule, std::size_t max_text)
 {
     const std::string_view criteria = rule.criteria.view();
-    if (criteria.size() > max_text) {
+    if (criteria.size() > max_text || !is_kept_whole(criteria)) {
         return status::Bad_InvalidArgument;
     }
     const auto when = [](bool is_right) {

@@ -7,6 +7,7 @@
 
 #include <busbar/core/status_codes.hpp>
 
+#include "json_file.hpp"
 #include "setting_values.hpp"
 
 namespace busbar::administration {
@@ -62,7 +63,9 @@ bool is_finite(const Variant& value)
 
 bool is_short(const Variant& value)
 {
-    const auto fits = [](const String& text) { return text.view().size() <= max_text; };
+    const auto fits = [](const String& text) {
+        return text.view().size() <= max_text && detail::is_kept_whole(text.view());
+    };
     const auto* const list = value.array_if<String>();
     const auto* const one = value.get_if<String>();
     return value.array_size() <= max_elements && (one == nullptr || fits(*one)) &&
@@ -115,8 +118,8 @@ Configured<void> check_setting(const Setting& setting, const Variant& value)
     if (!is_short(value)) {
         return misconfigured(setting.name,
                              "found more than " + std::to_string(max_elements) +
-                                 " elements or a text of more than " + std::to_string(max_text) +
-                                 " bytes",
+                                 " elements, or a text of more than " + std::to_string(max_text) +
+                                 " bytes or that is no UTF-8",
                              status::Bad_OutOfRange);
     }
     const auto& range = setting.range;

@@ -48,6 +48,15 @@ Checked<void> check_configuration(std::string_view name, std::uint32_t bits)
     return {};
 }
 
+Checked<void> check_description(std::string_view name, std::string_view description)
+{
+    if (description.size() > max_description_size || !detail::is_kept_whole(description)) {
+        return refuse_user(status::Bad_InvalidArgument, name,
+                           "has a description that is too long or no text");
+    }
+    return {};
+}
+
 std::vector<User>::iterator place_of(std::vector<User>& users, std::string_view name)
 {
     return std::lower_bound(users.begin(), users.end(), name,
@@ -282,9 +291,8 @@ Checked<void> UserList::add(User user, std::string_view password, crypto::Random
     if (auto checked = check_configuration(user.name, user.configuration); !checked) {
         return checked;
     }
-    if (user.description.size() > max_description_size) {
-        return refuse_user(status::Bad_InvalidArgument, user.name,
-                           "has a description that is too long");
+    if (auto checked = check_description(user.name, user.description); !checked) {
+        return checked;
     }
     auto hashed = hash(user.name, password, random);
     if (!hashed) {
@@ -315,8 +323,10 @@ Checked<void> UserList::modify(std::string_view name, const UserChange& change,
             return checked;
         }
     }
-    if (change.description && change.description->size() > max_description_size) {
-        return refuse_user(status::Bad_InvalidArgument, name, "has a description that is too long");
+    if (change.description) {
+        if (auto checked = check_description(name, *change.description); !checked) {
+            return checked;
+        }
     }
     if (change.password) {
         auto made = hash(name, *change.password, random);

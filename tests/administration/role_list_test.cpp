@@ -220,6 +220,40 @@ TEST_CASE_METHOD(Fixture, "roles: own ones come and go (Part 18, 4.2)")
     CHECK(status_of(list.add("one more", "")) == "Bad_ResourceUnavailable");
 }
 
+TEST_CASE_METHOD(Fixture, "roles: no name and no rule keeps the others from a restart", "[attack]")
+{
+    using namespace std::string_literals;
+    REQUIRE(list.add("Fitter", "urn:works"));
+    for (const std::string& text :
+         {"\"}], \"roles\": [{"s, "a\\"s, "a\nb\r"s, "a\0b"s, "\x01\x1b[2J\x7f"s, "\xC3"s,
+          "\xFF\xFE"s, "\xED\xA0\x80"s, "\xC0\x80"s, "\\u0000"s, "<role/>&amp;"s, "../pat"s,
+          std::string(1'000, '\xFF')}) {
+        const IdentityMappingRuleType added{Criteria::UserName, String{text}};
+        const bool has_rule = bool{list.add_identity("Fitter", added)};
+        CHECK(stored("Fitter") == (has_rule ? Names{text} : Names{}));
+        const bool has_application = bool{list.add_application("Fitter", text)};
+        EndpointType endpoint;
+        endpoint.endpoint_url = String{text};
+        const bool has_endpoint = bool{list.add_endpoint("Fitter", endpoint)};
+        CHECK(stored("Fitter") == (has_rule ? Names{text} : Names{}));
+        if (has_application) {
+            REQUIRE(list.remove_application("Fitter", text));
+        }
+        if (has_endpoint) {
+            REQUIRE(list.remove_endpoint("Fitter", endpoint));
+        }
+        const bool has_role = bool{list.add(text, text)};
+        CHECK(stored("Fitter") == (has_rule ? Names{text} : Names{}));
+        if (has_role) {
+            CHECK(stored(text.c_str()).empty());
+            REQUIRE(list.remove(text));
+        }
+        if (has_rule) {
+            REQUIRE(list.remove_identity("Fitter", added));
+        }
+    }
+}
+
 TEST_CASE("roles: what waits for a restart is not changed before")
 {
     storage::MemoryStorage storage;

@@ -73,6 +73,37 @@ TEST_CASE_METHOD(Fixture, "users: one is added, logs in, and is there after a re
     CHECK_FALSE(storage.is_open_to_others("users.json"));
 }
 
+TEST_CASE_METHOD(Fixture, "users: no name and no description keeps the others from a restart",
+                 "[attack]")
+{
+    using namespace std::string_literals;
+    REQUIRE(add("pat"));
+    for (const std::string& text :
+         {"\"}], \"users\": [{"s, "a\\"s, "a\nb\r"s, "a\0b"s, "\x01\x1b[2J\x7f"s, "\xC3"s,
+          "\xFF\xFE"s, "\xED\xA0\x80"s, "\xC0\x80"s, "\\u0000"s, "<user/>&amp;"s, "../pat"s}) {
+        for (const bool is_name : {true, false}) {
+            User user;
+            user.name = is_name ? "named " + text : "described";
+            user.description = is_name ? "" : text;
+            const bool is_added = bool{list.add(user, good_password, random)};
+            const auto found = stored();
+            REQUIRE(found.size() == list.users().size());
+            CHECK(found.back().name == "pat");
+            if (is_added) {
+                CHECK(found.front().name == user.name);
+                CHECK(found.front().description == user.description);
+                REQUIRE(list.remove(user.name));
+            }
+        }
+        UserChange change;
+        change.description = text;
+        const bool is_changed = bool{list.modify("pat", change, random)};
+        REQUIRE(stored().size() == 1);
+        CHECK(stored()[0].description == list.users()[0].description);
+        CHECK(is_changed == (list.users()[0].description == text));
+    }
+}
+
 TEST_CASE_METHOD(Fixture, "users: what cannot be added (Part 18, 5.2.5)")
 {
     REQUIRE(add("pat"));
