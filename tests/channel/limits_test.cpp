@@ -135,6 +135,25 @@ TEST_CASE("what the client calls unlimited has our limits", "[channel][limits]")
     CHECK(client.told() == status::Bad_TcpMessageTooLarge);
 }
 
+TEST_CASE("a response of more chunks than are allowed is not sent", "[channel][limits]")
+{
+    channel::TransportLimits limits;
+    limits.max_chunk_count = 3;
+    OpenServer client{limits};
+    const auto send = [&](std::size_t size) {
+        const Bytes body(size);
+        return client.server.send(1, [&](binary::Writer& writer) { writer.bytes(body); });
+    };
+    constexpr std::size_t three_chunks = 3 * (65'535 - 24); // each with its headers
+    CHECK(send(three_chunks));
+    client.server.consume(client.server.output().size());
+    const auto refused = send(three_chunks + 1);
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error() == status::Bad_ResponseTooLarge);
+    CHECK(client.server.output().empty());
+    CHECK(client.server.is_open());
+}
+
 TEST_CASE("an Acknowledge never exceeds the Hello nor announces no limit", "[channel][limits]")
 {
     for (const auto& [receive, send] :

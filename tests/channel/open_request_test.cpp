@@ -74,6 +74,19 @@ TEST_CASE("a request to open is answered", "[channel][open]")
     }
 }
 
+TEST_CASE("a request to open is all of its message, and all of it is there", "[channel][open]")
+{
+    for (const std::ptrdiff_t surplus : {-36, -5, -1, 1, 4}) {
+        CAPTURE(surplus);
+        Open open = open_with(none);
+        open.surplus = surplus;
+        const Attempt attempt{none, open};
+        CHECK_FALSE(attempt.client.server.is_open());
+        CHECK(attempt.client.reason() == status::Bad_DecodingError);
+        CHECK(attempt.client.told() == status::Bad_SecurityChecksFailed);
+    }
+}
+
 TEST_CASE("a nonce must have the policy's length",
           "[channel][open][unit:EphemeralKeyAlgorithm_None]")
 {

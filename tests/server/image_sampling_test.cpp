@@ -32,6 +32,8 @@ struct Plc {
                            0,
                            server::ImageStructure::create(NodeId{1, 99}, members).value()})
                      .value();
+        word = layout.add({BuiltInType::Int16, {}}).value();
+        real = layout.add({BuiltInType::Double, {}}).value();
         image = server::ProcessImage::create(std::move(layout));
         source = std::make_unique<server::ImageSource>(image);
     }
@@ -42,7 +44,7 @@ struct Plc {
         time.ticks += 10;
     }
 
-    std::uint32_t button, level, row, name, points;
+    std::uint32_t button, level, row, name, points, word, real;
     std::shared_ptr<server::ProcessImage> image;
     std::unique_ptr<server::ImageSource> source;
     CountingWaker waker_of_plc;
@@ -58,6 +60,8 @@ struct ImageFixture : Plc, ServerFixture {
         add(index, row, id::Int32, 1);
         add(index, name, id::String, -1);
         add(index, points, id::Structure, 1);
+        add(index, word, id::Int16, -1);
+        add(index, real, id::Double, -1);
         subscription =
             client.call<CreateSubscriptionResponse>(SubscriptionFixture::subscription_request())
                 .value()
@@ -121,6 +125,31 @@ struct ImageFixture : Plc, ServerFixture {
 };
 
 } // namespace
+
+TEST_CASE_METHOD(ImageFixture, "values of each size are reported when they change, and only then")
+{
+    scan();
+    for (const std::uint32_t handle : {button, word, level, real}) {
+        monitor(handle, 0);
+    }
+    CHECK(next_values().size() == 4);
+    const auto values_after_scan = [&] {
+        scan();
+        server.handle_completions(now);
+        return next_values();
+    };
+    CHECK(values_after_scan().empty());
+    server::ImageMemory& memory = image->memory();
+    memory.value<bool>(button) = true;
+    CHECK(values_after_scan() == std::vector<Variant>{true});
+    memory.value<std::int16_t>(word) = 0x0100;
+    CHECK(values_after_scan() == std::vector<Variant>{Variant{std::int16_t{0x0100}}});
+    memory.value<std::int32_t>(level) = 0x0100'0000;
+    CHECK(values_after_scan() == std::vector<Variant>{Variant{std::int32_t{0x0100'0000}}});
+    memory.value<double>(real) = 0.5;
+    CHECK(values_after_scan() == std::vector<Variant>{Variant{0.5}});
+    CHECK(values_after_scan().empty());
+}
 
 TEST_CASE_METHOD(ImageFixture, "a pulse of one scan is seen by an item that follows the scans")
 {

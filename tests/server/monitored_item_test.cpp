@@ -298,7 +298,12 @@ TEST_CASE_METHOD(ItemFixture, "an item that is triggered reports what it has que
     CHECK(rest[0].value == DataValue{Variant{4}});
     links.links_to_add = {};
     links.links_to_remove = {triggered};
-    REQUIRE(client.call<SetTriggeringResponse>(links));
+    const auto removed = client.call<SetTriggeringResponse>(links);
+    REQUIRE(removed);
+    CHECK(removed->remove_results == Array<StatusCode>{status::Good});
+    const auto again = client.call<SetTriggeringResponse>(links);
+    REQUIRE(again);
+    CHECK(again->remove_results == Array<StatusCode>{status::Bad_MonitoredItemIdInvalid});
     set(1, true);
     CHECK(reported({5}).empty());
 }

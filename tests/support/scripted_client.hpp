@@ -39,6 +39,9 @@ public:
         SecurityTokenRequestType type{SecurityTokenRequestType::Issue};
         std::size_t nonce_size{32};
         std::uint8_t nonce_fill{1};
+        /// Bytes behind the request that belong to nothing; negative: of the request that are
+        /// missing.
+        std::ptrdiff_t surplus{0};
     };
 
     explicit ScriptedClient(std::vector<channel::SecuritySetting> allowed,
@@ -77,7 +80,9 @@ public:
         binary::VectorSink sink;
         binary::Writer writer{sink};
         channel::detail::encode_message(writer, request);
-        const Bytes body = sink.take(writer.written());
+        Bytes body = sink.take(writer.written());
+        body.resize(
+            static_cast<std::size_t>(static_cast<std::ptrdiff_t>(body.size()) + open.surplus));
         channel::detail::OutputBuffer out;
         REQUIRE(
             channel::detail::seal_asymmetric(out,
