@@ -35,7 +35,8 @@ struct FileFacts {
                                                        const FileFacts& facts,
                                                        const model::NodeAccess& access);
 
-/// MaxByteStringLength of a file: how many bytes a Read or a Write of it may have (Part 20, 4.2.1).
+/// MaxByteStringLength of a file: how many bytes a Write of it may have, and a client may count on
+/// in a Read (Part 20, 4.2.1).
 [[nodiscard]] std::uint32_t max_piece(const server::Server& server);
 
 /// A Method as the one in namespace 0 says, below a node whose NodeId is a text.

@@ -133,7 +133,8 @@ void ServerChannel::Impl::prove()
 
 void ServerChannel::Impl::report_failure()
 {
-    if (std::exchange(is_at_work, false) || std::exchange(is_unproven, false)) {
+    const bool has_worked_in_vain = std::exchange(is_at_work, false);
+    if (std::exchange(is_unproven, false) || has_worked_in_vain) { // one failure, whichever it is
         conversation.environment().gate->failed(now);
     }
 }

@@ -261,6 +261,18 @@ TEST_CASE("the gate hears of work for nothing", "[channel][gate]")
         }
         CHECK(gated->gate.asked == "open failed ");
     }
+    SECTION("once, whatever all was for nothing on a channel")
+    {
+        REQUIRE(gated->server.feed(open, gated->pair.now));
+        gated->poll();
+        Bytes renewal = open;
+        renewal[8] = std::byte{77}; // the channel's id, which the signature covers
+        REQUIRE(gated->server.feed(renewal, gated->pair.now));
+        gated->poll();
+        CHECK(gated->server.is_closed());
+        gated->server = gated->make(secured);
+        CHECK(gated->gate.asked == "open renew failed ");
+    }
 }
 
 TEST_CASE("a renewal asks for itself", "[channel][gate]")
