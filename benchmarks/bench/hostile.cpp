@@ -1,6 +1,7 @@
 #include "hostile.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <functional>
 #include <optional>
 #include <thread>
@@ -13,6 +14,7 @@
 #include <busbar/types/ids.hpp>
 #include <busbar/types/view.hpp>
 
+#include "quotas.hpp"
 #include "replay.hpp"
 #include "tally.hpp"
 
@@ -231,6 +233,38 @@ private:
     std::thread thread_;
 };
 
+/// Further connections of the good client, one after the other, on a thread of their own.
+class Newcomer {
+public:
+    Newcomer(Load& load, HostileRow& row) : thread_{[&] { come_and_go(load, row); }} {}
+    Newcomer(const Newcomer&) = delete;
+    Newcomer& operator=(const Newcomer&) = delete;
+    ~Newcomer()
+    {
+        is_over_ = true;
+        thread_.join();
+    }
+
+private:
+    static constexpr std::chrono::milliseconds apart{200};
+
+    void come_and_go(Load& load, HostileRow& row) const
+    {
+        while (!is_over_) {
+            net::ClientLoop loop;
+            const TimePoint start = clock_now();
+            const bool is_there = load.open(loop, true, patience).has_value();
+            row.worst_login_ms = std::max(row.worst_login_ms, elapsed_us(start) / 1e3);
+            ++(is_there ? row.logins : row.failed_logins);
+            loop.close();
+            std::this_thread::sleep_for(apart);
+        }
+    }
+
+    std::atomic<bool> is_over_{false};
+    std::thread thread_;
+};
+
 /// The good client reads while `attackers` threads do `what`.
 Result<HostileRow> play(Load& load, const HostileOptions& options, std::string name,
                         std::size_t attackers, const std::function<void(Tally&, std::size_t)>& what)
@@ -242,7 +276,7 @@ Result<HostileRow> play(Load& load, const HostileOptions& options, std::string n
         return fail(connected.error());
     }
     std::optional<GoodSubscriber> subscriber;
-    if (!options.replays.empty()) {
+    if (!options.replays.empty() || !options.quotas.empty()) {
         subscriber.emplace(load);
     }
     forget_peak(options.server_process);
@@ -252,7 +286,12 @@ Result<HostileRow> play(Load& load, const HostileOptions& options, std::string n
     for (std::size_t i = 0; i < attackers; ++i) {
         threads.emplace_back([&, i] { what(tally, i); });
     }
+    std::optional<Newcomer> newcomer;
+    if (!options.quotas.empty()) {
+        newcomer.emplace(load, row);
+    }
     auto read = client.read_for(options.seconds, row);
+    newcomer.reset();
     if (subscriber) {
         const auto subscribed = subscriber->finish(row);
         read = read ? subscribed : read;
@@ -270,12 +309,6 @@ Result<HostileRow> play(Load& load, const HostileOptions& options, std::string n
     client.leave();
     return row;
 }
-
-struct Attack {
-    std::string name;
-    std::size_t attackers;
-    std::function<void(Tally&, std::size_t)> what;
-};
 
 Result<std::vector<HostileRow>> play_all(Load& load, const HostileOptions& options,
                                          const std::vector<Attack>& attacks)
@@ -310,6 +343,26 @@ Result<std::vector<HostileRow>> replay_all(Load& load, const HostileOptions& opt
     return play_all(load, options, attacks);
 }
 
+Result<std::vector<HostileRow>> take_all(Load& load, const HostileOptions& options)
+{
+    Options other;
+    other.url = load.url();
+    Load strangers{other};
+    other.policy = "Basic256Sha256";
+    other.mode = "SignAndEncrypt";
+    other.user = "nobody";
+    other.password = "Wrong-Password-1";
+    Load guessers{other};
+    if (const auto prepared = guessers.prepare(); !prepared) {
+        return fail(prepared.error());
+    }
+    std::vector<Attack> attacks{{"none", 0, {}}};
+    for (Attack& one : quota_attacks(strangers, guessers, options.quotas)) {
+        attacks.push_back(std::move(one));
+    }
+    return play_all(load, options, attacks);
+}
+
 } // namespace
 
 SubscribeOptions good_subscription(double seconds)
@@ -327,6 +380,9 @@ Result<std::vector<HostileRow>> attack(Load& load, const HostileOptions& options
 {
     if (!options.replays.empty()) {
         return replay_all(load, options);
+    }
+    if (!options.quotas.empty()) {
+        return take_all(load, options);
     }
     return play_all(
         load, options,

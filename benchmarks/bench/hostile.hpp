@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <sys/types.h>
@@ -27,6 +28,9 @@ struct HostileOptions {
     /// 127.0.0.2, or for each its own from there on.
     std::vector<std::size_t> replays;
     bool has_own_addresses{false};
+    /// Or, instead of it, how many attackers take what is shared. The good client has a user, and
+    /// more connections come and go beside it.
+    std::vector<std::size_t> quotas;
     /// Our own server lets them.
     bool is_unrationed{false};
     /// Whose memory is read; 0 for nobody's.
@@ -49,6 +53,11 @@ struct HostileRow {
     /// Its notifications, if it has a Subscription, and the longest time between two of them.
     std::size_t publishes{0};
     double longest_gap_ms{0};
+    /// Its further connections, from TCP to the session: those that came to be, those that did not,
+    /// and the longest time of one.
+    std::size_t logins{0};
+    std::size_t failed_logins{0};
+    double worst_login_ms{0};
     /// Of the server.
     Memory before;
     Memory after;
@@ -56,6 +65,10 @@ struct HostileRow {
     [[nodiscard]] double growth_mb() const { return after.now_mb - before.now_mb; }
     [[nodiscard]] double peak_growth_mb() const { return after.peak_mb - before.now_mb; }
 };
+
+/// The one user of a server of one's own that is attacked.
+inline constexpr std::string_view good_user = "operator";
+inline constexpr std::string_view good_password = "Good-Password-1";
 
 /// First nothing, then each attack for the time of the options. Fails where the good client gets
 /// no connection, before, while or after the server is attacked.

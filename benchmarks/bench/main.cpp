@@ -54,20 +54,23 @@ int run_loads(const bench::Options& options)
 int run_hostile(bench::Options options, bench::HostileOptions hostile, bool has_url)
 {
     std::unique_ptr<bench::OwnServer> own;
-    const bool replays = !hostile.replays.empty();
-    if (replays) {
+    const bool takes = !hostile.quotas.empty();
+    const bool is_secure = takes || !hostile.replays.empty();
+    if (is_secure) {
         options.policy = options.policy == "None" ? "Basic256Sha256" : options.policy;
         options.mode = options.mode == "None" ? "SignAndEncrypt" : options.mode;
         options.subscribe = bench::good_subscription(options.seconds);
     }
     if (!has_url) {
-        auto started =
-            bench::OwnServer::start({.is_secure = replays, .is_unrationed = hostile.is_unrationed});
+        auto started = bench::OwnServer::start(
+            {.is_secure = is_secure, .is_unrationed = hostile.is_unrationed, .has_user = takes});
         if (!started) {
             return complain(options, started.error());
         }
         own = *std::move(started);
         options.url = own->url();
+        options.user = takes ? bench::good_user : "";
+        options.password = takes ? bench::good_password : "";
         hostile.server_process = own->process();
     }
     bench::Load load{options};
@@ -181,6 +184,11 @@ CLI::App* add_hostile(CLI::App& app, bench::HostileOptions& options)
         ->add_option("--replays", options.replays,
                      "instead of all that: attackers that send an overheard OpenSecureChannel "
                      "again and again; 1,5,20,60")
+        ->delimiter(',');
+    hostile
+        ->add_option("--quotas", options.quotas,
+                     "or: attackers that take what is shared, sessions, Subscriptions, memory, "
+                     "sockets, logins; 1,5,20,60")
         ->delimiter(',');
     hostile->add_flag("--own-addresses", options.has_own_addresses,
                       "each of them from an address of its own, 127.0.0.2 and so on");

@@ -11,7 +11,10 @@
 #include <busbar/crypto/random.hpp>
 #include <busbar/net/server_loop.hpp>
 #include <busbar/net/system.hpp>
+#include <busbar/net/worker_thread.hpp>
+#include <busbar/server/password_users.hpp>
 
+#include "hostile.hpp"
 #include "identity.hpp"
 
 namespace busbar::bench {
@@ -35,6 +38,13 @@ bool secure(server::ServerConfig& config, DateTime now)
     return true;
 }
 
+/// The one user, and names and passwords on the secure endpoint.
+bool add_user(server::ServerConfig& config, server::PasswordUsers& users, crypto::Random& random)
+{
+    config.endpoints.back().allows_user_name = true;
+    return users.add(good_user, good_password, random).has_value();
+}
+
 /// Serves until it is told to stop, and writes the port to `pipe`, or 0 if there is none.
 int serve(int pipe, const OwnServerOptions& options)
 {
@@ -53,6 +63,12 @@ int serve(int pipe, const OwnServerOptions& options)
     if (options.is_secure && !secure(config, wall_clock.now())) {
         return 1;
     }
+    net::WorkerThread worker{64, &log};
+    server::PasswordUsers users;
+    users.set_worker(&worker);
+    if (options.has_user && !add_user(config, users, random)) {
+        return 1;
+    }
     if (options.is_unrationed) {
         config.limits.channel_interval = std::chrono::milliseconds{0};
         config.limits.failed_channel_interval = std::chrono::milliseconds{0};
@@ -61,6 +77,7 @@ int serve(int pipe, const OwnServerOptions& options)
                                                 .wall_clock = &wall_clock,
                                                 .log = &log,
                                                 .validator = &validator,
+                                                .users = options.has_user ? &users : nullptr,
                                                 .waker = &loop.waker()};
     auto server = server::Server::create(std::move(config), environment);
     const std::uint16_t told = server ? port : 0;

@@ -15,6 +15,8 @@ struct OwnServerOptions {
     bool is_secure{false};
     /// Lets OpenSecureChannels come as often as they do.
     bool is_unrationed{false};
+    /// Knows one user (good_user), whose password a thread of its own checks.
+    bool has_user{false};
 };
 
 /// A server of this library with nothing but namespace 0, in a process of its own: what it takes of

@@ -51,6 +51,11 @@ void print_table(const std::vector<HostileRow>& rows, bool has_memory)
     if (has_gaps) {
         std::printf(" %10s %10s", "publishes", "gap ms");
     }
+    const bool has_logins = std::any_of(rows.begin(), rows.end(),
+                                        [](const HostileRow& row) { return row.logins != 0; });
+    if (has_logins) {
+        std::printf(" %8s %7s %10s", "logins", "failed", "worst ms");
+    }
     std::printf(has_memory ? " %10s %10s\n" : "\n", "peak MB", "left MB");
     for (const HostileRow& row : rows) {
         std::printf("%-28s %9zu %9zu %8zu %7zu %11.1f %11.1f %11.1f %11.1f", row.attack.c_str(),
@@ -58,6 +63,9 @@ void print_table(const std::vector<HostileRow>& rows, bool has_memory)
                     row.p99_us, row.worst_us);
         if (has_gaps) {
             std::printf(" %10zu %10.1f", row.publishes, row.longest_gap_ms);
+        }
+        if (has_logins) {
+            std::printf(" %8zu %7zu %10.1f", row.logins, row.failed_logins, row.worst_login_ms);
         }
         if (has_memory) {
             std::printf(" %+10.1f %+10.1f", row.peak_growth_mb(), row.growth_mb());
@@ -72,10 +80,11 @@ void print_json(const std::vector<HostileRow>& rows, bool has_memory)
     for (const HostileRow& row : rows) {
         std::printf("%s\n  {\"attack\": %s, \"answered\": %zu, \"refused\": %zu, \"reads\": %zu, "
                     "\"failed\": %zu, \"median_us\": %.2f, \"p90_us\": %.2f, \"p99_us\": %.2f, "
-                    "\"worst_us\": %.2f, \"publishes\": %zu, \"longest_gap_ms\": %.2f",
+                    "\"worst_us\": %.2f, \"publishes\": %zu, \"longest_gap_ms\": %.2f, "
+                    "\"logins\": %zu, \"failed_logins\": %zu, \"worst_login_ms\": %.2f",
                     separator, quoted(row.attack).c_str(), row.answered, row.refused, row.reads,
                     row.failed, row.median_us, row.p90_us, row.p99_us, row.worst_us, row.publishes,
-                    row.longest_gap_ms);
+                    row.longest_gap_ms, row.logins, row.failed_logins, row.worst_login_ms);
         if (has_memory) {
             std::printf(", \"peak_growth_mb\": %.2f, \"growth_mb\": %.2f", row.peak_growth_mb(),
                         row.growth_mb());

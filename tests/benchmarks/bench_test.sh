@@ -32,6 +32,15 @@ has '"attack": "Browses of 3 connections"' hostile.json
 has '"failed": 0, ' hostile.json
 has '"peak_growth_mb": ' hostile.json
 
+"$bench" hostile --seconds 0.5 --quotas 2 > quotas.txt
+for attack in none "2 take sessions" "2 leave Subscriptions" "2 never finish" "2 say nothing" \
+        "2 guess passwords"; do
+    has "^$attack " quotas.txt
+done
+"$bench" hostile --seconds 0.5 --quotas 2 --json > quotas.json
+is_json quotas.json
+has '"logins": [1-9][0-9]*, "failed_logins": ' quotas.json
+
 "$bench" growth --sessions 1,2 --items 5,10 --variables 10,20 --reads 5 > growth.txt
 has "^sessions " growth.txt
 has "^items " growth.txt
