@@ -92,6 +92,15 @@ TEST_CASE("CreateSession checks nonce, certificate and ApplicationUri")
         request.client_certificate = {};
         CHECK(client.create_session(request).error() == status::Bad_SecurityChecksFailed);
     }
+    SECTION("more behind the certificate, or less of it (G6)")
+    {
+        const auto leaf = client_identity().certificates.front().der();
+        std::vector<std::byte> sent{leaf.begin(), leaf.end()};
+        const bool has_more = GENERATE(true, false);
+        has_more ? sent.push_back(std::byte{0x30}) : sent.pop_back();
+        request.client_certificate = ByteString{sent};
+        CHECK(client.create_session(request).error() == status::Bad_SecurityChecksFailed);
+    }
     SECTION("another ApplicationUri")
     {
         request.client_description.application_uri = "urn:busbar:test:client2";
@@ -103,6 +112,20 @@ TEST_CASE("CreateSession checks nonce, certificate and ApplicationUri")
         CHECK(client.create_session(request).error() == status::Bad_ServerUriInvalid);
     }
     CHECK(fixture.server.session_count() == 0);
+}
+
+TEST_CASE("a certificate comes with issuers in CreateSession, or without them (G6)")
+{
+    ServerFixture fixture;
+    auto client = fixture.connect(sign);
+    auto request = client.create_request();
+    std::vector<std::byte> sent;
+    for (const auto& each :
+         {client_identity().certificates.front(), server_identity().certificates.front()}) {
+        sent.insert(sent.end(), each.der().begin(), each.der().end());
+    }
+    request.client_certificate = ByteString{sent};
+    CHECK(client.create_session(request));
 }
 
 TEST_CASE("a client without security may leave out its nonce",

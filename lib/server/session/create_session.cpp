@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include <busbar/channel/endpoint_url.hpp>
 #include <busbar/core/detail/guarded.hpp>
@@ -62,19 +63,36 @@ Checked<void> use_nonce(SessionTable& sessions, const ByteString& nonce)
     return {};
 }
 
+/// Whether `sent` is the leaf of `known`, alone or with issuers: those that the channel was opened
+/// with, or others, which nobody asks for again. A certificate is parsed once (G6).
+bool begins_with(std::span<const std::byte> sent, const crypto::CertificateChain& known)
+{
+    for (const crypto::Certificate& each : known) {
+        const auto der = each.der();
+        if (sent.size() < der.size() || !std::ranges::equal(sent.first(der.size()), der)) {
+            // Of the leaf all has to be right; of what follows, that they are certificates.
+            return &each != &known.front() && crypto::parse_chain(sent).has_value();
+        }
+        sent = sent.subspan(der.size());
+        if (sent.empty()) {
+            return true;
+        }
+    }
+    return crypto::parse_chain(sent).has_value();
+}
+
 /// The client's certificate must be the one that its channel was opened with, and name the
 /// application that it says it is (Part 4, 5.7.2.2).
 Checked<void> check_certificate(const channel::ServerChannel& channel,
                                 const CreateSessionRequest& request)
 {
-    const auto sent = crypto::parse_chain(request.client_certificate.span());
-    if (!sent || channel.peer_certificates().empty() ||
-        sent->front() != channel.peer_certificates().front()) {
+    const crypto::CertificateChain& known = channel.peer_certificates();
+    if (known.empty() || !begins_with(request.client_certificate.span(), known)) {
         return refuse({status::Bad_SecurityChecksFailed, "client certificate",
                        "not the one that the channel was opened with", "Part 4, 5.7.2.2",
                        "The client mixes up its certificates"});
     }
-    const crypto::Certificate& leaf = sent->front();
+    const crypto::Certificate& leaf = known.front();
     if (leaf.application_uri() != request.client_description.application_uri.view()) {
         return refuse({status::Bad_CertificateUriInvalid, "ApplicationUri",
                        "the client says " +
