@@ -156,7 +156,7 @@ void measure_task(unsigned reader_count, std::uint32_t variable_count, int prior
     }
     task.stop();
     std::printf("%8u %10s %10llu %10llu %12.2f %12.2f\n", reader_count,
-                statistics.is_realtime ? "real-time" : "normal",
+                task.realtime_priority() != 0 ? "real-time" : "normal",
                 static_cast<unsigned long long>(statistics.scans),
                 static_cast<unsigned long long>(statistics.missed_cycles),
                 microseconds(statistics.worst_lateness), microseconds(statistics.worst_scan));

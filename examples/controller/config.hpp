@@ -13,6 +13,7 @@
 #include <busbar/controller/machine_nodes.hpp>
 #include <busbar/controller/machine_settings.hpp>
 #include <busbar/controller/plc_config.hpp>
+#include <busbar/controller/plc_task.hpp>
 #include <busbar/controller/published_program.hpp>
 #include <busbar/controller/simulated_labels.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
@@ -170,8 +171,8 @@ struct ControllerConfig {
     UserConfig users;
     std::vector<FilesConfig> files;
     std::chrono::milliseconds scan{20};
-    /// Of the PLC's task, 1 to 99; 0 is none.
-    int realtime_priority{0};
+    /// Of the PLC's task where the system permits it, 1 to 99; 0 is none.
+    int realtime_priority{controller::PlcTask::usual_priority};
     server::ImageOptions image;
     MachineConfig machine;
     LabelConfig labels;

@@ -211,8 +211,12 @@ void Generation::print_welcome() const
         std::printf("setup: log in as \"setup\" with the code %.*s, which is shown this once\n",
                     static_cast<int>(code->size()), code->text().data());
     }
-    const std::string text =
-        welcome_text(config_, plant_.visible_variables(), around_.environment.wall_clock->now());
+    const LabelPlant* const labels = around_.labels;
+    const int priority = task_               ? task_->realtime_priority()
+                         : labels != nullptr ? labels->task_priority()
+                                             : 0;
+    const std::string text = welcome_text(config_, plant_.visible_variables(),
+                                          around_.environment.wall_clock->now(), priority);
     std::fputs(text.c_str(), stdout);
     std::fflush(stdout);
 }

@@ -29,6 +29,8 @@ public:
     void start() { task_->start(); }
     /// What waits for the PLC answers NoCommunication.
     void stop();
+    /// What the system granted to the task.
+    [[nodiscard]] int task_priority() const { return task_->realtime_priority(); }
     /// For one listener at a time.
     [[nodiscard]] std::shared_ptr<backend::LabelBackend> labels() const { return labels_; }
 

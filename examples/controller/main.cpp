@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <malloc.h>
 
+#include <busbar/controller/plc_task.hpp>
 #include <busbar/net/system.hpp>
 
 #include "config.hpp"
@@ -135,6 +136,9 @@ int run(int argc, char** argv)
     if (wants_certificate) {
         return regenerate_certificate(example::read_sources(origin).config);
     }
+    // All threads but the PLC's, which so has a processor as soon as it needs one (G8).
+    controller::PlcTask::keep_priority();
+    net::give_way();
     bool starts = true;
     while (starts) {
         starts = start(origin);

@@ -188,7 +188,8 @@ void read_plc(const TomlTable& table, ControllerConfig& config)
     table.allow({"scan_ms", "realtime_priority", "queued_scans", "waiting_writes", "variable",
                  "program", "event"});
     config.scan = std::chrono::milliseconds{table.integer("scan_ms", 20, 1, 10'000)};
-    config.realtime_priority = static_cast<int>(table.integer("realtime_priority", 0, 0, 99));
+    config.realtime_priority =
+        static_cast<int>(table.integer("realtime_priority", config.realtime_priority, 0, 99));
     server::ImageOptions& image = config.image;
     image.max_queued_scans =
         static_cast<std::uint32_t>(table.integer("queued_scans", image.max_queued_scans, 1, 1'000));

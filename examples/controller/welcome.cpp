@@ -45,14 +45,30 @@ std::string certificate_lines(const ControllerConfig& config, DateTime now)
                              folder + "/trusted/certs\n");
 }
 
+/// What lets the PLC's scans begin in time, or how to have it.
+std::string task_text(const ControllerConfig& config, int granted)
+{
+    if (granted != 0) {
+        return "  plc: the task runs at real-time priority " + std::to_string(granted) + "\n";
+    }
+    const std::string ordinary = "  plc: the task runs at ordinary priority, ahead of the server; ";
+    if (config.realtime_priority == 0) {
+        return ordinary + "raise it by realtime_priority in [plc]\n";
+    }
+    const std::string wanted = std::to_string(config.realtime_priority);
+    return ordinary + "raise it by CAP_SYS_NICE or LimitRTPRIO=" + wanted + "\n";
+}
+
 } // namespace
 
-std::string welcome_text(const ControllerConfig& config, std::size_t variables, DateTime now)
+std::string welcome_text(const ControllerConfig& config, std::size_t variables, DateTime now,
+                         int task_priority)
 {
     const server::ServerConfig& server = config.server;
     if (!config.machine.is_used) {
         return server.application_name + " with " + std::to_string(variables) +
-               " variables and no port: use = false in [machine]\nready; stop with Ctrl+C\n";
+               " variables and no port: use = false in [machine]\n" +
+               task_text(config, task_priority) + "ready; stop with Ctrl+C\n";
     }
     std::string text = server.application_name + " with " + std::to_string(variables) +
                        " variables at " + server.endpoint_url + "\n" + hosts_text(server);
@@ -68,7 +84,7 @@ std::string welcome_text(const ControllerConfig& config, std::size_t variables, 
     if (server.identity) {
         text += certificate_lines(config, now);
     }
-    return text + "ready; stop with Ctrl+C\n";
+    return text + task_text(config, task_priority) + "ready; stop with Ctrl+C\n";
 }
 
 } // namespace busbar::example

@@ -10,8 +10,8 @@
 namespace busbar::example {
 
 /// What people read when the controller is ready: how to reach it, who may log in, what is left to
-/// do. `config` is complete.
+/// do. `config` is complete, `task_priority` what the system granted to the PLC's task.
 [[nodiscard]] std::string welcome_text(const ControllerConfig& config, std::size_t variables,
-                                       DateTime now);
+                                       DateTime now, int task_priority);
 
 } // namespace busbar::example

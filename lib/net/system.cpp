@@ -4,7 +4,9 @@
 #include <cstdio>
 #include <ctime>
 
+#include <sys/resource.h>
 #include <sys/timex.h>
+#include <unistd.h>
 
 namespace busbar::net {
 
@@ -30,6 +32,14 @@ bool is_clock_synchronized()
 {
     timex state{}; // modes of 0: only asks
     return ::adjtimex(&state) != TIME_ERROR && (state.status & STA_UNSYNC) == 0;
+}
+
+void give_way()
+{
+    constexpr int steps = 10;
+    // Of a thread, on Linux, although it says process; lowering is always permitted.
+    const auto thread = static_cast<id_t>(::gettid());
+    ::setpriority(PRIO_PROCESS, thread, ::getpriority(PRIO_PROCESS, thread) + steps);
 }
 
 void StderrLog::write(LogLevel level, std::string_view source, std::string_view text)

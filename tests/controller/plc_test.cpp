@@ -4,6 +4,10 @@
 #include <cmath>
 #include <thread>
 
+#include <sched.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <busbar/controller/plc.hpp>
 #include <busbar/controller/plc_task.hpp>
 
@@ -399,6 +403,50 @@ TEST_CASE("a broken configuration is refused with the place and the reason")
     }
     for (const Mistake& mistake : event_mistakes) {
         check_mistake(mistake, "events");
+    }
+}
+
+TEST_CASE("a task has its priority even if who starts it gives way (G8)")
+{
+    const auto plc = std::move(Plc::create(PlcConfig{}).value());
+    const StoppedClock clock;
+    PlcTask::keep_priority();
+    const int ours = ::getpriority(PRIO_PROCESS, 0);
+    int of_starter = 0;
+    std::atomic<int> of_task{-100};
+    std::thread{[&] { // a thread cannot raise its priority again
+        ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), ours + 3);
+        of_starter = ::getpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()));
+        PlcTask task{*plc, clock, 1ms, 0};
+        task.after_scan([&of_task](DateTime) {
+            of_task = ::getpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()));
+        });
+        task.start();
+        while (of_task == -100) {
+            std::this_thread::yield();
+        }
+    }}
+        .join();
+    CHECK(of_starter == ours + 3);
+    CHECK(of_task == ours);
+}
+
+TEST_CASE("a task says what priority the system granted")
+{
+    const auto plc = std::move(Plc::create(PlcConfig{}).value());
+    const StoppedClock clock;
+    for (const int wanted : {0, PlcTask::usual_priority}) {
+        PlcTask task{*plc, clock, 1ms, wanted};
+        std::atomic<int> policy{-1};
+        task.after_scan([&policy](DateTime) { policy = ::sched_getscheduler(0); });
+        CHECK(task.realtime_priority() == 0);
+        task.start();
+        const int granted = task.realtime_priority(); // at once
+        while (policy == -1) {
+            std::this_thread::yield();
+        }
+        CHECK((granted == 0 || granted == wanted));
+        CHECK(policy == (granted != 0 ? SCHED_FIFO : SCHED_OTHER));
     }
 }
 

@@ -101,7 +101,7 @@ TEST_CASE("a certificate that lacks a name says so, and can be made anew (C3)")
         server.host_names = names;
         server.identity =
             load_identity(config.certificates, "Line 3", server.application_uri, names, now, log);
-        return welcome_text(config, 0, now);
+        return welcome_text(config, 0, now, 0);
     };
     CHECK(load({"127.0.0.1", "line3"}).find("does not name") == std::string::npos);
     const std::string text = load({"127.0.0.1", "line3", "192.0.2.7"});
@@ -123,7 +123,22 @@ TEST_CASE("start-up lines name the endpoint and the other hosts (C3)")
     ControllerConfig config = at("2001:db8::7");
     config.server.endpoint_url = "opc.tcp://[2001:db8::7]:4840";
     config.server.host_names = {"2001:db8::7", "line3", "plc.example"};
-    const std::string text = welcome_text(config, 5, {});
+    const std::string text = welcome_text(config, 5, {}, 0);
     CHECK(text.find(" with 5 variables at opc.tcp://[2001:db8::7]:4840\n") != std::string::npos);
     CHECK(text.find("clients may also use: line3, plc.example\n") != std::string::npos);
+}
+
+TEST_CASE("start-up lines say what has the PLC's scans begin in time (G8)")
+{
+    ControllerConfig config = at("127.0.0.1");
+    const auto holds = [&](int granted, const std::string& line) {
+        return welcome_text(config, 5, {}, granted)
+                   .find("  plc: the task runs at " + line + "\n") != std::string::npos;
+    };
+    CHECK(holds(10, "real-time priority 10"));
+    CHECK(holds(0, "ordinary priority, ahead of the server; raise it by CAP_SYS_NICE or "
+                   "LimitRTPRIO=10"));
+    config.realtime_priority = 0;
+    CHECK(
+        holds(0, "ordinary priority, ahead of the server; raise it by realtime_priority in [plc]"));
 }

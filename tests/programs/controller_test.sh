@@ -52,6 +52,8 @@ login="--user operator --password-file secret"
 run 4 read i=2258 --url "$url" $login --trust
 mv busbar-certificates/rejected/certs/* busbar-certificates/trusted/certs/
 run 0 read i=2258 --url "$url" $login --trust
+tr -d '\r' < log | grep -q -E '^  plc: the task runs at (real-time priority 10|ordinary priority, .*LimitRTPRIO=10)$' ||
+    fail "no word of the task's priority (G8)"
 # Who closes the terminal ends it (D6).
 kill -KILL $terminal
 await ended

@@ -7,6 +7,8 @@
 
 #include <busbar/core/detail/guarded.hpp>
 
+#include "thread_maker.hpp"
+
 namespace busbar::controller {
 
 namespace {
@@ -36,9 +38,14 @@ void raise(std::atomic<T>& worst, T value)
 } // namespace
 
 PlcTask::PlcTask(Plc& plc, const WallClock& clock, Duration cycle, int realtime_priority)
-    : plc_{&plc}, clock_{&clock}, cycle_{std::max(cycle, Duration{1})}, realtime_priority_{
+    : plc_{&plc}, clock_{&clock}, cycle_{std::max(cycle, Duration{1})}, wanted_priority_{
                                                                             realtime_priority}
 {
+}
+
+void PlcTask::keep_priority()
+{
+    static_cast<void>(ThreadMaker::instance());
 }
 
 void PlcTask::start()
@@ -46,12 +53,16 @@ void PlcTask::start()
     if (thread_.joinable()) {
         return;
     }
+    has_begun_ = false;
     stopping_ = false;
+    granted_priority_ = 0;
     scans_ = 0;
     missed_cycles_ = 0;
     worst_lateness_ = 0;
     worst_scan_ = 0;
-    thread_ = std::thread{[this] { run(); }};
+    thread_ = ThreadMaker::instance().make([this] { run(); });
+    std::unique_lock lock{mutex_};
+    changed_.wait(lock, [this] { return has_begun_; });
 }
 
 void PlcTask::stop()
@@ -63,14 +74,25 @@ void PlcTask::stop()
         const std::lock_guard lock{mutex_};
         stopping_ = true;
     }
-    stop_.notify_one();
+    changed_.notify_one();
     thread_.join();
     plc_->halt();
 }
 
+void PlcTask::begin()
+{
+    granted_priority_ =
+        wanted_priority_ > 0 && set_realtime(wanted_priority_) ? wanted_priority_ : 0;
+    {
+        const std::lock_guard lock{mutex_};
+        has_begun_ = true;
+    }
+    changed_.notify_one();
+}
+
 void PlcTask::run()
 {
-    is_realtime_ = realtime_priority_ > 0 && set_realtime(realtime_priority_);
+    begin();
     TimePoint planned = steady_now();
     TimePoint before = planned;
     for (;;) {
@@ -85,7 +107,7 @@ void PlcTask::run()
             planned += behind / cycle_ * cycle_;
         }
         std::unique_lock lock{mutex_};
-        if (stop_.wait_until(lock, planned, [this] { return stopping_; })) {
+        if (changed_.wait_until(lock, planned, [this] { return stopping_; })) {
             return;
         }
     }
@@ -109,8 +131,7 @@ PlcTask::Statistics PlcTask::statistics() const
 {
     return {scans_.load(std::memory_order_relaxed), missed_cycles_.load(std::memory_order_relaxed),
             Duration{worst_lateness_.load(std::memory_order_relaxed)},
-            Duration{worst_scan_.load(std::memory_order_relaxed)},
-            is_realtime_.load(std::memory_order_relaxed)};
+            Duration{worst_scan_.load(std::memory_order_relaxed)}};
 }
 
 } // namespace busbar::controller
