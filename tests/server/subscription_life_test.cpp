@@ -243,6 +243,39 @@ TEST_CASE("a Subscription that always has more to send leaves the others their t
     CHECK(messages[calm] == 10);
 }
 
+TEST_CASE("an item that always has more to send leaves the others of its Subscription their turn")
+{
+    SubscriptionFixture fixture;
+    auto client = fixture.log_in();
+    auto request = fixture.subscription_request();
+    request.max_notifications_per_publish = 1;
+    const std::uint32_t id = fixture.subscribe(client, request);
+    for (const std::uint32_t handle : {1U, 2U}) {
+        auto item = fixture.item_request(
+            fixture.add_variable(("v" + std::to_string(handle)).c_str(), 0), handle);
+        item.requested_parameters.queue_size = 5;
+        fixture.monitor(client, id, item);
+    }
+    std::map<std::uint32_t, int> notifications;
+    for (int round = 1; round <= 20; ++round) {
+        for (const int half : {0, 1}) {
+            fixture.set(0, 2 * round + half);
+            fixture.set(1, 2 * round + half);
+            fixture.advance(cycle / 2);
+        }
+        const auto response = fixture.take(client, fixture.publish(client));
+        REQUIRE(response);
+        const auto& data = response->notification_message.notification_data;
+        REQUIRE(data.size() == 1);
+        const auto* const changes = data[0].get_if<DataChangeNotification>();
+        REQUIRE(changes != nullptr);
+        REQUIRE(changes->monitored_items.size() == 1);
+        ++notifications[changes->monitored_items[0].client_handle];
+    }
+    CHECK(notifications[1] == 10);
+    CHECK(notifications[2] == 10);
+}
+
 TEST_CASE("a source that takes its time, is late or dies, and items that go meanwhile")
 {
     SlowItems fixture;

@@ -32,10 +32,12 @@ public:
         const std::size_t length_place = reserve();
         const std::size_t count_place = reserve();
         const std::size_t before = notifications_;
+        MonitoredItem* item = nullptr;
         do {
-            list.take_notification(writer_, room(limits));
+            item = &list.take_notification(writer_, room(limits));
             ++notifications_;
         } while (!list.empty() && !is_full(list, limits));
+        list.end_turn(*item);
         if (has_diagnostics) {
             writer_.number(std::int32_t{-1});
         }

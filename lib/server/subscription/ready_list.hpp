@@ -4,8 +4,8 @@
 
 namespace busbar::server::detail {
 
-/// Items with Notifications to report, in the order in which they got the first of them. The links
-/// lie in the items: nothing is allocated.
+/// Items with Notifications to report, in the order in which they got the first of them or had
+/// their last turn. The links lie in the items: nothing is allocated.
 class ReadyList {
 public:
     ReadyList() = default;
@@ -36,8 +36,9 @@ public:
         (item.next_ != nullptr ? item.next_->previous_ : last_) = item.previous_;
         item.previous_ = item.next_ = nullptr;
     }
-    /// Writes the first item's oldest Notification, of at most so many bytes, and removes it.
-    void take_notification(binary::Writer& writer, std::size_t most)
+    /// Writes the first item's oldest Notification, of at most so many bytes, and removes it; the
+    /// item.
+    MonitoredItem& take_notification(binary::Writer& writer, std::size_t most)
     {
         MonitoredItem& item = *first_;
         item.take_notification(writer, most);
@@ -46,6 +47,15 @@ public:
         }
         if (item.reportable() == 0) {
             remove(item);
+        }
+        return item;
+    }
+    /// A message is full: one that has more, for ever perhaps, waits until the others had a turn.
+    void end_turn(MonitoredItem& item)
+    {
+        if (item.is_ready_) {
+            remove(item);
+            add(item);
         }
     }
 
