@@ -293,6 +293,14 @@ TEST_CASE("a source that takes its time, is late or dies, and items that go mean
         fixture.advance(50ms);
         CHECK(fixture.source.batches.size() == 1);
     }
+    SECTION("an item that is made meanwhile keeps no other from being asked for")
+    {
+        fixture.answer();
+        fixture.monitor();
+        CHECK(fixture.source.batches.size() == 1); // its first value takes time
+        fixture.advance(50ms);
+        CHECK(fixture.source.batches.size() == 2);
+    }
     SECTION("a late source is Bad_Timeout, and may answer then")
     {
         fixture.advance(5s);

@@ -207,14 +207,23 @@ void SamplingGroup::ask(Flight& flight, std::size_t index)
     flight.call.ask(index - flight.first, member.source, {member.handle, range});
 }
 
-void SamplingGroup::sample_members(std::size_t first, TimePoint now, bool is_late)
+std::size_t SamplingGroup::first_in_flight() const
 {
-    if (first >= members_.size()) {
+    std::size_t first = members_.size();
+    for (const auto& flight : flights_) {
+        first = std::min(first, flight->first);
+    }
+    return first;
+}
+
+void SamplingGroup::sample_members(std::size_t first, std::size_t end, TimePoint now, bool is_late)
+{
+    if (first >= end) {
         return;
     }
-    // It is under way when nothing can go wrong any more: while one is, no other begins.
+    // It is under way when nothing can go wrong any more: while one is, no other of them begins.
     flights_.reserve(flights_.size() + 1);
-    auto made = std::make_unique<Flight>(*this, first, members_.size() - first, is_late);
+    auto made = std::make_unique<Flight>(*this, first, end - first, is_late);
     Flight& flight = *made;
     for (std::size_t i = 0; i < flight.call.size(); ++i) {
         ask(flight, first + i);
@@ -274,7 +283,7 @@ void SamplingGroup::sample_scan(const ImagePin& pin, TimePoint now, bool has_los
     images_.sample(pin, image_sample(false));
     if (flights_.empty()) {
         first_new_ = members_.size();
-        sample_members(0, now, false);
+        sample_members(0, members_.size(), now, false);
     }
 }
 
@@ -305,7 +314,7 @@ void SamplingGroup::sample_new(const ImagePin& pin, TimePoint now)
 
 void SamplingGroup::sample_new_members(TimePoint now)
 {
-    sample_members(std::exchange(first_new_, members_.size()), now, false);
+    sample_members(std::exchange(first_new_, members_.size()), members_.size(), now, false);
 }
 
 void SamplingGroup::sample(TimePoint now)
@@ -317,8 +326,11 @@ void SamplingGroup::sample(TimePoint now)
     last_sample_ = now;
     is_late_ = sampler_.is_overload(interval_, actual_interval_);
     images_.sample(image_sample(false));
-    first_new_ = members_.size();
-    sample_members(0, now, is_late_);
+    if (flights_.empty()) {
+        first_new_ = members_.size();
+    }
+    sample_members(0, first_in_flight(), now, is_late_);
+    sample_new_members(now);
 }
 
 void SamplingGroup::handle_flights(TimePoint now)
@@ -336,7 +348,9 @@ void SamplingGroup::expire(TimePoint now)
     sampler_.timers().set(*this, now + std::max<Duration>(interval_, std::chrono::milliseconds{1}));
     handle_flights(now);
     if (next_sample_ <= now) {
-        if (flights_.empty()) { // a source that has not answered is not asked again
+        // A source that has not answered is not asked again. What waits for the first value of new
+        // items keeps the others from nothing.
+        if (flights_.empty() || first_in_flight() > 0) {
             sample(now);
         }
         next_sample_ += interval_;

@@ -71,8 +71,10 @@ private:
     void sample(TimePoint now);
     void sample_new_members(TimePoint now);
     [[nodiscard]] WatchedImages::Sample image_sample(bool is_only_new) const;
-    /// One batch for each source, of the members from `first` on.
-    void sample_members(std::size_t first, TimePoint now, bool is_late);
+    /// One batch for each source, of the members from `first` to before `end`.
+    void sample_members(std::size_t first, std::size_t end, TimePoint now, bool is_late);
+    /// The first member whose value is on its way; past the last one if there is none.
+    [[nodiscard]] std::size_t first_in_flight() const;
     void ask(Flight& flight, std::size_t member);
     void ask_unbound(Flight& flight, std::size_t member);
     void deliver(Flight& flight);
