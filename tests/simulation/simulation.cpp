@@ -17,20 +17,23 @@ Habits draw_habits(std::size_t number, Chance& chance)
     habits.subscriptions = chance.pick<std::size_t>({1, 1, 2});
     habits.asks_after_return = chance.one_in(2);
     habits.is_secure = number % 25 == 1; // RSA takes most of the time
+    habits.is_saturated = number % 20 == 3;
+    if (habits.is_saturated) {
+        habits.publish_requests = chance.pick<std::size_t>({1, 2});
+        habits.subscriptions = 3;
+    }
     return habits;
 }
 
 /// Reset connections, held up bytes, latencies of two continents.
-Weather bad_weather()
+void make_bad(Weather& weather)
 {
-    Weather weather;
     weather.max_latency = 150ms;
     weather.has_random_cuts = true;
     weather.stall_one_in = 200;
     weather.max_stall = 20s;
     weather.mean_life = 40min;
     weather.max_notice = 120s;
-    return weather;
 }
 
 } // namespace
@@ -63,16 +66,22 @@ harness::ServerParts Simulation::server_parts()
 }
 
 Simulation::Simulation(const SimulationOptions& options)
-    : weather_{bad_weather()}, chance_{options.seed, 1}, plant_{scheduler_, clock_,
-                                                                Chance{options.seed, 2}},
-      host_{scheduler_, clock_, log_, Chance{options.seed, 3}, config(), server_parts()},
+    : world_{options.seed}, chance_{options.seed, 1}, plant_{scheduler_, world_.clock(),
+                                                             Chance{options.seed, 2}},
+      host_{scheduler_, world_.clock(), log_, Chance{options.seed, 3}, config(), server_parts()},
       jump_{scheduler_, [this] { jump(); }}
 {
+    make_bad(weather_);
     plant_.serve(host_.server());
-    const SimulationParts parts{scheduler_, clock_, weather_, plant_, host_, trace_};
+    static_cast<void>(world_.network().listen("opc.tcp://localhost:4840", host_));
+    const SimulationParts parts{scheduler_, world_.clock(), weather_, plant_, host_, trace_};
     for (std::size_t i = 1; i <= options.clients; ++i) {
         clients_.push_back(std::make_unique<Subscriber>(parts, i, draw_habits(i, chance_),
                                                         Chance{options.seed, 100 + i}));
+    }
+    for (std::size_t i = 1; i <= options.library_clients; ++i) {
+        library_clients_.push_back(
+            std::make_unique<LibraryClient>(world_, plant_, trace_, options.clients + i));
     }
 }
 
@@ -80,7 +89,7 @@ void Simulation::jump()
 {
     const Duration by = chance_.pick<Duration>(
         {chance_.between(-5s, 5s), chance_.between(-10min, 10min), chance_.between(-6h, 6h)});
-    clock_.jump(by);
+    world_.jump_clock(by);
     jump_.set_after(chance_.between(1min, 30min));
 }
 
@@ -90,6 +99,9 @@ void Simulation::run(std::chrono::hours time)
     plant_.start();
     jump_.set_after(1min);
     for (const auto& client : clients_) {
+        client->start();
+    }
+    for (const auto& client : library_clients_) {
         client->start();
     }
     for (std::chrono::hours hour{0}; hour < time; ++hour) {
@@ -102,7 +114,7 @@ void Simulation::run(std::chrono::hours time)
 void Simulation::check_counts()
 {
     const server::Server& server = host_.server();
-    const std::size_t clients = clients_.size();
+    const std::size_t clients = clients_.size() + 3 * library_clients_.size();
     const bool is_bounded =
         server.session_count() <= 3 * clients && server.connection_count() <= 2 * clients &&
         server.subscription_count() <= 6 * clients && server.monitored_item_count() <= 24 * clients;
@@ -124,6 +136,10 @@ void Simulation::finish()
     plant_.stop();
     scheduler_.run_for(20min);
     for (const auto& client : clients_) {
+        client->check_arrivals();
+        client->leave();
+    }
+    for (const auto& client : library_clients_) {
         client->check_arrivals();
         client->leave();
     }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "library_client.hpp"
 #include "subscriber.hpp"
 
 namespace busbar::test {
@@ -14,6 +15,8 @@ namespace busbar::test {
 struct SimulationOptions {
     std::uint64_t seed{1};
     std::size_t clients{50};
+    /// Of the library, beside those.
+    std::size_t library_clients{2};
 };
 
 /// One server, its plant and its clients on a bad network, in virtual time. The same options make
@@ -39,16 +42,17 @@ private:
     void check_counts();
     void check_empty();
 
-    Scheduler scheduler_;
-    JumpingClock clock_{scheduler_};
+    World world_;
+    Scheduler& scheduler_{world_.scheduler()};
+    Weather& weather_{world_.network().weather()};
     Trace trace_{scheduler_};
-    Weather weather_;
     NullLog log_;
     PlainUsers users_;
     Chance chance_;
     Plant plant_;
     ServerHost host_;
     std::vector<std::unique_ptr<Subscriber>> clients_;
+    std::vector<std::unique_ptr<LibraryClient>> library_clients_;
     Alarm jump_;
 };
 

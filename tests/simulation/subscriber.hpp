@@ -11,6 +11,7 @@
 
 #include "client_port.hpp"
 #include "harness_names.hpp"
+#include "link_watch.hpp"
 #include "support/server_fixture.hpp"
 #include "trace.hpp"
 #include "watched_subscription.hpp"
@@ -38,6 +39,8 @@ struct Habits {
     /// Asks for lost messages as soon as it is back, not only when it notices that some are lost.
     bool asks_after_return{false};
     bool is_secure{false};
+    /// One of its Subscriptions has more to tell in a storm than the client can take.
+    bool is_saturated{false};
 };
 
 /// A client that wants to see every change, over a network that does not let it: comes back after
@@ -139,6 +142,21 @@ private:
     void violation(const std::string& what) { parts_.trace.violation(number_, what); }
     void expect(bool condition, const std::string& what, StatusCode status);
 
+    // subscriber_delays.cpp
+
+    /// Looks whether what has to come takes too long.
+    void look();
+    [[nodiscard]] bool is_undisturbed() const;
+    void check_answer();
+    void check_message(const WatchedSubscription& subscription);
+    void check_values(const WatchedSubscription& subscription);
+    /// How long it may take until all that the Subscription has queued has arrived, once it has
+    /// begun to send.
+    [[nodiscard]] Duration sending_time(const WatchedSubscription& subscription) const;
+    /// The client or its link is slow for a while, or the link seems to be dead.
+    void slow_down();
+    void speed_up();
+
     SimulationParts parts_;
     std::size_t number_;
     Habits habits_;
@@ -147,6 +165,7 @@ private:
     LogBook log_;
     crypto::InsecureAcceptAnyCertificate validator_;
     std::unique_ptr<ClientPort> port_;
+    std::shared_ptr<Link> link_;
 
     // The session.
 
@@ -166,6 +185,14 @@ private:
     TimePoint left_at_;
     bool was_used_{false};
     std::uint32_t last_request_{0};
+    /// When the request was sent that is_busy_ waits for.
+    TimePoint step_sent_;
+
+    // What keeps things from arriving, by what the simulation itself does.
+
+    /// When the client was ready again, or its link not slow any more.
+    TimePoint undisturbed_since_;
+    LinkWatch::HeldUntil held_until_{std::make_shared<TimePoint>()};
 
     // Subscriptions.
 
@@ -176,6 +203,9 @@ private:
 
     Alarm reconnect_;
     Alarm mind_;
+    Alarm look_;
+    Alarm slow_;
+    Alarm release_;
 };
 
 template <typename Response, typename Request>
@@ -203,6 +233,7 @@ template <typename Response, typename Request>
 void Subscriber::step(Request request, std::function<void(Result<Response>)> then)
 {
     is_busy_ = true;
+    step_sent_ = parts_.scheduler.now();
     call<Response>(std::move(request), [this, then = std::move(then)](Result<Response> response) {
         is_busy_ = false;
         if (response || response.error() != status::Bad_ConnectionClosed) {

@@ -102,6 +102,7 @@ void Subscriber::published(Result<PublishResponse> response, TimePoint sent,
         subscription_lost(id);
     } else {
         subscription->last_use = std::max(subscription->last_use, sent);
+        subscription->heard(parts_.scheduler.now());
         receive(*subscription, *response);
     }
     check_acknowledgements(response->results, acknowledged);
@@ -196,6 +197,7 @@ void Subscriber::republished(std::uint32_t id, bool had_gap, std::uint32_t numbe
     if (subscription == nullptr || (!response && is_subscription_lost(id, response.error()))) {
         return;
     }
+    subscription->undisturbed_since = parts_.scheduler.now();
     if (response) {
         parts_.trace.note(number_, "republished", id, number);
         if (response->notification_message.sequence_number != number) {
@@ -230,6 +232,7 @@ void Subscriber::resend(WatchedSubscription& subscription)
         if (found != nullptr && !is_subscription_lost(id, status)) {
             expect(status == status::Good, "ResendData", status);
             found->needs_values = false;
+            found->undisturbed_since = parts_.scheduler.now();
         }
     });
 }

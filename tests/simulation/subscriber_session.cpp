@@ -1,9 +1,8 @@
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
+#include "login_requests.hpp"
 #include "subscriber.hpp"
-#include "support/login.hpp"
 
 namespace busbar::test {
 
@@ -12,8 +11,10 @@ using namespace std::chrono_literals;
 Subscriber::Subscriber(const SimulationParts& parts, std::size_t number, Habits habits,
                        Chance chance)
     : parts_{parts}, number_{number}, habits_{habits}, chance_{chance}, random_{chance_.next()},
-      reconnect_{parts.scheduler, [this] { connect(); }}, mind_{parts.scheduler,
-                                                                [this] { change_mind(); }}
+      reconnect_{parts.scheduler, [this] { connect(); }},
+      mind_{parts.scheduler, [this] { change_mind(); }}, look_{parts.scheduler, [this] { look(); }},
+      slow_{parts.scheduler, [this] { slow_down(); }}, release_{parts.scheduler,
+                                                                [this] { speed_up(); }}
 {
 }
 
@@ -23,12 +24,15 @@ void Subscriber::start()
     has_left_ = false;
     reconnect_.set_after(chance_.between(0s, 20s));
     mind_.set_after(chance_.between(1min, 10min));
+    slow_.set_after(chance_.between(5min, 1h));
+    look_.set_after(10s);
 }
 
 void Subscriber::calm()
 {
     is_calm_ = true;
     mind_.cancel();
+    slow_.cancel();
     for (auto& [id, subscription] : subscriptions_) {
         subscription.wants_publishing = true;
     }
@@ -42,6 +46,8 @@ void Subscriber::connect()
 {
     const auto link =
         std::make_shared<Link>(parts_.scheduler, parts_.weather, Chance{chance_.next(), number_});
+    link->set_filter(std::make_unique<LinkWatch>(parts_.weather, held_until_));
+    link_ = link;
     channel::ClientChannelConfig config;
     config.endpoint_url = "opc.tcp://localhost:4840";
     config.requested_lifetime = 15min;
@@ -80,7 +86,13 @@ void Subscriber::channel_closed()
 {
     parts_.trace.note(number_, "disconnected");
     left_at_ = parts_.scheduler.now();
+    // A client that has lost all Subscriptions and wants no new ones says nothing any more.
+    const bool was_idle = parts_.scheduler.now() - last_use_ >= session_timeout;
+    if (is_ready_ && !is_closing_ && !link_->is_cut() && !was_idle) {
+        violation("the server has ended the connection");
+    }
     is_ready_ = false;
+    release_.cancel();
     is_busy_ = false;
     if (std::exchange(is_closing_, false)) {
         forget_session(); // whether or not the answer has come
@@ -104,20 +116,8 @@ void Subscriber::channel_closed()
 
 void Subscriber::create_session()
 {
-    CreateSessionRequest request;
-    request.client_description.application_uri = "urn:busbar:test:client";
-    request.client_description.application_type = ApplicationType::Client;
-    request.endpoint_url = "opc.tcp://localhost:4840";
-    request.session_name = "simulated";
-    static std::uint64_t sessions = 0; // each has a nonce of its own
-    ++sessions;
-    std::vector<std::byte> nonce(32);
-    std::memcpy(nonce.data(), &sessions, sizeof sessions);
-    request.client_nonce = ByteString{std::move(nonce)};
+    CreateSessionRequest request = session_request(habits_.is_secure);
     request.requested_session_timeout = static_cast<double>(session_timeout.count());
-    if (habits_.is_secure) {
-        request.client_certificate = ByteString{client_identity().certificates.front().der()};
-    }
     port_->call<CreateSessionResponse>(request, [this](Result<CreateSessionResponse> response) {
         if (!response) {
             return expect(response.error() == status::Bad_ConnectionClosed, "CreateSession",
@@ -137,10 +137,9 @@ void Subscriber::activate_session()
 {
     const crypto::SecurityPolicy& policy = *port_->security().policy;
     const std::string name = "user" + std::to_string(number_);
-    ActivateSessionRequest request;
+    ActivateSessionRequest request =
+        activation_request(policy, name, name + "-secret", server_nonce_);
     request.request_header.authentication_token = token_;
-    request.client_signature = sign_session(policy, client_identity(), server_nonce_);
-    request.user_identity_token = user_token(policy, name, name + "-secret", server_nonce_);
     const bool may_fail = std::exchange(is_nonce_old_, true) || !was_used_;
     port_->call<ActivateSessionResponse>(request, [this, may_fail](auto response) {
         if (!response) {
@@ -177,6 +176,7 @@ void Subscriber::session_lost(StatusCode status)
     expect(!was_used_ || parts_.scheduler.now() - last_use_ >= session_timeout,
            "a session was lost before its timeout", status);
     forget_session();
+    is_ready_ = false;
     port_->close(true);
 }
 
@@ -184,8 +184,10 @@ void Subscriber::become_ready()
 {
     parts_.trace.note(number_, "ready");
     is_ready_ = true;
+    undisturbed_since_ = parts_.scheduler.now();
     for (auto& [id, subscription] : subscriptions_) {
         subscription.asks_for_more = habits_.asks_after_return;
+        subscription.is_caught_up = false;
     }
     next_step();
 }
@@ -217,6 +219,7 @@ void Subscriber::leave()
 {
     has_left_ = true;
     reconnect_.cancel();
+    look_.cancel();
     if (!is_ready_) {
         if (port_ != nullptr) {
             port_->close(false);
@@ -276,6 +279,7 @@ void Subscriber::transferred(std::uint32_t id, const TransferResult& result)
     subscription->sequence.receive_available(result.available_sequence_numbers);
     subscription->needs_transfer = false;
     subscription->is_transfer_open = false;
+    subscription->undisturbed_since = parts_.scheduler.now();
     subscription->last_use = std::max(subscription->last_use, last_use_);
 }
 

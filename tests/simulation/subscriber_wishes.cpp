@@ -98,7 +98,18 @@ void Subscriber::wish_for_items(WatchedSubscription& subscription)
             });
         if (!is_there) {
             const std::size_t counter = kind == Kind::Event ? 0 : chance_.below(Plant::counters);
-            subscription.add_watch(kind, counter, chance_.pick({5U, 12U, 50U}));
+            const std::uint32_t queue_size = chance_.pick({5U, 12U, 50U});
+            subscription.add_watch(kind, counter, habits_.is_saturated ? 5 : queue_size);
+        }
+    }
+    for (std::size_t i = 0; i < Plant::counters && subscription.is_saturated; ++i) {
+        const bool is_there = std::any_of(
+            subscription.watches.begin(), subscription.watches.end(), [&](const auto& entry) {
+                return entry.second.kind == Kind::Storm && entry.second.counter == i &&
+                       entry.second.state != State::Gone;
+            });
+        if (!is_there) {
+            subscription.add_watch(Kind::Storm, i, 5);
         }
     }
 }
@@ -112,7 +123,16 @@ void Subscriber::create_subscription()
     request.max_notifications_per_publish = chance_.pick({0U, 0U, 2U});
     request.priority = static_cast<std::uint8_t>(chance_.below(3));
     request.publishing_enabled = true;
-    step<CreateSubscriptionResponse>(request, [this, request](auto response) {
+    const bool is_saturated =
+        habits_.is_saturated &&
+        std::none_of(subscriptions_.begin(), subscriptions_.end(),
+                     [](const auto& entry) { return entry.second.is_saturated; });
+    if (habits_.is_saturated) {
+        // The others have their turn, and little to send.
+        request.priority = 1;
+        request.max_notifications_per_publish = is_saturated ? 2 : 0;
+    }
+    step<CreateSubscriptionResponse>(request, [this, request, is_saturated](auto response) {
         expect(response.has_value(), "CreateSubscription",
                response ? StatusCode{} : response.error());
         if (!response) {
@@ -128,7 +148,10 @@ void Subscriber::create_subscription()
         made.keep_alive_count = response->revised_max_keep_alive_count;
         made.lifetime_count = response->revised_lifetime_count;
         made.max_notifications = request.max_notifications_per_publish;
+        made.priority = request.priority;
+        made.is_saturated = is_saturated;
         made.last_use = last_use_;
+        made.undisturbed_since = made.created = parts_.scheduler.now();
         parts_.trace.note(number_, "created", id);
     });
 }
@@ -183,6 +206,7 @@ void Subscriber::items_created(std::uint32_t id, const std::vector<std::uint32_t
         watch.queue_size = watch.wanted_queue_size;
         watch.mode = MonitoringMode::Reporting;
         watch.first_count = parts_.plant.count(watch.kind, watch.counter);
+        watch.since = parts_.scheduler.now();
     }
 }
 
@@ -194,6 +218,7 @@ void Subscriber::modify_subscription(WatchedSubscription& subscription)
     request.requested_lifetime_count = subscription.lifetime_count;
     request.requested_max_keep_alive_count = subscription.keep_alive_count;
     request.max_notifications_per_publish = subscription.max_notifications;
+    request.priority = subscription.priority;
     subscription.interval.reset();
     subscription.shortest_interval =
         std::min(subscription.shortest_interval, subscription.wanted_interval);
@@ -208,6 +233,7 @@ void Subscriber::modify_subscription(WatchedSubscription& subscription)
             expect(response && response->revised_lifetime_count == found->lifetime_count,
                    "ModifySubscription", response ? StatusCode{} : response.error());
             found->interval = response ? response->revised_publishing_interval : 0;
+            found->undisturbed_since = parts_.scheduler.now();
         });
 }
 
@@ -224,6 +250,7 @@ void Subscriber::set_publishing(WatchedSubscription& subscription)
         if (found != nullptr && !is_subscription_lost(id, status)) {
             expect(status == status::Good, "SetPublishingMode", status);
             found->publishing = wanted;
+            found->undisturbed_since = parts_.scheduler.now();
         }
     });
 }
@@ -247,6 +274,7 @@ void Subscriber::set_mode(WatchedSubscription& subscription, std::uint32_t handl
             if (found != nullptr && !is_subscription_lost(id, status)) {
                 expect(status == status::Good, "SetMonitoringMode", status);
                 found->mode = wanted;
+                found->since = parts_.scheduler.now();
             }
         });
 }
@@ -350,7 +378,7 @@ void Subscriber::change_item(WatchedSubscription& subscription)
     } else if (what == 1) {
         watch.wanted_mode = mode;
     } else {
-        watch.wanted_queue_size = queue_size;
+        watch.wanted_queue_size = habits_.is_saturated ? 5 : queue_size;
     }
 }
 

@@ -1,6 +1,8 @@
 #include "watched_subscription.hpp"
 
+#include <algorithm>
 #include <charconv>
+#include <utility>
 
 #include <busbar/types/filter.hpp>
 #include <busbar/types/ids.hpp>
@@ -78,6 +80,35 @@ void WatchedSubscription::allow_repeats()
             watch.check.allow_gap();
         }
     }
+}
+
+Duration WatchedSubscription::cycle() const
+{
+    const double longest = interval ? std::max(*interval, wanted_interval) : longest_interval;
+    return std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>{longest});
+}
+
+void WatchedSubscription::heard(TimePoint now)
+{
+    last_heard = now;
+    if (!std::exchange(is_caught_up, true)) {
+        undisturbed_since = now;
+    }
+}
+
+std::size_t WatchedSubscription::messages() const
+{
+    if (max_notifications == 0) {
+        return 1;
+    }
+    std::size_t queued = 0;
+    for (const auto& [handle, watch] : watches) {
+        const bool is_there = watch.state == Watch::State::Live;
+        // One more tells of events that were lost.
+        queued +=
+            is_there ? std::max(watch.queue_size.value_or(0), watch.wanted_queue_size) + 1 : 0;
+    }
+    return 1 + queued / max_notifications;
 }
 
 Watch* WatchedSubscription::find(std::uint32_t handle,

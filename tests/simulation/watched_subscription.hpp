@@ -36,6 +36,8 @@ struct Watch {
     std::optional<MonitoringMode> mode;
     /// What the plant had counted when the item was asked for.
     std::int64_t first_count{0};
+    /// Since when it reports as it does.
+    TimePoint since;
     CountCheck check;
 };
 
@@ -58,6 +60,14 @@ public:
     /// Each item's value is to come once more.
     void allow_repeats();
 
+    /// The shortest interval after which the server, for all that is known, looks for something to
+    /// send is at most this.
+    [[nodiscard]] Duration cycle() const;
+    /// In how many messages all that its queues may hold is sent.
+    [[nodiscard]] std::size_t messages() const;
+    /// A message has come, or what there is instead.
+    void heard(TimePoint now);
+
     std::uint32_t id;
     SequenceCheck sequence;
 
@@ -69,6 +79,9 @@ public:
     std::uint32_t keep_alive_count{0};
     std::uint32_t lifetime_count{0};
     std::uint32_t max_notifications{0};
+    std::uint8_t priority{0};
+    /// In a storm it has more to send than its client asks for.
+    bool is_saturated{false};
     bool wants_publishing{true};
     std::optional<bool> publishing{true};
 
@@ -81,6 +94,13 @@ public:
     bool needs_values{false};
     /// When a request was sent that the server has answered and that kept the Subscription alive.
     TimePoint last_use;
+    TimePoint created;
+    /// When it brought a message, a keep-alive at least.
+    std::optional<TimePoint> last_heard;
+    /// Since when nothing that the client did keeps it from sending what there is.
+    TimePoint undisturbed_since;
+    /// Something has come since the client is ready: what was lost before that is known.
+    bool is_caught_up{false};
 
     struct Acknowledgement {
         std::uint32_t number;
