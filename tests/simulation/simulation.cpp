@@ -2,6 +2,8 @@
 
 #include <malloc.h>
 
+#include <algorithm>
+
 namespace busbar::test {
 
 using namespace std::chrono_literals;
@@ -45,9 +47,11 @@ server::ServerConfig Simulation::config()
     server::EndpointConfig& open = config.endpoints.emplace_back();
     open.password_policy = &crypto::policy_none();
     open.allows_plain_passwords = true;
-    config.limits.max_sessions = 400;
-    config.limits.max_sessions_per_user = 400;
-    config.limits.max_connections = 400;
+    // More than all good clients want, less than attackers do.
+    config.limits.max_sessions = 250;
+    config.limits.max_connections = 250;
+    config.limits.subscriptions.max_subscriptions_per_user = 60;
+    config.limits.subscriptions.max_subscriptions = 500;
     config.limits.max_log_lines_per_minute = 0;
     config.limits.subscriptions.max_publish_requests = 8;
     // Fewer than the specification wants, so that messages are lost for good now and then.
@@ -75,7 +79,14 @@ Simulation::Simulation(const SimulationOptions& options)
     plant_.serve(host_.server());
     static_cast<void>(world_.network().listen("opc.tcp://localhost:4840", host_));
     const SimulationParts parts{scheduler_, world_.clock(), weather_, plant_, host_, trace_};
+    const HostileParts hostile{scheduler_, world_.clock(), weather_,
+                               host_,      trace_,         options.clients};
     for (std::size_t i = 1; i <= options.clients; ++i) {
+        if (options.attackers_one_in != 0 && chance_.one_in(options.attackers_one_in)) {
+            attackers_.push_back(
+                std::make_unique<Attacker>(hostile, i, Chance{options.seed, 100 + i}));
+            continue;
+        }
         clients_.push_back(std::make_unique<Subscriber>(parts, i, draw_habits(i, chance_),
                                                         Chance{options.seed, 100 + i}));
     }
@@ -104,20 +115,35 @@ void Simulation::run(std::chrono::hours time)
     for (const auto& client : library_clients_) {
         client->start();
     }
+    for (const auto& attacker : attackers_) {
+        attacker->start();
+    }
     for (std::chrono::hours hour{0}; hour < time; ++hour) {
         scheduler_.run_for(1h);
         check_counts();
     }
 }
 
-/// Beside what clients use there is what they have lost, for as long as the server must keep it.
+/// Beside what clients use there is what they have lost, for as long as the server must keep it,
+/// and what attackers may have at most.
 void Simulation::check_counts()
 {
     const server::Server& server = host_.server();
+    const server::ServerLimits& limits = server.config().limits;
     const std::size_t clients = clients_.size() + 3 * library_clients_.size();
+    const std::size_t attackers = attackers_.size();
+    const auto most = [&](std::size_t of_clients, std::size_t of_attacker, std::size_t limit) {
+        return std::min(of_clients * clients + of_attacker * attackers, limit);
+    };
+    const std::size_t per_address = limits.max_connections_per_address;
+    const std::size_t sessions = per_address * limits.max_sessions_per_channel;
+    const std::size_t subscriptions = limits.subscriptions.max_subscriptions_per_user;
     const bool is_bounded =
-        server.session_count() <= 3 * clients && server.connection_count() <= 2 * clients &&
-        server.subscription_count() <= 6 * clients && server.monitored_item_count() <= 24 * clients;
+        server.session_count() <= most(3, sessions, limits.max_sessions) &&
+        server.connection_count() <= most(2, per_address, limits.max_connections) &&
+        server.subscription_count() <=
+            most(6, subscriptions, limits.subscriptions.max_subscriptions) &&
+        server.monitored_item_count() <= 24 * clients;
     if (!is_bounded) {
         trace_.violation(0, "growth: " + std::to_string(server.session_count()) + " sessions, " +
                                 std::to_string(server.connection_count()) + " connections, " +
@@ -130,6 +156,9 @@ void Simulation::finish()
 {
     weather_.has_resets = false;
     jump_.cancel();
+    for (const auto& attacker : attackers_) {
+        attacker->leave();
+    }
     for (const auto& client : clients_) {
         client->calm();
     }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "attacker.hpp"
 #include "library_client.hpp"
 #include "subscriber.hpp"
 
@@ -15,6 +16,8 @@ namespace busbar::test {
 struct SimulationOptions {
     std::uint64_t seed{1};
     std::size_t clients{50};
+    /// One in so many of them is an attacker; 0: none.
+    std::size_t attackers_one_in{8};
     /// Of the library, beside those.
     std::size_t library_clients{2};
 };
@@ -53,6 +56,7 @@ private:
     ServerHost host_;
     std::vector<std::unique_ptr<Subscriber>> clients_;
     std::vector<std::unique_ptr<LibraryClient>> library_clients_;
+    std::vector<std::unique_ptr<Attacker>> attackers_;
     Alarm jump_;
 };
 
