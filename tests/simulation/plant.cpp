@@ -23,8 +23,8 @@ std::shared_ptr<server::ProcessImage> make_image(std::vector<std::uint32_t>& han
 } // namespace
 
 Plant::Plant(Scheduler& scheduler, const WallClock& clock, Chance chance)
-    : scheduler_{&scheduler}, clock_{&clock}, chance_{chance}, memory_{clock}, image_{make_image(
-                                                                                   scanned_)},
+    : scheduler_{&scheduler}, clock_{&clock}, chance_{chance}, memory_{clock},
+      late_memory_{scheduler, memory_, Chance{chance.next(), 1}}, image_{make_image(scanned_)},
       image_source_{image_}, storm_image_{make_image(stormy_)}, storm_source_{storm_image_},
       times_(4 * counters), remembered_(counters),
       next_count_(counters), scan_alarm_{scheduler, [this] { scan(); }},
@@ -37,7 +37,7 @@ void Plant::serve(server::Server& server)
 {
     server_ = &server;
     const std::uint32_t image = server.add_source(image_source_);
-    const std::uint32_t memory = server.add_source(memory_);
+    const std::uint32_t memory = server.add_source(late_memory_);
     const std::uint32_t storm = server.add_source(storm_source_);
     for (std::size_t i = 0; i < counters; ++i) {
         add_variable(Kind::Scan, i, image, scanned_[i]);

@@ -11,6 +11,7 @@
 #include <busbar/server/server.hpp>
 
 #include "harness_names.hpp"
+#include "late_source.hpp"
 
 namespace busbar::test {
 
@@ -76,6 +77,7 @@ private:
     const WallClock* clock_;
     Chance chance_;
     server::MemorySource memory_;
+    LateSource late_memory_;
     std::vector<std::uint32_t> scanned_;
     std::shared_ptr<server::ProcessImage> image_;
     server::ImageSource image_source_;

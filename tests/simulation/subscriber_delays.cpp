@@ -23,7 +23,7 @@ Duration sampling_time(const Watch& watch, std::uint32_t handle)
     const double interval = std::max(parameters_of(watch, handle).sampling_interval, 0.0);
     return std::chrono::duration_cast<Duration>(
                std::chrono::duration<double, std::milli>{interval}) +
-           server_turn;
+           server_turn + (watch.kind == Plant::Kind::Memory ? LateSource::longest : Duration{0});
 }
 
 } // namespace
@@ -53,7 +53,7 @@ void Subscriber::look()
 void Subscriber::check_answer()
 {
     const TimePoint begin = std::max(step_sent_, undisturbed_since_);
-    if (is_busy_ && parts_.scheduler.now() > begin + turn(parts_.weather)) {
+    if (is_busy_ && parts_.scheduler.now() > begin + turn(parts_.weather) + LateSource::longest) {
         violation("a request got no answer in time");
     }
 }
