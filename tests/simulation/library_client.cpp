@@ -20,6 +20,7 @@ client::ClientConfig library_config()
     config.application_uri = "urn:busbar:test:client";
     config.identity = client::NamedUser{"program", "program-secret"};
     config.session_timeout = 15min;
+    config.keep_alive_interval = 30s;
     return config;
 }
 

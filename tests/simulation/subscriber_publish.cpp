@@ -113,24 +113,26 @@ void Subscriber::receive(WatchedSubscription& subscription, const PublishRespons
 {
     const NotificationMessage& message = response.notification_message;
     const std::uint32_t number = message.sequence_number;
-    const std::string what = "message " + std::to_string(number) + " of " +
-                             std::to_string(subscription.id) + " when " +
-                             std::to_string(subscription.sequence.next()) + " came next";
+    const std::uint32_t next = subscription.sequence.next();
+    const auto complain = [&](const std::string& what) {
+        violation(what + " message " + std::to_string(number) + " of " +
+                  std::to_string(subscription.id) + " when " + std::to_string(next) + " came next");
+    };
     if (message.notification_data.empty()) {
         if (!subscription.sequence.receive_keep_alive(number)) {
-            violation("keep-alive with the number of " + what);
+            complain("keep-alive with the number of");
         }
     } else {
         const auto& available = response.available_sequence_numbers;
         if (std::find(available.begin(), available.end(), number) == available.end()) {
-            violation("not kept for retransmission: " + what);
+            complain("not kept for retransmission:");
         }
         if (!subscription.sequence.receive(message)) {
-            violation("a second time: " + what);
+            complain("a second time:");
         }
     }
     if (!subscription.sequence.was_loss_allowed()) {
-        violation("a message was not there that should have been kept, before " + what);
+        complain("a message was not there that should have been kept, before");
     }
     deliver(subscription);
 }

@@ -25,9 +25,8 @@ std::int64_t to_number(std::string_view text)
     return number;
 }
 
-std::string describe(std::uint32_t handle, const Watch& watch, std::int64_t number)
+std::string describe(std::uint32_t handle, std::optional<std::int64_t> last, std::int64_t number)
 {
-    const auto last = watch.check.last();
     return "item " + std::to_string(handle) + ": " + std::to_string(number) + " after " +
            (last ? std::to_string(*last) : "nothing");
 }
@@ -133,14 +132,15 @@ void WatchedSubscription::deliver_value(const MonitoredItemNotification& item,
     }
     const std::uint32_t status = item.value.status.value();
     const std::int64_t number = item.value.value.value_or<std::int32_t>(-1);
-    const std::string what = describe(item.client_handle, *watch, number);
+    const auto last = watch->check.last();
     if ((status & overflow_bits) == overflow_bits) {
         watch->check.tell_overflow();
     } else if (status != 0) {
-        violation(what + ", status " + std::to_string(status));
+        violation(describe(item.client_handle, last, number) + ", status " +
+                  std::to_string(status));
     }
     if (number < 0 || !watch->check.receive(number)) {
-        violation(what);
+        violation(describe(item.client_handle, last, number));
     }
 }
 
@@ -157,9 +157,9 @@ void WatchedSubscription::deliver_event(const EventFieldList& event,
     }
     const LocalizedText text = event.event_fields[1].value_or<LocalizedText>({});
     const std::int64_t number = to_number(text.text.view());
-    const std::string what = describe(event.client_handle, *watch, number);
+    const auto last = watch->check.last();
     if (number >= 0 && !watch->check.receive(number)) { // others are the server's own
-        violation("event " + what);
+        violation("event " + describe(event.client_handle, last, number));
     }
 }
 
