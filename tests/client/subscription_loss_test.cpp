@@ -239,6 +239,32 @@ TEST_CASE_METHOD(PuppetFixture, "A transfer that is not answered is tried again"
     CHECK(heard.gaps.empty());
 }
 
+TEST_CASE_METHOD(PuppetFixture, "A transfer that was carried out though no answer came is one",
+                 "[client]")
+{
+    start();
+    publish(message(1));
+    subscriptions.session_lost();
+    subscriptions.session_started(Start::New);
+    settle();
+    static_cast<void>(requester.take<TransferSubscriptionsRequest>());
+    subscriptions.session_lost();
+    subscriptions.session_started(Start::Resumed);
+    settle();
+    static_cast<void>(requester.take<TransferSubscriptionsRequest>());
+    TransferSubscriptionsResponse response;
+    response.results.resize(1);
+    response.results[0].status_code = status::Bad_NothingToDo; // it is this session's already
+    reply(response);
+    republish(2);
+    refuse_republish(3);
+    CHECK(heard.take_values() == Values{1, 2});
+    publish(message(3));
+    CHECK(heard.take_values() == Values{3});
+    CHECK(heard.gaps.empty());
+    CHECK(requester.count<CreateSubscriptionRequest>() == 0);
+}
+
 TEST_CASE_METHOD(PuppetFixture, "A Subscription that has ended at the server is made anew",
                  "[client]")
 {

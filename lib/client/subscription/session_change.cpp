@@ -75,12 +75,15 @@ void SessionChange::transferred(const std::vector<SubscriptionHandle>& handles,
         }
         if (!response) {
             ends_.lost(*subscription, response.error(), true);
-        } else if (i >= response->results.size() || response->results[i].status_code.is_bad()) {
-            const StatusCode bad = i < response->results.size()
-                                       ? response->results[i].status_code
-                                       : StatusCode{status::Bad_UnexpectedError};
+            continue;
+        }
+        const StatusCode result = i < response->results.size()
+                                      ? response->results[i].status_code
+                                      : StatusCode{status::Bad_UnexpectedError};
+        // Bad_NothingToDo: it is this session's since a request whose answer was lost.
+        if (result.is_bad() && result != status::Bad_NothingToDo) {
             // A server that has none of that id may give it to the next one.
-            ends_.lost(*subscription, bad, bad != status::Bad_SubscriptionIdInvalid);
+            ends_.lost(*subscription, result, result != status::Bad_SubscriptionIdInvalid);
         } else {
             transferred(*subscription, response->results[i]);
         }
