@@ -84,6 +84,7 @@ Result<void> Load::open(net::ClientLoop& loop, bool wants_session,
 {
     client::ConnectionConfig config;
     config.request_timeout = request_timeout;
+    config.session_timeout = std::max(config.session_timeout, request_timeout);
     config.channel.endpoint_url = options_.url;
     config.channel.limits.max_message_size = 64U << 20U;
     config.application_uri = "urn:busbar:bench";

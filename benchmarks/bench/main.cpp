@@ -10,6 +10,7 @@
 #include "load.hpp"
 #include "own_server.hpp"
 #include "report.hpp"
+#include "session_memory.hpp"
 #include "startup_run.hpp"
 
 using namespace busbar;
@@ -105,6 +106,18 @@ int run_startup(const bench::StartupOptions& startup, bool json)
         return 1;
     }
     bench::print(*points, json);
+    return 0;
+}
+
+/// This starts its servers in processes of their own.
+int run_memory(const bench::SessionMemoryOptions& memory, bool json)
+{
+    const auto rows = bench::measure_session_memory(memory);
+    if (!rows) {
+        std::fprintf(stderr, "busbar-bench: memory: %s\n", std::string{name(rows.error())}.c_str());
+        return 1;
+    }
+    bench::print(*rows, json);
     return 0;
 }
 
@@ -212,6 +225,28 @@ CLI::App* add_growth(CLI::App& app, bench::GrowthOptions& options)
     return growth;
 }
 
+CLI::App* add_memory(CLI::App& app, bench::SessionMemoryOptions& options)
+{
+    CLI::App* const memory = app.add_subcommand(
+        "memory", "What a session with its items takes of a server's memory, while all of them "
+                  "read and when they have gone.");
+    memory->fallthrough();
+    memory->add_option("--sessions", options.sessions, "how many, each with a server of its own")
+        ->delimiter(',')
+        ->check(CLI::Range(1, 10'000));
+    memory->add_option("--items", options.items, "monitored items of each session")
+        ->check(CLI::Range(0, 5'000))
+        ->capture_default_str();
+    memory->add_option("--reads", options.reads, "of each session under way at once")
+        ->check(CLI::Range(1, 100))
+        ->capture_default_str();
+    memory->add_option("--values", options.values, "of one Read")
+        ->check(CLI::Range(1, 25'000))
+        ->capture_default_str();
+    memory->add_flag("--secure", options.is_secure, "over Basic256Sha256, SignAndEncrypt");
+    return memory;
+}
+
 CLI::App* add_startup(CLI::App& app, bench::StartupOptions& options)
 {
     CLI::App* const startup = app.add_subcommand(
@@ -257,6 +292,7 @@ int main(int argc, char** argv)
     bench::Options options;
     bench::HostileOptions hostile_options;
     bench::GrowthOptions growth_options;
+    bench::SessionMemoryOptions memory_options;
     bench::StartupOptions startup_options;
     bench::SevenOptions seven_options;
     CLI::App app{"Measures an OPC UA server: connect, read and write of N values, requests in "
@@ -265,6 +301,7 @@ int main(int argc, char** argv)
     add_loads(app, options);
     const CLI::App* const hostile = add_hostile(app, hostile_options);
     const CLI::App* const growth = add_growth(app, growth_options);
+    const CLI::App* const memory = add_memory(app, memory_options);
     const CLI::App* const startup = add_startup(app, startup_options);
     const CLI::App* const seven = add_appendix7(app, seven_options);
     CLI11_PARSE(app, argc, argv);
@@ -272,6 +309,9 @@ int main(int argc, char** argv)
     hostile_options.seconds = options.seconds;
     hostile_options.server_process = options.subscribe.server_pid;
 
+    if (memory->parsed()) { // with malloc as it is: what a server gives back is the question
+        return run_memory(memory_options, options.json);
+    }
     // Messages of some 100 kB come and go all the time: keep their pages.
     ::mallopt(M_MMAP_THRESHOLD, 64 << 20);
     ::mallopt(M_TRIM_THRESHOLD, 64 << 20);

@@ -45,6 +45,17 @@ bool add_user(server::ServerConfig& config, server::PasswordUsers& users, crypto
     return users.add(good_user, good_password, random).has_value();
 }
 
+void enlarge(server::ServerLimits& limits)
+{
+    constexpr std::size_t plenty = 10'000;
+    limits.max_connections = plenty;
+    limits.max_connections_per_address = plenty;
+    limits.max_sessions = plenty;
+    limits.max_sessions_per_user = plenty;
+    limits.subscriptions.max_subscriptions = plenty;
+    limits.subscriptions.max_subscriptions_per_user = plenty;
+}
+
 /// Serves until it is told to stop, and writes the port to `pipe`, or 0 if there is none.
 int serve(int pipe, const OwnServerOptions& options)
 {
@@ -72,6 +83,9 @@ int serve(int pipe, const OwnServerOptions& options)
     if (options.is_unrationed) {
         config.limits.channel_interval = std::chrono::milliseconds{0};
         config.limits.failed_channel_interval = std::chrono::milliseconds{0};
+    }
+    if (options.is_large) {
+        enlarge(config.limits);
     }
     const server::ServerEnvironment environment{.random = &random,
                                                 .wall_clock = &wall_clock,

@@ -17,6 +17,8 @@ struct OwnServerOptions {
     bool is_unrationed{false};
     /// Knows one user (good_user), whose password a thread of its own checks.
     bool has_user{false};
+    /// Has place for thousands of sessions of one user at one address.
+    bool is_large{false};
 };
 
 /// A server of this library with nothing but namespace 0, in a process of its own: what it takes of
