@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include <busbar/channel/spare_buffers.hpp>
 #include <busbar/core/text.hpp>
 
 #include "buffer_bounds.hpp"
@@ -36,16 +37,31 @@ Result<std::optional<ChannelEvent>> Assembly::add(char flag, const SymmetricCont
     if (flag == 'C' && !charge(content.body.size())) {
         return fail(status::Bad_TcpNotEnoughResources);
     }
+    if (chunks_ == 0 && spares_ != nullptr) {
+        begin(flag, content.body.size());
+    }
     message_.insert(message_.end(), content.body.begin(), content.body.end());
     if (flag == 'C') {
         ++chunks_;
         request_id_ = content.request_id;
         return std::nullopt;
     }
-    ChannelEvent event{
-        ChannelEvent::Kind::Message, content.request_id, std::exchange(message_, {}), {}, {}};
+    ChannelEvent event{ChannelEvent::Kind::Message, content.request_id, take_message(), {}, {}};
     drop();
     return event;
+}
+
+/// How large a message of several chunks becomes is not known yet.
+void Assembly::begin(char flag, std::size_t size)
+{
+    message_ = spares_->take_message(flag == 'C' ? SpareBuffers::max_kept : size);
+}
+
+/// The message in a buffer that fits: it may wait there for long.
+std::vector<std::byte> Assembly::take_message()
+{
+    auto message = std::exchange(message_, {});
+    return spares_ != nullptr ? spares_->fitted(std::move(message)) : std::move(message);
 }
 
 ChannelEvent Assembly::give_up(const SymmetricContent& content)
@@ -82,8 +98,10 @@ void Assembly::drop()
 
 void Assembly::recycle(std::vector<std::byte> buffer)
 {
-    if (chunks_ == 0 && buffer.capacity() > message_.capacity() &&
-        buffer.capacity() <= max_recycled_size) {
+    if (spares_ != nullptr) {
+        spares_->give_back_message(std::move(buffer));
+    } else if (chunks_ == 0 && buffer.capacity() > message_.capacity() &&
+               buffer.capacity() <= max_recycled_size) {
         message_ = std::move(buffer);
         message_.clear();
     }

@@ -18,9 +18,10 @@ namespace busbar::channel::detail {
 /// What an unfinished message holds is bounded by the limits and charged to the budget.
 class Assembly {
 public:
-    Assembly(const TransportLimits& limits, AssemblyBudget* budget)
+    /// `budget` and `spares` may be null.
+    Assembly(const TransportLimits& limits, AssemblyBudget* budget, SpareBuffers* spares = nullptr)
         : most_{limits.max_message_size}, max_message_size_{limits.max_message_size},
-          max_chunk_count_{limits.max_chunk_count}, budget_{budget}
+          max_chunk_count_{limits.max_chunk_count}, budget_{budget}, spares_{spares}
     {
     }
     Assembly(const Assembly&) = delete;
@@ -52,12 +53,15 @@ public:
 private:
     [[nodiscard]] ChannelEvent give_up(const SymmetricContent& content);
     [[nodiscard]] bool charge(std::size_t size);
+    void begin(char flag, std::size_t size);
+    [[nodiscard]] std::vector<std::byte> take_message();
     void drop();
 
     std::uint32_t most_;
     std::uint32_t max_message_size_;
     std::uint32_t max_chunk_count_;
     AssemblyBudget* budget_;
+    SpareBuffers* spares_;
     std::vector<std::byte> message_;
     std::size_t charged_{0};
     std::uint32_t request_id_{0};

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <busbar/channel/spare_buffers.hpp>
+
 #include "frame.hpp"
 #include "output_buffer.hpp"
 
@@ -47,6 +49,8 @@ BufferBounds bounds_of(const TransportLimits& given, std::size_t queue)
     bounds.input = 2 * (2 * chunk + max_fed_size);
     bounds.output = OutputBuffer::max_capacity(queue + sealed_size(limits), room);
     bounds.kept = std::min(2 * std::size_t{limits.max_message_size}, max_recycled_size);
+    bounds.shared = std::min(bounds.input, SpareBuffers::max_kept) +
+                    std::min(bounds.output, SpareBuffers::max_kept) + bounds.kept + room;
     return bounds;
 }
 

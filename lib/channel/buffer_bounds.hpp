@@ -25,8 +25,10 @@ struct BufferBounds {
     /// What waits for the peer.
     std::size_t output{0};
     /// The buffer that is kept for the next message; one that is being put together is charged to
-    /// the AssemblyBudget.
+    /// the AssemblyBudget. Of one without SpareBuffers.
     std::size_t kept{0};
+    /// What SpareBuffers hold beside all that.
+    std::size_t shared{0};
 };
 /// `queue` is how much output there may be before another message is sent.
 [[nodiscard]] BUSBAR_API BufferBounds bounds_of(const TransportLimits& limits, std::size_t queue);

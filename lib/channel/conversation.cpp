@@ -1,7 +1,9 @@
 #include "conversation.hpp"
 
 #include <algorithm>
+#include <utility>
 
+#include <busbar/channel/spare_buffers.hpp>
 #include <busbar/core/detail/guarded.hpp>
 
 #include "buffer_bounds.hpp"
@@ -19,10 +21,9 @@ std::uint32_t stricter(std::uint32_t peer, std::uint32_t own)
 } // namespace
 
 Conversation::Conversation(const TransportLimits& limits, const ChannelEnvironment& environment,
-                           Role role)
-    : limits_{completed(limits)}, environment_{environment}, role_{role}, assembly_{
-                                                                              limits_,
-                                                                              environment.budget}
+                           Role role, SpareBuffers* spares)
+    : limits_{completed(limits)}, environment_{environment}, role_{role}, spares_{spares},
+      output_{spares}, assembly_{limits_, environment.budget, spares}
 {
     sizes_.receive_buffer_size = limits_.receive_buffer_size;
     sizes_.send_buffer_size = limits_.send_buffer_size;
@@ -30,13 +31,31 @@ Conversation::Conversation(const TransportLimits& limits, const ChannelEnvironme
     sizes_.max_chunk_count = limits_.max_chunk_count;
 }
 
+Conversation::~Conversation()
+{
+    if (spares_ != nullptr) {
+        spares_->give_back_input(std::move(input_));
+    }
+}
+
+/// All that came was worked on, or nothing came yet.
+void Conversation::input_is_done()
+{
+    input_.clear();
+    input_begin_ = 0;
+    if (spares_ != nullptr) {
+        spares_->give_back_input(std::exchange(input_, {}));
+    } else if (input_.capacity() > max_idle_input) {
+        input_ = {};
+    }
+}
+
 void Conversation::feed(std::span<const std::byte> in)
 {
     if (input_begin_ == input_.size()) {
-        input_.clear();
-        input_begin_ = 0;
-        if (input_.capacity() > max_idle_input) {
-            input_ = {};
+        input_is_done();
+        if (spares_ != nullptr) {
+            input_ = spares_->take_input();
         }
     } else if (input_begin_ > input_.size() / 2) {
         input_.erase(input_.begin(), input_.begin() + static_cast<std::ptrdiff_t>(input_begin_));
@@ -47,6 +66,9 @@ void Conversation::feed(std::span<const std::byte> in)
 
 Result<std::optional<Frame>> Conversation::next_frame()
 {
+    if (spares_ != nullptr && input_begin_ == input_.size()) {
+        input_is_done();
+    }
     const auto waiting = std::span{input_}.subspan(input_begin_);
     if (is_held || waiting.size() < header_size) {
         return std::nullopt;

@@ -21,7 +21,7 @@
 
 namespace busbar::channel::detail {
 
-/// One frame in the input buffer; valid until the next feed().
+/// One frame in the input buffer; valid until the next feed() or next_frame().
 struct Frame {
     FrameHeader header;
     std::span<std::byte> bytes; // with the header
@@ -36,7 +36,12 @@ enum class Role : std::uint8_t { Server, Client };
 /// chunks, and sending.
 class Conversation {
 public:
-    Conversation(const TransportLimits& limits, const ChannelEnvironment& environment, Role role);
+    /// `spares` may be null.
+    Conversation(const TransportLimits& limits, const ChannelEnvironment& environment, Role role,
+                 SpareBuffers* spares = nullptr);
+    Conversation(const Conversation&) = delete;
+    Conversation& operator=(const Conversation&) = delete;
+    ~Conversation();
 
     // Input -----------------------------------------------------------------------------------
 
@@ -93,10 +98,12 @@ public:
 private:
     [[nodiscard]] Token* find_token(std::uint32_t id, TimePoint now);
     void note_use(const Token& token);
+    void input_is_done();
 
     TransportLimits limits_;
     ChannelEnvironment environment_;
     Role role_;
+    SpareBuffers* spares_;
     Hello sizes_; // ours to receive and send, the peer's message limits
     std::vector<std::byte> input_;
     std::size_t input_begin_{0};

@@ -1,16 +1,27 @@
 #include "output_buffer.hpp"
 
 #include <cstring>
+#include <new>
 #include <utility>
 
 namespace busbar::channel::detail {
 
 namespace {
 
-/// What an idle connection may hold on to.
+/// What an idle connection may hold on to that shares with no other.
 constexpr std::size_t max_idle_size = 1U << 20U;
+/// No more is moved to a block that others will want again: a peer that takes little must not make
+/// each small answer cost a copy of all before it.
+constexpr std::size_t max_moved_size = 64U << 10U;
 
 } // namespace
+
+OutputBuffer::~OutputBuffer()
+{
+    if (spares_ != nullptr) {
+        spares_->give_back(*this, std::move(block_));
+    }
+}
 
 void OutputBuffer::consume(std::size_t size)
 {
@@ -31,37 +42,64 @@ void OutputBuffer::shrink_if_idle()
         return;
     }
     begin_ = end_ = 0;
-    if (capacity_ > max_idle_size) {
-        storage_.reset();
-        capacity_ = 0;
+    if (spares_ != nullptr) {
+        spares_->give_back(*this, std::exchange(block_, {}));
+    } else if (block_.size > max_idle_size) {
+        block_ = {};
     }
 }
 
-void OutputBuffer::move_to_front(std::byte* front)
+void OutputBuffer::move_to(std::byte* front)
 {
     if (begin_ != end_) {
-        std::memmove(front, storage_.get() + begin_, end_ - begin_);
+        std::memmove(front, block_.bytes.get() + begin_, end_ - begin_);
     }
     end_ -= begin_;
     begin_ = 0;
 }
 
+Block OutputBuffer::leave_block()
+{
+    const std::size_t size = end_ - begin_;
+    if (size == 0) {
+        begin_ = end_ = 0;
+        return std::exchange(block_, {});
+    }
+    if (size > block_.size / 2) {
+        return {};
+    }
+    std::unique_ptr<std::byte[]> own{new (std::nothrow) std::byte[size]};
+    if (!own) {
+        return {};
+    }
+    move_to(own.get());
+    return std::exchange(block_, {std::move(own), size});
+}
+
+void OutputBuffer::grow(std::size_t size, std::size_t needed)
+{
+    const std::size_t waiting = end_ - begin_;
+    const bool may_borrow =
+        spares_ != nullptr && !spares_->is_lent_to(*this) && waiting <= max_moved_size;
+    Block larger = may_borrow ? spares_->lend(*this, waiting + size, needed)
+                              : Block{std::make_unique_for_overwrite<std::byte[]>(needed), needed};
+    move_to(larger.bytes.get());
+    block_ = std::move(larger);
+}
+
 std::span<std::byte> OutputBuffer::reserve(std::size_t size)
 {
-    if (capacity_ - end_ < size) {
+    if (block_.size - end_ < size) {
         // Half of what waits is free behind it then, so that each byte is moved a few times at
         // most, however slowly the peer reads.
         const std::size_t needed = max_capacity(end_ - begin_, size);
-        if (needed <= capacity_) {
-            move_to_front(storage_.get());
+        if (needed <= block_.size) {
+            move_to(block_.bytes.get());
         } else {
-            auto larger = std::make_unique_for_overwrite<std::byte[]>(needed);
-            move_to_front(larger.get());
-            storage_ = std::move(larger);
-            capacity_ = needed;
+            grow(size, needed);
         }
     }
-    return {storage_.get() + end_, size};
+    return {block_.bytes.get() + end_, size};
 }
 
 } // namespace busbar::channel::detail

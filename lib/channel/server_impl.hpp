@@ -25,7 +25,8 @@ struct ServerChannel::Impl {
     using State = detail::ServerChannelState;
 
     Impl(ServerChannelConfig c, const ChannelEnvironment& environment, TimePoint start)
-        : config{std::move(c)}, conversation{config.limits, environment, detail::Role::Server},
+        : config{std::move(c)}, conversation{config.limits, environment, detail::Role::Server,
+                                             config.spares},
           now{start}, handshake_deadline{start + config.limits.handshake_timeout}
     {
     }

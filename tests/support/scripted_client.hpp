@@ -45,8 +45,9 @@ public:
     };
 
     explicit ScriptedClient(std::vector<channel::SecuritySetting> allowed,
-                            channel::TransportLimits limits = {})
-        : server{config(std::move(allowed), limits),
+                            channel::TransportLimits limits = {},
+                            channel::SpareBuffers* spares = nullptr)
+        : server{config(std::move(allowed), limits, spares),
                  {.random = &random,
                   .wall_clock = &wall_clock,
                   .log = &log,
@@ -146,12 +147,14 @@ public:
 
 private:
     [[nodiscard]] static channel::ServerChannelConfig
-    config(std::vector<channel::SecuritySetting> allowed, channel::TransportLimits limits)
+    config(std::vector<channel::SecuritySetting> allowed, channel::TransportLimits limits,
+           channel::SpareBuffers* spares)
     {
         channel::ServerChannelConfig config;
         config.limits = limits;
         config.allowed = std::move(allowed);
         config.channel_id = channel_id;
+        config.spares = spares;
         return config;
     }
 };

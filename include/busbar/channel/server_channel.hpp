@@ -16,6 +16,8 @@
 
 namespace busbar::channel {
 
+class SpareBuffers;
+
 struct ServerChannelConfig {
     TransportLimits limits;
     /// What an OpenSecureChannel may ask for; anything else is refused.
@@ -27,6 +29,9 @@ struct ServerChannelConfig {
     std::uint32_t channel_id{1};
     /// From where the peer is, for the validator (see crypto::ValidationContext).
     std::string source{};
+    /// Optional: what channels of one server share, for it must outlive them. Null where
+    /// connections are few; each keeps buffers of its own then.
+    SpareBuffers* spares{nullptr};
 };
 
 /// The server's end of one connection: UA TCP (Part 6, 7.1) and the SecureChannel (Part 6, 6.7).
@@ -74,6 +79,7 @@ public:
     /// are not to have all that the limits allow yet.
     void limit_messages(std::uint32_t size);
     /// Takes the memory for a response of one chunk, so that sending one needs no more. Optional.
+    /// With SpareBuffers as long as no other channel sends something in between.
     void reserve_response();
     /// Gives a Message's body back, so that the next one needs no allocation. Optional.
     void recycle(std::vector<std::byte> body);
