@@ -205,3 +205,33 @@ TEST_CASE("D3: a server without memory for a while lives")
         }
     }
 }
+
+TEST_CASE("E9: a request that finds no memory any more is told so, whoever has the buffer")
+{
+    const bool other_waits = GENERATE(false, true);
+    bool is_told = false;
+    for (std::size_t k = 1; k < 1'000; ++k) {
+        FailureFixture world;
+        const FailureCase asked = failing::read(world);
+        if (other_waits) { // an answer that nobody takes
+            static_cast<void>(asked.send(world.other));
+            const auto sent = take_output(world.other.channel);
+            REQUIRE(world.other.connection.feed(sent, world.now));
+            REQUIRE_FALSE(world.other.connection.output().empty());
+        }
+        fail_allocation(k, 1'000'000);
+        const StatusCode answer = world.ask(world.client, asked);
+        const bool has_failed = has_allocation_failed();
+        fail_allocation(0);
+        if (!has_failed) {
+            CHECK(answer == status::Good);
+            break;
+        }
+        INFO("from allocation " << k << " on: " << name(answer) << "\n" << world.log.text);
+        CHECK(world.thrown == 0);
+        // Until the message is put together nobody knows what was asked.
+        is_told = is_told || answer == status::Bad_OutOfMemory;
+        CHECK((!is_told || answer == status::Bad_OutOfMemory));
+    }
+    CHECK(is_told);
+}

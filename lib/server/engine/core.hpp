@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <busbar/channel/spare_buffers.hpp>
 #include <busbar/crypto/certificate_notices.hpp>
 #include <busbar/server/modules.hpp>
 #include <busbar/server/server.hpp>
@@ -75,6 +76,8 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     /// Outlives the items that take part in it.
     std::unique_ptr<EventPart> events{std::make_unique<EventPart>()};
     channel::AssemblyBudget assembly;
+    /// Outlives the connections.
+    channel::SpareBuffers spares;
     SessionTable sessions;
     LoginGuard logins;
     ChannelGuard channel_guard;

@@ -20,6 +20,7 @@ channel::ServerChannelConfig channel_config(Core& core, std::string_view address
     config.min_lifetime = core.limits().min_token_lifetime;
     config.max_lifetime = core.limits().max_token_lifetime;
     config.source = network_of(address);
+    config.spares = &core.spares;
     config.channel_id = core.next_channel_id++;
     if (core.next_channel_id == 0) {
         core.next_channel_id = 1;
