@@ -39,6 +39,10 @@ concept Engine = requires(E& engine, std::span<const std::byte> in, TimePoint no
         } -> std::same_as<bool>;
 };
 
+/// What a socket has just received. All links of a loop can use one in turn: an engine keeps
+/// nothing of what it is fed.
+using ReadBuffer = std::array<std::byte, 65'536>;
+
 /// One TCP connection and the engine that speaks on it. Lives as long as its handlers do.
 ///
 /// Reading stops while the peer does not take what is to be sent: a peer that asks and never
@@ -50,9 +54,10 @@ public:
 
     /// `on_change` is called after the engine was fed or its deadline handled, `on_end` once when
     /// the connection is gone.
-    SocketLink(asio::ip::tcp::socket socket, E& engine, Handler on_change, Handler on_end)
+    SocketLink(asio::ip::tcp::socket socket, E& engine, Handler on_change, Handler on_end,
+               std::shared_ptr<ReadBuffer> buffer = std::make_shared_for_overwrite<ReadBuffer>())
         : socket_{std::move(socket)}, timer_{socket_.get_executor()}, engine_{&engine},
-          on_change_{std::move(on_change)}, on_end_{std::move(on_end)}
+          on_change_{std::move(on_change)}, on_end_{std::move(on_end)}, buffer_{std::move(buffer)}
     {
     }
 
@@ -175,7 +180,7 @@ private:
     void receive()
     {
         std::error_code error;
-        const std::size_t size = socket_.read_some(asio::buffer(buffer_), error);
+        const std::size_t size = socket_.read_some(asio::buffer(*buffer_), error);
         if (error == asio::error::would_block) {
             pump();
             return;
@@ -185,7 +190,7 @@ private:
             return;
         }
         // A refused input leaves an Error message to send; is_closed() ends the link after it.
-        static_cast<void>(engine_->feed(std::span{buffer_}.first(size), now()));
+        static_cast<void>(engine_->feed(std::span{*buffer_}.first(size), now()));
         changed();
     }
 
@@ -218,7 +223,7 @@ private:
     bool is_writing_{false};
     bool is_half_closed_{false};
     bool has_ended_{false};
-    std::array<std::byte, 65'536> buffer_;
+    std::shared_ptr<ReadBuffer> buffer_;
 };
 
 } // namespace busbar::net::detail

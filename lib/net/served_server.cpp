@@ -36,7 +36,8 @@ Result<void> ServedServer::adopt(asio::ip::tcp::socket& socket, Origin origin, s
             drain(changed.engine(), id);
             events_->on_activity();
         },
-        [this, key](ConnectionLink&) { asio::post(executor_, [this, key] { drop(key); }); });
+        [this, key](ConnectionLink&) { asio::post(executor_, [this, key] { drop(key); }); },
+        buffer_);
     clients_.emplace(key, Client{id, std::move(owned), link});
     link->start();
     events_->on_activity();

@@ -68,6 +68,7 @@ private:
     server::Server* server_;
     asio::any_io_executor executor_;
     const ServedEvents* events_;
+    std::shared_ptr<ReadBuffer> buffer_{std::make_shared_for_overwrite<ReadBuffer>()};
     /// By the server's own ids, which another server may have too.
     std::unordered_map<std::uint64_t, Client> clients_;
 };
