@@ -18,6 +18,7 @@
 
 #include "discovery_registration.hpp"
 #include "listeners.hpp"
+#include "memory_return.hpp"
 #include "pipe_waker.hpp"
 #include "reverse_dialer.hpp"
 #include "served_server.hpp"
@@ -42,7 +43,10 @@ struct ServerLoop::Impl {
     explicit Impl(LogSink& l)
         : log{l}, waker{context}, timer{context.get_executor()}, signals{context}, hangup{context}
     {
-        events.on_activity = [this] { after_activity(); };
+        events.on_activity = [this] {
+            memory_return.note_activity(detail::now());
+            after_activity();
+        };
         events.on_opened = [this](std::uint64_t id) {
             for (const auto& dialer : dialers) {
                 dialer->opened(id);
@@ -79,6 +83,7 @@ struct ServerLoop::Impl {
     void retire();
     void after_activity();
     void await_deadline();
+    void look_at_memory(TimePoint now);
     void begin_stop();
     void resume();
     void await_wake();
@@ -89,6 +94,7 @@ struct ServerLoop::Impl {
     asio::io_context context;
     detail::PipeWaker waker;
     detail::DeadlineTimer timer;
+    detail::MemoryReturn memory_return;
     asio::signal_set signals;
     asio::signal_set hangup;
     std::function<void()> on_hangup;
@@ -179,7 +185,7 @@ bool ServerLoop::Impl::has_stopped() const
 
 void ServerLoop::Impl::await_deadline()
 {
-    TimePoint deadline = no_deadline;
+    TimePoint deadline = memory_return.next_deadline();
     for_each(
         [&](ServedServer& each) { deadline = std::min(deadline, each.server().next_deadline()); });
     timer.await(deadline, [this] {
@@ -190,8 +196,19 @@ void ServerLoop::Impl::await_deadline()
                                         [&] { each.server().handle_deadline(now); });
             }
         });
+        if (memory_return.next_deadline() <= now) {
+            look_at_memory(now);
+        }
         after_activity();
     });
+}
+
+void ServerLoop::Impl::look_at_memory(TimePoint now)
+{
+    if (memory_return.handle_deadline(now, detail::process_memory())) {
+        detail::return_free_memory();
+        memory_return.returned(detail::process_memory());
+    }
 }
 
 void ServerLoop::Impl::serve(server::Server& server)

@@ -1,0 +1,49 @@
+#include "memory_return.hpp"
+
+#include <algorithm>
+#include <fstream>
+
+#include <unistd.h>
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
+namespace busbar::net::detail {
+
+ProcessMemory process_memory()
+{
+    ProcessMemory memory;
+#if defined(__GLIBC__)
+#if __GLIBC_PREREQ(2, 33)
+    memory.free = ::mallinfo2().fordblks;
+    std::ifstream file{"/proc/self/statm"};
+    std::size_t size = 0;
+    std::size_t resident = 0;
+    if (file >> size >> resident) {
+        memory.resident = resident * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+    }
+#endif
+#endif
+    return memory;
+}
+
+void return_free_memory()
+{
+#if defined(__GLIBC__)
+    ::malloc_trim(0);
+#endif
+}
+
+bool MemoryReturn::handle_deadline(TimePoint now, const ProcessMemory& memory)
+{
+    if (now < deadline_) {
+        return false;
+    }
+    deadline_ = no_deadline;
+    left_.resident = std::min(left_.resident, memory.resident);
+    left_.free = std::min(left_.free, memory.free);
+    return memory.free >= least &&
+           (memory.resident - left_.resident >= least || memory.free - left_.free >= least);
+}
+
+} // namespace busbar::net::detail

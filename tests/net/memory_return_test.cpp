@@ -1,0 +1,79 @@
+#include <catch2/catch.hpp>
+
+#include "net/memory_return.hpp"
+
+using namespace busbar;
+using net::detail::MemoryReturn;
+
+namespace {
+
+constexpr std::size_t mega = 1U << 20U;
+
+/// Looks at the memory when it is time, and says whether it was given back.
+struct Watched {
+    bool look()
+    {
+        memory_return.note_activity(now);
+        now = memory_return.next_deadline();
+        return memory_return.handle_deadline(now, {resident, free});
+    }
+    void give_back(std::size_t bytes)
+    {
+        resident -= bytes;
+        memory_return.returned({resident, free}); // malloc goes on counting it as free
+    }
+
+    MemoryReturn memory_return;
+    TimePoint now{std::chrono::hours{1}};
+    std::size_t resident{20 * mega};
+    std::size_t free{0};
+};
+
+} // namespace
+
+TEST_CASE("E9: what a flood took is given back, once", "[memory_return]")
+{
+    Watched server;
+    CHECK_FALSE(server.look()); // all of it is in use
+    server.resident = 100 * mega;
+    server.free = 80 * mega;
+    CHECK(server.look());
+    server.give_back(80 * mega);
+    CHECK_FALSE(server.look());
+    server.resident += MemoryReturn::least - 1;
+    CHECK_FALSE(server.look());
+    server.resident += 1; // the next flood takes what counts as free
+    CHECK(server.look());
+    server.give_back(0); // and this one is in use
+    CHECK_FALSE(server.look());
+    server.free += 10 * mega; // sessions end
+    CHECK(server.look());
+    server.give_back(10 * mega);
+    server.free -= 10 * mega; // come again
+    server.resident += MemoryReturn::least - 1;
+    CHECK_FALSE(server.look());
+    server.free += 10 * mega; // and end
+    CHECK(server.look());
+}
+
+TEST_CASE("E9: memory is looked at some time after something happened only", "[memory_return]")
+{
+    MemoryReturn memory_return;
+    const net::detail::ProcessMemory flooded{100 * mega, 80 * mega};
+    const TimePoint start{std::chrono::hours{1}};
+    CHECK(memory_return.next_deadline() == no_deadline);
+    memory_return.note_activity(start);
+    memory_return.note_activity(start + std::chrono::seconds{1});
+    CHECK(memory_return.next_deadline() == start + MemoryReturn::delay);
+    CHECK_FALSE(memory_return.handle_deadline(start + std::chrono::seconds{1}, flooded));
+    CHECK(memory_return.next_deadline() == start + MemoryReturn::delay);
+    CHECK(memory_return.handle_deadline(start + MemoryReturn::delay, flooded));
+    CHECK(memory_return.next_deadline() == no_deadline);
+}
+
+TEST_CASE("E9: free memory can be given back at any time", "[memory_return]")
+{
+    static_cast<void>(net::detail::process_memory());
+    net::detail::return_free_memory();
+    CHECK(net::detail::process_memory().resident <= std::size_t{1} << 40U);
+}
