@@ -11,8 +11,8 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// Both sides' pointers, in vectors that double.
-constexpr std::size_t link_cost = 4 * sizeof(void*);
+/// Both sides' pointers, in vectors that double, and what has the first of each side.
+constexpr std::size_t link_cost = 4 * sizeof(void*) + 4 * sizeof(std::vector<void*>);
 
 } // namespace
 
@@ -25,11 +25,11 @@ MonitoredItem::MonitoredItem(Subscription& subscription, Kind kind, std::uint32_
 
 MonitoredItem::~MonitoredItem()
 {
-    while (!links_.empty()) {
-        forget_link(*links_.back());
+    while (links_ != nullptr && !links_->triggered.empty()) {
+        forget_link(*links_->triggered.back());
     }
-    while (!triggers_.empty()) {
-        triggers_.back()->forget_link(*this);
+    while (links_ != nullptr && !links_->triggers.empty()) {
+        links_->triggers.back()->forget_link(*this);
     }
     subscription_->ready(kind_).remove(*this);
     subscription_->count_disabled(mode_ == MonitoringMode::Disabled ? -1 : 0);
@@ -45,8 +45,10 @@ void MonitoredItem::notify()
     if (mode_ == MonitoringMode::Reporting) {
         subscription_->ready(kind_).add(*this);
     }
-    for (MonitoredItem* triggered : links_) {
-        triggered->release_queue();
+    if (links_ != nullptr) {
+        for (MonitoredItem* triggered : links_->triggered) {
+            triggered->release_queue();
+        }
     }
 }
 
@@ -78,27 +80,41 @@ void MonitoredItem::set_mode(const ItemContext& context, MonitoringMode mode)
     }
 }
 
+bool MonitoredItem::triggers(const MonitoredItem& triggered) const
+{
+    return links_ != nullptr && std::find(links_->triggered.begin(), links_->triggered.end(),
+                                          &triggered) != links_->triggered.end();
+}
+
 StatusCode MonitoredItem::add_link(MonitoredItem& triggered, std::size_t max_links)
 {
-    if (std::find(links_.begin(), links_.end(), &triggered) != links_.end()) {
+    if (triggers(triggered)) {
         return status::Good;
     }
-    if (links_.size() >= max_links || triggered.triggers_.size() >= max_links) {
+    const auto is_full = [&](const MonitoredItem& item, std::vector<MonitoredItem*> Links::*side) {
+        return (item.links_ != nullptr ? (*item.links_.*side).size() : 0) >= max_links;
+    };
+    if (is_full(*this, &Links::triggered) || is_full(triggered, &Links::triggers)) {
         return status::Bad_TooManyOperations;
     }
     if (!subscription_->memory().charge(link_cost)) {
         return status::Bad_OutOfMemory;
     }
     busbar::detail::Undo undo{[&] { forget_link(triggered); }};
-    links_.push_back(&triggered);
-    triggered.triggers_.push_back(this);
+    for (MonitoredItem* const item : {this, &triggered}) {
+        if (item->links_ == nullptr) {
+            item->links_ = std::make_unique<Links>();
+        }
+    }
+    links_->triggered.push_back(&triggered);
+    triggered.links_->triggers.push_back(this);
     undo.keep();
     return status::Good;
 }
 
 bool MonitoredItem::remove_link(MonitoredItem& triggered)
 {
-    if (std::find(links_.begin(), links_.end(), &triggered) == links_.end()) {
+    if (!triggers(triggered)) {
         return false;
     }
     forget_link(triggered);
@@ -107,8 +123,12 @@ bool MonitoredItem::remove_link(MonitoredItem& triggered)
 
 void MonitoredItem::forget_link(MonitoredItem& triggered)
 {
-    std::erase(triggered.triggers_, this);
-    std::erase(links_, &triggered);
+    if (triggered.links_ != nullptr) {
+        std::erase(triggered.links_->triggers, this);
+    }
+    if (links_ != nullptr) {
+        std::erase(links_->triggered, &triggered);
+    }
     subscription_->memory().release(link_cost);
 }
 

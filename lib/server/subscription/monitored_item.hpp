@@ -99,6 +99,7 @@ private:
     friend class Subscription;
 
     void forget_link(MonitoredItem& triggered);
+    [[nodiscard]] bool triggers(const MonitoredItem& triggered) const;
     /// Lets what is queued now be reported.
     void release_queue();
 
@@ -113,9 +114,13 @@ private:
     MonitoringMode mode_;
     Kind kind_;
     bool is_ready_{false};
-    /// Items that this one triggers, and those that trigger it; both sides know of the other.
-    std::vector<MonitoredItem*> links_;
-    std::vector<MonitoredItem*> triggers_;
+    /// Items that this one triggers, and those that trigger it; both sides know of the other. Null
+    /// if there never were any.
+    struct Links {
+        std::vector<MonitoredItem*> triggered;
+        std::vector<MonitoredItem*> triggers;
+    };
+    std::unique_ptr<Links> links_;
 };
 
 /// What makes items of events, which are none of this folder's business.

@@ -102,9 +102,10 @@ std::unique_ptr<ValueItem> ValueItem::make(const ItemContext& context,
         revision.status = filter.error();
         return nullptr;
     }
+    item->keep_filter(parameters.filter);
     item->filter_ = *filter;
-    item->filter_text_ = parameters.filter;
-    const std::size_t cost = sizeof(ValueItem) + 2 * sizeof(void*) * 8 +
+    // Each may get a filter later.
+    const std::size_t cost = sizeof(ValueItem) + sizeof(Filtered) + 2 * sizeof(void*) * 8 +
                              MonitoredHandles::bytes_per_item + model::node_watch_memory +
                              2 * binary::encoded_size(item->value_id_) +
                              (item->range_ != nullptr ? sizeof(NumericRange) : 0);
@@ -171,6 +172,23 @@ Result<ChangeFilter> ValueItem::make_filter(const ExtensionObject& filter)
     return ChangeFilter::make(filter, needs().space, node, eu_range);
 }
 
+ValueItem::Filtered& ValueItem::filtered()
+{
+    if (filtered_ == nullptr) {
+        filtered_ = std::make_unique<Filtered>();
+    }
+    return *filtered_;
+}
+
+void ValueItem::keep_filter(const ExtensionObject& filter)
+{
+    if (filter.is_null()) {
+        filtered_.reset();
+    } else {
+        filtered().text = filter;
+    }
+}
+
 /// Until a source has said what it is, a range without width, so that all changes are reported.
 std::optional<Range> ValueItem::look_up_eu_range(model::NodeIndex variable)
 {
@@ -181,25 +199,28 @@ std::optional<Range> ValueItem::look_up_eu_range(model::NodeIndex variable)
     }
     const model::VariableAttributes attributes = space.variable(property);
     if (needs().sources.find(attributes.source) != nullptr) {
-        eu_range_ = Range{};
         EuRangeUser& user = *this;
-        eu_range_read_ = std::make_unique<EuRangeRead>(user, needs().sources);
+        auto read = std::make_unique<EuRangeRead>(user, needs().sources);
+        Filtered& kept = filtered();
+        kept.eu_range = Range{};
+        kept.read = std::move(read);
         // Its deadline is not looked at; an answer is welcome at any time.
-        eu_range_read_->start(attributes, TimePoint{});
-        return eu_range_;
+        kept.read->start(attributes, TimePoint{});
+        return kept.eu_range;
     }
     return binary::structure_of<Range>(space.value(property, &needs().types));
 }
 
 void ValueItem::eu_range_came(const std::optional<Range>& range)
 {
-    eu_range_ = range;
-    const auto done = std::move(eu_range_read_);
+    Filtered& kept = filtered();
+    kept.eu_range = range;
+    const auto done = std::move(kept.read);
     const model::NodeIndex node = needs().space.find(value_id_.node_id);
-    if (node == model::no_node || !ChangeFilter::is_percentage(filter_text_)) {
+    if (node == model::no_node || !ChangeFilter::is_percentage(kept.text)) {
         return;
     }
-    if (auto filter = ChangeFilter::make(filter_text_, needs().space, node, range)) {
+    if (auto filter = ChangeFilter::make(kept.text, needs().space, node, range)) {
         filter_ = *filter;
     }
 }
@@ -233,8 +254,8 @@ void ValueItem::modify(const ItemContext& context, const MonitoringParameters& p
         revision.status = filter.error();
         return;
     }
+    keep_filter(parameters.filter);
     filter_ = *filter;
-    filter_text_ = parameters.filter;
     set_client_handle(parameters.client_handle);
     const Duration before = interval_;
     const ReadPlan plan = plan_sample(needs(), context.subscription, value_id_);
@@ -280,8 +301,10 @@ void ValueItem::announce_change(std::uint32_t status_bits)
 {
     pending_bits_ |= status_bits;
     // An EURange that has become unusable leaves the deadband as it was.
-    if (auto filter = make_filter(filter_text_)) {
-        filter_ = *filter;
+    if (filtered_ != nullptr) {
+        if (auto filter = make_filter(filtered_->text)) {
+            filter_ = *filter;
+        }
     }
     if (group_ != nullptr) {
         rebind_in_group(*this);

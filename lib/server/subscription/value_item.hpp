@@ -74,6 +74,15 @@ public:
 private:
     friend class SamplingGroup;
 
+    /// What belongs to a filter of the client's.
+    struct Filtered {
+        /// As it was given, for when the EURange changes.
+        ExtensionObject text;
+        std::optional<Range> eu_range;
+        /// Null unless a source is asked for the EURange.
+        std::unique_ptr<EuRangeRead> read;
+    };
+
     ValueItem(const ItemContext& context, const MonitoredItemCreateRequest& request,
               TimestampsToReturn timestamps);
 
@@ -83,6 +92,8 @@ private:
     [[nodiscard]] StatusCode charge_source(const ReadPlan& plan);
     [[nodiscard]] StatusCode check_target(const ItemContext& context, ReadPlan& plan);
     [[nodiscard]] Result<ChangeFilter> make_filter(const ExtensionObject& filter);
+    [[nodiscard]] Filtered& filtered();
+    void keep_filter(const ExtensionObject& filter);
     [[nodiscard]] std::optional<Range> look_up_eu_range(model::NodeIndex variable);
     void eu_range_came(const std::optional<Range>& range) override;
     /// Where the group gets the item's values from may be wrong by now.
@@ -96,12 +107,9 @@ private:
     std::shared_ptr<const NumericRange> range_;
     TimestampsToReturn timestamps_;
     ChangeFilter filter_;
-    /// As the client gave it, for when the EURange changes.
-    ExtensionObject filter_text_;
-    /// Null unless a source is asked for the EURange.
-    std::unique_ptr<EuRangeRead> eu_range_read_;
+    /// Null without a filter, which most have.
+    std::unique_ptr<Filtered> filtered_;
     SubscriptionTable* all_;
-    std::optional<Range> eu_range_;
     Duration interval_{0};
     SamplingIntervals::Use counted_;
     std::uint32_t pending_bits_{0};
