@@ -213,8 +213,7 @@ Result<AsymmetricContent> open_asymmetric(std::span<const std::byte> message,
     return content;
 }
 
-Result<void> seal_asymmetric(OutputBuffer& output, const AsymmetricParts& parts,
-                             std::size_t max_size)
+Result<std::vector<std::byte>> make_asymmetric(const AsymmetricParts& parts, std::size_t max_size)
 {
     std::vector<std::byte> message = make_headers(parts);
     const std::size_t headers = message.size();
@@ -222,7 +221,7 @@ Result<void> seal_asymmetric(OutputBuffer& output, const AsymmetricParts& parts,
     if (!parts.policy->is_none()) {
         const auto secured = secure(message, headers, parts);
         if (!secured) {
-            return secured;
+            return fail(secured.error());
         }
     }
     if (message.size() > max_size) {
@@ -230,8 +229,18 @@ Result<void> seal_asymmetric(OutputBuffer& output, const AsymmetricParts& parts,
     }
     write_frame_header(message,
                        {MessageType::OPN, 'F', static_cast<std::uint32_t>(message.size())});
-    std::copy(message.begin(), message.end(), output.reserve(message.size()).begin());
-    output.commit(message.size());
+    return message;
+}
+
+Result<void> seal_asymmetric(OutputBuffer& output, const AsymmetricParts& parts,
+                             std::size_t max_size)
+{
+    const auto message = make_asymmetric(parts, max_size);
+    if (!message) {
+        return fail(message.error());
+    }
+    std::copy(message->begin(), message->end(), output.reserve(message->size()).begin());
+    output.commit(message->size());
     return {};
 }
 

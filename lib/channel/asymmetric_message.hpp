@@ -50,7 +50,10 @@ struct AsymmetricParts {
     std::span<const std::byte> body;
 };
 
-/// Signs, encrypts and appends one OPN message of at most `max_size` bytes.
+/// Signs and encrypts one OPN message of at most `max_size` bytes.
+[[nodiscard]] Result<std::vector<std::byte>> make_asymmetric(const AsymmetricParts& parts,
+                                                             std::size_t max_size);
+/// The same, and appends it.
 [[nodiscard]] Result<void> seal_asymmetric(OutputBuffer& output, const AsymmetricParts& parts,
                                            std::size_t max_size);
 

@@ -166,13 +166,24 @@ Result<void> Conversation::send(MessageType type, std::uint32_t request_id,
     return {};
 }
 
+AsymmetricParts Conversation::open_parts(std::uint32_t request_id)
+{
+    AsymmetricParts parts;
+    parts.channel_id = channel_id;
+    parts.policy = security.policy;
+    parts.sequence_number = sent_.next();
+    parts.request_id = request_id;
+    return parts;
+}
+
 Result<void> Conversation::send_open(std::uint32_t request_id, std::span<const std::byte> body,
                                      const crypto::Certificate* receiver)
 {
-    return seal_asymmetric(output_,
-                           {channel_id, security.policy, environment_.identity, receiver,
-                            sent_.next(), request_id, body},
-                           sizes_.send_buffer_size);
+    AsymmetricParts parts = open_parts(request_id);
+    parts.sender = environment_.identity;
+    parts.receiver = receiver;
+    parts.body = body;
+    return seal_asymmetric(output_, parts, sizes_.send_buffer_size);
 }
 
 void Conversation::negotiate(const Hello& agreed)

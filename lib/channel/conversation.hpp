@@ -65,6 +65,8 @@ public:
     [[nodiscard]] const OutputBuffer& output() const { return output_; }
     [[nodiscard]] Result<void> send(MessageType type, std::uint32_t request_id,
                                     FunctionRef<void(binary::Writer&)> encode);
+    /// Of the next OPN, whose place among all chunks this is; without body, sender and receiver.
+    [[nodiscard]] AsymmetricParts open_parts(std::uint32_t request_id);
     [[nodiscard]] Result<void> send_open(std::uint32_t request_id, std::span<const std::byte> body,
                                          const crypto::Certificate* receiver);
 

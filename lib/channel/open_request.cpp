@@ -83,57 +83,12 @@ Checked<void> check_receiver(const AsymmetricHeader& header, const ChannelEnviro
     return {};
 }
 
-/// Who sent the message.
-struct Sender {
-    crypto::CertificateChain certificates; // none with policy None
-    std::optional<Refusal> objection;      // of the validator
-};
-
-Checked<Sender> check_sender(const AsymmetricHeader& header, const Conversation& conversation,
-                             const OpenContext& context)
-{
-    const ChannelEnvironment& environment = conversation.environment();
-    if (header.policy->is_none()) {
-        return Sender{};
-    }
-    const crypto::Certificate& own = environment.identity->certificates.front();
-    auto chain = crypto::parse_chain(header.sender_certificate);
-    if (!chain) {
-        return refuse_certificate(chain.error(),
-                                  "no X.509 certificate, or more than one and its issuers",
-                                  "Part 4, 6.1.3, Table 100: Certificate Structure",
-                                  "The peer needs another certificate");
-    }
-    const crypto::Certificate* const leaf = &chain->front();
-    // A message of the server that comes back to it is no client.
-    if (*leaf == own) {
-        return refuse_certificate(status::Bad_CertificateUseNotAllowed,
-                                  "this server's own certificate", "Part 6, 6.7.7",
-                                  "Every application needs a certificate of its own", leaf);
-    }
-    if (context.is_renewal && !(*chain == conversation.peer_certificates)) {
-        return refuse_certificate(status::Bad_CertificateInvalid,
-                                  "another certificate than the channel was opened with",
-                                  "Part 4, 5.6.2.1: renewal", {}, leaf);
-    }
-    auto valid = environment.validator->validate(
-        *chain, {.policy = header.policy,
-                 .now = environment.wall_clock->now(),
-                 .application_uri = {},
-                 .purpose = crypto::CertificatePurpose::ClientApplication,
-                 .source = context.config.source});
-    Sender sender{*std::move(chain), {}};
-    if (!valid) {
-        sender.objection = std::move(valid).error();
-    }
-    return sender;
-}
-
 /// Part 4, 5.6.2.2: type, mode and nonce.
-Checked<void> check_body(const OpenSecureChannelRequest& request, const AsymmetricHeader& header,
-                         const Conversation& conversation, const OpenContext& context)
+Checked<void> check_body(const OpenSecureChannelRequest& request,
+                         const crypto::SecurityPolicy& policy, const Conversation& conversation,
+                         const OpenContext& context)
 {
-    const SecuritySetting wanted{header.policy, request.security_mode};
+    const SecuritySetting wanted{&policy, request.security_mode};
     const auto& allowed = context.config.allowed;
     const auto expected =
         context.is_renewal ? SecurityTokenRequestType::Renew : SecurityTokenRequestType::Issue;
@@ -145,24 +100,24 @@ Checked<void> check_body(const OpenSecureChannelRequest& request, const Asymmetr
                        {}});
     }
     const bool is_allowed =
-        header.policy->is_none() == (request.security_mode == MessageSecurityMode::None) &&
+        policy.is_none() == (request.security_mode == MessageSecurityMode::None) &&
         std::find(allowed.begin(), allowed.end(), wanted) != allowed.end() &&
         (!context.is_renewal || wanted == conversation.security);
     if (!is_allowed) {
         return refuse(
             {status::Bad_SecurityModeRejected, "security mode",
-             mode_text(request.security_mode) + " with " + std::string{header.policy->name} +
+             mode_text(request.security_mode) + " with " + std::string{policy.name} +
                  (context.is_renewal ? " is not what the channel has" : " is not offered here"),
              "Part 4, 5.6.2.2",
              "Choose another mode in the peer's settings, or add an endpoint with it"});
     }
     // Part 6, 6.7.4: of the policy's length, and never the same twice.
-    if (!header.policy->is_none() && (request.client_nonce.size() != header.policy->nonce_size ||
-                                      request.client_nonce == context.last_nonce)) {
+    if (!policy.is_none() && (request.client_nonce.size() != policy.nonce_size ||
+                              request.client_nonce == context.last_nonce)) {
         return refuse({status::Bad_NonceInvalid,
                        "client nonce",
                        std::to_string(request.client_nonce.size()) + " bytes where " +
-                           std::to_string(header.policy->nonce_size) +
+                           std::to_string(policy.nonce_size) +
                            " new ones are due, or the one before again",
                        "Part 6, 6.7.4",
                        {}});
@@ -171,13 +126,9 @@ Checked<void> check_body(const OpenSecureChannelRequest& request, const Asymmetr
 }
 
 /// Decryption and signature are refused alike, here too: no path of the two is longer.
-Checked<AsymmetricContent> open_content(const Frame& frame, const AsymmetricHeader& header,
-                                        const ApplicationIdentity* identity,
-                                        const crypto::CertificateChain& sender)
+Checked<AsymmetricContent> check_content(Result<AsymmetricContent> content,
+                                         const crypto::CertificateChain& sender)
 {
-    auto content =
-        open_asymmetric(frame.bytes, header, identity != nullptr ? &identity->key : nullptr,
-                        sender.empty() ? nullptr : &sender.front());
     if (content) {
         return *std::move(content);
     }
@@ -216,19 +167,55 @@ Checked<AsymmetricHeader> read_open_header(const Frame& frame, const Conversatio
     return *header;
 }
 
-Checked<OpenRequest> read_open_request(const Frame& frame, const AsymmetricHeader& header,
-                                       Conversation& conversation, const OpenContext& context)
+Checked<OpenSender> read_open_sender(const AsymmetricHeader& header,
+                                     const Conversation& conversation, const OpenContext& context)
 {
-    auto sender = check_sender(header, conversation, context);
-    if (!sender) {
-        return refuse(std::move(sender).error());
+    const ChannelEnvironment& environment = conversation.environment();
+    if (header.policy->is_none()) {
+        return OpenSender{};
     }
-    auto content =
-        open_content(frame, header, conversation.environment().identity, sender->certificates);
+    const crypto::Certificate& own = environment.identity->certificates.front();
+    auto chain = crypto::parse_chain(header.sender_certificate);
+    if (!chain) {
+        return refuse_certificate(chain.error(),
+                                  "no X.509 certificate, or more than one and its issuers",
+                                  "Part 4, 6.1.3, Table 100: Certificate Structure",
+                                  "The peer needs another certificate");
+    }
+    const crypto::Certificate* const leaf = &chain->front();
+    // A message of the server that comes back to it is no client.
+    if (*leaf == own) {
+        return refuse_certificate(status::Bad_CertificateUseNotAllowed,
+                                  "this server's own certificate", "Part 6, 6.7.7",
+                                  "Every application needs a certificate of its own", leaf);
+    }
+    if (context.is_renewal && !(*chain == conversation.peer_certificates)) {
+        return refuse_certificate(status::Bad_CertificateInvalid,
+                                  "another certificate than the channel was opened with",
+                                  "Part 4, 5.6.2.1: renewal", {}, leaf);
+    }
+    auto valid = environment.validator->validate(
+        *chain, {.policy = header.policy,
+                 .now = environment.wall_clock->now(),
+                 .application_uri = {},
+                 .purpose = crypto::CertificatePurpose::ClientApplication,
+                 .source = context.config.source});
+    OpenSender sender{*std::move(chain), {}};
+    if (!valid) {
+        sender.objection = std::move(valid).error();
+    }
+    return sender;
+}
+
+Checked<OpenRequest> judge_open_request(Result<AsymmetricContent> opened, OpenSender sender,
+                                        const crypto::SecurityPolicy& policy,
+                                        Conversation& conversation, const OpenContext& context)
+{
+    auto content = check_content(std::move(opened), sender.certificates);
     // Part 6, 6.7.7 has the certificate checked first. What was found only counts now: a refusal
     // for that takes as long as one for what the private key found (Part 2, 6.3).
-    if (sender->objection) {
-        return refuse(*std::move(sender->objection));
+    if (sender.objection) {
+        return refuse(*std::move(sender.objection));
     }
     if (!content) {
         return refuse(std::move(content).error());
@@ -240,13 +227,29 @@ Checked<OpenRequest> read_open_request(const Frame& frame, const AsymmetricHeade
     if (!body) {
         return refuse(protocol_refusal(body.error()));
     }
-    if (auto checked = check_body(*body, header, conversation, context); !checked) {
+    if (auto checked = check_body(*body, policy, conversation, context); !checked) {
         return refuse(std::move(checked).error());
     }
-    return OpenRequest{{header.policy, body->security_mode},
-                       std::move(sender->certificates),
+    return OpenRequest{{&policy, body->security_mode},
+                       std::move(sender.certificates),
                        content->request_id,
                        *std::move(body)};
+}
+
+Checked<OpenRequest> read_open_request(const Frame& frame, const AsymmetricHeader& header,
+                                       Conversation& conversation, const OpenContext& context)
+{
+    auto sender = read_open_sender(header, conversation, context);
+    if (!sender) {
+        return refuse(std::move(sender).error());
+    }
+    const ApplicationIdentity* const identity = conversation.environment().identity;
+    const crypto::CertificateChain& chain = sender->certificates;
+    auto opened =
+        open_asymmetric(frame.bytes, header, identity != nullptr ? &identity->key : nullptr,
+                        chain.empty() ? nullptr : &chain.front());
+    return judge_open_request(std::move(opened), *std::move(sender), *header.policy, conversation,
+                              context);
 }
 
 } // namespace busbar::channel::detail

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include <busbar/channel/server_channel.hpp>
 #include <busbar/core/refusal.hpp>
@@ -16,6 +17,12 @@ struct OpenRequest {
     crypto::CertificateChain sender;
     std::uint32_t request_id{0};
     OpenSecureChannelRequest body;
+};
+
+/// Who sent an OPN.
+struct OpenSender {
+    crypto::CertificateChain certificates; // none with policy None
+    std::optional<Refusal> objection;      // of the validator
 };
 
 /// What a server knows when an OPN comes.
@@ -37,5 +44,16 @@ read_open_header(const Frame& frame, const Conversation& conversation, const Ope
                                                      const AsymmetricHeader& header,
                                                      Conversation& conversation,
                                                      const OpenContext& context);
+
+// The same in its parts; between the two comes open_asymmetric, whatever the first objects to.
+
+[[nodiscard]] Checked<OpenSender> read_open_sender(const AsymmetricHeader& header,
+                                                   const Conversation& conversation,
+                                                   const OpenContext& context);
+[[nodiscard]] Checked<OpenRequest> judge_open_request(Result<AsymmetricContent> opened,
+                                                      OpenSender sender,
+                                                      const crypto::SecurityPolicy& policy,
+                                                      Conversation& conversation,
+                                                      const OpenContext& context);
 
 } // namespace busbar::channel::detail

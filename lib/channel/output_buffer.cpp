@@ -1,5 +1,6 @@
 #include "output_buffer.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <new>
 #include <utility>
@@ -34,6 +35,26 @@ void OutputBuffer::roll_back(std::size_t position)
 {
     end_ = begin_ + (position - consumed_);
     shrink_if_idle();
+}
+
+void OutputBuffer::fill_gap(std::span<const std::byte> message)
+{
+    static_cast<void>(reserve(message.size()));
+    std::byte* const place = block_.bytes.get() + begin_ + (*gap_ - consumed_);
+    const auto behind = static_cast<std::size_t>(block_.bytes.get() + end_ - place);
+    if (behind != 0) {
+        std::memmove(place + message.size(), place, behind);
+    }
+    std::copy(message.begin(), message.end(), place);
+    commit(message.size());
+    gap_.reset();
+}
+
+void OutputBuffer::drop_gap()
+{
+    if (gap_) {
+        roll_back(*std::exchange(gap_, std::nullopt));
+    }
 }
 
 void OutputBuffer::shrink_if_idle()

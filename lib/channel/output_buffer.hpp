@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include <busbar/channel/spare_buffers.hpp>
@@ -22,10 +23,13 @@ public:
     OutputBuffer& operator=(const OutputBuffer&) = delete;
     BUSBAR_API ~OutputBuffer();
 
+    /// Nothing behind a gap.
     [[nodiscard]] std::span<const std::byte> output() const
     {
-        return {block_.bytes.get() + begin_, end_ - begin_};
+        return {block_.bytes.get() + begin_, gap_ ? *gap_ - consumed_ : end_ - begin_};
     }
+    /// With what is behind a gap.
+    [[nodiscard]] std::size_t size() const { return end_ - begin_; }
     void consume(std::size_t size);
 
     /// Room for `size` bytes behind the end, valid until the next reserve().
@@ -36,6 +40,14 @@ public:
     [[nodiscard]] std::size_t position() const { return consumed_ + end_ - begin_; }
     /// Takes back what was committed after `position`, none of which may have been consumed.
     void roll_back(std::size_t position);
+
+    /// Leaves a place, one at a time, for a message that is not made yet: what is committed from
+    /// now on waits behind it.
+    void open_gap() { gap_ = position(); }
+    /// Puts the message there.
+    void fill_gap(std::span<const std::byte> message);
+    /// Takes back the place, if there is one, and what waits behind it.
+    void drop_gap();
     /// Bytes that it holds, the block of its SpareBuffers included while it has that.
     [[nodiscard]] std::size_t capacity() const { return block_.size; }
     /// The most that it holds if there are never more than `output` bytes of output and no more
@@ -60,6 +72,7 @@ private:
     std::size_t begin_{0};
     std::size_t end_{0};
     std::size_t consumed_{0};
+    std::optional<std::size_t> gap_; // a position
 };
 
 } // namespace busbar::channel::detail
