@@ -121,6 +121,7 @@ void ServerChannel::Impl::fail_with(StatusCode told_status, StatusCode status,
                                     std::string_view reason)
 {
     state = State::Closed; // whether or not there is memory for what follows
+    drop_work();
     write_error(conversation.output(), told_status, name(told_status));
     end(status, std::string{reason});
 }
@@ -131,6 +132,7 @@ void ServerChannel::Impl::end(StatusCode status, std::string reason)
     turn = no_deadline;
     conversation.is_held = false;
     report_failure();
+    drop_work();
     conversation.assembly().end();
     events.push_closed(status, std::move(reason));
 }
@@ -204,6 +206,8 @@ void ServerChannel::handle_deadline(TimePoint now)
     impl_->advance(now);
     if (impl_->state == Impl::State::Hello || impl_->state == Impl::State::Opening) {
         if (now >= impl_->handshake_deadline) {
+            // Who was not served in time has not failed.
+            impl_->is_at_work = impl_->is_at_work && !impl_->progress.is_under_way();
             impl_->give_up(protocol_refusal(status::Bad_Timeout)); // Part 6, 7.1.3
         }
     } else if (impl_->state == Impl::State::Open && impl_->conversation.expire(now)) {
@@ -253,6 +257,11 @@ std::size_t ServerChannel::max_response_size() const
     return std::min<std::size_t>(sizes.max_message_size, in_chunks);
 }
 
+std::size_t ServerChannel::unsent_size() const
+{
+    return impl_->conversation.output().size();
+}
+
 std::size_t ServerChannel::unfinished_size() const
 {
     return impl_->conversation.assembly().unfinished_size();
@@ -266,6 +275,12 @@ std::size_t ServerChannel::memory_in_use() const
 bool ServerChannel::is_waiting() const
 {
     return impl_->conversation.is_held;
+}
+
+void ServerChannel::work_done(StatusCode status, TimePoint now)
+{
+    impl_->advance(now);
+    impl_->work_done(status);
 }
 
 bool ServerChannel::is_open() const

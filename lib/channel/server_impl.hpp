@@ -10,6 +10,7 @@
 
 #include "conversation.hpp"
 #include "event_queue.hpp"
+#include "open_work.hpp"
 
 namespace busbar::channel {
 
@@ -20,7 +21,7 @@ enum class ServerChannelState : std::uint8_t { Hello, Opening, Open, Closed };
 } // namespace detail
 
 /// The inside of a ServerChannel: server_channel.cpp has the connection, server_open.cpp how a
-/// SecurityToken is issued.
+/// SecurityToken is issued, server_work.cpp how an OpenWorker has a part in that.
 struct ServerChannel::Impl {
     using State = detail::ServerChannelState;
 
@@ -32,7 +33,11 @@ struct ServerChannel::Impl {
     }
     Impl(const Impl&) = delete;
     Impl& operator=(const Impl&) = delete;
-    ~Impl() { report_failure(); }
+    ~Impl()
+    {
+        report_failure();
+        drop_work();
+    }
 
     /// Lets go on what has waited for its turn until now.
     void advance(TimePoint time);
@@ -48,8 +53,30 @@ struct ServerChannel::Impl {
     /// Tells the gate of work that has led to nothing.
     void report_failure();
     [[nodiscard]] Checked<void> handle_message(const detail::Frame& frame);
-    [[nodiscard]] Result<void> issue(const OpenSecureChannelRequest& request,
-                                     std::uint32_t request_id);
+    void take_over(detail::OpenRequest& request);
+    /// Makes the next SecurityToken, and the response that tells the peer.
+    [[nodiscard]] Result<detail::OpenAnswer> make_answer(OpenSecureChannelRequest request);
+    /// Sends it.
+    [[nodiscard]] Result<void> issue(detail::OpenAnswer answer, std::uint32_t request_id);
+    /// It is on its way.
+    void put_in_force(detail::OpenAnswer answer);
+
+    // With an OpenWorker; the input is held while it has something.
+
+    [[nodiscard]] bool has_worker_for(const crypto::SecurityPolicy& policy) const;
+    [[nodiscard]] Checked<void> hand_over_request(const detail::Frame& frame,
+                                                  const detail::AsymmetricHeader& header);
+    [[nodiscard]] Checked<void> hand_over_answer(detail::OpenAnswer answer,
+                                                 ApplicationIdentity identity,
+                                                 std::uint32_t request_id);
+    [[nodiscard]] Checked<void> hand_over(std::shared_ptr<OpenWork> work);
+    [[nodiscard]] OpenWork::Kind kind_of_work(OpenWork::Kind of_new_channel) const;
+    void work_done(StatusCode status);
+    [[nodiscard]] Checked<void> request_opened(detail::OpeningWork& work);
+    [[nodiscard]] Checked<void> answer_sealed(const detail::SealingWork& work,
+                                              detail::OpenAnswer answer);
+    void drop_work();
+
     void give_up(const Refusal& refusal);
     void fail_with(StatusCode told_status, StatusCode status, std::string_view reason);
     void end(StatusCode status, std::string reason);
@@ -71,6 +98,7 @@ struct ServerChannel::Impl {
     bool is_unproven{false};
     /// The log has been told of others like the refusal that ends the channel.
     bool is_refusal_known{false};
+    detail::OpenProgress progress;
     detail::PendingEvents events;
 };
 

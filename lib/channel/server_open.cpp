@@ -27,21 +27,31 @@ Checked<void> ServerChannel::Impl::handle_open(const Frame& frame)
     if (!*turned) {
         return {};
     }
+    if (has_worker_for(*header->policy)) {
+        return hand_over_request(frame, *header);
+    }
     auto request = read_open_request(frame, *header, conversation, context);
     if (!request) {
         return refuse(std::move(request).error());
     }
-    conversation.security = request->security;
-    conversation.peer_certificates = std::move(request->sender);
-    conversation.channel_id = config.channel_id;
-    if (const auto issued = issue(request->body, request->request_id); !issued) {
+    take_over(*request);
+    auto answer = make_answer(std::move(request->body));
+    const auto issued = answer ? issue(*std::move(answer), request->request_id)
+                               : Result<void>{fail(answer.error())};
+    if (!issued) {
         return refuse(protocol_refusal(issued.error()));
     }
     return {};
 }
 
-Result<void> ServerChannel::Impl::issue(const OpenSecureChannelRequest& request,
-                                        std::uint32_t request_id)
+void ServerChannel::Impl::take_over(OpenRequest& request)
+{
+    conversation.security = request.security;
+    conversation.peer_certificates = std::move(request.sender);
+    conversation.channel_id = config.channel_id;
+}
+
+Result<OpenAnswer> ServerChannel::Impl::make_answer(OpenSecureChannelRequest request)
 {
     const ChannelEnvironment& environment = conversation.environment();
     crypto::Secret nonce{conversation.security.policy->nonce_size};
@@ -73,21 +83,30 @@ Result<void> ServerChannel::Impl::issue(const OpenSecureChannelRequest& request,
     binary::VectorSink sink;
     binary::Writer writer{sink};
     encode_message(writer, response);
-    auto body = sink.take(writer.written());
+    return OpenAnswer{std::move(request), *std::move(token), sink.take(writer.written())};
+}
+
+Result<void> ServerChannel::Impl::issue(OpenAnswer answer, std::uint32_t request_id)
+{
     const auto& peer = conversation.peer_certificates;
     const auto sent =
-        conversation.send_open(request_id, body, peer.empty() ? nullptr : &peer.front());
-    crypto::cleanse(body);
+        conversation.send_open(request_id, answer.body, peer.empty() ? nullptr : &peer.front());
+    crypto::cleanse(answer.body);
     if (!sent) {
         return sent;
     }
-    client_nonce = request.client_nonce;
-    conversation.offer(*std::move(token));
+    put_in_force(std::move(answer));
+    return {};
+}
+
+void ServerChannel::Impl::put_in_force(OpenAnswer answer)
+{
+    client_nonce = answer.request.client_nonce;
+    conversation.offer(std::move(answer.token));
     const bool is_new = std::exchange(state, State::Open) == State::Opening;
     is_unproven = (std::exchange(is_at_work, false) && is_new) || is_unproven;
-    record_issued(conversation, config.channel_id, request, is_new);
+    record_issued(conversation, config.channel_id, answer.request, is_new);
     events.push({is_new ? ChannelEvent::Kind::Opened : ChannelEvent::Kind::Renewed, 0, {}, {}, {}});
-    return {};
 }
 
 void ServerChannel::Impl::advance(TimePoint time)

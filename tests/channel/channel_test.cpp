@@ -51,9 +51,10 @@ void exchange(ChannelPair& pair, const ByteString& body)
 
 TEST_CASE("a channel opens and carries messages of any size", "[channel]")
 {
+    const Way way = GENERATE(Way::InPlace, Way::Worker);
     for (const auto& security : all_settings()) {
         INFO(security.policy->name << " " << static_cast<int>(security.mode));
-        ChannelPair pair{security};
+        ChannelPair pair{security, {}, {}, way};
         pair.run();
         REQUIRE(pair.server.is_open());
         REQUIRE(pair.client.is_open());
@@ -81,7 +82,8 @@ TEST_CASE("every body size around a block fits its padding", "[channel]")
 
 TEST_CASE("bytes may come one at a time", "[channel]")
 {
-    ChannelPair pair{setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt)};
+    const Way way = GENERATE(Way::InPlace, Way::Worker);
+    ChannelPair pair{setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt), {}, {}, way};
     pair.run(1);
     REQUIRE(pair.client.is_open());
     const auto body = bytes(2'000);
@@ -137,7 +139,8 @@ TEST_CASE("chunks keep to the smaller buffer of both sides", "[channel]")
 
 TEST_CASE("a SecurityToken is renewed before it expires", "[channel]")
 {
-    ChannelPair pair{setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt)};
+    const Way way = GENERATE(Way::InPlace, Way::Worker);
+    ChannelPair pair{setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt), {}, {}, way};
     pair.run();
     for (int i = 0; i < 5; ++i) {
         pair.advance(std::chrono::seconds{46});
@@ -152,15 +155,14 @@ TEST_CASE("a SecurityToken is renewed before it expires", "[channel]")
 
 TEST_CASE("the server sends under the old token until the client used the new one", "[channel]")
 {
-    ChannelPair pair{setting("Basic256Sha256", MessageSecurityMode::Sign)};
+    const Way way = GENERATE(Way::InPlace, Way::Worker);
+    ChannelPair pair{setting("Basic256Sha256", MessageSecurityMode::Sign), {}, {}, way};
     pair.run();
     REQUIRE(pair.client.send([](binary::Writer& writer) { writer.number(1); }));
     pair.run();
     pair.now += std::chrono::seconds{46};
     pair.client.handle_deadline(pair.now);
-    carry(pair.client, pair.server, pair.now);
-    while (pair.server.next_event()) {
-    }
+    pair.run_to_server();
     // The response to the renewal and one more response are on their way together.
     REQUIRE(pair.server.send(2, [](binary::Writer& writer) { writer.number(2); }));
     pair.run();

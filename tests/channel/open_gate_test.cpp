@@ -47,10 +47,11 @@ const auto secured = setting("Basic256Sha256", MessageSecurityMode::SignAndEncry
 /// A server's channel with a gate, its client, and a client's first messages as they were
 /// overheard.
 struct Gated {
-    explicit Gated(channel::SecuritySetting security = secured)
-        : pair{security}, server{make(security)}
+    explicit Gated(channel::SecuritySetting security = secured, Way w = Way::InPlace)
+        : way{w}, pair{security}, server{make(security)}
     {
     }
+    explicit Gated(Way w) : Gated{secured, w} {}
     channel::ServerChannel make(channel::SecuritySetting security)
     {
         channel::ServerChannelConfig config;
@@ -62,7 +63,8 @@ struct Gated {
                  .log = &pair.log,
                  .validator = &validator,
                  .identity = &server_identity(),
-                 .gate = &gate},
+                 .gate = &gate,
+                 .worker = way == Way::Worker ? &worker : nullptr},
                 pair.now};
     }
     /// Lets the client and the server talk until nothing moves.
@@ -83,9 +85,11 @@ struct Gated {
     }
     void poll()
     {
-        while (auto event = server.next_event()) {
-            events.push_back(*std::move(event));
-        }
+        do {
+            while (auto event = server.next_event()) {
+                events.push_back(*std::move(event));
+            }
+        } while (worker.finish(server, pair.now));
     }
     void advance(Duration time)
     {
@@ -99,7 +103,9 @@ struct Gated {
     }
     [[nodiscard]] bool has(Kind kind) const { return ChannelPair::find(events, kind) != nullptr; }
 
+    Way way;
     ScriptedGate gate;
+    HandWorker worker;
     CountingValidator validator;
     ChannelPair pair;
     channel::ServerChannel server;
@@ -111,7 +117,7 @@ struct Gated {
 TEST_CASE("a channel is opened when the gate lets it, and works with its first message",
           "[channel][gate]")
 {
-    Gated gated;
+    Gated gated{GENERATE(Way::InPlace, Way::Worker)};
     gated.run();
     CHECK(gated.has(Kind::Opened));
     CHECK(gated.gate.asked == "open ");
@@ -158,7 +164,7 @@ TEST_CASE("what is not admitted is told so before any work", "[channel][gate]")
 
 TEST_CASE("an input waits for its turn", "[channel][gate]")
 {
-    Gated gated;
+    Gated gated{GENERATE(Way::InPlace, Way::Worker)};
     gated.gate.next.wait = 3s;
     gated.run();
     CHECK(gated.server.is_waiting());
@@ -212,7 +218,7 @@ TEST_CASE("an input waits for its turn", "[channel][gate]")
 
 TEST_CASE("the gate hears of work for nothing", "[channel][gate]")
 {
-    auto gated = std::make_unique<Gated>();
+    auto gated = std::make_unique<Gated>(GENERATE(Way::InPlace, Way::Worker));
     carry(gated->pair.client, gated->server, gated->pair.now, SIZE_MAX, [&] { gated->poll(); });
     carry(gated->server, gated->pair.client, gated->pair.now);
     while (gated->pair.client.next_event()) {
@@ -277,7 +283,7 @@ TEST_CASE("the gate hears of work for nothing", "[channel][gate]")
 
 TEST_CASE("a renewal asks for itself", "[channel][gate]")
 {
-    Gated gated;
+    Gated gated{GENERATE(Way::InPlace, Way::Worker)};
     gated.run();
     gated.send();
     gated.run();

@@ -47,7 +47,8 @@ StatusCode reason(const ChannelPair& pair)
 /// A channel 46 of its 60 seconds old whose client asked for a new token and was answered; the
 /// answer is still on its way.
 struct InRenewal {
-    explicit InRenewal(const channel::SecuritySetting& security = secured()) : pair{security}
+    explicit InRenewal(Way way, const channel::SecuritySetting& security = secured())
+        : pair{security, {}, {}, way}
     {
         pair.run();
         pair.now += seconds{46};
@@ -63,9 +64,10 @@ struct InRenewal {
 
 TEST_CASE("inside the overlap the old and the new token are taken", "[channel][renewal]")
 {
+    const Way way = GENERATE(Way::InPlace, Way::Worker);
     for (const auto& security :
          {channel::SecuritySetting{}, secured(), secured(MessageSecurityMode::Sign)}) {
-        InRenewal renewal{security};
+        InRenewal renewal{way, security};
         ChannelPair& pair = renewal.pair;
         feed(pair, message_of(pair)); // the client does not have the new one yet
         CHECK(messages(pair.server_events) == 1);
@@ -78,7 +80,7 @@ TEST_CASE("inside the overlap the old and the new token are taken", "[channel][r
 
 TEST_CASE("after the first message under the new token the old one is void", "[channel][renewal]")
 {
-    InRenewal renewal;
+    InRenewal renewal{GENERATE(Way::InPlace, Way::Worker)};
     ChannelPair& pair = renewal.pair;
     const Bytes old = message_of(pair);
     feed(pair, old);
@@ -92,7 +94,7 @@ TEST_CASE("after the first message under the new token the old one is void", "[c
 TEST_CASE("a client that stays silent gets its responses under the new token when the old ended",
           "[channel][renewal]")
 {
-    InRenewal renewal;
+    InRenewal renewal{GENERATE(Way::InPlace, Way::Worker)};
     ChannelPair& pair = renewal.pair;
     pair.run_to_client();
     CHECK(pair.server.next_deadline() == TimePoint{} + seconds{60});
@@ -123,7 +125,7 @@ TEST_CASE("an expired token is refused even before the deadline was handled", "[
 
 TEST_CASE("a late deadline ends what is over", "[channel][renewal]")
 {
-    InRenewal renewal;
+    InRenewal renewal{GENERATE(Way::InPlace, Way::Worker)};
     renewal.pair.server.handle_deadline(TimePoint{} + seconds{300});
     CHECK(renewal.pair.server.is_closed());
     CHECK(renewal.pair.client.next_deadline() == TimePoint{} + seconds{75});

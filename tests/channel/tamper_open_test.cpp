@@ -99,7 +99,7 @@ Bytes other_padding(const Bytes& open)
 } // namespace
 
 TEMPLATE_TEST_CASE("an OPN is refused wherever it was changed on its way", "[channel][tamper]",
-                   ServerChannel, ClientChannel)
+                   ServerChannel, WorkedServerChannel, ClientChannel)
 {
     for (const SecuritySetting& setting : all_settings()) {
         for (const Stage stage : {Stage::Greeted, Stage::Renewing}) {
@@ -121,7 +121,7 @@ TEMPLATE_TEST_CASE("an OPN is refused wherever it was changed on its way", "[cha
 }
 
 TEMPLATE_TEST_CASE("an OPN is refused if its text is not what was signed", "[channel][tamper]",
-                   ServerChannel, ClientChannel)
+                   ServerChannel, WorkedServerChannel, ClientChannel)
 {
     for (const SecuritySetting& setting : all_settings()) {
         for (const Stage stage : {Stage::Greeted, Stage::Renewing}) {
@@ -152,7 +152,7 @@ TEMPLATE_TEST_CASE("an OPN is refused if its text is not what was signed", "[cha
 }
 
 TEMPLATE_TEST_CASE("whatever RSA makes of an OPN, it is refused alike", "[channel][tamper]",
-                   ServerChannel, ClientChannel)
+                   ServerChannel, WorkedServerChannel, ClientChannel)
 {
     for (const SecuritySetting& setting : all_settings()) {
         INFO(setting.policy->name);
@@ -180,7 +180,7 @@ TEMPLATE_TEST_CASE("whatever RSA makes of an OPN, it is refused alike", "[channe
 }
 
 TEMPLATE_TEST_CASE("an OPN that was sent before is refused", "[channel][tamper]", ServerChannel,
-                   ClientChannel)
+                   WorkedServerChannel, ClientChannel)
 {
     for (const SecuritySetting& setting : all_settings()) {
         INFO(setting.policy->name);

@@ -30,10 +30,16 @@ using Bytes = std::vector<std::byte>;
     return settings;
 }
 
+/// A server that has its asymmetric work done elsewhere.
+struct WorkedServerChannel : channel::ServerChannel {
+    using ServerChannel::ServerChannel;
+};
+
 /// The end under test. Its random numbers repeat, so that what opened one of these opens all.
 template <typename Engine>
 struct Subject {
-    static constexpr bool is_server = std::is_same_v<Engine, channel::ServerChannel>;
+    static constexpr bool is_server = std::is_base_of_v<channel::ServerChannel, Engine>;
+    static constexpr bool has_worker = std::is_same_v<Engine, WorkedServerChannel>;
 
     explicit Subject(const channel::SecuritySetting& security) : engine{make(security)} {}
 
@@ -64,6 +70,7 @@ struct Subject {
     FixedWallClock wall_clock;
     LogBook log;
     crypto::InsecureAcceptAnyCertificate validator;
+    HandWorker worker;
     std::vector<channel::ChannelEvent> events;
     Engine engine;
 
@@ -73,6 +80,11 @@ private:
         while (auto event = engine.next_event()) {
             events.push_back(*std::move(event));
         }
+        if constexpr (has_worker) {
+            if (worker.finish(engine, now)) {
+                poll();
+            }
+        }
     }
     [[nodiscard]] channel::ChannelEnvironment environment()
     {
@@ -80,7 +92,8 @@ private:
                 .wall_clock = &wall_clock,
                 .log = &log,
                 .validator = &validator,
-                .identity = is_server ? &server_identity() : &client_identity()};
+                .identity = is_server ? &server_identity() : &client_identity(),
+                .worker = has_worker ? &worker : nullptr};
     }
     [[nodiscard]] Engine make(const channel::SecuritySetting& security)
     {

@@ -9,6 +9,7 @@
 #include <busbar/types/common.hpp>
 
 #include "support/byte_pipe.hpp"
+#include "support/hand_worker.hpp"
 #include "support/identity.hpp"
 #include "support/seeded_random.hpp"
 
@@ -20,13 +21,16 @@ namespace busbar::test {
     return {crypto::find_policy_by_name(policy), mode};
 }
 
+/// Where a server does its asymmetric work.
+enum class Way { InPlace, Worker };
+
 /// A client's and a server's channel joined by memory, in virtual time.
 class ChannelPair {
 public:
     explicit ChannelPair(channel::SecuritySetting security = {},
                          channel::TransportLimits server_limits = {},
-                         channel::TransportLimits client_limits = {})
-        : server{server_config(security, server_limits), environment(server_identity()), now},
+                         channel::TransportLimits client_limits = {}, Way way = Way::InPlace)
+        : server{server_config(security, server_limits), server_environment(way), now},
           client{client_config(security, client_limits), environment(client_identity()), now}
     {
     }
@@ -51,7 +55,11 @@ public:
     /// Lets one direction's bytes through; the answer stays in the other side's output.
     bool run_to_server(std::size_t piece = SIZE_MAX)
     {
-        const auto poll = [this] { collect(server, server_events); };
+        const auto poll = [this] {
+            do {
+                collect(server, server_events);
+            } while (worker.finish(server, now));
+        };
         poll();
         return carry(client, server, now, piece, poll);
     }
@@ -75,6 +83,7 @@ public:
     FixedWallClock wall_clock;
     LogBook log;
     crypto::InsecureAcceptAnyCertificate validator;
+    HandWorker worker;
     TimePoint now{};
     std::vector<channel::ChannelEvent> server_events;
     std::vector<channel::ChannelEvent> client_events;
@@ -97,6 +106,12 @@ private:
                 .log = &log,
                 .validator = &validator,
                 .identity = &identity};
+    }
+    [[nodiscard]] channel::ChannelEnvironment server_environment(Way way)
+    {
+        channel::ChannelEnvironment all = environment(server_identity());
+        all.worker = way == Way::Worker ? &worker : nullptr;
+        return all;
     }
     [[nodiscard]] static channel::ServerChannelConfig
     server_config(channel::SecuritySetting security, channel::TransportLimits limits)

@@ -24,6 +24,7 @@
 namespace busbar::channel {
 
 class OpenGate;
+class OpenWorker;
 
 /// The smallest buffer either side may ask for (Part 6, 7.1.2.3).
 inline constexpr std::uint32_t min_buffer_size = 8'192;
@@ -92,6 +93,8 @@ struct ChannelEnvironment {
     AssemblyBudget* budget{nullptr};
     /// Optional, of servers; null: whatever is asked for is done at once.
     OpenGate* gate{nullptr};
+    /// Optional, of servers; null: asymmetric work is done where the channel is called.
+    OpenWorker* worker{nullptr};
     /// Optional; null in every product. Builds without BUSBAR_KEY_LOG do not look at it.
     KeyLog* key_log{nullptr};
 };

@@ -83,14 +83,22 @@ public:
     void reserve_response();
     /// Gives a Message's body back, so that the next one needs no allocation. Optional.
     void recycle(std::vector<std::byte> body);
+    /// Bytes for the peer, those included that wait behind the answer to a renewal which is with
+    /// the OpenWorker: output() does not have them yet.
+    [[nodiscard]] std::size_t unsent_size() const;
     /// Bytes of a message that has begun and is not complete; none once the channel is closed.
     [[nodiscard]] std::size_t unfinished_size() const;
     /// Bytes that the buffers of this connection hold now, for the owner's accounts.
     [[nodiscard]] std::size_t memory_in_use() const;
 
-    /// The OpenGate lets an OpenSecureChannel wait until next_deadline() at the latest, and with it
-    /// all that was fed since: feed no more, or it piles up here.
+    /// The OpenGate lets an OpenSecureChannel wait until next_deadline() at the latest, or the
+    /// OpenWorker has it, and with it waits all that was fed since: feed no more, or it piles up
+    /// here.
     [[nodiscard]] bool is_waiting() const;
+    /// What the OpenWorker has started last is done; a bad `status` if it was not, which ends the
+    /// channel: Bad_TcpServerTooBusy if others went first, else what its run() failed with. Nothing
+    /// happens if the channel has ended meanwhile. Then poll next_event().
+    void work_done(StatusCode status, TimePoint now);
     [[nodiscard]] bool is_open() const;
     [[nodiscard]] bool is_closed() const;
     [[nodiscard]] std::uint32_t channel_id() const;
