@@ -30,8 +30,7 @@ Refusal refusal_of(StatusCode status, std::string_view check, std::string found,
 /// Guessing has to be slow: an attempt may have to wait before it is looked at, and a refusal
 /// before it is answered. What has waited is checked from the beginning, as if it had come just
 /// then. Passwords may be checked by a worker meanwhile.
-class ActivateSession final : public OperationOf<ActivateSessionRequest>,
-                              private PasswordCheckOwner {
+class ActivateSession final : public OperationOf<ActivateSessionRequest>, private WorkOwner {
 public:
     explicit ActivateSession(const SessionNeeds& needs) : needs_{needs} {}
     ~ActivateSession() override
@@ -64,8 +63,8 @@ private:
     [[nodiscard]] bool may_log_in(TimePoint now);
     [[nodiscard]] LoginStep begin_user() const;
     void start_check(std::shared_ptr<PasswordCheck> check, TimePoint now);
-    void password_checked(TimePoint now) override;
-    void password_displaced(TimePoint now) override;
+    void work_done(TimePoint now) override;
+    void work_displaced(TimePoint now) override;
     void end_user(Login user, TimePoint now);
     [[nodiscard]] bool is_anonymous() const;
     [[nodiscard]] LoginAttempt login_attempt() const;
@@ -253,20 +252,21 @@ void ActivateSession::start_check(std::shared_ptr<PasswordCheck> check, TimePoin
     check_ = std::move(check);
     check_->owner = this;
     check_->source = LoginGuard::source_of(login_attempt());
-    check_->is_known = needs_.logins.knows(check_->source);
+    check_->rank = needs_.logins.knows(check_->source) ? 1 : 0;
+    check_->users = &needs_.guards.unguarded_users();
     checked_nonce_ = session()->server_nonce;
     const auto run = [&](std::function<void()> job) {
         return needs_.guards.report().guard("Worker::run", false,
                                             [&] { return worker->run(std::move(job)); });
     };
-    if (!needs_.password_checks.start(check_, needs_.guards.unguarded_users(), run, now)) {
+    if (!needs_.password_checks.start(check_, run, now)) {
         return fault(status::Bad_ServerTooBusy);
     }
     counted_delay_ = needs_.logins.failed(login_attempt(), now);
 }
 
 /// Much may have happened meanwhile.
-void ActivateSession::password_checked(TimePoint now)
+void ActivateSession::work_done(TimePoint now)
 {
     const std::shared_ptr<PasswordCheck> check = std::exchange(check_, nullptr);
     if (is_finished()) {
@@ -283,7 +283,7 @@ void ActivateSession::password_checked(TimePoint now)
     end_user(end_log_in(*check), now);
 }
 
-void ActivateSession::password_displaced(TimePoint now)
+void ActivateSession::work_displaced(TimePoint now)
 {
     check_ = nullptr;
     if (is_finished()) {
