@@ -125,9 +125,9 @@ const channel::SecuritySetting secure =
     setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt);
 
 /// False if the channel was opened without a failure.
-bool fail_opening(const channel::SecuritySetting& security, std::size_t k)
+bool fail_opening(const channel::SecuritySetting& security, bool has_worker, std::size_t k)
 {
-    FailureFixture world;
+    FailureFixture world{has_worker};
     const auto before = world.counts();
     fail_allocation(k);
     auto opened = world.open(security);
@@ -141,15 +141,16 @@ bool fail_opening(const channel::SecuritySetting& security, std::size_t k)
     opened.reset();
     CHECK(world.server.connection_count() == 2);
     CHECK(world.counts() == before);
+    CHECK(world.worker.jobs.empty());
     const auto second = world.open(security);
     CHECK((second != nullptr && second->channel.is_open()));
     return has_failed;
 }
 
 /// False if the channel was renewed without a failure.
-bool fail_renewal(const channel::SecuritySetting& security, std::size_t k)
+bool fail_renewal(const channel::SecuritySetting& security, bool has_worker, std::size_t k)
 {
-    FailureFixture world;
+    FailureFixture world{has_worker};
     auto opened = world.open(security);
     REQUIRE(opened != nullptr);
     world.now = opened->channel.next_deadline();
@@ -169,15 +170,19 @@ bool fail_renewal(const channel::SecuritySetting& security, std::size_t k)
 
 TEST_CASE("D3: an allocation that fails while a channel is opened ends its connection")
 {
-    const channel::SecuritySetting security = GENERATE(channel::SecuritySetting{}, secure);
-    for (std::size_t k = 1; fail_opening(security, k); k = next(k)) {
+    const bool has_worker = GENERATE(false, true);
+    const channel::SecuritySetting security =
+        has_worker ? secure : GENERATE(channel::SecuritySetting{}, secure);
+    for (std::size_t k = 1; fail_opening(security, has_worker, k); k = next(k)) {
     }
 }
 
 TEST_CASE("D3: an allocation that fails while a channel is renewed ends its connection")
 {
-    const channel::SecuritySetting security = GENERATE(channel::SecuritySetting{}, secure);
-    for (std::size_t k = 1; fail_renewal(security, k); k = next(k)) {
+    const bool has_worker = GENERATE(false, true);
+    const channel::SecuritySetting security =
+        has_worker ? secure : GENERATE(channel::SecuritySetting{}, secure);
+    for (std::size_t k = 1; fail_renewal(security, has_worker, k); k = next(k)) {
     }
 }
 

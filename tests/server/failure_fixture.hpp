@@ -18,6 +18,7 @@
 
 #include "session_use.hpp"
 #include "support/failing_allocation.hpp"
+#include "support/job_list.hpp"
 #include "support/server_fixture.hpp"
 
 namespace busbar::test {
@@ -97,13 +98,16 @@ struct FailureParts {
     server::MemorySource memory{source_clock};
     server::MethodTable table;
     NoWaker no_waker;
+    JobList worker;
 };
 
 /// A server with something for each service, a client that asks, and another one beside it. What
 /// the server does for the first is counted.
 class FailureFixture : public FailureParts, public ServerFixture {
 public:
-    FailureFixture() : ServerFixture{no_waker, config()}
+    /// Which does the asymmetric work of its channels itself, or has it done.
+    explicit FailureFixture(bool has_worker = false)
+        : ServerFixture{no_waker, has_worker ? &worker : nullptr, config()}
     {
         source_ = server.add_source(memory);
         add_variable("level");
@@ -220,13 +224,14 @@ public:
         for (bool moves = true; moves;) {
             const auto request = take_output(to.channel);
             counted([&] { static_cast<void>(to.connection.feed(request, now)); });
+            const bool has_worked = work_once();
             const auto out = to.connection.output();
             const std::vector<std::byte> answer{out.begin(), out.end()};
             counted([&] { to.connection.consume(answer.size()); });
             static_cast<void>(to.channel.feed(answer, now));
             while (to.channel.next_event()) {
             }
-            moves = !request.empty() || !answer.empty();
+            moves = !request.empty() || !answer.empty() || has_worked;
         }
     }
     /// A connection that has taken over the session of one that ended.
@@ -268,6 +273,20 @@ private:
         variable.data_type = NodeId{0, id::Int32};
         variable.access_level = model::Access::ReadWrite;
         REQUIRE(server.address_space().add_variable(node, variable));
+    }
+    /// What the worker's thread would do, and the server's when it is waked.
+    bool work_once()
+    {
+        bool has_worked = false;
+        counted([&] { has_worked = worker.work_once(); });
+        if (has_worked) {
+            counted([&] { server.handle_completions(now); });
+            counted([&] {
+                while (server.next_changed()) {
+                }
+            });
+        }
+        return has_worked;
     }
     template <typename Work>
     void counted(Work work)

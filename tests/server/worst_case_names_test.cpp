@@ -184,6 +184,18 @@ TEST_CASE("small limits fit a machine of 16 MiB, but for what passwords take")
           2 * limits.subscriptions.max_publish_requests);
 }
 
+TEST_CASE("what a worker for channels copies is counted for each connection")
+{
+    const server::ServerLimits limits = server::small_controller_limits();
+    const auto total = [&](bool has_worker) {
+        return server::worst_case_memory(limits, {.has_channel_worker = has_worker}).total();
+    };
+    const auto& transport = limits.transport;
+    CHECK(total(true) - total(false) ==
+          limits.max_connections *
+              (transport.receive_buffer_size + 2 * std::uint64_t{transport.send_buffer_size}));
+}
+
 TEST_CASE("small limits fit a machine of 16 MiB with passwords whose hashes take no memory (E10)")
 {
     const server::ServerLimits limits = server::small_controller_limits();

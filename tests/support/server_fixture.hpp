@@ -283,6 +283,13 @@ public:
     {
     }
 
+    /// One whose channels have their asymmetric work done by `channels`, unless that is null.
+    ServerFixture(server::Waker& w, server::Worker* channels,
+                  server::ServerConfig config = insecure_config())
+        : ServerFixture{&w, std::move(config), nullptr, {}, channels}
+    {
+    }
+
     ServerFixture(server::ServerConfig config, model::AddressSpace space)
         : ServerFixture{nullptr, std::move(config), nullptr, std::move(space)}
     {
@@ -371,7 +378,8 @@ public:
 
 private:
     ServerFixture(server::Waker* w, server::ServerConfig config,
-                  const server::AccessControl* access = nullptr, model::AddressSpace space = {})
+                  const server::AccessControl* access = nullptr, model::AddressSpace space = {},
+                  server::Worker* channels = nullptr)
         : waker{w}, server{server::Server::create(std::move(config),
                                                   {.random = &random,
                                                    .wall_clock = &wall_clock,
@@ -379,7 +387,8 @@ private:
                                                    .validator = &validator,
                                                    .users = &users,
                                                    .access = access,
-                                                   .waker = waker},
+                                                   .waker = waker,
+                                                   .channel_worker = channels},
                                                   std::move(space))
                                .value()}
     {

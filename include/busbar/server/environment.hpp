@@ -8,6 +8,7 @@
 #include <busbar/crypto/random.hpp>
 #include <busbar/server/access_control.hpp>
 #include <busbar/server/waker.hpp>
+#include <busbar/server/worker.hpp>
 
 namespace busbar::server {
 
@@ -33,6 +34,10 @@ struct ServerEnvironment {
     const RoleMapper* roles{nullptr};
     /// Optional; null if every data source completes inline.
     Waker* waker{nullptr};
+    /// Optional; null, or without a Waker: the asymmetric work of OpenSecureChannel is done on the
+    /// server's thread, and nothing else meanwhile. One that has other work, such as passwords,
+    /// lets channels wait for that; a net::WorkerThread of its own does not.
+    Worker* channel_worker{nullptr};
     /// Optional; null in every product. Builds without BUSBAR_KEY_LOG do not look at it.
     channel::KeyLog* key_log{nullptr};
 };

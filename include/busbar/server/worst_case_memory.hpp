@@ -45,6 +45,8 @@ struct MemoryAssumptions {
     /// What each of them costs: PasswordRules::cost, or what the costliest of the hashes that there
     /// are does (crypto::cost_of).
     crypto::PasswordCost password_cost{};
+    /// There is a ServerEnvironment::channel_worker, which has copies of what it works on.
+    bool has_channel_worker{false};
     /// Of the sources that do not complete their batches inline. They must outlive the call.
     std::span<const DataSourceOptions> slow_sources{};
     /// For which Write requests wait, and whose structures Reads and sampling turn into what is on

@@ -82,6 +82,7 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     LoginGuard logins;
     ChannelGuard channel_guard;
     PasswordChecks password_checks{environment.waker};
+    WorkQueue channel_work{environment.waker};
 
     // What each service set gets of all this.
 

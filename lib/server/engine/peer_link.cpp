@@ -34,7 +34,8 @@ channel::ServerChannelConfig channel_config(Core& core, std::string_view address
     return config;
 }
 
-channel::ChannelEnvironment channel_environment(Core& core, LogSink& log, channel::OpenGate& gate)
+channel::ChannelEnvironment channel_environment(Core& core, LogSink& log, channel::OpenGate& gate,
+                                                channel::OpenWorker* worker)
 {
     const ServerEnvironment& from = core.environment;
     return {
@@ -45,6 +46,7 @@ channel::ChannelEnvironment channel_environment(Core& core, LogSink& log, channe
         .identity = core.config.identity ? &*core.config.identity : nullptr,
         .budget = &core.assembly,
         .gate = &gate,
+        .worker = worker,
         .key_log = from.key_log,
     };
 }
@@ -109,7 +111,10 @@ private:
 PeerLink::PeerLink(Core& core, std::string_view peer_address, TimePoint now)
     : core_{core}, id_{core.next_link_id++}, peer_address_{printable(peer_address)},
       log_{core, peer_address_}, gate_{core.channel_guard, core.limits(), peer_address},
-      channel_{channel_config(core, peer_address), channel_environment(core, log_, gate_), now},
+      work_{core, *this, peer_address}, channel_{channel_config(core, peer_address),
+                                                 channel_environment(core, log_, gate_,
+                                                                     work_.if_there()),
+                                                 now},
       created_{now}, now_{now}, session_check_{now + core.limits().sessionless_timeout}
 {
     // So that nothing that ends a request or the connection needs memory.
@@ -263,7 +268,23 @@ void PeerLink::work(TimePoint now)
 /// A peer that does not take its answers is not worked for.
 bool PeerLink::has_room() const
 {
-    return channel_.output().size() <= core_.limits().max_send_queue / 2;
+    return channel_.unsent_size() <= core_.limits().max_send_queue / 2;
+}
+
+/// Also called while another connection is fed, which takes the place of this one's work.
+void PeerLink::channel_work_done(StatusCode status, TimePoint now)
+{
+    now_ = now;
+    survive([&] {
+        channel_.work_done(status, now);
+        if (!is_closed()) {
+            return work(now);
+        }
+        while (auto event = channel_.next_event()) {
+            handle(*std::move(event), now);
+        }
+    });
+    mark();
 }
 
 void PeerLink::handle(channel::ChannelEvent event, TimePoint now)

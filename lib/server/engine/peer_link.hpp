@@ -12,6 +12,7 @@
 #include <busbar/core/refusal.hpp>
 #include <busbar/server/connection.hpp>
 
+#include "channel_work.hpp"
 #include "core.hpp"
 #include "server/session/service.hpp"
 #include "server/session/turn.hpp"
@@ -103,6 +104,8 @@ public:
 
     // For the server.
 
+    /// The channel's worker is done, or will not do it (see ServerChannel::work_done).
+    void channel_work_done(StatusCode status, TimePoint now);
     [[nodiscard]] bool has_activated_session() const;
     /// Ends the session's operations with this handle; how many there were (Part 4, 5.7.5).
     std::uint32_t cancel(const Session& session, std::uint32_t request_handle);
@@ -138,6 +141,7 @@ private:
     std::uint32_t listener_{0};
     PeerLog log_;
     ConnectionGate gate_;
+    ChannelWork work_;
     channel::ServerChannel channel_;
     std::vector<std::unique_ptr<ServiceOperation>> operations_;
     std::vector<Session*> sessions_;

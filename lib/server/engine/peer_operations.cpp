@@ -175,7 +175,7 @@ void PeerLink::sweep()
 
 void PeerLink::check_send_queue()
 {
-    if (!is_closed() && channel_.output().size() > core_.limits().max_send_queue) {
+    if (!is_closed() && channel_.unsent_size() > core_.limits().max_send_queue) {
         survive([&] { close(takes_too_little(core_.limits())); });
     }
 }

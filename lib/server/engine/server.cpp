@@ -248,6 +248,7 @@ void Server::handle_completions(TimePoint now)
     impl_->latest = now;
     impl_->survive("the answer of a source", [&] { impl_->sources.handle_completions(); });
     impl_->survive("a password", [&] { impl_->password_checks.drain(now); });
+    impl_->survive("an OpenSecureChannel", [&] { impl_->channel_work.drain(now); });
     impl_->survive("model changes", [&] { impl_->events->announce_model_changes(); });
     impl_->survive("an Event", [&] { impl_->events->handle_raised(); });
     impl_->survive("a scan", [&] { impl_->subscriptions.sampler().handle_scans(now); });

@@ -333,6 +333,13 @@ void add_logins(Rows& rows, const ServerLimits& limits, const MemoryAssumptions&
     const Number password = crypto::memory_of(other.password_cost);
     rows.bytes("MemoryAssumptions::password_cost", password)
         .holds(other.password_checks, password, "passwords that are being checked");
+    if (other.has_channel_worker) {
+        const channel::TransportLimits all = channel::detail::completed(limits.transport);
+        rows.count("MemoryAssumptions::has_channel_worker", 1)
+            .holds(limits.max_connections,
+                   plus(all.receive_buffer_size, times(2, all.send_buffer_size)),
+                   "OpenSecureChannels that are with a worker");
+    }
 }
 
 /// What a batch was asked for stays with a slow source when its request has long timed out.
