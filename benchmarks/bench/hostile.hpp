@@ -33,6 +33,8 @@ struct HostileOptions {
     std::vector<std::size_t> quotas;
     /// Our own server lets them.
     bool is_unrationed{false};
+    /// It has a worker for them.
+    bool has_worker{false};
     /// Whose memory is read; 0 for nobody's.
     pid_t server_process{0};
 };

@@ -63,8 +63,10 @@ int run_hostile(bench::Options options, bench::HostileOptions hostile, bool has_
         options.subscribe = bench::good_subscription(options.seconds);
     }
     if (!has_url) {
-        auto started = bench::OwnServer::start(
-            {.is_secure = is_secure, .is_unrationed = hostile.is_unrationed, .has_user = takes});
+        auto started = bench::OwnServer::start({.is_secure = is_secure,
+                                                .is_unrationed = hostile.is_unrationed,
+                                                .has_user = takes,
+                                                .has_worker = hostile.has_worker});
         if (!started) {
             return complain(options, started.error());
         }
@@ -207,6 +209,8 @@ CLI::App* add_hostile(CLI::App& app, bench::HostileOptions& options)
                       "each of them from an address of its own, 127.0.0.2 and so on");
     hostile->add_flag("--unrationed", options.is_unrationed,
                       "the server of one's own lets all of them through, as it once did");
+    hostile->add_flag("--worker", options.has_worker,
+                      "it does their asymmetric work on a thread of its own");
     return hostile;
 }
 

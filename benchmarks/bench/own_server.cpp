@@ -4,6 +4,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdint>
+#include <optional>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -87,12 +88,19 @@ int serve(int pipe, const OwnServerOptions& options)
     if (options.is_large) {
         enlarge(config.limits);
     }
-    const server::ServerEnvironment environment{.random = &random,
-                                                .wall_clock = &wall_clock,
-                                                .log = &log,
-                                                .validator = &validator,
-                                                .users = options.has_user ? &users : nullptr,
-                                                .waker = &loop.waker()};
+    std::optional<net::WorkerThread> channel_worker;
+    if (options.has_worker) {
+        channel_worker.emplace();
+    }
+    const server::ServerEnvironment environment{
+        .random = &random,
+        .wall_clock = &wall_clock,
+        .log = &log,
+        .validator = &validator,
+        .users = options.has_user ? &users : nullptr,
+        .waker = &loop.waker(),
+        .channel_worker = channel_worker ? &*channel_worker : nullptr,
+    };
     auto server = server::Server::create(std::move(config), environment);
     const std::uint16_t told = server ? port : 0;
     if (::write(pipe, &told, sizeof told) != sizeof told || told == 0) {

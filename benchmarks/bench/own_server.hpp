@@ -19,6 +19,8 @@ struct OwnServerOptions {
     bool has_user{false};
     /// Has place for thousands of sessions of one user at one address.
     bool is_large{false};
+    /// Does their asymmetric work on a thread of its own.
+    bool has_worker{false};
 };
 
 /// A server of this library with nothing but namespace 0, in a process of its own: what it takes of

@@ -60,7 +60,9 @@ Generation::Generation(const Origin& origin, Reading reading, const Surroundings
                                                                                  reading.project)},
       administered_{config_, settings_->files(), *around.environment.wall_clock, log_of(around)},
       admission_{config_, settings_->files(), administered_.log()}, server_{make_server()},
-      worker_{64, &around.lines}, live_{server_, administered_, config_, administered_.log()},
+      worker_{64, &around.lines}, channel_worker_{64, &around.lines}, live_{server_, administered_,
+                                                                            config_,
+                                                                            administered_.log()},
       lookout_{server_,
                manages_certificates(config_) ? &admission_.client_store() : nullptr,
                *around.environment.wall_clock,
@@ -130,6 +132,7 @@ server::Server Generation::make_server()
     environment.validator = &administered_.clients();
     environment.users = &admission_.users();
     environment.roles = &administered_.roles();
+    environment.channel_worker = &channel_worker_; // of which it makes no use before it is served
     return expect(
         server::Server::create(config_.server, environment).map_error([this](Problem problem) {
             problem.where =

@@ -112,6 +112,8 @@ private:
     Admission admission_;
     server::Server server_;
     net::WorkerThread worker_;
+    /// Its own, so that no channel waits for a password.
+    net::WorkerThread channel_worker_;
     LiveConfig live_;
     Lookout lookout_;
     std::optional<MappedModel> mapped_;

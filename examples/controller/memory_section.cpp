@@ -148,6 +148,7 @@ server::WorstCaseMemory worst_case_of(const ControllerConfig& config,
     return server::worst_case_memory(config.server.limits,
                                      {.password_checks = config.users.accounts.empty() ? 0U : 1U,
                                       .password_cost = costliest(config.users),
+                                      .has_channel_worker = true,
                                       .slow_sources = {&source, 1},
                                       .images = images,
                                       .connection_bytes = bytes_of_link});

@@ -10,8 +10,8 @@
 
 namespace busbar::net {
 
-/// One thread that does slow work, such as checking passwords, one piece after the other, so that a
-/// login never holds up the server.
+/// One thread that does slow work, such as checking passwords or the asymmetric work of channels,
+/// one piece after the other, so that a login never holds up the server.
 class BUSBAR_API WorkerThread final : public server::Worker {
 public:
     /// At most `max_jobs` wait; more are refused. `log`, which may be null and must outlive this
