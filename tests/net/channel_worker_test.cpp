@@ -72,7 +72,6 @@ public:
     [[nodiscard]] std::string url() const { return "opc.tcp://127.0.0.1:" + std::to_string(port_); }
 
     ChannelCount log;
-    std::promise<void> go_on; // what a job of the worker may wait for
 
 private:
     net::SystemWallClock clock_;
@@ -152,11 +151,12 @@ TEST_CASE("a worker's thread opens and renews channels while others are served")
 
 TEST_CASE("a server stops while its worker has channels")
 {
-    SecuredMachine machine;
     std::promise<void> begun;
+    std::promise<void> go_on;
+    SecuredMachine machine; // whose worker ends before these
     REQUIRE(machine.worker.run([&] {
         begun.set_value();
-        machine.go_on.get_future().wait();
+        go_on.get_future().wait();
     }));
     begun.get_future().wait();
     const auto connect = [&] {
@@ -170,11 +170,11 @@ TEST_CASE("a server stops while its worker has channels")
         machine.stop();
         CHECK_FALSE(first.get());
         CHECK_FALSE(second.get());
-        machine.go_on.set_value();
+        go_on.set_value();
     }
     SECTION("or just being done")
     {
-        machine.go_on.set_value();
+        go_on.set_value();
         machine.stop();
         first.wait();
         second.wait();
