@@ -99,8 +99,10 @@ void take_memory(const TomlTable& root, std::uint64_t memory, ControllerConfig& 
     const server::DataSourceOptions source = options_of(config.image);
     const auto image = server::ProcessImage::create({}, config.image);
     const server::ProcessImage* const images[] = {image.get()};
-    server::MemoryAssumptions other{
-        .slow_sources = {&source, 1}, .images = images, .connection_bytes = bytes_of_link};
+    server::MemoryAssumptions other{.has_channel_worker = true,
+                                    .slow_sources = {&source, 1},
+                                    .images = images,
+                                    .connection_bytes = bytes_of_link};
     const std::string scheme = root.table("users").text("password_hash", "");
     if (scheme == "pbkdf2") {
         other.password_cost.scheme = crypto::PasswordScheme::Pbkdf2;
