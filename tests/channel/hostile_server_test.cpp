@@ -225,6 +225,16 @@ TEST_CASE("an aborted response reaches the caller, even one without chunks", "[c
     CHECK(client.engine.is_open());
 }
 
+TEST_CASE("an abort is an error even if it says Good", "[channel][client]")
+{
+    OpenClient client;
+    client.message("MSGA", 4, Bytes(8)); // Good, and an empty text
+    REQUIRE(client.events.size() == 1);
+    CHECK(client.events[0].kind == Kind::Aborted);
+    CHECK(client.events[0].status == status::Bad_DecodingError);
+    CHECK(client.engine.is_open());
+}
+
 TEST_CASE("a client that gives up says CloseSecureChannel", "[channel][client]")
 {
     OpenClient client;

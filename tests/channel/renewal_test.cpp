@@ -91,6 +91,22 @@ TEST_CASE("after the first message under the new token the old one is void", "[c
     CHECK(reason(pair) == status::Bad_SecureChannelTokenUnknown);
 }
 
+TEST_CASE("the old token is void so even if the server went over to the new one by itself",
+          "[channel][renewal]")
+{
+    InRenewal renewal;
+    ChannelPair& pair = renewal.pair;
+    const Bytes old = message_of(pair);
+    feed(pair, old);
+    pair.run_to_client();
+    pair.now = TimePoint{} + seconds{60};
+    pair.server.handle_deadline(pair.now);
+    feed(pair, message_of(pair));
+    CHECK(messages(pair.server_events) == 2);
+    feed(pair, old); // which the server would take until 75 seconds from a silent client
+    CHECK(reason(pair) == status::Bad_SecureChannelTokenUnknown);
+}
+
 TEST_CASE("a client that stays silent gets its responses under the new token when the old ended",
           "[channel][renewal]")
 {
