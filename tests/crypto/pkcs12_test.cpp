@@ -301,6 +301,24 @@ TEST_CASE("an encrypted key file cannot ask for days either", "[crypto][key][hos
     }
 }
 
+TEST_CASE("a file has 16 parts at most", "[crypto][pkcs12][hostile]")
+{
+    const File file = make_file({.iterations = 1, .mac_iterations = -1});
+    const auto fill_up_to = [&](int count) {
+        change_parts(file, [&](STACK_OF(PKCS7) * parts) {
+            STACK_OF(PKCS12_SAFEBAG)* nothing = sk_PKCS12_SAFEBAG_new_null();
+            while (sk_PKCS7_num(parts) < count) {
+                sk_PKCS7_push(parts, PKCS12_pack_p7data(nothing));
+            }
+            sk_PKCS12_SAFEBAG_free(nothing);
+        });
+    };
+    fill_up_to(16);
+    CHECK(read_pkcs12(bytes_of(file), passphrase));
+    fill_up_to(17);
+    CHECK(says(refusal(bytes_of(file)), "its list of contents"));
+}
+
 TEST_CASE("what is no PKCS#12 file is refused at every length", "[crypto][pkcs12][hostile]")
 {
     const Bytes file = make({.iterations = 1, .mac_iterations = 1});

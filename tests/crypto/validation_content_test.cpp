@@ -32,6 +32,21 @@ TEST_CASE("Table 100: Validity Period", "[crypto][validation]")
     CHECK(judge.suppressed.front().status == status::Bad_CertificateTimeInvalid);
 }
 
+TEST_CASE("Table 100: a Validity Period that ends before it begins", "[crypto][validation]")
+{
+    Judge judge;
+    const Issued reversed = self_signed([](auto& o) {
+        o.valid_from = in_days(1);
+        o.valid_to = in_days(-1);
+    });
+    judge.trusts(reversed);
+    CHECK(judge.verdict(reversed) == status::Bad_CertificateTimeInvalid);
+    CHECK(judge.explains("Validity Period", reversed, {"not valid before 2026-01-02T00:00:00Z"}));
+    judge.context.now = in_days(1); // its first moment, which is late
+    CHECK(judge.verdict(reversed) == status::Bad_CertificateTimeInvalid);
+    CHECK(judge.explains("Validity Period", reversed, {"expired 2025-12-31T00:00:00Z"}));
+}
+
 TEST_CASE("Table 100: Validity Period of issuers", "[crypto][validation]")
 {
     Judge judge;
