@@ -100,6 +100,16 @@ TEST_CASE_METHOD(Locales, "B9: a session reads and browses in its locale (Part 4
     CHECK(read(other, display_name_attribute).text == "Zustand");
 }
 
+TEST_CASE_METHOD(Locales, "B9: a locale has 32 bytes at most, a longer one is left out", "[B9]")
+{
+    const std::string longest = "de-CH-1901-" + std::string(21, 'x');
+    REQUIRE(longest.size() == 32);
+    auto client = in({String{longest}});
+    CHECK(read(client, display_name_attribute) == LocalizedText{"de", "Zustand"});
+    REQUIRE(activate(client, {String{longest + "x"}, "fr"}) == status::Good);
+    CHECK(read(client, display_name_attribute) == LocalizedText{"State"});
+}
+
 TEST_CASE_METHOD(Locales, "B9: a Write replaces the text of its locale (Part 4, 5.11.4.1)", "[B9]")
 {
     auto english = in({"en"});

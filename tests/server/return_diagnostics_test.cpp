@@ -131,6 +131,21 @@ TEST_CASE("B12: additional information is bounded, however much there is", "[B12
     CHECK(diagnostics.string_table().size() == 4);
 }
 
+TEST_CASE("B12: the text of a StatusCode is its name in words", "[B12]")
+{
+    using server::detail::ReturnDiagnostics;
+    const auto words = [](StatusCode status) {
+        ReturnDiagnostics diagnostics{all_bits};
+        const DiagnosticInfo info = diagnostics.of_service(status);
+        return Told{{.string_table = diagnostics.string_table()}, {}}.text(info.localized_text);
+    };
+    CHECK(words(status::Bad_UserAccessDenied) == "User Access Denied");
+    CHECK(words(status::Bad_NodeIdUnknown) == "Node Id Unknown");
+    CHECK(words(status::Bad_TooManySessions) == "Too Many Sessions");
+    CHECK(words(status::Bad_TypeDefinitionInvalid) == "Type Definition Invalid");
+    CHECK(words(status::Bad_NoEntryExists) == "No Entry Exists");
+}
+
 TEST_CASE_METHOD(DiagnosticsOfRequests, "B12: every service tells of its operations", "[B12]")
 {
     check_all<ReadResponse>(client, read_of({nowhere, nowhere}), status::Bad_NodeIdUnknown);

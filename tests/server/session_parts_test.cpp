@@ -75,6 +75,21 @@ struct NotingKeeper final : SessionKeeper {
     std::vector<std::pair<StatusCode, bool>> closed;
 };
 
+/// Fails once, at the draw that a test says.
+class FailingRandom final : public crypto::Random {
+public:
+    Result<void> fill(std::span<std::byte> bytes) override
+    {
+        if (--left == 0) {
+            return busbar::fail(status::Bad_ResourceUnavailable);
+        }
+        return numbers.fill(bytes);
+    }
+
+    SeededRandom numbers;
+    int left{0};
+};
+
 struct SessionParts {
     SessionParts()
     {
@@ -97,7 +112,7 @@ struct SessionParts {
     }
 
     FixedWallClock clock;
-    SeededRandom random;
+    FailingRandom random;
     LogBook log;
     server::ServerEnvironment given{.random = &random, .wall_clock = &clock, .log = &log};
     Guards guards{given, log};
@@ -170,6 +185,21 @@ TEST_CASE("a session is created, bound and counted without a server")
         CHECK(cancel(parts.needs, context, request, response) == status::Good);
         CHECK(response.cancel_count == 3);
     }
+}
+
+TEST_CASE("without random numbers there is no session, whichever of them are missing")
+{
+    SessionParts parts;
+    for (int draw = 1; draw <= 3; ++draw) { // SessionId, AuthenticationToken, ServerNonce
+        INFO(draw);
+        parts.random.left = draw;
+        const auto created = parts.create();
+        REQUIRE_FALSE(created);
+        CHECK(created.error() == status::Bad_ResourceUnavailable);
+        CHECK(parts.sessions.size() == 0);
+        CHECK(parts.peer.bound.empty());
+    }
+    CHECK(parts.create());
 }
 
 TEST_CASE("a channel has so many sessions and no more")

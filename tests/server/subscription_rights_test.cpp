@@ -20,8 +20,10 @@ public:
     {
         return next;
     }
+    [[nodiscard]] server::UserIdentity anonymous() const override { return everybody; }
 
     server::UserIdentity next{UserTokenType::UserName, "operator"};
+    server::UserIdentity everybody{server::anonymous_reader()};
 };
 
 /// Only one user may read anything.
@@ -127,6 +129,23 @@ TEST_CASE_METHOD(RightsFixture, "an item of a user whose token has expired is no
     CHECK(values[0].value == denied[0]);
     set(5);
     CHECK(next().empty());
+}
+
+TEST_CASE_METHOD(RightsFixture, "a user who has expired may do what everybody may in that store")
+{
+    const auto [mask, expected] =
+        GENERATE(std::pair{server::anonymous_reader().access_level_mask, status::Good},
+                 std::pair{std::uint8_t{0}, status::Bad_UserAccessDenied});
+    store.everybody.access_level_mask = mask;
+    access.reader = ""; // whom anonymous users are called by
+    store.next.valid_until = {wall_clock.time.ticks + DateTime::ticks_per_second};
+    activate();
+    advance(1s);
+    ReadRequest request;
+    request.nodes_to_read.push_back({level, 13, {}, {}});
+    const auto response = client->call<ReadResponse>(request);
+    REQUIRE(response);
+    CHECK(response->results[0].status == expected);
 }
 
 TEST_CASE_METHOD(RightsFixture, "a user who expires loses what nobody has fetched")

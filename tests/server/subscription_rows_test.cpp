@@ -109,6 +109,49 @@ TEST_CASE("row 23: a transfer to another session of the same user", "[unit:Subsc
     CHECK(data[0].value.value == Variant{1});
 }
 
+namespace {
+
+/// Anonymous users over channels that say which application they are.
+struct SignedAnonymous : SubscriptionParts, ServerFixture {
+    SignedAnonymous() : ServerFixture{config()} {}
+    static server::ServerConfig config()
+    {
+        server::ServerConfig config = secure_config();
+        for (server::EndpointConfig& endpoint : config.endpoints) {
+            endpoint.allows_anonymous = true;
+        }
+        return config;
+    }
+    TestClient log_in(const channel::ApplicationIdentity& identity)
+    {
+        TestClient client = connect("Basic256Sha256", MessageSecurityMode::Sign, identity);
+        CreateSessionRequest request = client.create_request();
+        request.client_description.application_uri =
+            String{identity.certificates.front().application_uri()};
+        REQUIRE(client.create_session(std::move(request)));
+        REQUIRE(client.activate(TestClient::anonymous()) == status::Good);
+        return client;
+    }
+};
+
+} // namespace
+
+TEST_CASE("row 23: of anonymous users the same application may take a Subscription over",
+          "[unit:Subscription Transfer]")
+{
+    SignedAnonymous fixture;
+    const auto other_identity = make_identity("other");
+    auto old_client = fixture.log_in(client_identity());
+    auto stranger = fixture.log_in(other_identity);
+    auto new_client = fixture.log_in(client_identity());
+    const auto created =
+        old_client.call<CreateSubscriptionResponse>(SubscriptionFixture::subscription_request());
+    REQUIRE(created);
+    const std::uint32_t id = created->subscription_id;
+    CHECK(SubscriptionFixture::transfer(stranger, id).status_code == status::Bad_UserAccessDenied);
+    CHECK(SubscriptionFixture::transfer(new_client, id).status_code == status::Good);
+}
+
 TEST_CASE("row 24: a transfer to another user is refused")
 {
     OneSubscription one;
