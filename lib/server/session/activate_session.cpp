@@ -64,6 +64,7 @@ private:
     [[nodiscard]] LoginStep begin_user() const;
     void start_check(std::shared_ptr<PasswordCheck> check, TimePoint now);
     void work_done(TimePoint now) override;
+    void take_result(PasswordCheck& check, TimePoint now);
     void work_displaced(TimePoint now) override;
     void end_user(Login user, TimePoint now);
     [[nodiscard]] bool is_anonymous() const;
@@ -272,6 +273,15 @@ void ActivateSession::work_done(TimePoint now)
     if (is_finished()) {
         return;
     }
+    const StatusCode thrown = busbar::detail::guarded(needs_.log, "the end of a login",
+                                                      [&] { take_result(*check, now); });
+    if (thrown.is_bad()) {
+        fault(thrown);
+    }
+}
+
+void ActivateSession::take_result(PasswordCheck& check, TimePoint now)
+{
     if (auto refusal = check_channel()) {
         return refuse(*std::move(refusal), now);
     }
@@ -280,7 +290,7 @@ void ActivateSession::work_done(TimePoint now)
                                  "its nonce was used while the password was checked"),
                       now);
     }
-    end_user(end_log_in(*check), now);
+    end_user(end_log_in(check), now);
 }
 
 void ActivateSession::work_displaced(TimePoint now)
@@ -289,10 +299,12 @@ void ActivateSession::work_displaced(TimePoint now)
     if (is_finished()) {
         return;
     }
+    busbar::detail::Undo undo{[&] { fault(status::Bad_ServerTooBusy); }};
     refuse(refusal_of(status::Bad_ServerTooBusy, "place for a login",
                       "no other client has as many logins waiting, and others wait too",
                       "Let the client try again later"),
            now);
+    undo.keep();
 }
 
 void ActivateSession::end_user(Login user, TimePoint now)

@@ -28,7 +28,15 @@ bool WorkQueue::start(const std::shared_ptr<WorkItem>& item,
         done_->waiting.push_back(item);
         ++done_->jobs;
     }
-    if (run(std::move(job))) {
+    // One waits for each job.
+    busbar::detail::Undo undo{[&] {
+        const std::lock_guard lock{done_->mutex};
+        --done_->jobs;
+        done_->waiting.remove(item);
+    }};
+    const bool is_begun = run(std::move(job));
+    undo.keep();
+    if (is_begun) {
         return true;
     }
     Done::Items greediest;
@@ -119,16 +127,22 @@ void WorkQueue::Done::work()
 
 void WorkQueue::drain(TimePoint now)
 {
-    Done::Items items;
-    {
-        const std::lock_guard lock{done_->mutex};
-        items.swap(done_->done);
-    }
-    for (const auto& item : items) {
+    while (const auto item = take_done()) {
         if (item->owner != nullptr) {
             item->owner->work_done(now);
         }
     }
+}
+
+std::shared_ptr<WorkItem> WorkQueue::take_done()
+{
+    const std::lock_guard lock{done_->mutex};
+    if (done_->done.empty()) {
+        return nullptr;
+    }
+    auto item = std::move(done_->done.front());
+    done_->done.pop_front();
+    return item;
 }
 
 } // namespace busbar::server::detail

@@ -95,6 +95,9 @@ private:
         unsigned known_in_turn{0};
         Items done;
     };
+    /// The next that is done; null if there is none.
+    [[nodiscard]] std::shared_ptr<WorkItem> take_done();
+
     std::shared_ptr<Done> done_;
 };
 
