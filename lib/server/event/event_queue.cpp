@@ -109,14 +109,15 @@ bool EventQueue::next(Event& event)
     if (slot.turn.load() != out_ + 1) {
         return false;
     }
-    if (const auto made = std::exchange(slot.made, nullptr)) {
-        event = *made;
-        event.time = slot.time;
-    } else {
-        event = std::exchange(slot.event, {});
-    }
+    const auto made = std::exchange(slot.made, nullptr);
+    const DateTime time = slot.time;
+    event = std::exchange(slot.event, {});
     slot.turn.store(out_ + mask_ + 1);
     ++out_;
+    if (made != nullptr) { // to copy it needs memory: its place is free whatever comes of that
+        event = *made;
+        event.time = time;
+    }
     return true;
 }
 

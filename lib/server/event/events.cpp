@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/text.hpp>
 
 namespace busbar::server::detail {
@@ -60,22 +61,35 @@ void Events::remove(EventReceiver& receiver)
 void Events::handle_raised()
 {
     queue_->begin();
-    Event event;
+    bool is_lost = false;
     // All that was there, as the queue has less than twice the places that were asked for. What is
     // raised meanwhile wakes the server again: other work gets its turn first.
-    for (std::size_t left = 2 * limits_.max_raised_events; left > 0 && queue_->next(event);
-         --left) {
-        const NodeId type = event.event_type;
-        if (!raise(std::move(event))) {
-            environment_->log->write(LogLevel::Warning, "event",
-                                     "was dropped: " + printable(to_string(type)) +
-                                         " is no event type");
-        }
+    bool is_there = true;
+    for (std::size_t left = 2 * limits_.max_raised_events; left > 0 && is_there; --left) {
+        const StatusCode thrown = busbar::detail::guarded(*environment_->log, "an Event",
+                                                          [&] { is_there = raise_next(); });
+        is_lost = is_lost || thrown.is_bad();
     }
-    if (const std::uint64_t dropped = queue_->dropped(); dropped != dropped_) {
+    if (const std::uint64_t dropped = queue_->dropped(); dropped != dropped_ || is_lost) {
         dropped_ = dropped;
         tell_of_loss();
     }
+}
+
+/// False if there is none.
+bool Events::raise_next()
+{
+    Event event;
+    if (!queue_->next(event)) {
+        return false;
+    }
+    const NodeId type = event.event_type;
+    if (!raise(std::move(event))) {
+        environment_->log->write(LogLevel::Warning, "event",
+                                 "was dropped: " + printable(to_string(type)) +
+                                     " is no event type");
+    }
+    return true;
 }
 
 Result<void> Events::raise(Event event)
@@ -100,8 +114,14 @@ void Events::deliver(const RaisedEvent& event)
             continue;
         }
         for (EventReceiver* const receiver : found->second) {
-            if (space_->handle(notifier) == receiver->notifier()) {
-                receiver->deliver(event);
+            if (space_->handle(notifier) != receiver->notifier()) {
+                continue;
+            }
+            // One that finds no memory does not keep it from the others.
+            const StatusCode thrown = busbar::detail::guarded(*environment_->log, "an Event",
+                                                              [&] { receiver->deliver(event); });
+            if (thrown.is_bad()) {
+                busbar::detail::attempt([&] { receiver->tell_of_loss(); });
             }
         }
     }
@@ -111,7 +131,7 @@ void Events::tell_of_loss()
 {
     for (const auto& [notifier, receivers] : receivers_) {
         for (EventReceiver* const receiver : receivers) {
-            receiver->tell_of_loss();
+            busbar::detail::attempt([&] { receiver->tell_of_loss(); });
         }
     }
 }

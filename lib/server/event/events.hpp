@@ -45,6 +45,7 @@ public:
     [[nodiscard]] std::uint64_t raised() const { return raised_; }
 
 private:
+    bool raise_next();
     void deliver(const RaisedEvent& event);
     void tell_of_loss();
     [[nodiscard]] ByteString next_event_id();
