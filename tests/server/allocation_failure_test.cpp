@@ -18,6 +18,7 @@ constexpr Row rows[] = {
     {"GetEndpoints", failing::get_endpoints},
     {"CreateSession", failing::create_session},
     {"ActivateSession", failing::activate_session},
+    {"ActivateSession with a worker", failing::log_in_by_worker},
     {"CloseSession", failing::close_session},
     {"Cancel", failing::cancel},
     {"Read", failing::read},
@@ -141,9 +142,39 @@ bool fail_opening(const channel::SecuritySetting& security, bool has_worker, std
     opened.reset();
     CHECK(world.server.connection_count() == 2);
     CHECK(world.counts() == before);
-    CHECK(world.worker.jobs.empty());
+    CHECK(world.channel_worker.jobs.empty());
     const auto second = world.open(security);
     CHECK((second != nullptr && second->channel.is_open()));
+    return has_failed;
+}
+
+/// False if the server said ReverseHello without a failure.
+bool fail_reverse_hello(std::size_t k)
+{
+    FailureFixture world;
+    const auto say = [&] {
+        std::optional<server::Connection> connection;
+        Result<void> said = fail(status::Bad_OutOfMemory);
+        world.counted([&] {
+            if (auto made = world.server.connect("192.0.2.1", world.now)) {
+                connection.emplace(*std::move(made));
+                said = connection->reverse_hello("opc.tcp://plc.example:4840");
+            }
+        });
+        const bool has_said = said && !connection->output().empty();
+        CHECK((has_said || !connection || !said || connection->is_closed()));
+        return has_said;
+    };
+    fail_allocation(k);
+    const bool has_said = say();
+    const bool has_failed = has_allocation_failed();
+    fail_allocation(0);
+    INFO("allocation " << k << "\n" << world.log.text);
+    CHECK(world.thrown == 0);
+    CHECK((has_said || has_failed));
+    CHECK(world.server.connection_count() == 2);
+    CHECK(use(world.other) == status::Good);
+    CHECK(say());
     return has_failed;
 }
 
@@ -174,6 +205,12 @@ TEST_CASE("D3: an allocation that fails while a channel is opened ends its conne
     const channel::SecuritySetting security =
         has_worker ? secure : GENERATE(channel::SecuritySetting{}, secure);
     for (std::size_t k = 1; fail_opening(security, has_worker, k); k = next(k)) {
+    }
+}
+
+TEST_CASE("D3: an allocation that fails while the server calls a client ends the call")
+{
+    for (std::size_t k = 1; fail_reverse_hello(k); ++k) {
     }
 }
 

@@ -47,6 +47,20 @@ inline FailureCase activate_session(FailureFixture& world)
     return asked;
 }
 
+/// A user whose password a worker checks.
+inline FailureCase log_in_by_worker(FailureFixture& world)
+{
+    world.users.used_worker = &world.worker;
+    world.client = world.connect("Basic256Sha256", MessageSecurityMode::SignAndEncrypt);
+    REQUIRE(world.client.create_session());
+    ActivateSessionRequest request;
+    request.client_signature = world.client.signature();
+    request.user_identity_token = world.client.user("operator", "operator-secret");
+    FailureCase asked = asking<ActivateSessionResponse>(request);
+    asked.dies_with_connection = true; // until it is activated (Part 4, 5.7.3.1)
+    return asked;
+}
+
 inline FailureCase close_session(FailureFixture& world)
 {
     world.subscribe();

@@ -88,17 +88,32 @@ FailureCase asking(Request request)
             false};
 }
 
+/// Does its jobs in FailureFixture::pass().
+class LaterWorker final : public server::Worker {
+public:
+    [[nodiscard]] bool run(std::function<void()> job) override
+    {
+        const Uncounted in_test;
+        jobs.push_back(std::move(job));
+        return true;
+    }
+
+    std::vector<std::function<void()>> jobs;
+};
+
 /// Outlive the server.
 struct FailureParts {
-    struct NoWaker final : server::Waker {
-        void wake() override {}
+    struct FlagWaker final : server::Waker {
+        void wake() override { is_awake = true; }
+        bool is_awake{false};
     };
 
     FixedWallClock source_clock;
     server::MemorySource memory{source_clock};
     server::MethodTable table;
-    NoWaker no_waker;
-    JobList worker;
+    FlagWaker flag_waker;
+    LaterWorker worker;
+    JobList channel_worker;
 };
 
 /// A server with something for each service, a client that asks, and another one beside it. What
@@ -107,7 +122,7 @@ class FailureFixture : public FailureParts, public ServerFixture {
 public:
     /// Which does the asymmetric work of its channels itself, or has it done.
     explicit FailureFixture(bool has_worker = false)
-        : ServerFixture{no_waker, has_worker ? &worker : nullptr, config()}
+        : ServerFixture{flag_waker, has_worker ? &channel_worker : nullptr, config()}
     {
         source_ = server.add_source(memory);
         add_variable("level");
@@ -183,6 +198,41 @@ public:
     {
         return {server.session_count(), server.subscription_count(), server.monitored_item_count(),
                 server.address_space().node_count()};
+    }
+
+    /// Something that the server does.
+    template <typename Work>
+    void counted(Work work)
+    {
+        try {
+            const Counted while_it_works;
+            work();
+        } catch (const std::bad_alloc&) {
+            ++thrown;
+        }
+    }
+    /// Time passes for the server, its worker and that connection.
+    void pass(Duration time, TestClient& asking)
+    {
+        now += time;
+        wall_clock.time.ticks += time.count() / 100;
+        for (const auto& job : std::exchange(worker.jobs, {})) {
+            counted(job);
+        }
+        if (std::exchange(flag_waker.is_awake, false)) {
+            counted([&] { server.handle_completions(now); });
+        }
+        if (server.next_deadline() <= now) {
+            counted([&] { server.handle_deadline(now); });
+        }
+        if (asking.connection.next_deadline() <= now) {
+            counted([&] { asking.connection.handle_deadline(now); });
+        }
+        counted([&] {
+            while (server.next_changed()) {
+            }
+        });
+        deliver(asking);
     }
 
     /// Asks, and lets time pass until there is an answer.
@@ -274,11 +324,11 @@ private:
         variable.access_level = model::Access::ReadWrite;
         REQUIRE(server.address_space().add_variable(node, variable));
     }
-    /// What the worker's thread would do, and the server's when it is waked.
+    /// What the thread of the channels' worker would do, and the server's when it is waked.
     bool work_once()
     {
         bool has_worked = false;
-        counted([&] { has_worked = worker.work_once(); });
+        counted([&] { has_worked = channel_worker.work_once(); });
         if (has_worked) {
             counted([&] { server.handle_completions(now); });
             counted([&] {
@@ -288,16 +338,6 @@ private:
         }
         return has_worked;
     }
-    template <typename Work>
-    void counted(Work work)
-    {
-        try {
-            const Counted while_it_works;
-            work();
-        } catch (const std::bad_alloc&) {
-            ++thrown;
-        }
-    }
     void deliver(TestClient& to)
     {
         const auto out = to.connection.output();
@@ -306,24 +346,6 @@ private:
         static_cast<void>(to.channel.feed(bytes, now));
         to.run();
     }
-    void pass(Duration time, TestClient& asking)
-    {
-        now += time;
-        wall_clock.time.ticks += time.count() / 100;
-        counted([&] { server.handle_completions(now); });
-        if (server.next_deadline() <= now) {
-            counted([&] { server.handle_deadline(now); });
-        }
-        if (asking.connection.next_deadline() <= now) {
-            counted([&] { asking.connection.handle_deadline(now); });
-        }
-        counted([&] {
-            while (server.next_changed()) {
-            }
-        });
-        deliver(asking);
-    }
-
     std::uint32_t source_{0};
 };
 

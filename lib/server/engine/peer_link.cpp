@@ -139,7 +139,9 @@ PeerLink::~PeerLink()
 Result<void> PeerLink::reverse_hello(std::string_view endpoint_url)
 {
     session_check_ = no_deadline; // until the client has a use for the connection
-    return channel_.reverse_hello(core_.config.application_uri, endpoint_url);
+    Result<void> said = fail(status::Bad_OutOfMemory);
+    survive([&] { said = channel_.reverse_hello(core_.config.application_uri, endpoint_url); });
+    return said;
 }
 
 Result<void> PeerLink::feed(std::span<const std::byte> in, TimePoint now)
