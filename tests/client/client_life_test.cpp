@@ -56,6 +56,23 @@ TEST_CASE("a request of a user who was idle has all of its time")
     CHECK(plant.answers == Statuses{status::Bad_Timeout});
 }
 
+TEST_CASE("the time that a request waits for a session is part of its own")
+{
+    ClientFixture plant{ClientFixture::insecure()};
+    plant.also_on_state = [&](ClientState state) {
+        plant.is_carrying = state != ClientState::Ready;
+    };
+    plant.read({3s});
+    plant.run();
+    plant.advance(2s);
+    plant.connect();
+    REQUIRE(plant.is_ready());
+    plant.advance(1s - 1ns);
+    CHECK(plant.answers.empty());
+    plant.advance(1ns);
+    CHECK(plant.answers == Statuses{status::Bad_Timeout});
+}
+
 TEST_CASE("a late answer is dropped")
 {
     ClientFixture plant{ClientFixture::insecure()};

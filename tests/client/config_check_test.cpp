@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include <busbar/client/config_check.hpp>
+#include <busbar/client/registration.hpp>
 
 #include "client_fixture.hpp"
 
@@ -108,4 +109,18 @@ TEST_CASE("a client with a configuration that is none asks for no connection and
     CHECK(plant.client.state() == client::ClientState::Closed);
     CHECK(plant.client.last_error() == status::Bad_TcpEndpointUrlInvalid);
     CHECK(plant.log.text.find("endpoint_url: \"localhost:4840\" is no URL") != std::string::npos);
+}
+
+TEST_CASE("the name that a server has in mDNS has 63 bytes at most (RFC 6763, 4.1.1)")
+{
+    client::RegistrationSettings settings;
+    settings.server.server_uri = "urn:busbar:test:server";
+    settings.server.server_names = {LocalizedText{"press"}};
+    settings.server.discovery_urls = {"opc.tcp://press:4840"};
+    settings.mdns.mdns_server_name = std::string(63, 'x');
+    CHECK(client::Registration::check(settings));
+    settings.mdns.mdns_server_name = std::string(64, 'x');
+    const auto checked = client::Registration::check(settings);
+    REQUIRE_FALSE(checked);
+    CHECK(checked.error() == status::Bad_InvalidArgument);
 }

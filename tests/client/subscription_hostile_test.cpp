@@ -77,6 +77,27 @@ TEST_CASE_METHOD(PuppetFixture, "A Subscription that nobody knows is deleted", "
     CHECK(heard.data.empty());
 }
 
+TEST_CASE_METHOD(PuppetFixture, "Results of acknowledgements that nobody made do not count",
+                 "[client]")
+{
+    start();
+    CHECK(requester.take<PublishRequest>().subscription_acknowledgements.empty());
+    PublishResponse response;
+    response.subscription_id = server_id;
+    response.notification_message = message(1);
+    response.results = {status::Bad_SubscriptionIdInvalid, status::Bad_SubscriptionIdInvalid};
+    reply(response);
+    CHECK(heard.take_values() == Values{1});
+    // Nor do those that are missing.
+    publish(message(2));
+    CHECK_FALSE(requester.take<PublishRequest>().subscription_acknowledgements.empty());
+    response.notification_message = message(3);
+    response.results = {};
+    reply(response);
+    CHECK(heard.take_values() == Values{2, 3});
+    CHECK(requester.count<CreateSubscriptionRequest>() == 0);
+}
+
 TEST_CASE_METHOD(PuppetFixture, "Fewer Publish requests go out when there are too many",
                  "[client][unit:Subscription Client Publish Multiple]")
 {

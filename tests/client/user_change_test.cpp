@@ -3,6 +3,7 @@
 #include <optional>
 
 #include <busbar/client/attributes.hpp>
+#include <busbar/client/connection.hpp>
 #include <busbar/server/memory_source.hpp>
 
 #include "client_fixture.hpp"
@@ -257,6 +258,42 @@ TEST_CASE("the server is told of requests that are cancelled (Part 4, 5.7.5)",
     ask();
     CHECK(plant.answers == Statuses{status::Bad_ServerTooBusy});
     CHECK(plant.is_ready());
+}
+
+TEST_CASE("the server is not told of requests that are not under way")
+{
+    UserFixture site{UserFixture::all_kinds()};
+    client::ConnectionConfig config;
+    config.channel.endpoint_url = "opc.tcp://localhost:4840";
+    client::Connection connection{
+        config,
+        {.random = &site.random, .wall_clock = &site.wall_clock, .log = &site.log},
+        site.now};
+    auto link = site.server.connect("192.0.2.1", site.now).value();
+    std::vector<client::ConnectionEvent> events;
+    const auto run = [&] {
+        while (carry(connection, link, site.now) || carry(link, connection, site.now)) {
+            while (auto event = connection.next_event()) {
+                events.push_back(*std::move(event));
+            }
+        }
+    };
+    run();
+    REQUIRE(events.size() == 1);
+    REQUIRE(events[0].kind == client::ConnectionEvent::Kind::Ready);
+    const auto answered = connection.send(ReadRequest{});
+    REQUIRE(answered);
+    run();
+    CHECK(events.size() == 2);
+    for (const std::uint32_t handle : {*answered, *answered + 1, 0U}) {
+        connection.cancel(handle);
+        CHECK(connection.output().empty());
+    }
+    const auto under_way = connection.send(ReadRequest{});
+    REQUIRE(under_way);
+    connection.consume(connection.output().size());
+    connection.cancel(*under_way);
+    CHECK_FALSE(connection.output().empty());
 }
 
 TEST_CASE("texts come in the locale that the configuration asks for")

@@ -246,6 +246,43 @@ TEST_CASE("what is no value in a runtime's memory hurts nobody")
     CHECK(runtime.flag == 0xFE); // the runtime's own is left alone
 }
 
+TEST_CASE("what lies between two BOOLs of a runtime stays as it is")
+{
+    struct {
+        std::uint8_t first{2};
+        std::int8_t between{-2};
+        std::uint8_t second{4};
+    } runtime;
+    ImageLayout layout;
+    const auto add = [&](BuiltInType type, std::span<std::byte> memory) {
+        return layout.add({.type = type, .runtime = memory}).value();
+    };
+    const auto first = add(BuiltInType::Boolean, memory_of(runtime.first));
+    const auto between = add(BuiltInType::SByte, memory_of(runtime.between));
+    const auto second = add(BuiltInType::Boolean, memory_of(runtime.second));
+    const auto image = ProcessImage::create(std::move(layout));
+    image->publish(DateTime{1});
+    const ImagePin pin = image->pin();
+    CHECK(pin.value(first) == Variant{true});
+    CHECK(pin.value(between) == Variant{std::int8_t{-2}});
+    CHECK(pin.value(second) == Variant{true});
+    for (const std::uint32_t handle : {first, second}) {
+        CHECK(*pin.bytes(handle) == std::byte{1});
+    }
+}
+
+TEST_CASE("a text may be as long as its place")
+{
+    Runtime runtime;
+    const GatheredImage made{runtime};
+    put(runtime.name, "lathe 42");
+    put(runtime.axes[1].label, "sideward");
+    made.image->publish(DateTime{1});
+    const ImagePin pin = made.image->pin();
+    CHECK(pin.value(made.name) == Variant{"lathe 42"});
+    CHECK(seen(pin, made.axes, 1).label == "sideward");
+}
+
 TEST_CASE("memory that a variable cannot lie in is refused")
 {
     ImageLayout layout;
