@@ -4,6 +4,8 @@
 #include <busbar/types/ids.hpp>
 
 #include "image_fixture.hpp"
+#include "server/image/structure_values.hpp"
+#include "support/allocation_count.hpp"
 
 // Structures in a process image: how they lie in memory and on the wire.
 
@@ -350,4 +352,18 @@ TEST_CASE_METHOD(MotorFixture, "what a pin has made of structures stays until it
     REQUIRE(pin.read(motor, slot));
     CHECK(*slot.shared == before);
     CHECK(image->pin().value(motor) != before);
+}
+
+TEST_CASE_METHOD(MotorFixture, "a pin that is recycled keeps the memory for few structures")
+{
+    const ImagePin pin = image->pin();
+    ReadSlot slot;
+    REQUIRE(pin.read(motor, slot));
+    pin.recycle();
+    const std::size_t before = allocated_bytes();
+    for (int i = 0; i < 10; ++i) {
+        static_cast<void>(pin.read(motor, slot));
+        pin.recycle();
+    }
+    CHECK(allocated_bytes() - before < server::detail::StructureValues::usual_block);
 }
