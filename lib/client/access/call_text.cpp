@@ -24,12 +24,12 @@ public:
 
     void begin(const NodeAddress& object, const NodeAddress& method)
     {
-        step_ = resolve(
-            requester_, {object, method},
-            [self = shared_from_this()](const std::vector<Result<NodeId>>& ids) {
-                self->resolved(ids[0], ids[1]);
-            },
-            options_);
+        step_ = resolve(requester_, {object, method},
+                        detail::step_of(shared_from_this(),
+                                        [](CallText& self, const std::vector<Result<NodeId>>& ids) {
+                                            self.resolved(ids[0], ids[1]);
+                                        }),
+                        options_);
     }
 
 private:
@@ -44,12 +44,13 @@ private:
         request_.method_id = *method;
         BrowseDescription properties = children_of(*method);
         properties.reference_type_id = NodeId{0, id::HasProperty};
-        step_ = browse(
-            requester_, {std::move(properties)},
-            [self = shared_from_this()](const std::vector<BrowseResult>& results) {
-                self->found_properties(results.front());
-            },
-            {}, options_);
+        step_ =
+            browse(requester_, {std::move(properties)},
+                   detail::step_of(shared_from_this(),
+                                   [](CallText& self, const std::vector<BrowseResult>& results) {
+                                       self.found_properties(results.front());
+                                   }),
+                   {}, options_);
     }
     void found_properties(const BrowseResult& properties)
     {
@@ -66,12 +67,12 @@ private:
     }
     void read_arguments(const NodeId& property)
     {
-        step_ = read(
-            requester_, {attribute_of(property)},
-            [self = shared_from_this()](const std::vector<DataValue>& values) {
-                self->take_arguments(values.front());
-            },
-            {}, options_);
+        step_ = read(requester_, {attribute_of(property)},
+                     detail::step_of(shared_from_this(),
+                                     [](CallText& self, const std::vector<DataValue>& values) {
+                                         self.take_arguments(values.front());
+                                     }),
+                     {}, options_);
     }
     void take_arguments(const DataValue& value)
     {
@@ -99,7 +100,9 @@ private:
             types.push_back(argument.data_type);
         }
         step_ = types_.learn(
-            std::move(types), [self = shared_from_this()] { self->call_method(); }, options_);
+            std::move(types),
+            detail::step_of(shared_from_this(), [](CallText& self) { self.call_method(); }),
+            options_);
     }
     void call_method()
     {
@@ -119,12 +122,12 @@ private:
             }
             request_.input_arguments.push_back(*std::move(value));
         }
-        step_ = call(
-            requester_, {std::move(request_)},
-            [self = shared_from_this()](std::vector<CallMethodResult> results) {
-                self->called(std::move(results.front()));
-            },
-            options_);
+        step_ = call(requester_, {std::move(request_)},
+                     detail::step_of(shared_from_this(),
+                                     [](CallText& self, std::vector<CallMethodResult> results) {
+                                         self.called(std::move(results.front()));
+                                     }),
+                     options_);
     }
     void called(CallMethodResult result)
     {

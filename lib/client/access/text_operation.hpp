@@ -6,6 +6,8 @@
 
 #include <busbar/client/text_access.hpp>
 
+#include "client/services/steps.hpp"
+
 namespace busbar::client::detail {
 
 /// What operations with texts have in common: steps one after the other, and one way to end.
@@ -24,6 +26,7 @@ public:
         done_ = nullptr;
         step_.cancel();
     }
+    void no_memory() { fail_with(status::Bad_OutOfMemory, "no memory"); }
 
 protected:
     void end(Accessed<Outcome> outcome)

@@ -19,12 +19,13 @@ public:
 
     void begin(const NodeAddress& node)
     {
-        step_ = resolve(
-            requester_, {node},
-            [self = shared_from_this()](const std::vector<Result<NodeId>>& ids) {
-                self->resolved(ids.front());
-            },
-            options_);
+        step_ =
+            resolve(requester_, {node},
+                    detail::step_of(shared_from_this(),
+                                    [](WriteText& self, const std::vector<Result<NodeId>>& ids) {
+                                        self.resolved(ids.front());
+                                    }),
+                    options_);
     }
 
 private:
@@ -34,14 +35,14 @@ private:
             return fail_with(id.error(), "the address names no node");
         }
         node_ = *id;
-        step_ = read(
-            requester_,
-            {attribute_of(node_, AttributeId::DataType),
-             attribute_of(node_, AttributeId::ValueRank)},
-            [self = shared_from_this()](const std::vector<DataValue>& values) {
-                self->learn(values[0], values[1]);
-            },
-            {}, options_);
+        step_ = read(requester_,
+                     {attribute_of(node_, AttributeId::DataType),
+                      attribute_of(node_, AttributeId::ValueRank)},
+                     detail::step_of(shared_from_this(),
+                                     [](WriteText& self, const std::vector<DataValue>& values) {
+                                         self.learn(values[0], values[1]);
+                                     }),
+                     {}, options_);
     }
     void learn(const DataValue& data_type, const DataValue& value_rank)
     {
@@ -54,7 +55,9 @@ private:
         data_type_ = *type;
         value_rank_ = value_rank.value.value_or<std::int32_t>(-2);
         step_ = types_.learn(
-            {data_type_}, [self = shared_from_this()] { self->write_value(); }, options_);
+            {data_type_},
+            detail::step_of(shared_from_this(), [](WriteText& self) { self.write_value(); }),
+            options_);
     }
     void write_value()
     {
@@ -68,12 +71,12 @@ private:
         if (!value) {
             return fail_with(status::Bad_TypeMismatch, "value: " + value.error().message);
         }
-        step_ = write(
-            requester_, {value_for(node_, DataValue{*std::move(value)})},
-            [self = shared_from_this()](const std::vector<StatusCode>& results) {
-                self->written(results.front());
-            },
-            options_);
+        step_ = write(requester_, {value_for(node_, DataValue{*std::move(value)})},
+                      detail::step_of(shared_from_this(),
+                                      [](WriteText& self, const std::vector<StatusCode>& results) {
+                                          self.written(results.front());
+                                      }),
+                      options_);
     }
     void written(StatusCode status)
     {

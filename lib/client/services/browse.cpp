@@ -85,6 +85,9 @@ private:
     /// There is no memory to go on: the nodes that more was to be done for have failed.
     void give_up()
     {
+        if (is_finished_) {
+            return; // it is the handler that has thrown
+        }
         for (const auto* const nodes : {&round_, &waiting_}) {
             for (const std::size_t node : *nodes) {
                 results_[node] = {};
@@ -99,6 +102,7 @@ private:
     }
     void finish()
     {
+        is_finished_ = true;
         if (const Done done = std::exchange(done_, nullptr)) {
             done(std::move(results_));
         }
@@ -211,6 +215,7 @@ private:
     ServiceOptions options_;
     std::size_t references_{0};
     bool is_cancelled_{false};
+    bool is_finished_{false};
 
     // Indices of nodes_: not begun (the next one last), in this round, refused in it, with more.
     std::vector<std::size_t> waiting_;

@@ -3,6 +3,7 @@
 #include <busbar/client/view.hpp>
 
 #include "later.hpp"
+#include "steps.hpp"
 
 namespace busbar::client {
 
@@ -41,6 +42,20 @@ public:
             requester_.cancel(later_);
         }
     }
+    /// What was to be browsed, or was browsed and has not been taken whole, has failed.
+    void no_memory()
+    {
+        if (done_ == nullptr) {
+            return;
+        }
+        tree_.is_complete = false;
+        for (const auto* const nodes : {&level_, &next_}) {
+            for (const std::size_t node : *nodes) {
+                tree_.nodes[node].status = status::Bad_OutOfMemory;
+            }
+        }
+        finish();
+    }
 
 private:
     void add(std::size_t parent, std::size_t depth, ReferenceDescription reference)
@@ -53,10 +68,11 @@ private:
             return;
         }
         seen_.insert(reference.node_id);
-        if (reference.node_id.is_local()) {
-            next_.push_back(tree_.nodes.size());
-        }
+        const bool is_local = reference.node_id.is_local();
         tree_.nodes.push_back({parent, depth, std::move(reference), {}});
+        if (is_local) {
+            next_.push_back(tree_.nodes.size() - 1);
+        }
     }
     /// False if there is nothing to browse.
     bool browse_level()
@@ -74,12 +90,12 @@ private:
             items.push_back(how_);
             items.back().node_id = tree_.nodes[node].reference.node_id.node_id;
         }
-        step_ = browse(
-            requester_, std::move(items),
-            [self = shared_from_this()](std::vector<BrowseResult> results) {
-                self->browsed(std::move(results));
-            },
-            limits_.browse, options_);
+        step_ = browse(requester_, std::move(items),
+                       detail::step_of(shared_from_this(),
+                                       [](TreeOperation& self, std::vector<BrowseResult> results) {
+                                           self.browsed(std::move(results));
+                                       }),
+                       limits_.browse, options_);
         return true;
     }
     void browsed(std::vector<BrowseResult> results)

@@ -6,12 +6,22 @@
 #include <busbar/client/node_address.hpp>
 #include <busbar/client/view.hpp>
 
+#include "steps.hpp"
+
 namespace busbar::client::detail {
 
 namespace {
 
 /// What is looked at of one node.
 constexpr std::size_t max_targets = 10'000;
+
+/// Rather than that there is nothing to be seen.
+bool is_unanswered(StatusCode status)
+{
+    return status == status::Bad_OutOfMemory || status == status::Bad_Timeout ||
+           status == status::Bad_ConnectionClosed || status == status::Bad_SecureChannelClosed ||
+           status == status::Bad_ServerNotConnected;
+}
 
 /// One element for all paths in each step.
 class PathSearch final : public OperationState, public std::enable_shared_from_this<PathSearch> {
@@ -50,17 +60,27 @@ public:
         }
         BrowseLimits limits;
         limits.max_references_per_node = max_targets;
-        operation_ = browse(
-            requester_, std::move(items),
-            [self = shared_from_this()](const std::vector<BrowseResult>& results) {
-                self->take(results);
-            },
-            limits, options_);
+        operation_ = browse(requester_, std::move(items),
+                            step_of(shared_from_this(),
+                                    [](PathSearch& self, const std::vector<BrowseResult>& results) {
+                                        self.take(results);
+                                    }),
+                            limits, options_);
     }
     void cancel() override
     {
         done_ = nullptr;
         operation_.cancel();
+    }
+    void no_memory()
+    {
+        if (done_ == nullptr) {
+            return;
+        }
+        for (const std::size_t i : open_) {
+            found_[i] = SearchedPath{fail(status::Bad_OutOfMemory), {}};
+        }
+        finish();
     }
 
 private:
@@ -79,6 +99,9 @@ private:
     [[nodiscard]] SearchedPath choose(const BrowseResult& result, BrowsePath& path) const
     {
         QualifiedName& name = path.relative_path.elements[at_].target_name;
+        if (is_unanswered(result.status_code)) {
+            return {fail(result.status_code), {}};
+        }
         Targets exact;
         Targets others;
         for (const ReferenceDescription& reference : result.references) {

@@ -9,6 +9,7 @@
 #include "later.hpp"
 #include "path_search.hpp"
 #include "reference_types.hpp"
+#include "steps.hpp"
 
 namespace busbar::client {
 
@@ -50,16 +51,26 @@ public:
             requester_.cancel(later_);
         }
     }
+    void no_memory()
+    {
+        for (ResolvedNode& result : results_) {
+            if (!result.id) {
+                result = ResolvedNode{fail(status::Bad_OutOfMemory), {}};
+            }
+        }
+        finish();
+    }
 
 private:
     void wait_for_session()
     {
-        step_ = read(
-            requester_, {attribute_of(NodeId{0, id::Server_NamespaceArray})},
-            [self = shared_from_this()](const std::vector<DataValue>& values) {
-                self->waited(values.front().status);
-            },
-            {}, options_);
+        step_ =
+            read(requester_, {attribute_of(NodeId{0, id::Server_NamespaceArray})},
+                 detail::step_of(shared_from_this(),
+                                 [](ResolveOperation& self, const std::vector<DataValue>& values) {
+                                     self.waited(values.front().status);
+                                 }),
+                 {}, options_);
     }
     void waited(StatusCode status)
     {
@@ -90,19 +101,21 @@ private:
             how.reference_type_id = NodeId{0, id::HasSubtype};
             TreeLimits limits;
             limits.max_nodes = max_types;
-            step_ = browse_tree(
-                requester_, {NodeId{0, id::References}}, how,
-                [self = shared_from_this()](const BrowsedTree& tree) { self->learn(tree); }, limits,
-                options_);
+            step_ = browse_tree(requester_, {NodeId{0, id::References}}, how,
+                                detail::step_of(shared_from_this(),
+                                                [](ResolveOperation& self,
+                                                   const BrowsedTree& tree) { self.learn(tree); }),
+                                limits, options_);
             return;
         }
         sent_ = paths;
-        step_ = translate(
-            requester_, std::move(paths),
-            [self = shared_from_this()](const std::vector<BrowsePathResult>& results) {
-                self->translated(results);
-            },
-            options_);
+        step_ = translate(requester_, std::move(paths),
+                          detail::step_of(shared_from_this(),
+                                          [](ResolveOperation& self,
+                                             const std::vector<BrowsePathResult>& results) {
+                                              self.translated(results);
+                                          }),
+                          options_);
     }
     [[nodiscard]] std::vector<BrowsePath> make_paths()
     {
@@ -159,12 +172,14 @@ private:
         }
         step_ = detail::search_paths(
             requester_, std::move(paths),
-            [self = shared_from_this(), searched](std::vector<detail::SearchedPath> found) {
-                for (std::size_t i = 0; i < searched.size(); ++i) {
-                    self->take(std::move(found[i]), self->results_[searched[i]]);
-                }
-                self->finish();
-            },
+            detail::step_of(
+                shared_from_this(),
+                [searched](ResolveOperation& self, std::vector<detail::SearchedPath> found) {
+                    for (std::size_t i = 0; i < searched.size(); ++i) {
+                        self.take(std::move(found[i]), self.results_[searched[i]]);
+                    }
+                    self.finish();
+                }),
             options_);
     }
     void take(detail::SearchedPath found, ResolvedNode& result) const
@@ -261,15 +276,16 @@ Operation resolve(Requester& requester, std::vector<NodeAddress> addresses,
                   std::function<void(std::vector<Result<NodeId>>)> done,
                   const ServiceOptions& options)
 {
+    // Made before it is needed: who has been found cannot fail any more.
+    const auto results =
+        std::make_shared<std::vector<Result<NodeId>>>(addresses.size(), fail(status::Bad_NoMatch));
     return resolve_nodes(
         requester, std::move(addresses),
-        [done = std::move(done)](std::vector<ResolvedNode> found) {
-            std::vector<Result<NodeId>> results;
-            results.reserve(found.size());
-            for (ResolvedNode& each : found) {
-                results.push_back(std::move(each.id));
+        [done = std::move(done), results](std::vector<ResolvedNode> found) {
+            for (std::size_t i = 0; i < found.size(); ++i) {
+                (*results)[i] = std::move(found[i].id);
             }
-            done(std::move(results));
+            done(std::move(*results));
         },
         options);
 }

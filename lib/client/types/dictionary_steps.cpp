@@ -6,6 +6,7 @@
 #include <busbar/client/view.hpp>
 #include <busbar/types/ids.hpp>
 
+#include "client/services/steps.hpp"
 #include "type_questions.hpp"
 
 namespace busbar::client::detail {
@@ -42,6 +43,7 @@ public:
         done_ = nullptr;
         step_.cancel();
     }
+    void no_memory() { finish(true); }
 
 private:
     struct Asked {
@@ -54,14 +56,14 @@ private:
 
     void ask_for_dictionaries()
     {
-        step_ = browse(
-            cache_->requester,
-            {references_of(NodeId{0, id::OPCBinarySchema_TypeSystem}, id::HasComponent,
-                           BrowseDirection::Forward)},
-            [self = shared_from_this()](const std::vector<BrowseResult>& results) {
-                self->read_dictionaries(results.front());
-            },
-            browse_limits(), options_);
+        step_ = browse(cache_->requester,
+                       {references_of(NodeId{0, id::OPCBinarySchema_TypeSystem}, id::HasComponent,
+                                      BrowseDirection::Forward)},
+                       step_of(shared_from_this(),
+                               [](DictionarySteps& self, const std::vector<BrowseResult>& results) {
+                                   self.read_dictionaries(results.front());
+                               }),
+                       browse_limits(), options_);
     }
     void read_dictionaries(const BrowseResult& found)
     {
@@ -80,12 +82,12 @@ private:
         if (items.empty()) {
             return take_dictionaries({});
         }
-        step_ = read(
-            cache_->requester, std::move(items),
-            [self = shared_from_this()](const std::vector<DataValue>& values) {
-                self->take_dictionaries(values);
-            },
-            {}, options_);
+        step_ = read(cache_->requester, std::move(items),
+                     step_of(shared_from_this(),
+                             [](DictionarySteps& self, const std::vector<DataValue>& values) {
+                                 self.take_dictionaries(values);
+                             }),
+                     {}, options_);
     }
     void take_dictionaries(const std::vector<DataValue>& values)
     {
@@ -94,8 +96,8 @@ private:
         if (!may_go_on(is_complete)) {
             return;
         }
-        auto& known = cache_->dictionaries.emplace(
-            cache_->entries, std::min(cache_->room(), cache_->limits.max_types));
+        DictionaryTypes known{cache_->entries, std::min(cache_->room(), cache_->limits.max_types)};
+        std::vector<binary::DefinitionError> errors;
         for (std::size_t i = 0; i < values.size(); ++i) {
             const auto* const xml = values[i].value.get_if<ByteString>();
             auto parsed =
@@ -104,13 +106,15 @@ private:
             if (parsed) {
                 known.add(dictionaries_[i], *std::move(parsed));
             } else {
-                cache_->dictionary_errors.push_back({parsed.error().status, dictionaries_[i],
-                                                     "type dictionary", "", parsed.error().found});
+                errors.push_back({parsed.error().status, dictionaries_[i], "type dictionary", "",
+                                  parsed.error().found});
             }
         }
-        for (binary::DataTypeEntry& entry : known.entries(cache_->dictionary_errors)) {
+        for (binary::DataTypeEntry& entry : known.entries(errors)) {
             cache_->add(std::move(entry));
         }
+        cache_->dictionaries = std::move(known); // now that nothing of them is missing
+        cache_->dictionary_errors = std::move(errors);
         ask_descriptions();
     }
 
@@ -160,12 +164,12 @@ private:
             asked_[i].dictionary = first_target(results[i]);
             items.push_back(attribute_of(asked_[i].description));
         }
-        step_ = read(
-            cache_->requester, std::move(items),
-            [self = shared_from_this()](const std::vector<DataValue>& values) {
-                self->take_names(values);
-            },
-            {}, options_);
+        step_ = read(cache_->requester, std::move(items),
+                     step_of(shared_from_this(),
+                             [](DictionarySteps& self, const std::vector<DataValue>& values) {
+                                 self.take_names(values);
+                             }),
+                     {}, options_);
     }
     void take_names(const std::vector<DataValue>& values)
     {
@@ -175,14 +179,14 @@ private:
             return;
         }
         for (std::size_t i = 0; i < asked_.size(); ++i) {
-            cache_->undescribed.erase(asked_[i].type);
             const auto found = cache_->entries.find(asked_[i].type);
             const auto* const name = values[i].value.get_if<String>();
             if (found != cache_->entries.end() && name != nullptr) {
+                cache_->is_compiled = false;
                 static_cast<void>(cache_->dictionaries->define(
                     found->second, asked_[i].dictionary, name->view(), cache_->dictionary_errors));
-                cache_->is_compiled = false;
             }
+            cache_->undescribed.erase(asked_[i].type);
         }
         finish(false);
     }
@@ -190,12 +194,13 @@ private:
     void ask(std::vector<BrowseDescription> items,
              void (DictionarySteps::*take)(const std::vector<BrowseResult>&))
     {
-        step_ = browse(
-            cache_->requester, std::move(items),
-            [self = shared_from_this(), take](const std::vector<BrowseResult>& results) {
-                (self.get()->*take)(results);
-            },
-            browse_limits(), options_);
+        step_ =
+            browse(cache_->requester, std::move(items),
+                   step_of(shared_from_this(),
+                           [take](DictionarySteps& self, const std::vector<BrowseResult>& results) {
+                               (self.*take)(results);
+                           }),
+                   browse_limits(), options_);
     }
     [[nodiscard]] bool are_complete(const std::vector<BrowseResult>& results)
     {

@@ -4,6 +4,7 @@
 #include <busbar/client/view.hpp>
 
 #include "client/services/later.hpp"
+#include "client/services/steps.hpp"
 #include "dictionary_steps.hpp"
 #include "type_questions.hpp"
 #include "type_state.hpp"
@@ -31,7 +32,10 @@ public:
         want(data_types);
         if (wanted_.empty()) {
             later_ = detail::later(cache_->requester,
-                                   [self = shared_from_this()] { self->look_at_values(); });
+                                   detail::step_of(shared_from_this(), [](LearnOperation& self) {
+                                       self.is_later_ = false;
+                                       self.next_types();
+                                   }));
             is_later_ = true;
         } else {
             ask_types();
@@ -44,6 +48,18 @@ public:
         if (is_later_) {
             cache_->requester.cancel(later_);
         }
+    }
+    /// What is known by half is forgotten, so that it is asked for again.
+    void no_memory()
+    {
+        if (done_ == nullptr) {
+            return;
+        }
+        for (const NodeId& type : named_) {
+            cache_->entries.erase(type);
+            cache_->is_compiled = false;
+        }
+        finish();
     }
 
 private:
@@ -96,13 +112,13 @@ private:
         for (const NodeId& type : asked_) {
             detail::ask_attributes(type, items);
         }
-        step_ = read(
-            cache_->requester, std::move(items),
-            [self = shared_from_this()](std::vector<DataValue> values) {
-                self->attributes_ = std::move(values);
-                self->ask_references();
-            },
-            {}, options_);
+        step_ = read(cache_->requester, std::move(items),
+                     detail::step_of(shared_from_this(),
+                                     [](LearnOperation& self, std::vector<DataValue> values) {
+                                         self.attributes_ = std::move(values);
+                                         self.ask_references();
+                                     }),
+                     {}, options_);
     }
     void ask_references()
     {
@@ -112,9 +128,10 @@ private:
         }
         step_ = browse(
             cache_->requester, std::move(items),
-            [self = shared_from_this()](const std::vector<BrowseResult>& results) {
-                self->take_answers(results);
-            },
+            detail::step_of(shared_from_this(),
+                            [](LearnOperation& self, const std::vector<BrowseResult>& results) {
+                                self.take_answers(results);
+                            }),
             browse_limits(), options_);
     }
     void take_answers(const std::vector<BrowseResult>& references)
@@ -150,12 +167,13 @@ private:
     }
     void ask_names(std::vector<ReadValueId> items)
     {
-        step_ = read(
-            cache_->requester, std::move(items),
-            [self = shared_from_this()](const std::vector<DataValue>& values) {
-                self->take_names(values);
-            },
-            {}, options_);
+        step_ =
+            read(cache_->requester, std::move(items),
+                 detail::step_of(shared_from_this(),
+                                 [](LearnOperation& self, const std::vector<DataValue>& values) {
+                                     self.take_names(values);
+                                 }),
+                 {}, options_);
     }
     void take_names(const std::vector<DataValue>& values)
     {
@@ -167,6 +185,7 @@ private:
                 cache_->is_compiled = false;
             }
         }
+        named_.clear();
         next_types();
     }
     void next_types()
@@ -183,10 +202,11 @@ private:
     {
         step_ = detail::learn_from_dictionaries(
             cache_, std::exchange(undescribed_, {}),
-            [self = shared_from_this()](bool has_failed) {
-                self->has_failed_ = self->has_failed_ || has_failed;
-                self->look_at_values();
-            },
+            detail::step_of(shared_from_this(),
+                            [](LearnOperation& self, bool has_failed) {
+                                self.has_failed_ = self.has_failed_ || has_failed;
+                                self.look_at_values();
+                            }),
             options_);
     }
 
@@ -194,7 +214,6 @@ private:
 
     void look_at_values()
     {
-        is_later_ = false;
         const auto types = cache_->compiled();
         detail::EncodingSearch search{*types, cache_->limits.max_structures};
         for (const Variant& value : values_) {
@@ -219,9 +238,10 @@ private:
         }
         step_ = browse(
             cache_->requester, std::move(items),
-            [self = shared_from_this()](const std::vector<BrowseResult>& results) {
-                self->take_types(results);
-            },
+            detail::step_of(shared_from_this(),
+                            [](LearnOperation& self, const std::vector<BrowseResult>& results) {
+                                self.take_types(results);
+                            }),
             browse_limits(), options_);
     }
     void take_types(const std::vector<BrowseResult>& results)

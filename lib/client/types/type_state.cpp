@@ -24,8 +24,8 @@ void TypeCache::State::begin()
 void TypeCache::State::check_revision()
 {
     if (revision != requester.server().revision) {
-        revision = requester.server().revision;
         begin();
+        revision = requester.server().revision; // if it throws on the way, it begins again
     }
 }
 
