@@ -52,7 +52,10 @@ void Client::Impl::survive(FunctionRef<void()> work)
 bool Client::Impl::end_failed()
 {
     const StatusCode why = std::exchange(failure, StatusCode{});
-    if (!why.is_bad() || transport.is_none()) {
+    const bool is_settled =
+        transport.is_none() && (state == ClientState::Waiting || state == ClientState::Closing ||
+                                state == ClientState::Closed);
+    if (!why.is_bad() || is_settled) {
         return why.is_bad();
     }
     survive([&] { lose(why); });
@@ -255,7 +258,7 @@ void Client::connected(std::uint64_t order, TimePoint now)
 {
     impl_->tell(now);
     if (impl_->transport.connected(order)) {
-        impl_->use_connection();
+        impl_->survive([&] { impl_->use_connection(); });
     }
 }
 

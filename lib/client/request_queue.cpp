@@ -18,11 +18,16 @@ RequestId RequestQueue::add(Encode encode, Handler handler, const RequestOptions
     request.waits_for_session = options.waits_for_session;
     const auto added = requests_.emplace(id, std::move(request)).first;
     ++waiting_count_;
+    busbar::detail::Undo undo{[&] {
+        requests_.erase(added);
+        --waiting_count_;
+    }};
     if (is_full) {
         finish(added, fail(status::Bad_TooManyOperations));
     } else if (is_closed || (!is_ready && !options.waits_for_session)) {
         finish(added, fail(status::Bad_ServerNotConnected));
     }
+    undo.keep();
     return id;
 }
 
