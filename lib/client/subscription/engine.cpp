@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
+
 namespace busbar::client::detail {
 
 SubscriptionEngine::SubscriptionEngine(Requester& requester, const SubscriberLimits& limits)
@@ -50,10 +52,28 @@ void SubscriptionEngine::session_lost()
 {
     is_begun_ = false;
     requests_.end_session();
-    publishes_.end_session();
+    busbar::detail::attempt([this] {
+        requests_.watch([this] {
+            publishes_.end_session();
+            ends_.end_session();
+            subscriptions_.for_each(
+                [this](WatchedSubscription& subscription) { subscription.interrupt(items_); });
+        });
+    });
+}
+
+/// Something has found no memory, and nobody knows what the server has and what was told: all that
+/// is at the server is made anew. This needs next to none itself, and can be repeated.
+void SubscriptionEngine::start_over()
+{
+    requests_.cancel_all();
+    publishes_.clear();
     ends_.end_session();
-    subscriptions_.for_each(
-        [this](WatchedSubscription& subscription) { subscription.interrupt(items_); });
+    subscriptions_.for_each([this](WatchedSubscription& subscription) {
+        subscription.polls.clear();
+        ends_.lost(subscription, status::Bad_OutOfMemory, true);
+    });
+    requests_.forget_failure();
 }
 
 TimePoint SubscriptionEngine::next_deadline() const
@@ -61,7 +81,7 @@ TimePoint SubscriptionEngine::next_deadline() const
     if (!requests_.has_session()) {
         return no_deadline;
     }
-    if (requests_.has_work() || !is_begun_) {
+    if (requests_.has_work() || requests_.has_failed() || !is_begun_) {
         return requests_.now();
     }
     TimePoint next = publishing_.next_deadline(handled_until_);
@@ -77,6 +97,14 @@ void SubscriptionEngine::handle_deadline(TimePoint now)
         return;
     }
     handled_until_ = now;
+    if (requests_.has_failed()) {
+        start_over();
+    }
+    requests_.watch([&] { do_all(now); });
+}
+
+void SubscriptionEngine::do_all(TimePoint now)
+{
     if (!is_begun_) {
         begin_session();
     }

@@ -40,6 +40,8 @@ public:
 
 private:
     void begin_session();
+    void start_over();
+    void do_all(TimePoint now);
     void work();
     void work_on(WatchedSubscription& subscription);
     void work_on_live(WatchedSubscription& subscription);

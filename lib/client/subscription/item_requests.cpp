@@ -18,7 +18,8 @@ bool is_uncertain(StatusCode status)
 {
     return status == status::Bad_Timeout || status == status::Bad_ConnectionClosed ||
            status == status::Bad_SecureChannelClosed || status == status::Bad_DecodingError ||
-           status == status::Bad_UnexpectedError || status == status::Bad_RequestInterrupted;
+           status == status::Bad_UnexpectedError || status == status::Bad_RequestInterrupted ||
+           status == status::Bad_OutOfMemory;
 }
 
 ItemRequests::ItemRequests(SessionRequests& requests, WatchList& subscriptions,
@@ -83,9 +84,10 @@ void ItemRequests::resolve_nodes(const WatchedSubscription& subscription,
         return;
     }
     resolve(requests_.requester(), std::move(addresses),
-            [guard = guard(subscription), done = std::move(done)](const auto& nodes) {
+            [&requests = requests_, guard = guard(subscription),
+             done = std::move(done)](const std::vector<Result<NodeId>>& nodes) {
                 if (guard()) {
-                    done(nodes);
+                    requests.watch([&] { done(nodes); });
                 }
             });
 }

@@ -61,15 +61,18 @@ MonitoringParameters ItemParameters::for_server(ItemHandle item) const
 
 ItemHandle ItemTable::add(Item item)
 {
-    if (free_.empty()) {
-        if (items_.size() == capacity) {
-            return 0;
+    std::uint32_t index = static_cast<std::uint32_t>(items_.size());
+    if (!free_.empty()) {
+        index = free_.back();
+        free_.pop_back();
+    } else if (items_.size() == capacity) {
+        return 0;
+    } else {
+        if (free_.capacity() == items_.size()) { // so that remove() needs no memory
+            free_.reserve(2 * items_.size() + 16);
         }
-        free_.push_back(static_cast<std::uint32_t>(items_.size()));
         items_.emplace_back();
     }
-    const std::uint32_t index = free_.back();
-    free_.pop_back();
     item.generation = items_[index].generation;
     items_[index] = std::move(item);
     return std::uint32_t{items_[index].generation} << index_bits | index;

@@ -30,6 +30,12 @@ void PublishQueue::end_session()
     requests_.clear();
 }
 
+void PublishQueue::clear()
+{
+    requests_.clear();
+    acknowledgements_.clear();
+}
+
 std::size_t PublishQueue::awaited() const
 {
     return static_cast<std::size_t>(

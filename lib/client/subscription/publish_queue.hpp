@@ -31,6 +31,8 @@ public:
     void begin_session();
     /// No request will be answered any more.
     void end_session();
+    /// Forgets all requests and acknowledgements.
+    void clear();
 
     /// How many more requests shall go out if `wanted` in all shall wait.
     [[nodiscard]] std::size_t missing(std::size_t wanted) const;

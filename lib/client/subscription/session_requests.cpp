@@ -23,9 +23,21 @@ void SessionRequests::begin_session()
 void SessionRequests::end_session()
 {
     session_.reset();
-    for (const auto& [token, request] : std::exchange(requests_, {})) {
-        requester_.cancel(request);
+    cancel_all();
+}
+
+void SessionRequests::cancel_all()
+{
+    for (const auto& entry : std::exchange(requests_, {})) {
+        busbar::detail::attempt([&] { requester_.cancel(entry.second); });
     }
+}
+
+void SessionRequests::watch(FunctionRef<void()> work)
+{
+    busbar::detail::Undo undo{[this] { has_failed_ = true; }};
+    work();
+    undo.keep();
 }
 
 std::function<bool()> SessionRequests::in_session() const

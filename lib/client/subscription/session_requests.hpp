@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <busbar/client/requester.hpp>
+#include <busbar/core/detail/guarded.hpp>
 
 namespace busbar::client::detail {
 
@@ -26,6 +27,7 @@ public:
     void begin_session();
     /// Forgets what is under way.
     void end_session();
+    void cancel_all();
     [[nodiscard]] bool has_session() const { return session_ != nullptr; }
     /// True as long as the session that there is now lasts. May outlive this.
     [[nodiscard]] std::function<bool()> in_session() const;
@@ -39,6 +41,12 @@ public:
     /// For services over several requests.
     [[nodiscard]] Requester& requester() { return requester_; }
 
+    /// Calls `work`. If that finds no memory, nobody knows how far it came: has_failed() from then
+    /// on. All handlers of answers are called so.
+    void watch(FunctionRef<void()> work);
+    [[nodiscard]] bool has_failed() const { return has_failed_; }
+    void forget_failure() { has_failed_ = false; }
+
     /// There is something to do at the next deadline, which is now.
     void call_for_work() { has_work_ = true; }
     void begin_work() { has_work_ = false; }
@@ -48,6 +56,7 @@ private:
     Requester& requester_;
     std::function<void()> answered_;
     bool has_work_{false};
+    bool has_failed_{false};
     std::shared_ptr<bool> session_; // another one for each session
     std::uint64_t last_token_{0};
     std::unordered_map<std::uint64_t, RequestId> requests_;
@@ -57,15 +66,19 @@ template <typename Response, typename Request, typename Handle>
 void SessionRequests::send(Request request, Handle handle, Duration timeout)
 {
     const std::uint64_t token = ++last_token_;
-    const RequestId id = requester_.call<Response>(
+    RequestId& id = requests_[token];
+    busbar::detail::Undo undo{[&] { requests_.erase(token); }};
+    id = requester_.call<Response>(
         std::move(request),
         [this, token, handle = std::move(handle)](Result<Response> response) {
             requests_.erase(token);
-            handle(std::move(response));
-            answered_();
+            watch([&] {
+                handle(std::move(response));
+                answered_();
+            });
         },
         {timeout, false});
-    requests_.emplace(token, id);
+    undo.keep();
 }
 
 } // namespace busbar::client::detail

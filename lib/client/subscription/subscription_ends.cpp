@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <busbar/core/detail/guarded.hpp>
+
 namespace busbar::client::detail {
 
 namespace {
@@ -25,7 +27,9 @@ void SubscriptionEnds::begin_session(bool is_new)
 
 void SubscriptionEnds::end_session()
 {
-    doomed_.insert(doomed_.end(), deleting_.begin(), deleting_.end());
+    // One that is forgotten ends with its lifetime.
+    busbar::detail::attempt(
+        [this] { doomed_.insert(doomed_.end(), deleting_.begin(), deleting_.end()); });
     deleting_.clear();
 }
 

@@ -17,7 +17,8 @@ constexpr Duration refresh_pause = std::chrono::seconds{1};
 bool is_unanswered(StatusCode status)
 {
     return status == status::Bad_Timeout || status == status::Bad_ConnectionClosed ||
-           status == status::Bad_SecureChannelClosed || status == status::Bad_ServerNotConnected;
+           status == status::Bad_SecureChannelClosed || status == status::Bad_ServerNotConnected ||
+           status == status::Bad_OutOfMemory;
 }
 
 StatusCode outcome_of(const Result<CallResponse>& response)
@@ -194,7 +195,7 @@ void ValueRefresh::read_again(WatchedSubscription& subscription,
             for (std::size_t i = 0; i < answers.size(); ++i) {
                 values[i].value = std::move(answers[i]);
             }
-            deliver_read(handle, values, losses);
+            requests_.watch([&] { deliver_read(handle, values, losses); });
         },
         settings, at_once);
 }

@@ -109,6 +109,11 @@ Result<std::vector<ItemHandle>> Wishes::add_items(SubscriptionHandle handle,
     }
     std::vector<ItemHandle> handles;
     handles.reserve(items.size());
+    busbar::detail::Undo undo{[&] {
+        for (const ItemHandle added : handles) {
+            items_.remove(added);
+        }
+    }};
     std::shared_ptr<const ItemParameters> parameters;
     for (ItemSettings& settings : items) {
         if (!parameters || !parameters->are_those_of(settings)) {
@@ -124,6 +129,7 @@ Result<std::vector<ItemHandle>> Wishes::add_items(SubscriptionHandle handle,
             handles.back());
     }
     subscription->items.insert(subscription->items.end(), handles.begin(), handles.end());
+    undo.keep();
     requests_.call_for_work();
     return handles;
 }
