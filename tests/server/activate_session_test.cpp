@@ -340,6 +340,37 @@ TEST_CASE_METHOD(Working, "passwords are checked by a worker while others are se
     }
 }
 
+TEST_CASE_METHOD(Working, "D1: what waits before a session is activated is little")
+{
+    auto client = fixture.connect(encrypt);
+    REQUIRE(client.create_session());
+    ActivateSessionRequest request;
+    request.client_signature = client.signature();
+    request.user_identity_token = client.user("operator", "operator-secret");
+    const std::size_t most = server::ServerLimits{}.max_sessionless_message;
+    request.client_software_certificates.resize(1);
+    request.client_software_certificates[0].certificate_data =
+        ByteString{std::vector<std::byte>(most / 2)};
+    std::vector<std::uint32_t> sent;
+    for (int i = 0; i < 60; ++i) {
+        sent.push_back(client.send(request));
+    }
+    const auto refused = [&] {
+        int count = 0;
+        for (const std::uint32_t id : sent) {
+            const auto response = client.take<ActivateSessionResponse>(id);
+            count += !response && response.error() == status::Bad_TooManyOperations ? 1 : 0;
+        }
+        return count;
+    }();
+    CHECK(refused >= 28); // 16 of the largest that may be sent, so 32 of these
+    CHECK(refused < 45);
+    finish(client);
+    // From now on it has what a session has.
+    REQUIRE(client.is_closed() == false);
+    CHECK(use(client) == status::Good);
+}
+
 namespace {
 
 /// A server whose worker takes few logins, and clients without certificates of many addresses.

@@ -108,7 +108,7 @@ struct SubscriptionParts {
     SubscriptionNeeds needs{space,    sources, types, limits, environment,
                             counters, values,  log,   &events};
     SubscriptionTable all{needs};
-    Session session{1'000'000};
+    Session session{1'000'000, 1'000'000};
     Subscription* subscription{nullptr};
 };
 
@@ -117,7 +117,7 @@ struct SubscriptionParts {
 TEST_CASE("GetMonitoredItems and ResendData are there as functions")
 {
     SubscriptionParts parts;
-    Session other{1'000'000};
+    Session other{1'000'000, 1'000'000};
     parts.add_item(7);
     parts.add_item(8);
     const std::uint32_t id = parts.subscription->id();

@@ -61,7 +61,7 @@ inline StatusCode browse_next(ViewContext& context, const BrowseNextRequest& req
 struct ViewFixture : model::ModelFixture {
     ServerLimits limits;
     test::SeededRandom random{1};
-    Session session{1U << 20U};
+    Session session{1U << 20U, 1U << 20U};
     UserIdentity user;
     const AccessControl* control{nullptr};
     model::NodeIndex folder{add_folder("folder", objects)};

@@ -135,7 +135,7 @@ TEST_CASE_METHOD(ViewFixture, "Continuation points are limited, single use and o
     const ByteString first = response.results[0].continuation_point;
     const ByteString second = response.results[1].continuation_point;
     CHECK(first != second);
-    Session other{1000};
+    Session other{1000, 1000};
     ViewContext view{space, {space, user, control}, limits, random, other};
     BrowseNextRequest request;
     request.continuation_points = {first, ByteString{}, ByteString{second.span().first(15)}};
@@ -165,7 +165,7 @@ TEST_CASE_METHOD(ViewFixture, "A new request frees the points of earlier ones th
 TEST_CASE_METHOD(ViewFixture, "Continuation points are charged to the session")
 {
     add_children(3);
-    Session poor{10};
+    Session poor{10, 10};
     ViewContext view{space, {space, user, control}, limits, random, poor};
     BrowseRequest request;
     request.nodes_to_browse = {description(node("folder"))};

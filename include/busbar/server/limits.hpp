@@ -41,7 +41,8 @@ struct ServerLimits {
     /// closed earlier if a new one needs its place (Part 4, 5.6.2.1): of that address, or of the
     /// network that has most. Only if all have sessions a new one is refused.
     std::chrono::milliseconds sessionless_timeout{30'000};
-    /// Bytes of a request over a channel to which no activated session is bound.
+    /// Bytes of a request over a channel to which no activated session is bound. Those of one
+    /// session that wait may hold 16 times as much, and max_session_memory once it is activated.
     std::uint32_t max_sessionless_message{64U << 10U};
     /// Bytes that may wait for a peer to take them, and how long it may take none. While more than
     /// half of that waits, no requests are worked on.

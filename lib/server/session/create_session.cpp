@@ -22,6 +22,8 @@ namespace {
 constexpr std::size_t nonce_size = 32;
 constexpr std::size_t max_nonce_size = 128;
 constexpr std::size_t max_text_size = 256;
+/// What may wait before a session is activated, in the largest that may be sent then (D1).
+constexpr std::size_t sessionless_requests = 16;
 
 /// The security of the channel has to be that of an endpoint: discovery may have less.
 Checked<void> check_endpoint(const ServerConfig& config, const channel::SecuritySetting& security)
@@ -218,7 +220,9 @@ Result<std::unique_ptr<Session>> make_session(const SessionNeeds& needs,
     if (!id || !token || !nonce) {
         return fail(status::Bad_ResourceUnavailable);
     }
-    auto session = std::make_unique<Session>(needs.limits().max_session_memory);
+    const ServerLimits& limits = needs.limits();
+    auto session = std::make_unique<Session>(limits.max_session_memory,
+                                             sessionless_requests * limits.max_sessionless_message);
     session->id = NodeId{needs.own_namespace, *id};
     session->authentication_token = NodeId{0, *token};
     session->server_nonce = *std::move(nonce);

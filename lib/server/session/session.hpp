@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <busbar/channel/channel_types.hpp>
@@ -31,7 +32,12 @@ public:
 /// A Session (Part 4, 5.7). Fields are plain: the session services change them, others read.
 class Session {
 public:
-    explicit Session(std::size_t max_memory) : memory_left_{max_memory} {}
+    /// Of `max_memory` it has `sessionless_memory` until it is activated.
+    explicit Session(std::size_t max_memory, std::size_t sessionless_memory)
+        : memory_left_{std::min(max_memory, sessionless_memory)}, memory_kept_back_{max_memory -
+                                                                                    memory_left_}
+    {
+    }
 
     /// Charges what the session makes the server hold; false, and nothing is charged, if it has
     /// not that much left.
@@ -44,6 +50,8 @@ public:
         return true;
     }
     void release(std::size_t bytes) { memory_left_ += bytes; }
+    /// It is activated.
+    void release_all() { memory_left_ += std::exchange(memory_kept_back_, 0); }
     /// From now on it is this user's. Of a long history the creator and the latest are kept.
     void change_user(UserIdentity next)
     {
@@ -121,6 +129,7 @@ public:
 
 private:
     std::size_t memory_left_;
+    std::size_t memory_kept_back_;
 };
 
 [[nodiscard]] inline bool is_encrypted(const Session& session)
