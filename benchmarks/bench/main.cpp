@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <exception>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -289,9 +290,7 @@ CLI::App* add_appendix7(CLI::App& app, bench::SevenOptions& options)
     return seven;
 }
 
-} // namespace
-
-int main(int argc, char** argv)
+int run(int argc, char** argv)
 {
     bench::Options options;
     bench::HostileOptions hostile_options;
@@ -329,4 +328,16 @@ int main(int argc, char** argv)
         return run_appendix7(seven_options, options.json);
     }
     return growth->parsed() ? run_growth(growth_options, options.json) : run_loads(options);
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    try {
+        return run(argc, argv);
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "busbar-bench: %s\n", error.what());
+        return 1;
+    }
 }
