@@ -94,7 +94,7 @@ TEST_CASE("after the first message under the new token the old one is void", "[c
 TEST_CASE("the old token is void so even if the server went over to the new one by itself",
           "[channel][renewal]")
 {
-    InRenewal renewal;
+    InRenewal renewal{GENERATE(Way::InPlace, Way::Worker)};
     ChannelPair& pair = renewal.pair;
     const Bytes old = message_of(pair);
     feed(pair, old);
