@@ -20,7 +20,6 @@ namespace busbar::example {
 
 namespace {
 
-using controller::PlcConfig;
 using controller::PlcEvent;
 using controller::PlcProgram;
 using controller::PlcProgramKind;
