@@ -8,6 +8,7 @@
 
 #include <busbar/client/requester.hpp>
 #include <busbar/core/detail/guarded.hpp>
+#include <busbar/core/function_ref.hpp>
 
 namespace busbar::client::detail {
 
