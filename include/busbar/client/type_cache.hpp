@@ -59,7 +59,7 @@ public:
 
     /// Asks for those of the DataTypes that are not known, and for everything that they need.
     /// `done` is called when types() has them, or when the server turns out not to describe them.
-    Operation learn(std::vector<NodeId> data_types, std::function<void()> done,
+    Operation learn(const std::vector<NodeId>& data_types, std::function<void()> done,
                     const ServiceOptions& options = {});
     /// Asks for the types of all structures in the values, also of those within others.
     Operation learn_values(std::vector<Variant> values, std::function<void()> done,

@@ -27,7 +27,7 @@ NodeId first_target(const BrowseResult& answer)
 class DictionarySteps final : public OperationState,
                               public std::enable_shared_from_this<DictionarySteps> {
 public:
-    DictionarySteps(std::shared_ptr<TypeCache::State> cache, std::set<NodeId> types,
+    DictionarySteps(std::shared_ptr<TypeCache::State> cache, const std::set<NodeId>& types,
                     std::function<void(bool)> done, const ServiceOptions& options)
         : cache_{std::move(cache)}, revision_{cache_->revision}, done_{std::move(done)},
           options_{options}
@@ -249,11 +249,11 @@ bool is_undescribed(const binary::DataTypeEntry& entry)
 }
 
 Operation learn_from_dictionaries(const std::shared_ptr<TypeCache::State>& cache,
-                                  std::set<NodeId> types, std::function<void(bool)> done,
+                                  const std::set<NodeId>& types, std::function<void(bool)> done,
                                   const ServiceOptions& options)
 {
     const auto operation =
-        std::make_shared<DictionarySteps>(cache, std::move(types), std::move(done), options);
+        std::make_shared<DictionarySteps>(cache, types, std::move(done), options);
     operation->begin();
     return Operation{operation};
 }

@@ -11,7 +11,7 @@ namespace busbar::client::detail {
 /// dictionaries, which it reads before the first time. They are no longer among the cache's
 /// undescribed ones then, unless an answer is missing, which `done` is told.
 Operation learn_from_dictionaries(const std::shared_ptr<TypeCache::State>& cache,
-                                  std::set<NodeId> types, std::function<void(bool)> done,
+                                  const std::set<NodeId>& types, std::function<void(bool)> done,
                                   const ServiceOptions& options);
 
 } // namespace busbar::client::detail

@@ -335,7 +335,7 @@ const std::vector<binary::DefinitionError>& TypeCache::dictionary_errors() const
     return state_->dictionary_errors;
 }
 
-Operation TypeCache::learn(std::vector<NodeId> data_types, std::function<void()> done,
+Operation TypeCache::learn(const std::vector<NodeId>& data_types, std::function<void()> done,
                            const ServiceOptions& options)
 {
     return begin(state_, data_types, {}, std::move(done), options);
