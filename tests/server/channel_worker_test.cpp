@@ -3,7 +3,6 @@
 #include <deque>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <vector>
 
 #include <busbar/server/running_server.hpp>
@@ -317,29 +316,3 @@ TEST_CASE_METHOD(Worked, "an answer is signed with the key that its request was 
     fixture.advance(1s, client);
     CHECK(client.is_closed()); // as all with the old one
 }
-
-#if defined(__cpp_exceptions)
-namespace {
-
-class BrokenWorker final : public server::Worker {
-public:
-    [[nodiscard]] bool run(std::function<void()>) override
-    {
-        throw std::runtime_error{"bus error"};
-    }
-};
-
-} // namespace
-
-TEST_CASE("a worker that throws ends the connection that it was to work for")
-{
-    SilentWaker waker;
-    BrokenWorker worker;
-    ServerFixture fixture{waker, &worker};
-    auto other = fixture.log_in();
-    auto client = fixture.connect(secured);
-    CHECK(client.is_closed());
-    CHECK(fixture.log.text.find("Worker::run threw: bus error") != std::string::npos);
-    CHECK(use(other) == status::Good);
-}
-#endif

@@ -9,7 +9,9 @@
 #include "attribute_fixture.hpp"
 #include "method_fixture.hpp"
 #include "server/subscription/timer_queue.hpp"
+#include "session_use.hpp"
 #include "subscription_fixture.hpp"
+#include "support/job_list.hpp"
 #include "thrown.hpp"
 
 using namespace busbar;
@@ -325,4 +327,29 @@ TEST_CASE("A1: a PLC task that publishes a scan is not told what the Waker throw
         CHECK(waker.calls == 1);
     }
     CHECK(waker.calls == 2);
+}
+
+namespace {
+
+class BrokenWorker final : public server::Worker {
+public:
+    [[nodiscard]] bool run(std::function<void()>) override
+    {
+        throw_if(true);
+        return false;
+    }
+};
+
+} // namespace
+
+TEST_CASE("A1: a worker that throws ends the connection that it was to work for")
+{
+    SilentWaker waker;
+    BrokenWorker worker;
+    ServerFixture fixture{waker, &worker};
+    auto other = fixture.log_in();
+    auto client = fixture.connect(setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt));
+    CHECK(client.is_closed());
+    CHECK(fixture.log.text.find("Worker::run threw: bus error") != std::string::npos);
+    CHECK(use(other) == status::Good);
 }
