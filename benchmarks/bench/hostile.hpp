@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <sys/types.h>
@@ -67,10 +66,6 @@ struct HostileRow {
     [[nodiscard]] double growth_mb() const { return after.now_mb - before.now_mb; }
     [[nodiscard]] double peak_growth_mb() const { return after.peak_mb - before.now_mb; }
 };
-
-/// The one user of a server of one's own that is attacked.
-inline constexpr std::string_view good_user = "operator";
-inline constexpr std::string_view good_password = "Good-Password-1";
 
 /// First nothing, then each attack for the time of the options. Fails where the good client gets
 /// no connection, before, while or after the server is attacked.

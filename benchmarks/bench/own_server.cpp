@@ -15,7 +15,6 @@
 #include <busbar/net/worker_thread.hpp>
 #include <busbar/server/password_users.hpp>
 
-#include "hostile.hpp"
 #include "identity.hpp"
 
 namespace busbar::bench {

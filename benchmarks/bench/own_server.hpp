@@ -2,12 +2,17 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include <sys/types.h>
 
 #include <busbar/core/result.hpp>
 
 namespace busbar::bench {
+
+/// The one user that it may know.
+inline constexpr std::string_view good_user = "operator";
+inline constexpr std::string_view good_password = "Good-Password-1";
 
 /// What the server is like.
 struct OwnServerOptions {

@@ -136,7 +136,7 @@ int run(int argc, char** argv)
     if (wants_certificate) {
         return regenerate_certificate(example::read_sources(origin).config);
     }
-    // All threads but the PLC's, which so has a processor as soon as it needs one (G8).
+    // All threads but the PLC's, which so goes before them (G8).
     controller::PlcTask::keep_priority();
     net::give_way();
     bool starts = true;

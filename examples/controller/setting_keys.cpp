@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <busbar/channel/channel_types.hpp>
+#include <busbar/controller/plc_task.hpp>
 
 #include "limits_section.hpp"
 
@@ -110,7 +111,9 @@ std::vector<Setting> plc_settings()
 {
     return {
         {.name = "plc.scan_ms", .otherwise = number(20), .range = Range{1, 10'000}, .unit = "ms"},
-        {.name = "plc.realtime_priority", .otherwise = number(10), .range = Range{0, 99}},
+        {.name = "plc.realtime_priority",
+         .otherwise = number(controller::PlcTask::usual_priority),
+         .range = Range{0, 99}},
         {.name = "plc.queued_scans", .otherwise = number(4), .range = Range{1, 1'000}},
         {.name = "plc.waiting_writes", .otherwise = number(1'024), .range = Range{1, 100'000}},
         {.name = "plc.variable", .otherwise = texts({})},

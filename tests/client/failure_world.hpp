@@ -13,6 +13,7 @@
 #include <busbar/types/ids.hpp>
 
 #include "support/failing_allocation.hpp"
+#include "support/job_list.hpp"
 #include "support/server_fixture.hpp"
 
 namespace busbar::test {
@@ -95,12 +96,8 @@ public:
         return node;
     }
 
-    struct NoWaker final : server::Waker {
-        void wake() override {}
-    };
-
     // These outlive the server.
-    NoWaker no_waker;
+    SilentWaker no_waker;
     server::MethodTable table;
     ServerFixture site{no_waker, server_config()};
     client::Client client{config(),
@@ -176,12 +173,7 @@ private:
     template <typename Work>
     void counted(Work work)
     {
-        try {
-            const Counted while_it_works;
-            work();
-        } catch (const std::bad_alloc&) {
-            ++thrown;
-        }
+        thrown += survives_counted(std::move(work)) ? 0 : 1;
     }
     void run()
     {

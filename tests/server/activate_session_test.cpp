@@ -1,7 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include <deque>
-
+#include "support/job_list.hpp"
 #include "user_fixture.hpp"
 
 using namespace busbar;
@@ -208,49 +207,6 @@ TEST_CASE("guessing elsewhere delays the right user at a new place, and never at
 
 namespace {
 
-/// Does its jobs when the test says so.
-class ManualWorker final : public server::Worker {
-public:
-    [[nodiscard]] bool run(std::function<void()> job) override
-    {
-        if (is_full) {
-            return false;
-        }
-        jobs.push_back(std::move(job));
-        return true;
-    }
-    void work()
-    {
-        for (const auto& job : std::exchange(jobs, {})) {
-            job();
-        }
-    }
-
-    std::vector<std::function<void()>> jobs;
-    bool is_full{false};
-};
-
-/// As net::WorkerThread is.
-class SmallWorker final : public server::Worker {
-public:
-    [[nodiscard]] bool run(std::function<void()> job) override
-    {
-        if (jobs.size() >= 6) {
-            return false;
-        }
-        jobs.push_back(std::move(job));
-        return true;
-    }
-    void work_once()
-    {
-        REQUIRE_FALSE(jobs.empty());
-        jobs.front()();
-        jobs.pop_front();
-    }
-
-    std::deque<std::function<void()>> jobs;
-};
-
 class CountingWaker final : public server::Waker {
 public:
     void wake() override { ++count; }
@@ -267,15 +223,20 @@ struct Working {
     {
         return client.send_activate(client.user("operator", password));
     }
+    void work()
+    {
+        while (worker.work_once()) {
+        }
+    }
     void finish(TestClient& client)
     {
-        worker.work();
+        work();
         fixture.server.handle_completions(fixture.now);
         client.run();
     }
 
     CountingWaker waker;
-    ManualWorker worker;
+    JobList worker;
     ServerFixture fixture{waker};
 };
 
@@ -306,7 +267,7 @@ TEST_CASE_METHOD(Working, "passwords are checked by a worker while others are se
             const auto guess = send(client, "guess");
             while (fixture.server.next_changed()) {
             }
-            worker.work();
+            work();
             fixture.server.handle_completions(fixture.now);
             CHECK(fixture.server.next_changed() == client.connection.id());
             fixture.advance(delay, client);
@@ -335,7 +296,7 @@ TEST_CASE_METHOD(Working, "passwords are checked by a worker while others are se
     }
     SECTION("the worker is full")
     {
-        worker.is_full = true;
+        worker.most = 0;
         CHECK(client.take_activate(send(client, "operator-secret")) == status::Bad_ServerTooBusy);
     }
 }
@@ -377,6 +338,7 @@ namespace {
 struct Crowded {
     Crowded()
     {
+        worker.most = 6; // as a net::WorkerThread has an end
         fixture.users.used_worker = &worker;
         for (int i = 0; i < 8; ++i) {
             strangers.push_back(connect("192.0.2." + std::to_string(60 + i)));
@@ -397,13 +359,13 @@ struct Crowded {
     /// One check of those that wait.
     void work(TestClient& client)
     {
-        worker.work_once();
+        REQUIRE(worker.work_once());
         fixture.server.handle_completions(fixture.now);
         client.run();
     }
 
     CountingWaker waker;
-    SmallWorker worker;
+    JobList worker;
     ServerFixture fixture{waker};
     std::deque<TestClient> strangers;
     int users{0};

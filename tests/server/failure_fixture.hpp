@@ -204,12 +204,7 @@ public:
     template <typename Work>
     void counted(Work work)
     {
-        try {
-            const Counted while_it_works;
-            work();
-        } catch (const std::bad_alloc&) {
-            ++thrown;
-        }
+        thrown += survives_counted(std::move(work)) ? 0 : 1;
     }
     /// Time passes for the server, its worker and that connection.
     void pass(Duration time, TestClient& asking)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <new>
 
 /// Memory that runs out for a moment, where a test says. Needs failing_allocation.cpp in the test,
 /// which replaces operator new; one thread.
@@ -22,6 +23,19 @@ public:
     Counted& operator=(const Counted&) = delete;
     ~Counted();
 };
+
+/// Has `work` done by the code under test; false if it threw std::bad_alloc.
+template <typename Work>
+[[nodiscard]] bool survives_counted(Work work)
+{
+    try {
+        const Counted while_it_works;
+        work();
+    } catch (const std::bad_alloc&) {
+        return false;
+    }
+    return true;
+}
 
 /// While it lives in that, a callback of the test's own runs.
 class Uncounted {

@@ -57,7 +57,8 @@ public:
     /// output() grows, should stop feeding.
     Result<void> feed(std::span<const std::byte> in, TimePoint now);
     [[nodiscard]] std::optional<ChannelEvent> next_event();
-    /// Bytes for the peer, valid until the next call of any other member but consume().
+    /// Bytes for the peer, valid until the next call of any other member but consume(); with
+    /// SpareBuffers, of any member of a channel that shares them.
     [[nodiscard]] std::span<const std::byte> output() const;
     void consume(std::size_t size);
     [[nodiscard]] TimePoint next_deadline() const;

@@ -19,9 +19,9 @@ public:
 /// knows (Part 6, 6.3). Any thread.
 [[nodiscard]] BUSBAR_API bool is_clock_synchronized();
 
-/// Lowers the priority of the calling thread, and of those that it makes, by 10 steps of nice(2):
-/// with that a thread of ordinary priority, a PLC's task, runs as soon as it has something to do.
-/// It cannot be undone without privileges.
+/// Lowers the priority of the calling thread, and of those that it makes, by 10 steps of nice(2),
+/// so that a thread of ordinary priority, such as a PLC's task, goes first; the system may still
+/// let it wait for some milliseconds. It cannot be undone without privileges.
 BUSBAR_API void give_way();
 
 /// Writes a line to stderr for each message of a level or above. Any thread.

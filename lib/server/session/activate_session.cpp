@@ -389,7 +389,7 @@ void ActivateSession::accept(UserIdentity user, TimePoint now)
     peer_->bind(session);
     set_user(needs_, *find_endpoint(needs_.config, session), session, std::move(user), now);
     undo.keep();
-    session.release_all();
+    session.have_all_memory();
     session.server_nonce = *std::move(nonce);
     session.locale_ids = std::move(locales);
     busbar::detail::attempt([&] { tell_activated(needs_, session, is_first, audit_entry_id_); });

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <span>
 
 #include <busbar/channel/endpoint_url.hpp>
@@ -23,7 +24,7 @@ constexpr std::size_t nonce_size = 32;
 constexpr std::size_t max_nonce_size = 128;
 constexpr std::size_t max_text_size = 256;
 /// What may wait before a session is activated, in the largest that may be sent then (D1).
-constexpr std::size_t sessionless_requests = 16;
+constexpr std::uint64_t sessionless_requests = 16;
 
 /// The security of the channel has to be that of an endpoint: discovery may have less.
 Checked<void> check_endpoint(const ServerConfig& config, const channel::SecuritySetting& security)
@@ -66,21 +67,19 @@ Checked<void> use_nonce(SessionTable& sessions, const ByteString& nonce)
 }
 
 /// Whether `sent` is the leaf of `known`, alone or with issuers: those that the channel was opened
-/// with, or others, which nobody asks for again. A certificate is parsed once (G6).
+/// with, or others, which nobody asks for again but have to be certificates. Those that are known
+/// are not parsed once more (G6).
 bool begins_with(std::span<const std::byte> sent, const crypto::CertificateChain& known)
 {
-    for (const crypto::Certificate& each : known) {
-        const auto der = each.der();
+    std::size_t same = 0;
+    for (; same < known.size(); ++same) {
+        const auto der = known[same].der();
         if (sent.size() < der.size() || !std::ranges::equal(sent.first(der.size()), der)) {
-            // Of the leaf all has to be right; of what follows, that they are certificates.
-            return &each != &known.front() && crypto::parse_chain(sent).has_value();
+            break;
         }
         sent = sent.subspan(der.size());
-        if (sent.empty()) {
-            return true;
-        }
     }
-    return crypto::parse_chain(sent).has_value();
+    return same != 0 && (sent.empty() || crypto::parse_chain(sent).has_value());
 }
 
 /// The client's certificate must be the one that its channel was opened with, and name the
@@ -220,9 +219,8 @@ Result<std::unique_ptr<Session>> make_session(const SessionNeeds& needs,
     if (!id || !token || !nonce) {
         return fail(status::Bad_ResourceUnavailable);
     }
-    const ServerLimits& limits = needs.limits();
-    auto session = std::make_unique<Session>(limits.max_session_memory,
-                                             sessionless_requests * limits.max_sessionless_message);
+    const std::uint64_t sessionless = sessionless_requests * needs.limits().max_sessionless_message;
+    auto session = std::make_unique<Session>(needs.limits().max_session_memory, sessionless);
     session->id = NodeId{needs.own_namespace, *id};
     session->authentication_token = NodeId{0, *token};
     session->server_nonce = *std::move(nonce);

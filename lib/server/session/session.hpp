@@ -33,9 +33,11 @@ public:
 class Session {
 public:
     /// Of `max_memory` it has `sessionless_memory` until it is activated.
-    explicit Session(std::size_t max_memory, std::size_t sessionless_memory)
-        : memory_left_{std::min(max_memory, sessionless_memory)}, memory_kept_back_{max_memory -
-                                                                                    memory_left_}
+    Session(std::size_t max_memory, std::uint64_t sessionless_memory)
+        : memory_left_{sessionless_memory < max_memory
+                           ? static_cast<std::size_t>(sessionless_memory)
+                           : max_memory},
+          memory_kept_back_{max_memory - memory_left_}
     {
     }
 
@@ -50,8 +52,8 @@ public:
         return true;
     }
     void release(std::size_t bytes) { memory_left_ += bytes; }
-    /// It is activated.
-    void release_all() { memory_left_ += std::exchange(memory_kept_back_, 0); }
+    /// It is activated: it has all of its memory from now on.
+    void have_all_memory() { memory_left_ += std::exchange(memory_kept_back_, 0); }
     /// From now on it is this user's. Of a long history the creator and the latest are kept.
     void change_user(UserIdentity next)
     {
