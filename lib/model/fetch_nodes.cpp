@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <array>
 
-#include "fetch.hpp"
+#include "core/fetch.hpp"
 #include "tables.hpp"
 
 namespace busbar::model::detail {
@@ -14,33 +14,58 @@ namespace {
 
 constexpr std::size_t line_size = 64;
 
-/// The first place of each node, then the hash by which the others are found.
-struct Sought {
-    std::uint64_t hash{0};
-    std::uint32_t record{IndexTable::none};
-};
+/// Nearly all of these are constant nodes, which are few and found in two steps.
+bool is_number_of_namespace0(const NodeId& id)
+{
+    return id.namespace_index() == 0 && id.is_numeric();
+}
 
 } // namespace
 
 void Tables::fetch_nodes(std::span<const NodeId* const> ids) const
 {
     std::array<Sought, SpaceReader::fetched_together> all;
+    fetch_nodes(ids, std::span{all}.first(std::min(ids.size(), all.size())));
+}
+
+void Tables::find_nodes(std::span<const NodeId* const> ids, std::span<NodeIndex> found) const
+{
+    std::array<Sought, SpaceReader::fetched_together> all;
     const auto sought = std::span{all}.first(std::min(ids.size(), all.size()));
+    fetch_nodes(ids, sought);
     for (std::size_t i = 0; i < sought.size(); ++i) {
-        sought[i].hash = hash_value(*ids[i]);
-        by_id.fetch_slot(sought[i].hash);
+        const NodeId& id = *ids[i];
+        // Mostly it is the one that was fetched.
+        const bool is_likely =
+            sought[i].record != IndexTable::none && at(sought[i].record).has_id(id);
+        found[i] = is_likely ? index_of(sought[i].record) : find(id);
     }
-    for (Sought& each : sought) {
-        each.record = by_id.likely(each.hash);
+}
+
+void Tables::fetch_nodes(std::span<const NodeId* const> ids, std::span<Sought> sought) const
+{
+    for (std::size_t i = 0; i < sought.size(); ++i) {
+        if (!is_number_of_namespace0(*ids[i])) {
+            sought[i].hash = hash_value(*ids[i]);
+            by_id.fetch_slot(sought[i].hash);
+        }
+    }
+    for (std::size_t i = 0; i < sought.size(); ++i) {
+        Sought& each = sought[i];
+        if (!is_number_of_namespace0(*ids[i])) {
+            each.record = by_id.likely(each.hash);
+        }
         if (each.record != IndexTable::none) {
             const auto* const record = reinterpret_cast<const char*>(&at(each.record));
-            fetch(record);
-            fetch(record + line_size);
+            busbar::detail::fetch(record);
+            busbar::detail::fetch(record + line_size);
+            busbar::detail::fetch(record + sizeof(NodeRecord) -
+                                  1); // one in two begins so that it has three lines
         }
     }
     for (const Sought& each : sought) {
         if (each.record != IndexTable::none) {
-            fetch(at(each.record).text.get());
+            busbar::detail::fetch(at(each.record).text.get());
         }
     }
 }

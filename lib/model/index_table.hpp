@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "fetch.hpp"
+#include "core/fetch.hpp"
 
 namespace busbar::model::detail {
 
@@ -39,7 +39,7 @@ public:
     void fetch_slot(std::uint64_t hash) const
     {
         if (!slots_.empty()) {
-            fetch(&slots_[home(hash)]);
+            busbar::detail::fetch(&slots_[home(hash)]);
         }
     }
     /// The first record that find() would look at.

@@ -1,6 +1,5 @@
 #include <busbar/model/space_reader.hpp>
 
-
 #include "tables.hpp"
 
 namespace busbar::model {
@@ -38,6 +37,11 @@ NodeIndex SpaceReader::find(std::uint32_t namespace0_id) const
 void SpaceReader::fetch_nodes(std::span<const NodeId* const> ids) const
 {
     tables_->fetch_nodes(ids);
+}
+
+void SpaceReader::find_nodes(std::span<const NodeId* const> ids, std::span<NodeIndex> found) const
+{
+    tables_->find_nodes(ids, found);
 }
 
 NodeHandle SpaceReader::handle(NodeIndex node) const

@@ -118,6 +118,7 @@ struct Tables {
     [[nodiscard]] NodeIndex find(const NodeId& id) const;
     /// See SpaceReader.
     void fetch_nodes(std::span<const NodeId* const> ids) const;
+    void find_nodes(std::span<const NodeId* const> ids, std::span<NodeIndex> found) const;
     /// The first child of that name which was added below `parent` and for which `match` is true.
     template <typename Match>
     [[nodiscard]] NodeIndex find_child(NodeIndex parent, const QualifiedName& name,
@@ -164,6 +165,13 @@ struct Tables {
     [[nodiscard]] NodeId free_id(std::uint16_t namespace_index);
 
 private:
+    /// A node that is looked for: its hash, and the record that it likely has.
+    struct Sought {
+        std::uint64_t hash{0};
+        std::uint32_t record{IndexTable::none};
+    };
+
+    void fetch_nodes(std::span<const NodeId* const> ids, std::span<Sought> sought) const;
     void share_access(const StaticNodes& nodes);
     [[nodiscard]] bool is_node_version(const NodeRecord& child) const;
     std::uint32_t push(NodeIndex node, const Entry& entry);

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <catch2/catch.hpp>
 
 #include "model_fixture.hpp"
@@ -381,6 +383,41 @@ TEST_CASE_METHOD(ModelFixture, "A hundred thousand Variables are all there")
         REQUIRE(space.variable(node).handle == static_cast<std::uint64_t>(i));
     }
     CHECK(find("Line.V100000") == no_node);
+}
+
+TEST_CASE_METHOD(ModelFixture, "Nodes are found together as one by one")
+{
+    const NodeIndex folder = add_folder("folder", objects);
+    NewVariable variable;
+    variable.data_type = NodeId{0, id::Int32};
+    std::vector<NodeId> ids;
+    for (unsigned i = 0; i < 1'000; ++i) {
+        NewNode node = named("V" + std::to_string(i), folder);
+        if (i % 3 == 0) {
+            node.id = NodeId{ns, i + 1};
+        }
+        ids.push_back(node.id);
+        REQUIRE(space.add_variable(node, variable));
+        ids.push_back(NodeId{ns, "none " + std::to_string(i)});
+        ids.push_back(NodeId{0, i});
+    }
+    // Where a node is removed others are not where their search begins.
+    for (std::size_t i = 0; i < ids.size(); i += 30) {
+        REQUIRE(space.remove(space.find(ids[i])));
+    }
+    for (std::size_t first = 0; first < ids.size(); first += SpaceReader::fetched_together) {
+        std::vector<const NodeId*> some;
+        for (std::size_t i = first; i < std::min(ids.size(), first + SpaceReader::fetched_together);
+             ++i) {
+            some.push_back(&ids[i]);
+        }
+        std::vector<NodeIndex> found(some.size());
+        space.find_nodes(some, found);
+        for (std::size_t i = 0; i < some.size(); ++i) {
+            CAPTURE(to_string(*some[i]));
+            CHECK(found[i] == space.find(*some[i]));
+        }
+    }
 }
 
 } // namespace busbar::model

@@ -9,6 +9,7 @@
 #include <busbar/types/subscription.hpp>
 #include <busbar/types/view.hpp>
 
+#include "server/rights/node_rights.hpp"
 #include "session_use.hpp"
 
 using namespace busbar;
@@ -366,6 +367,44 @@ TEST_CASE_METHOD(AccessFixture, "A namespace has RolePermissions for nodes witho
     space().set_namespace_restrictions(1, 0);
     CHECK(read(open, "Value").status == status::Good);
     CHECK(browse(open, "Area").references.size() == 2);
+}
+
+TEST_CASE_METHOD(AccessFixture, "Each item of a request has the rights of its own node")
+{
+    model::NewVariable variable;
+    variable.data_type = NodeId{0, id::Int32};
+    variable.value = std::int32_t{7};
+    const model::NodeIndex hidden = space().add_variable(named("Hidden", area), variable).value();
+    REQUIRE(space().add_variable(named("Free", area), variable));
+    permit(value, {role(id::WellKnownRole_Anonymous, may_browse | may_read)});
+    permit(hidden, {role(id::WellKnownRole_Operator, may_browse | may_read)});
+    ReadRequest request;
+    for (const char* const name : {"Value", "Hidden", "Value", "Free", "Hidden", "Free", "Value"}) {
+        ReadValueId& item = request.nodes_to_read.emplace_back();
+        item.node_id = NodeId{1, name};
+        item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
+    }
+    const auto response = open.call<ReadResponse>(request);
+    REQUIRE(response);
+    std::vector<StatusCode> statuses;
+    for (const DataValue& each : response->results) {
+        statuses.push_back(each.status);
+    }
+    const StatusCode unknown = status::Bad_NodeIdUnknown;
+    const StatusCode good = status::Good;
+    CHECK(statuses == std::vector{good, unknown, good, good, unknown, good, good});
+}
+
+TEST_CASE_METHOD(AccessFixture, "Rights that change are not remembered")
+{
+    const server::UserIdentity user;
+    const server::detail::NodeRights rights{space(), user};
+    permit(value, {role(id::WellKnownRole_Anonymous, may_read)});
+    CHECK(rights.is_permitted(PermissionType::Read, value));
+    permit(value, {role(id::WellKnownRole_Anonymous, may_browse)});
+    CHECK_FALSE(rights.is_permitted(PermissionType::Read, value));
+    space().set_node_access(value, {});
+    CHECK(rights.is_permitted(PermissionType::Read, value));
 }
 
 TEST_CASE_METHOD(AccessFixture, "What AccessLevelEx and WriteMask say",

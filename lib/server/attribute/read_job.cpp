@@ -6,11 +6,15 @@
 
 #include <busbar/binary/codec.hpp>
 
+#include "core/fetch.hpp"
 #include "server/rights/nodes_ahead.hpp"
 
 namespace busbar::server::detail {
 
 namespace {
+
+/// How many values that a source shares are on their way from memory while one is encoded.
+constexpr std::size_t values_ahead = 8;
 
 /// A maxAge of the largest Int32 or more asks for any value that is there (Part 4, 5.11.2.2).
 std::chrono::milliseconds to_max_age(double milliseconds)
@@ -49,11 +53,12 @@ bool ReadJob::plan(const ReadContext& context, Turn& turn)
     timestamps_ = {request_.timestamps_to_return, context.server_time};
     rebindings_ = context.space.journal().rebindings();
     const auto ids = request_.nodes_to_read.span();
+    NodesAhead nodes{context.space};
     do {
-        fetch_ahead(context.space, ids, planned_,
-                    [](const ReadValueId& id) -> const NodeId& { return id.node_id; });
+        const model::NodeIndex node = nodes.find(
+            ids, planned_, [](const ReadValueId& id) -> const NodeId& { return id.node_id; });
         const std::size_t before = writer_.written();
-        plan_one(context, planned_, ids[planned_]);
+        plan_one(context, planned_, node);
         turn.spend(Turn::units_of_value + writer_.written() - before + std::exchange(cut_, 0));
         ++planned_;
     } while (planned_ < ids.size() && fits() && !turn.is_over());
@@ -75,9 +80,10 @@ void ReadJob::take_answer(std::size_t index, DataValue answer, const NumericRang
                         static_cast<std::uint32_t>(writer_.written() - before), slot.status});
 }
 
-void ReadJob::plan_one(const ReadContext& context, std::size_t index, const ReadValueId& id)
+void ReadJob::plan_one(const ReadContext& context, std::size_t index, model::NodeIndex node)
 {
-    ReadPlan planned = plan_read(context, id);
+    const ReadValueId& id = request_.nodes_to_read[index];
+    ReadPlan planned = plan_read(context, id, node);
     if (planned.answer.status.is_bad()) {
         call_.answer(index).status = planned.answer.status;
         return;
@@ -156,6 +162,9 @@ void ReadJob::encode_results(binary::Writer& writer, const Array<DiagnosticInfo>
     auto next = encoded_.begin();
     writer.length(call_.size());
     for (std::size_t i = 0; i < call_.size(); ++i) {
+        if (i + values_ahead < call_.size()) {
+            busbar::detail::fetch(call_.result(i + values_ahead).shared);
+        }
         if (next != encoded_.end() && next->index == i) {
             writer.bytes(rest.first(next->size));
             rest = rest.subspan(next->size);

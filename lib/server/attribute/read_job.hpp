@@ -82,7 +82,7 @@ private:
         StatusCode status;
     };
 
-    void plan_one(const ReadContext& context, std::size_t index, const ReadValueId& id);
+    void plan_one(const ReadContext& context, std::size_t index, model::NodeIndex node);
     /// Null if there is no range.
     [[nodiscard]] Result<NumericRange*> keep_range(std::size_t index, const String& text);
 

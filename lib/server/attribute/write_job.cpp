@@ -151,10 +151,12 @@ bool WriteJob::plan(const WriteContext& context, Turn& turn)
 {
     rebindings_ = context.space.journal().rebindings();
     const auto values = request_.nodes_to_write.span();
+    NodesAhead nodes{context.space};
     do {
-        fetch_ahead(context.space, values, planned_,
-                    [](const WriteValue& value) -> const NodeId& { return value.node_id; });
-        if (const auto answer = plan_one(context, planned_, values[planned_])) {
+        const model::NodeIndex node =
+            nodes.find(values, planned_,
+                       [](const WriteValue& value) -> const NodeId& { return value.node_id; });
+        if (const auto answer = plan_one(context, planned_, node)) {
             call_.answer(planned_) = *answer;
         }
         turn.spend(Turn::units_of_value + std::exchange(copied_, 0));
@@ -165,9 +167,9 @@ bool WriteJob::plan(const WriteContext& context, Turn& turn)
 
 /// Nothing if a source will answer.
 std::optional<StatusCode> WriteJob::plan_one(const WriteContext& context, std::size_t index,
-                                             const WriteValue& value)
+                                             model::NodeIndex node)
 {
-    const model::NodeIndex node = context.space.find(value.node_id);
+    const WriteValue& value = request_.nodes_to_write[index];
     if (node == model::no_node || !context.rights.may_see(node)) {
         return why_not_found(value.node_id);
     }

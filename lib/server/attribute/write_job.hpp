@@ -82,7 +82,7 @@ private:
     };
 
     [[nodiscard]] std::optional<StatusCode> plan_one(const WriteContext& context, std::size_t index,
-                                                     const WriteValue& value);
+                                                     model::NodeIndex node);
     [[nodiscard]] std::optional<StatusCode> plan_value(const WriteContext& context,
                                                        std::size_t index, const WriteValue& value,
                                                        const Target& target);

@@ -2,7 +2,16 @@
 
 #include <busbar/model/new_node.hpp>
 
+#include "core/fetch.hpp"
+
 namespace busbar::server {
+
+namespace {
+
+/// How many values are on their way from memory while one is looked at.
+constexpr std::size_t values_ahead = 8;
+
+} // namespace
 
 std::uint64_t MemorySource::add(Variant value)
 {
@@ -34,6 +43,10 @@ void MemorySource::read(ReadBatch batch)
     const auto items = batch.items();
     const auto slots = batch.results();
     for (std::size_t i = 0; i < items.size(); ++i) {
+        if (const std::size_t next = i + values_ahead;
+            next < items.size() && items[next].handle < values_.size()) {
+            busbar::detail::fetch(&get(items[next].handle));
+        }
         if (items[i].handle >= values_.size()) {
             slots[i].status = status::Bad_NodeIdUnknown;
             continue;

@@ -10,7 +10,8 @@
 namespace busbar::server::detail {
 
 /// What one user may do with nodes over one channel. An AccessControl, the RolePermissions of a
-/// node and its AccessRestrictions must all agree.
+/// node and its AccessRestrictions must all agree. Made anew in each turn: a user's roles may
+/// change between two.
 struct NodeRights {
     const model::AddressSpace& space;
     const UserIdentity& user;
@@ -18,6 +19,13 @@ struct NodeRights {
     const AccessControl* control{nullptr};
     /// Of the channel.
     MessageSecurityMode security_mode{MessageSecurityMode::None};
+    /// What the last RolePermissions came to: neighbours mostly share theirs.
+    struct Known {
+        const Array<RolePermissionType>* given{nullptr};
+        std::uint64_t access_changes{0};
+        std::uint32_t permissions{all_permissions};
+    };
+    mutable Known known{};
 
     /// False for a node that the user must not know of.
     [[nodiscard]] bool may_see(model::NodeIndex node) const
@@ -46,7 +54,7 @@ struct NodeRights {
     }
     [[nodiscard]] bool is_permitted(PermissionType permission, model::NodeIndex node) const
     {
-        return (user_permissions(space, user, node) & static_cast<std::uint32_t>(permission)) != 0;
+        return (permissions(node) & static_cast<std::uint32_t>(permission)) != 0;
     }
     /// Whether the user may call a Method that is executable. One that is not the server's own may
     /// change as much as a Write does.
@@ -82,7 +90,7 @@ struct NodeRights {
         unsigned level = variable.access_level;
         level &= variable.user_access_level;
         level &= user.access_level_mask;
-        level &= permitted_access(user_permissions(space, user, node));
+        level &= permitted_access(permissions(node));
         if (control != nullptr) {
             level &= control->user_access_level(user, space.node_id(node), variable.access_level);
         }
@@ -90,6 +98,20 @@ struct NodeRights {
     }
 
 private:
+    /// See user_permissions.
+    [[nodiscard]] std::uint32_t permissions(model::NodeIndex node) const
+    {
+        const Array<RolePermissionType>* const given = space.role_permissions(node);
+        if (given == nullptr) {
+            return all_permissions;
+        }
+        const std::uint64_t changes = space.journal().access_changes();
+        if (given != known.given || changes != known.access_changes) {
+            known = {given, changes, user_permissions(space, user, *given)};
+        }
+        return known.permissions;
+    }
+
     using Question = bool (AccessControl::*)(const UserIdentity&, const NodeId&) const;
 
     [[nodiscard]] bool is_strong_enough(std::uint16_t restrictions) const

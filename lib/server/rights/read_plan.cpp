@@ -182,7 +182,11 @@ ReadPlan plan_value(const ReadContext& context, const ReadValueId& id, model::No
 
 ReadPlan plan_read(const ReadContext& context, const ReadValueId& id)
 {
-    const model::NodeIndex node = context.space.find(id.node_id);
+    return plan_read(context, id, context.space.find(id.node_id));
+}
+
+ReadPlan plan_read(const ReadContext& context, const ReadValueId& id, model::NodeIndex node)
+{
     if (node == model::no_node || !context.rights.may_see(node)) {
         return answered(why_not_found(id.node_id));
     }

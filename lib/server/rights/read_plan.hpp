@@ -38,5 +38,8 @@ struct ReadPlan {
 
 /// Looks up node, attribute, rights and data encoding; not the index range, which the caller cuts.
 [[nodiscard]] ReadPlan plan_read(const ReadContext& context, const ReadValueId& id);
+/// The same for who has looked up `node`, no_node if there is none.
+[[nodiscard]] ReadPlan plan_read(const ReadContext& context, const ReadValueId& id,
+                                 model::NodeIndex node);
 
 } // namespace busbar::server::detail

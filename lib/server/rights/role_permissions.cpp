@@ -74,14 +74,10 @@ Array<RolePermissionType> user_role_permissions(const model::AddressSpace& space
 }
 
 std::uint32_t user_permissions(const model::AddressSpace& space, const UserIdentity& user,
-                               model::NodeIndex node)
+                               const Array<RolePermissionType>& given)
 {
-    const Array<RolePermissionType>* const given = space.role_permissions(node);
-    if (given == nullptr) {
-        return all_permissions;
-    }
     std::uint32_t permissions = 0;
-    for (const RolePermissionType& each : *given) {
+    for (const RolePermissionType& each : given) {
         if (has_role(space, user, each.role_id)) {
             permissions |= static_cast<std::uint32_t>(each.permissions);
         }

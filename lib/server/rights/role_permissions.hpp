@@ -21,9 +21,10 @@ inline constexpr std::uint32_t all_permissions = UINT32_MAX;
 [[nodiscard]] Array<RolePermissionType>
 user_role_permissions(const model::AddressSpace& space, const UserIdentity& user,
                       const Array<RolePermissionType>& permissions);
-/// What the user may do at the node, of all his roles together; everything where neither the node
-/// nor its namespace has RolePermissions.
+/// What a node's RolePermissions allow the user, of all his roles together; all_permissions where
+/// neither the node nor its namespace has any.
 [[nodiscard]] std::uint32_t user_permissions(const model::AddressSpace& space,
-                                             const UserIdentity& user, model::NodeIndex node);
+                                             const UserIdentity& user,
+                                             const Array<RolePermissionType>& given);
 
 } // namespace busbar::server::detail

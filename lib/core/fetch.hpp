@@ -1,6 +1,6 @@
 #pragma once
 
-namespace busbar::model::detail {
+namespace busbar::detail {
 
 /// Has the memory at `address` brought near, and goes on without waiting for it. Any address is
 /// allowed.
@@ -13,4 +13,4 @@ inline void fetch(const void* address)
 #endif
 }
 
-} // namespace busbar::model::detail
+} // namespace busbar::detail
