@@ -68,6 +68,45 @@ TEST_CASE_METHOD(ViewFixture, "D2: what a Browse has found outlasts the nodes th
     CHECK(last->node_id.node_id == found);
 }
 
+TEST_CASE_METHOD(ViewFixture,
+                 "D2: what a Browse finds when it begins again outlasts its nodes, too")
+{
+    const std::string long_name = "a name that is too long to lie anywhere but in its own memory ";
+    const auto add = [&](int i) { return add_int32(long_name + std::to_string(i), folder); };
+    std::vector<model::NodeIndex> first;
+    for (int i = 0; i < 100; ++i) {
+        first.push_back(add(i));
+    }
+    BrowseRequest request;
+    request.nodes_to_browse = {description(node("folder"))};
+    BrowseResponse response;
+    BrowseWork work;
+    ViewContext view = context();
+    REQUIRE(work.begin(view, request, response) == status::Good);
+    view.turn = Turn{Turn::units_of_reference * 50};
+    REQUIRE_FALSE(work.go_on(view, request, response));
+    const std::size_t found_first = response.results[0].references.size();
+    REQUIRE(found_first >= 40);
+    for (std::size_t i = 0; i < 80; ++i) { // so that the rest is put together when there are more
+        REQUIRE(space.remove(first[i]));
+    }
+    for (int i = 100; i < 300; ++i) {
+        static_cast<void>(add(i));
+    }
+    view.turn = Turn{Turn::units_of_reference * 150};
+    REQUIRE_FALSE(work.go_on(view, request, response));
+    const Names before = names(response.results[0]);
+    REQUIRE(before.size() > found_first);
+    REQUIRE(before[0] == long_name + "80"); // it has begun again
+    REQUIRE(space.remove(first[80]));
+    for (int i = 0; i < 10; ++i) {
+        add_int32("another name, as long as the others are, that lies in its memory " +
+                      std::to_string(i),
+                  objects);
+    }
+    CHECK(names(response.results[0]) == before);
+}
+
 TEST_CASE_METHOD(ViewFixture, "D2: a node that changes between two turns is browsed as it is then")
 {
     add_children(100);

@@ -103,19 +103,24 @@ bool is_borrowed(const ReferenceDescription& described)
            is_borrowed(described.type_definition.node_id);
 }
 
-/// Gives results from `from` on, up to and with the one that goes on, texts of their own: the nodes
+/// Gives results behind `kept`, up to and with the one that goes on, texts of their own: the nodes
 /// whose texts they are may go away before the next turn.
-void keep_results(Array<BrowseResult>& results, std::size_t& from, std::size_t next)
+void keep_results(Array<BrowseResult>& results, BrowseKept& kept, std::size_t next)
 {
-    for (std::size_t i = from; i <= next && i < results.size(); ++i) {
-        for (ReferenceDescription& described : results[i].references) {
+    for (; kept.result <= next && kept.result < results.size(); ++kept.result) {
+        const auto references = results[kept.result].references.span();
+        for (; kept.references < references.size(); ++kept.references) {
+            ReferenceDescription& described = references[kept.references];
             if (is_borrowed(described)) {
                 ReferenceDescription own{std::as_const(described)}; // a copy owns
                 described = std::move(own);
             }
         }
+        if (kept.result == next) { // it goes on
+            return;
+        }
+        kept.references = 0;
     }
-    from = next;
 }
 
 /// Forgets what was found of a node that cannot be browsed any further.
@@ -178,6 +183,7 @@ bool BrowseWork::take_turn(ViewContext& context, const BrowseRequest& request,
         BrowseResult& result = response.results[next_];
         if (place_.state && check_place(context, place_).is_bad()) {
             give_up(context, place_, result, status::Good); // and begin it again
+            kept_.references = kept_.result == next_ ? 0 : kept_.references;
         }
         if (!place_.state) {
             fetch_ahead(

@@ -21,6 +21,13 @@ struct BrowsePlace {
     Watch watch;
 };
 
+/// Up to where results have texts of their own: before that result, and in it before that
+/// reference.
+struct BrowseKept {
+    std::size_t result{0};
+    std::size_t references{0};
+};
+
 /// A Browse (Part 4, 5.9.2) that goes on where its turn ended, within a node as well.
 class BrowseWork {
 public:
@@ -38,8 +45,7 @@ private:
                                  BrowseResponse& response);
 
     std::size_t next_{0};
-    /// Results before it have texts of their own.
-    std::size_t kept_{0};
+    BrowseKept kept_;
     BrowsePlace place_;
     model::NodeIndex view_{model::no_node};
     std::uint32_t max_references_{0};
@@ -59,7 +65,7 @@ private:
                                  BrowseNextResponse& response);
 
     std::size_t next_{0};
-    std::size_t kept_{0};
+    BrowseKept kept_;
     BrowsePlace place_;
     ViewPart::Points used_;
 };

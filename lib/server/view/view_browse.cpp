@@ -181,6 +181,15 @@ void leave_point(ViewContext& context, const BrowseState& state, BrowseResult& r
     result.continuation_point = std::move(*point);
 }
 
+/// Makes room for `size` of at most `most` references: exactly in the first turn, later for twice
+/// as many, as each turn adds only a few to what may be very many.
+void make_room(Array<ReferenceDescription>& references, std::size_t size, std::size_t most)
+{
+    if (size > references.capacity()) {
+        references.reserve(std::max(size, std::min(most, 2 * references.size())));
+    }
+}
+
 /// Adds what matches to `result` until it has `most`, or until the turn is over.
 void take_matches(ViewContext& context, const BrowseFilter& filter, Walk& walk, std::size_t most,
                   BrowseResult& result)
@@ -190,7 +199,7 @@ void take_matches(ViewContext& context, const BrowseFilter& filter, Walk& walk, 
     // Instances are too much work to look for them twice.
     if (walk.instances == model::no_node) {
         count = count_matches(context, filter, walk, count);
-        result.references.reserve(has + count);
+        make_room(result.references, has + count, most);
     }
     while (result.references.size() < has + count) {
         const auto reference = next_match(context, filter, walk);
