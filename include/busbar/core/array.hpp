@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include <busbar/core/detail/large_memory.hpp>
+
 namespace busbar {
 
 /// A growable array of up to 2^32-1 elements in sixteen bytes that may be null.
@@ -81,7 +83,7 @@ public:
     {
         if (data_ != nullptr) {
             destroy(data_, size_);
-            deallocate(data_);
+            deallocate(data_, capacity_);
         }
         data_ = nullptr;
         size_ = capacity_ = 0;
@@ -168,15 +170,14 @@ private:
     }
     void relocate(std::size_t capacity)
     {
-        T* data =
-            static_cast<T*>(::operator new (capacity * sizeof(T), std::align_val_t{alignof(T)}));
+        T* data = detail::LargeAllocator<T>{}.allocate(capacity);
         if (data_ != nullptr) {
             static_assert(std::is_nothrow_move_constructible_v<T>);
             for (std::size_t i = 0; i < size_; ++i) {
                 ::new (static_cast<void*>(data + i)) T(std::move(data_[i]));
             }
             destroy(data_, size_);
-            deallocate(data_);
+            deallocate(data_, capacity_);
         }
         data_ = data;
         capacity_ = static_cast<std::uint32_t>(capacity);
@@ -187,7 +188,10 @@ private:
             data[i].~T();
         }
     }
-    static void deallocate(T* data) { ::operator delete (data, std::align_val_t{alignof(T)}); }
+    static void deallocate(T* data, std::size_t capacity)
+    {
+        detail::LargeAllocator<T>{}.deallocate(data, capacity);
+    }
 
     T* data_{nullptr};
     std::uint32_t size_{0};

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include <busbar/core/detail/large_memory.hpp>
+
 #include "data_part.hpp"
 
 namespace busbar::server::detail {
@@ -26,6 +28,10 @@ protected:
     ~SourceCallOwner() = default;
 };
 
+/// Of the size of a request.
+template <typename T>
+using LargeVector = std::vector<T, busbar::detail::LargeAllocator<T>>;
+
 struct ReadTraits {
     using Item = ReadItem;
     using Answer = ReadSlot;
@@ -34,7 +40,7 @@ struct ReadTraits {
     static constexpr bool changes_something = false;
     static constexpr std::array service_results{status::Bad_Shutdown,
                                                 status::Bad_TooManyOperations};
-    static std::vector<ReadSlot> answers(std::size_t count) { return std::vector<ReadSlot>(count); }
+    static LargeVector<ReadSlot> answers(std::size_t count) { return LargeVector<ReadSlot>(count); }
     static void send(DataSource& source, Part& part) { source.read(ReadBatch{part}); }
     /// Makes an answer last longer than what it points at.
     static void own(ReadSlot& slot)
@@ -54,9 +60,9 @@ struct WriteTraits {
     static constexpr bool changes_something = true;
     static constexpr std::array service_results{status::Bad_Shutdown,
                                                 status::Bad_TooManyOperations};
-    static std::vector<StatusCode> answers(std::size_t count)
+    static LargeVector<StatusCode> answers(std::size_t count)
     {
-        return std::vector<StatusCode>(count, status::Bad_NoCommunication);
+        return LargeVector<StatusCode>(count, status::Bad_NoCommunication);
     }
     static void send(DataSource& source, Part& part) { source.write(WriteBatch{part}); }
     static void own(StatusCode&) {}
@@ -186,8 +192,8 @@ private:
     struct Block {
         explicit Block(std::size_t count) : answers{Traits::answers(count)} {}
 
-        std::vector<Item> items;
-        std::vector<Answer> answers;
+        LargeVector<Item> items;
+        LargeVector<Answer> answers;
         std::unique_ptr<Part[]> parts;
         std::shared_ptr<const void> kept;
     };
@@ -235,8 +241,8 @@ private:
         for (std::size_t i = 0; i < groups_.size(); ++i) {
             next[i] = groups_[i].first;
         }
-        std::vector<Item> sorted(block_->items.size());
-        std::vector<std::uint32_t>& place_of = source_of_;
+        LargeVector<Item> sorted(block_->items.size());
+        LargeVector<std::uint32_t>& place_of = source_of_;
         for (std::size_t i = 0; i < sorted.size(); ++i) {
             const std::uint32_t place = next[source_of_[i]]++;
             sorted[place] = block_->items[i];
@@ -351,9 +357,9 @@ private:
     SourceCallOwner* owner_{nullptr};
     std::shared_ptr<Block> block_;
     /// Where the answer of an operation lies: in the block's answers, or behind them in failures_.
-    std::vector<std::uint32_t> place_;
+    LargeVector<std::uint32_t> place_;
     /// Of each item; empty as long as all have the last one.
-    std::vector<std::uint32_t> source_of_;
+    LargeVector<std::uint32_t> source_of_;
     std::uint32_t last_source_{0};
     std::vector<Group> groups_;
     std::vector<Answer> failures_;

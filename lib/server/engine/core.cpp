@@ -12,6 +12,7 @@
 #include <busbar/types/subscription.hpp>
 
 #include "base_services.hpp"
+#include "channel/buffer_bounds.hpp"
 #include "peer_link.hpp"
 #include "server/attribute/semantic_changes.hpp"
 #include "server/attribute/write_record.hpp"
@@ -47,9 +48,9 @@ std::uint32_t random_channel_id(crypto::Random& random)
 Core::Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space, std::uint16_t own)
     : config{std::move(c)}, guards{e, rationed_log}, environment{guards.environment()},
       own_namespace{own}, life{e.wall_clock->now()}, address_space{std::move(space)},
-      sources{e.waker, guards.report().log}, assembly{config.limits.max_assembly},
-      spares{config.limits.transport.send_buffer_size}, logins{config.limits},
-      channel_guard{config.limits},
+      sources{e.waker, guards.report().log}, kept_memory{kept_bytes(config.limits)},
+      assembly{config.limits.max_assembly}, spares{config.limits.transport.send_buffer_size},
+      logins{config.limits}, channel_guard{config.limits},
       diagnostics_needs{address_space, config,   *environment.wall_clock,
                         life,          counters, sessions,
                         subscriptions, own,      conformance},
@@ -137,6 +138,13 @@ void Core::claim()
     conformance.profiles = {transport};
 }
 
+std::size_t Core::kept_bytes(const ServerLimits& limits)
+{
+    constexpr std::size_t most = 16U << 20U;
+    return std::min<std::size_t>(most,
+                                 channel::detail::completed(limits.transport).max_message_size);
+}
+
 void Core::sweep()
 {
     while (!to_sweep.empty()) {
@@ -145,6 +153,7 @@ void Core::sweep()
         link->sweep();
     }
     subscriptions.sampler().tell_sources();
+    kept_memory.note(latest);
 }
 
 void Core::close_session(Session& session, StatusCode status, bool deletes_subscriptions)

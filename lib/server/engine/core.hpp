@@ -13,6 +13,7 @@
 #include <busbar/types/enumerations.hpp>
 
 #include "channel_guard.hpp"
+#include "core/kept_memory.hpp"
 #include "parts.hpp"
 #include "server/attribute/attribute_needs.hpp"
 #include "server/data/data_sources.hpp"
@@ -75,6 +76,8 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     ServiceTable services;
     /// Outlives the items that take part in it.
     std::unique_ptr<EventPart> events{std::make_unique<EventPart>()};
+    /// For what requests are decoded to, and their results.
+    busbar::detail::KeptMemory kept_memory;
     channel::AssemblyBudget assembly;
     /// Outlives the connections.
     channel::SpareBuffers spares;
@@ -123,6 +126,8 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     /// When it is looked which clients are still trusted.
     TimePoint trust_check_deadline{no_deadline};
 
+    /// The most that kept_memory holds.
+    [[nodiscard]] static std::size_t kept_bytes(const ServerLimits& limits);
     [[nodiscard]] const ServerLimits& limits() const { return config.limits; }
     [[nodiscard]] bool is_shutting_down() const { return life.is_shutting_down(); }
     /// Only so many lines a minute: what peers cause must not fill a disk (Part 2, 5.1.2.3).

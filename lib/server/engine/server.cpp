@@ -187,7 +187,7 @@ TimePoint Server::next_deadline() const
     return std::min({first != nullptr ? first->next_deadline() : no_deadline,
                      impl_->shutdown_deadline, impl_->certificate_check,
                      impl_->old_channels_deadline, impl_->trust_check_deadline,
-                     impl_->subscriptions.next_deadline()});
+                     impl_->kept_memory.next_deadline(), impl_->subscriptions.next_deadline()});
 }
 
 void Server::start(TimePoint now)
@@ -199,7 +199,9 @@ void Server::start(TimePoint now)
 
 void Server::handle_deadline(TimePoint now)
 {
+    const busbar::detail::KeptMemory::Use memory{impl_->kept_memory};
     impl_->latest = now;
+    impl_->kept_memory.handle_deadline(now);
     impl_->survive("a check of certificates", [&] {
         if (impl_->certificate_check <= now) {
             impl_->watch_certificate(now);
@@ -245,6 +247,7 @@ void Server::Impl::expire_sessions(TimePoint now)
 
 void Server::handle_completions(TimePoint now)
 {
+    const busbar::detail::KeptMemory::Use memory{impl_->kept_memory};
     impl_->latest = now;
     impl_->survive("the answer of a source", [&] { impl_->sources.handle_completions(); });
     impl_->survive("a password", [&] { impl_->password_checks.drain(now); });

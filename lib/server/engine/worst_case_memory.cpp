@@ -125,7 +125,8 @@ void add_transport(Rows& rows, const ServerLimits& limits)
     rows.bytes("transport.send_buffer_size", all.send_buffer_size).paid("see max_send_queue");
     rows.bytes("transport.max_message_size", all.max_message_size)
         .holds(1, bounds.shared, "buffers that connections use in turn")
-        .holds(1, times(2, all.max_message_size), "the request that is served");
+        .holds(1, times(2, all.max_message_size), "the request that is served")
+        .holds(1, detail::Core::kept_bytes(limits), "memory that large requests use in turn");
     rows.count("transport.max_chunk_count", all.max_chunk_count);
     rows.time("transport.handshake_timeout", all.handshake_timeout);
 }

@@ -22,9 +22,9 @@ struct CallTraits {
     static constexpr bool changes_something = true;
     /// A Method that is busy is no matter of the service's.
     static constexpr std::array service_results{status::Bad_Shutdown};
-    static std::vector<CallResult> answers(std::size_t count)
+    static LargeVector<CallResult> answers(std::size_t count)
     {
-        return std::vector<CallResult>(count);
+        return LargeVector<CallResult>(count);
     }
     static void send(DataSource& source, Part& part) { source.call(CallBatch{part}); }
     static void own(CallResult&) {}
