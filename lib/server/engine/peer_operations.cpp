@@ -120,6 +120,7 @@ void PeerLink::start(std::unique_ptr<ServiceOperation> operation, std::vector<st
         started.fault(status::Bad_TooManyOperations);
     }
     if (started.is_finished()) {
+        recycle(started.take_message());
         operations_.pop_back();
     }
 }
@@ -170,7 +171,13 @@ void PeerLink::wants_sweep()
 void PeerLink::sweep()
 {
     waits_for_sweep_ = false;
-    std::erase_if(operations_, [](const auto& operation) { return operation->is_finished(); });
+    std::erase_if(operations_, [&](const auto& operation) {
+        if (!operation->is_finished()) {
+            return false;
+        }
+        recycle(operation->take_message());
+        return true;
+    });
 }
 
 void PeerLink::check_send_queue()
