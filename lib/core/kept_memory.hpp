@@ -4,13 +4,14 @@
 #include <chrono>
 #include <cstddef>
 
+#include <busbar/core/api.hpp>
 #include <busbar/core/clock.hpp>
 
 namespace busbar::detail {
 
 /// Large blocks that requests use in turn (see large_memory.hpp): as many bytes as it was told, and
 /// none that nobody has needed for a while. Belongs to one thread.
-class KeptMemory {
+class BUSBAR_API KeptMemory {
 public:
     /// How long a block lies here at least; at most twice that.
     static constexpr Duration age = std::chrono::seconds{10};
@@ -21,7 +22,7 @@ public:
     ~KeptMemory();
 
     /// While it lives, this thread takes large memory from `kept` and gives it there.
-    class Use {
+    class BUSBAR_API Use {
     public:
         explicit Use(KeptMemory& kept);
         Use(const Use&) = delete;

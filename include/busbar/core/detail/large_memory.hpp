@@ -9,7 +9,7 @@ namespace busbar::detail {
 
 /// From so many bytes on, memory comes from and goes to what the thread keeps, if it keeps any: a
 /// process that gives pages back to its system takes a fault for each when it needs them again.
-inline constexpr std::size_t large_memory = 64 * 1'024;
+inline constexpr std::size_t large_memory = std::size_t{64} << 10U;
 
 /// Memory for anything of fundamental alignment. Throws std::bad_alloc.
 [[nodiscard]] BUSBAR_API void* allocate_large(std::size_t bytes);
