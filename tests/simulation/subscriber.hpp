@@ -149,6 +149,7 @@ private:
     [[nodiscard]] bool is_undisturbed() const;
     void check_answer();
     void check_message(const WatchedSubscription& subscription);
+    [[nodiscard]] bool may_have_ended(const WatchedSubscription& subscription) const;
     void check_values(const WatchedSubscription& subscription);
     /// How long it may take until all that the Subscription has queued has arrived, once it has
     /// begun to send.

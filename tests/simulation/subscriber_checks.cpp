@@ -30,10 +30,7 @@ bool Subscriber::is_subscription_lost(std::uint32_t id, StatusCode status)
 void Subscriber::subscription_lost(std::uint32_t id)
 {
     const WatchedSubscription& subscription = *find(id);
-    // The interval in which the counter was set takes one off it (Part 4, 5.14.1.2).
-    const std::chrono::duration<double, std::milli> lifetime{subscription.shortest_interval *
-                                                             (subscription.lifetime_count - 1)};
-    if (parts_.scheduler.now() - subscription.last_use < lifetime) {
+    if (parts_.scheduler.now() - subscription.last_use < subscription.least_lifetime()) {
         violation("subscription " + std::to_string(id) + " was lost before its lifetime");
     }
     parts_.trace.note(number_, "subscription lost", id);

@@ -58,10 +58,22 @@ void Subscriber::check_answer()
     }
 }
 
+/// True if its lifetime may have run out while nothing could arrive, and it has not been heard
+/// since: the StatusChangeNotification that says so may have gone with a connection, and cannot be
+/// asked for again (Part 4, 5.14.1.1 and 5.14.6).
+bool Subscriber::may_have_ended(const WatchedSubscription& subscription) const
+{
+    const bool is_heard = subscription.last_heard && *subscription.last_heard >= undisturbed_since_;
+    return !is_heard && undisturbed_since_ - subscription.last_use >= subscription.least_lifetime();
+}
+
 /// Part 4, 5.14.1.1: the first message within the first publishing interval, later ones at least
 /// within the keep-alive time.
 void Subscriber::check_message(const WatchedSubscription& subscription)
 {
+    if (may_have_ended(subscription)) {
+        return;
+    }
     const TimePoint begin =
         std::max({undisturbed_since_, subscription.undisturbed_since,
                   subscription.last_heard.value_or(subscription.undisturbed_since)});

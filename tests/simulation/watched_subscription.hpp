@@ -63,6 +63,12 @@ public:
     /// The shortest interval after which the server, for all that is known, looks for something to
     /// send is at most this.
     [[nodiscard]] Duration cycle() const;
+    /// It lives at least so long after its last_use.
+    [[nodiscard]] std::chrono::duration<double, std::milli> least_lifetime() const
+    {
+        // The interval in which the counter was set takes one off it (Part 4, 5.14.1.2).
+        return std::chrono::duration<double, std::milli>{shortest_interval * (lifetime_count - 1)};
+    }
     /// In how many messages all that its queues may hold is sent.
     [[nodiscard]] std::size_t messages() const;
     /// A message has come, or what there is instead.
