@@ -45,6 +45,49 @@ TEST_CASE("the client's timeout hint ends a request", "[unit:Session General Ser
     CHECK(client.messages.empty());
 }
 
+TEST_CASE("what a late source is to write outlives the request")
+{
+    struct LateWriter final : server::DataSource {
+        void read(server::ReadBatch) override {}
+        void write(server::WriteBatch batch) override { batches.push_back(std::move(batch)); }
+        std::vector<server::WriteBatch> batches;
+    };
+    LateWriter writer;
+    SlowFixture fixture;
+    model::NewVariable variable;
+    variable.source = fixture.server.add_source(writer);
+    variable.data_type = NodeId{0, id::String};
+    variable.access_level = model::Access::ReadWrite;
+    model::NewNode node;
+    node.id = NodeId{1, "text"};
+    node.browse_name = QualifiedName{1, "text"};
+    node.parent = fixture.server.address_space().find(id::ObjectsFolder);
+    REQUIRE(fixture.server.address_space().add_variable(node, variable));
+    fixture.users.everybody.access_level_mask = 0xFF;
+    auto client = fixture.log_in();
+    client.timeout_hint = 1'000;
+    const String text{"a text that lies in the message of its request and nowhere else"};
+    WriteRequest request;
+    request.nodes_to_write.resize(1);
+    request.nodes_to_write[0].node_id = node.id;
+    request.nodes_to_write[0].attribute_id = 13;
+    request.nodes_to_write[0].value.value = text;
+    const auto late = client.send(request);
+    fixture.advance(1s, client);
+    CHECK(answer(client, late) == status::Bad_Timeout);
+    client.timeout_hint = 0;
+    // Another request, as long and of other bytes.
+    request.nodes_to_write[0].node_id = NodeId{1, "none"};
+    request.nodes_to_write[0].value.value = String{std::string(text.size(), 'x')};
+    CHECK(client.status_of<WriteResponse>(request) == status::Good);
+    REQUIRE(writer.batches.size() == 1);
+    CHECK(writer.batches[0].items()[0].data->value == Variant{text});
+    writer.batches.clear();
+    fixture.server.handle_completions(fixture.now);
+    client.run();
+    CHECK(client.messages.empty());
+}
+
 TEST_CASE("Cancel ends the requests with a handle", "[unit:Session Cancel]")
 {
     SlowFixture fixture;

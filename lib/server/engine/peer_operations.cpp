@@ -120,7 +120,7 @@ void PeerLink::start(std::unique_ptr<ServiceOperation> operation, std::vector<st
         started.fault(status::Bad_TooManyOperations);
     }
     if (started.is_finished()) {
-        recycle(started.take_message());
+        recycle(started.spare_message());
         operations_.pop_back();
     }
 }
@@ -175,7 +175,7 @@ void PeerLink::sweep()
         if (!operation->is_finished()) {
             return false;
         }
-        recycle(operation->take_message());
+        recycle(operation->spare_message());
         return true;
     });
 }

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <busbar/types/method.hpp>
 
@@ -19,6 +20,8 @@ public:
     void start(ServiceContext& context) override;
     [[nodiscard]] TimePoint next_deadline() const override;
     void handle_deadline(TimePoint now) override;
+    /// None: sources may go on with what they were given.
+    [[nodiscard]] std::vector<std::byte> spare_message() override { return {}; }
 
 private:
     void call_completed() override;

@@ -90,9 +90,9 @@ public:
     [[nodiscard]] bool charge_message() { return charge(message_.capacity() + decoded_); }
     /// Nobody waits for the answer any more.
     void drop() { static_cast<void>(finish()); }
-    /// The message, which the request borrows from: for what outlives the operation, or for the
-    /// next one when this is to be destroyed.
-    [[nodiscard]] std::vector<std::byte> take_message() { return std::move(message_); }
+    /// For who is about to destroy the operation: the message for use by another, empty if
+    /// something that outlives the operation is to have it.
+    [[nodiscard]] virtual std::vector<std::byte> spare_message() { return take_message(); }
 
 protected:
     /// Sends the response: `encode` writes what follows its ResponseHeader. If that does not fit
@@ -126,6 +126,8 @@ protected:
     [[nodiscard]] bool charge(std::size_t bytes);
     /// Bytes that a response may have to fit the client's limits.
     [[nodiscard]] std::size_t response_limit() const;
+    /// The message, which the request borrows from, for what outlives the operation.
+    [[nodiscard]] std::vector<std::byte> take_message() { return std::move(message_); }
 
 private:
     virtual void decode_request(binary::Reader& reader) = 0;
