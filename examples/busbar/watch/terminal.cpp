@@ -31,11 +31,42 @@ constexpr std::array colours{
     StyleColour{3, COLOR_RED},
 };
 
+volatile std::sig_atomic_t is_to_stop = 0;
 volatile std::sig_atomic_t was_continued = 0;
+
+void on_stop(int)
+{
+    is_to_stop = 1;
+}
 
 void on_continue(int)
 {
     was_continued = 1;
+}
+
+using SignalAction = void (*)(int);
+
+/// Ctrl+Z is ours: ncurses ignores it as long as it draws, and so loses some. Where whoever started
+/// us has it ignored it stays so. The action that there was.
+SignalAction take_stops()
+{
+    const SignalAction before = std::signal(SIGTSTP, on_stop);
+    if (before == SIG_IGN) {
+        std::signal(SIGTSTP, SIG_IGN);
+    }
+    return before;
+}
+
+/// Gives the terminal back and stops; returns when the program goes on. The next drawing takes the
+/// terminal again.
+void stop()
+{
+    is_to_stop = 0;
+    def_prog_mode();
+    endwin();
+    std::signal(SIGTSTP, SIG_DFL);
+    static_cast<void>(std::raise(SIGTSTP));
+    std::signal(SIGTSTP, on_stop);
 }
 
 short pair_of(Style style)
@@ -124,6 +155,7 @@ cchar_t cell_of(const Screen::Glyph& glyph, bool has_colour)
 struct Terminal::State {
     SCREEN* screen;
     bool has_colour;
+    SignalAction stop_action; // of the time before
 };
 
 std::unique_ptr<Terminal> Terminal::open(bool has_colour)
@@ -137,8 +169,10 @@ std::unique_ptr<Terminal> Terminal::open(bool has_colour)
     if (!is_known_terminal()) {
         return nullptr;
     }
+    const SignalAction stop_action = take_stops(); // before ncurses would
     SCREEN* const screen = newterm(nullptr, stdout, stdin);
     if (screen == nullptr) {
+        std::signal(SIGTSTP, stop_action);
         return nullptr;
     }
     cbreak();
@@ -156,7 +190,7 @@ std::unique_ptr<Terminal> Terminal::open(bool has_colour)
         }
     }
     return std::unique_ptr<Terminal>{
-        new Terminal{std::make_unique<State>(State{screen, has_colour})}};
+        new Terminal{std::make_unique<State>(State{screen, has_colour, stop_action})}};
 }
 
 Terminal::Terminal(std::unique_ptr<State> state) : state_{std::move(state)} {}
@@ -166,6 +200,7 @@ Terminal::~Terminal()
     std::signal(SIGCONT, SIG_DFL);
     curs_set(1);
     endwin();
+    std::signal(SIGTSTP, state_->stop_action);
     delscreen(state_->screen);
 }
 
@@ -176,6 +211,10 @@ Size Terminal::size() const
 
 std::optional<Key> Terminal::next_key()
 {
+    if (is_to_stop != 0) {
+        stop();
+        was_continued = 1;
+    }
     if (was_continued != 0) {
         was_continued = 0;
         reset_prog_mode(); // it was stopped, perhaps by SIGSTOP, which ncurses does not see
