@@ -267,7 +267,7 @@ TEST_CASE("characters that TOML has in strings and comments only are refused els
     };
     for (const char* text : {"a = \"\u00E4\" # \u00E4\n", "a = '\u00E4'\n", "\uFEFFa = 1\n",
                              "a = \"\"\"\n\u00E4\\\"\"\"\"\n", "a = '''\n\u00E4'''\n",
-                             "\"\u00E4\" = \"\\\"\u00E4\"\n"}) {
+                             "a = \"\"\"b \\\n  \u00E4\"\"\"\n", "\"\u00E4\" = \"\\\"\u00E4\"\n"}) {
         CAPTURE(text);
         CHECK_NOTHROW(parse(text));
     }
@@ -278,6 +278,15 @@ TEST_CASE("characters that TOML has in strings and comments only are refused els
         CAPTURE(text);
         CHECK_THROWS_WITH(parse(text),
                           Catch::Contains("plant.toml:2: found a character that is not ASCII"));
+    }
+}
+
+TEST_CASE("characters behind what no string begins with, or no escape, are refused")
+{
+    for (const char* text : {"a = 1\nb = 0\"\u01FC9\n", "a = 1\nb = \"\"\"\\\u00E4\"\"\"\n"}) {
+        CAPTURE(text);
+        CHECK_THROWS_WITH(example::parse_table(text, "plant.toml"),
+                          Catch::Contains("plant.toml:2: "));
     }
 }
 
