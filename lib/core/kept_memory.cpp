@@ -71,7 +71,7 @@ KeptMemory::Header* KeptMemory::take(std::size_t bytes)
 {
     const auto size_of = [&](const Block& block) {
         const bool fits = block.memory != nullptr && block.memory->size >= bytes &&
-                          block.memory->size / 2 <= bytes;
+                          block.memory->size - bytes <= bytes / 8;
         return fits ? block.memory->size : std::numeric_limits<std::size_t>::max();
     };
     auto* const best =

@@ -34,7 +34,7 @@ public:
     };
 
     [[nodiscard]] std::size_t held() const { return held_; }
-    /// To be called behind each Use: from then on the time of its blocks runs.
+    /// To be called at the end of each Use: from then on the time of its blocks runs.
     void note(TimePoint now)
     {
         if (held_ != 0 && deadline_ == no_deadline) {
@@ -45,10 +45,11 @@ public:
     /// Gives back what was not used since the last time.
     void handle_deadline(TimePoint now);
 
-    // For large_memory.cpp. The size of a block is what follows its header.
+    // For allocate_large and free_large. The size of a block is what follows its header.
 
     struct Header;
-    /// Null if there is none that has the size and is not far larger.
+    /// Null if there is none that has the size, or at most an eighth more: who holds it is charged
+    /// for what he asked for.
     [[nodiscard]] Header* take(std::size_t bytes);
     /// False if it must be freed.
     [[nodiscard]] bool keep(Header* memory);

@@ -38,13 +38,13 @@ TEST_CASE("Large memory is used again by who needs as much")
     CHECK(kept.held() == megabyte);
     SECTION("of about the size")
     {
-        const Numbers second = numbers(megabyte * 3 / 4);
+        const Numbers second = numbers(megabyte * 15 / 16);
         CHECK(second.data() == where);
         CHECK(kept.held() == 0);
     }
-    SECTION("not of far less, and not of more")
+    SECTION("not of less than eight ninths, and not of more")
     {
-        const Numbers less = numbers(megabyte / 4);
+        const Numbers less = numbers(megabyte * 7 / 8);
         const Numbers more = numbers(2 * megabyte);
         CHECK(less.data() != where);
         CHECK(more.data() != where);
@@ -53,9 +53,9 @@ TEST_CASE("Large memory is used again by who needs as much")
     SECTION("the one that fits best")
     {
         {
-            const Numbers larger = numbers(megabyte * 5 / 4);
+            const Numbers larger = numbers(megabyte * 33 / 32);
         }
-        const Numbers second = numbers(megabyte * 3 / 4);
+        const Numbers second = numbers(megabyte * 15 / 16);
         CHECK(second.data() == where);
     }
     SECTION("new values are there, whatever was before")
