@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "core/fetch.hpp"
 #include "tables.hpp"
@@ -31,14 +32,17 @@ void Tables::fetch_nodes(std::span<const NodeId* const> ids) const
 void Tables::find_nodes(std::span<const NodeId* const> ids, std::span<NodeIndex> found) const
 {
     std::array<Sought, SpaceReader::fetched_together> all;
-    const auto sought = std::span{all}.first(std::min(ids.size(), all.size()));
-    fetch_nodes(ids, sought);
-    for (std::size_t i = 0; i < sought.size(); ++i) {
-        const NodeId& id = *ids[i];
-        // Mostly it is the one that was fetched.
-        const bool is_likely =
-            sought[i].record != IndexTable::none && at(sought[i].record).has_id(id);
-        found[i] = is_likely ? index_of(sought[i].record) : find(id);
+    while (!ids.empty()) {
+        const auto sought = std::span{all}.first(std::min(ids.size(), all.size()));
+        fetch_nodes(ids, sought);
+        for (std::size_t i = 0; i < sought.size(); ++i) {
+            const std::uint32_t record = std::exchange(sought[i], Sought{}).record;
+            // Mostly it is the one that was fetched.
+            const bool is_likely = record != IndexTable::none && at(record).has_id(*ids[i]);
+            found[i] = is_likely ? index_of(record) : find(*ids[i]);
+        }
+        ids = ids.subspan(sought.size());
+        found = found.subspan(sought.size());
     }
 }
 
@@ -59,8 +63,8 @@ void Tables::fetch_nodes(std::span<const NodeId* const> ids, std::span<Sought> s
             const auto* const record = reinterpret_cast<const char*>(&at(each.record));
             busbar::detail::fetch(record);
             busbar::detail::fetch(record + line_size);
-            busbar::detail::fetch(record + sizeof(NodeRecord) -
-                                  1); // one in two begins so that it has three lines
+            // One in two begins so that it has three lines.
+            busbar::detail::fetch(record + sizeof(NodeRecord) - 1);
         }
     }
     for (const Sought& each : sought) {

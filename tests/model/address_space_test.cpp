@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include <catch2/catch.hpp>
 
 #include "model_fixture.hpp"
@@ -405,19 +403,15 @@ TEST_CASE_METHOD(ModelFixture, "Nodes are found together as one by one")
     for (std::size_t i = 0; i < ids.size(); i += 30) {
         REQUIRE(space.remove(space.find(ids[i])));
     }
-    for (std::size_t first = 0; first < ids.size(); first += SpaceReader::fetched_together) {
-        std::vector<const NodeId*> some;
-        for (std::size_t i = first; i < std::min(ids.size(), first + SpaceReader::fetched_together);
-             ++i) {
-            some.push_back(&ids[i]);
-        }
-        std::vector<NodeIndex> found(some.size());
-        space.find_nodes(some, found);
-        for (std::size_t i = 0; i < some.size(); ++i) {
-            CAPTURE(to_string(*some[i]));
-            CHECK(found[i] == space.find(*some[i]));
-        }
+    std::vector<const NodeId*> sought;
+    std::vector<NodeIndex> one_by_one;
+    for (const NodeId& each : ids) {
+        sought.push_back(&each);
+        one_by_one.push_back(space.find(each));
     }
+    std::vector<NodeIndex> together(sought.size());
+    space.find_nodes(sought, together);
+    CHECK(together == one_by_one);
 }
 
 } // namespace busbar::model

@@ -76,7 +76,8 @@ public:
     /// `fetched_together` brought near together, which takes as long as waiting for one. None may
     /// be null; ids of no node are allowed.
     void fetch_nodes(std::span<const NodeId* const> ids) const;
-    /// The same, and puts into `found`, which has a place for each, what find() says.
+    /// Puts into `found`, which has a place for each, what find() says; so many together are found
+    /// faster than one by one. None may be null.
     void find_nodes(std::span<const NodeId* const> ids, std::span<NodeIndex> found) const;
     [[nodiscard]] NodeHandle handle(NodeIndex node) const;
     /// The node of the handle, no_node if it was removed.

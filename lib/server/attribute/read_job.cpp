@@ -13,9 +13,6 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// How many values that a source shares are on their way from memory while one is encoded.
-constexpr std::size_t values_ahead = 8;
-
 /// A maxAge of the largest Int32 or more asks for any value that is there (Part 4, 5.11.2.2).
 std::chrono::milliseconds to_max_age(double milliseconds)
 {
@@ -162,8 +159,8 @@ void ReadJob::encode_results(binary::Writer& writer, const Array<DiagnosticInfo>
     auto next = encoded_.begin();
     writer.length(call_.size());
     for (std::size_t i = 0; i < call_.size(); ++i) {
-        if (i + values_ahead < call_.size()) {
-            busbar::detail::fetch(call_.result(i + values_ahead).shared);
+        if (const std::size_t ahead = i + busbar::detail::fetched_ahead; ahead < call_.size()) {
+            busbar::detail::fetch(call_.result(ahead).shared);
         }
         if (next != encoded_.end() && next->index == i) {
             writer.bytes(rest.first(next->size));

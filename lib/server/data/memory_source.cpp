@@ -6,13 +6,6 @@
 
 namespace busbar::server {
 
-namespace {
-
-/// How many values are on their way from memory while one is looked at.
-constexpr std::size_t values_ahead = 8;
-
-} // namespace
-
 std::uint64_t MemorySource::add(Variant value)
 {
     values_.emplace_back(std::move(value), StatusCode{}, clock_->now());
@@ -43,7 +36,7 @@ void MemorySource::read(ReadBatch batch)
     const auto items = batch.items();
     const auto slots = batch.results();
     for (std::size_t i = 0; i < items.size(); ++i) {
-        if (const std::size_t next = i + values_ahead;
+        if (const std::size_t next = i + busbar::detail::fetched_ahead;
             next < items.size() && items[next].handle < values_.size()) {
             busbar::detail::fetch(&get(items[next].handle));
         }
