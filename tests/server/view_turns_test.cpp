@@ -4,6 +4,33 @@
 
 namespace busbar::server::detail {
 
+namespace {
+
+/// A Browse of "folder", turn by turn.
+struct TurnsFixture : ViewFixture {
+    void begin()
+    {
+        request.nodes_to_browse = {description(node("folder"))};
+        REQUIRE(work.begin(view, request, response) == status::Good);
+    }
+    /// One turn for about so many references; true if that is all.
+    bool go_on(std::size_t references)
+    {
+        view.turn = Turn{Turn::units_of_reference * references};
+        const bool is_complete = work.go_on(view, request, response);
+        // What the session pays for.
+        CHECK(view.room == static_cast<std::ptrdiff_t>(response.results[0].references.capacity()));
+        return is_complete;
+    }
+
+    BrowseRequest request;
+    BrowseResponse response;
+    BrowseWork work;
+    ViewContext view{context()};
+};
+
+} // namespace
+
 TEST_CASE_METHOD(ViewFixture, "D2: a Browse says the same in however many turns")
 {
     add_children(400);
@@ -38,7 +65,7 @@ TEST_CASE_METHOD(ViewFixture, "D2: a Browse says the same in however many turns"
     }
 }
 
-TEST_CASE_METHOD(ViewFixture, "D2: what a Browse has found outlasts the nodes that it found")
+TEST_CASE_METHOD(TurnsFixture, "D2: what a Browse has found outlasts the nodes that it found")
 {
     add_children(100);
     for (int i = 0; i < 100; ++i) { // a block of their own each, which goes with them
@@ -46,14 +73,8 @@ TEST_CASE_METHOD(ViewFixture, "D2: what a Browse has found outlasts the nodes th
                       std::to_string(i),
                   folder);
     }
-    BrowseRequest request;
-    request.nodes_to_browse = {description(node("folder"))};
-    BrowseResponse response;
-    BrowseWork work;
-    ViewContext view = context();
-    REQUIRE(work.begin(view, request, response) == status::Good);
-    view.turn = Turn{Turn::units_of_reference * 150};
-    REQUIRE_FALSE(work.go_on(view, request, response));
+    begin();
+    REQUIRE_FALSE(go_on(150));
     const Names before = names(response.results[0]);
     REQUIRE(before.size() > 120);
     const auto last = response.results[0].references.end() - 1;
@@ -68,7 +89,7 @@ TEST_CASE_METHOD(ViewFixture, "D2: what a Browse has found outlasts the nodes th
     CHECK(last->node_id.node_id == found);
 }
 
-TEST_CASE_METHOD(ViewFixture,
+TEST_CASE_METHOD(TurnsFixture,
                  "D2: what a Browse finds when it begins again outlasts its nodes, too")
 {
     const std::string long_name = "a name that is too long to lie anywhere but in its own memory ";
@@ -77,14 +98,8 @@ TEST_CASE_METHOD(ViewFixture,
     for (int i = 0; i < 100; ++i) {
         first.push_back(add(i));
     }
-    BrowseRequest request;
-    request.nodes_to_browse = {description(node("folder"))};
-    BrowseResponse response;
-    BrowseWork work;
-    ViewContext view = context();
-    REQUIRE(work.begin(view, request, response) == status::Good);
-    view.turn = Turn{Turn::units_of_reference * 50};
-    REQUIRE_FALSE(work.go_on(view, request, response));
+    begin();
+    REQUIRE_FALSE(go_on(50));
     const std::size_t found_first = response.results[0].references.size();
     REQUIRE(found_first >= 40);
     for (std::size_t i = 0; i < 80; ++i) { // so that the rest is put together when there are more
@@ -93,8 +108,7 @@ TEST_CASE_METHOD(ViewFixture,
     for (int i = 100; i < 300; ++i) {
         static_cast<void>(add(i));
     }
-    view.turn = Turn{Turn::units_of_reference * 150};
-    REQUIRE_FALSE(work.go_on(view, request, response));
+    REQUIRE_FALSE(go_on(150));
     const Names before = names(response.results[0]);
     REQUIRE(before.size() > found_first);
     REQUIRE(before[0] == long_name + "80"); // it has begun again
@@ -107,21 +121,14 @@ TEST_CASE_METHOD(ViewFixture,
     CHECK(names(response.results[0]) == before);
 }
 
-TEST_CASE_METHOD(ViewFixture, "D2: a node that changes between two turns is browsed as it is then")
+TEST_CASE_METHOD(TurnsFixture, "D2: a node that changes between two turns is browsed as it is then")
 {
     add_children(100);
-    BrowseRequest request;
-    request.nodes_to_browse = {description(node("folder"))};
-    BrowseResponse response;
-    BrowseWork work;
-    ViewContext view = context();
-    REQUIRE(work.begin(view, request, response) == status::Good);
-    view.turn = Turn{Turn::units_of_reference * 10};
-    REQUIRE_FALSE(work.go_on(view, request, response));
+    begin();
+    REQUIRE_FALSE(go_on(10));
     CHECK(response.results[0].references.size() < 100);
     add_int32("late", folder);
-    view.turn = Turn{};
-    REQUIRE(work.go_on(view, request, response));
+    REQUIRE(go_on(1'000));
     CHECK(names(response.results[0]).size() == 101);
     CHECK(view.references_left == 200'000 - 101);
 }

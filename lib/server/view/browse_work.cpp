@@ -126,9 +126,7 @@ void keep_results(Array<BrowseResult>& results, BrowseKept& kept, std::size_t ne
 /// Forgets what was found of a node that cannot be browsed any further.
 void give_up(ViewContext& context, BrowsePlace& place, BrowseResult& result, StatusCode status)
 {
-    context.references_left += result.references.size();
-    result = BrowseResult{};
-    result.status_code = status;
+    take_back(context, result, status);
     place.state.reset();
 }
 

@@ -173,10 +173,7 @@ void leave_point(ViewContext& context, const BrowseState& state, BrowseResult& r
     auto point = part.add(context.session, context.random, context.space, state,
                           context.limits.max_browse_continuation_points);
     if (!point) {
-        context.references_left += result.references.size();
-        result = BrowseResult{};
-        result.status_code = point.error();
-        return;
+        return take_back(context, result, point.error());
     }
     result.continuation_point = std::move(*point);
 }
@@ -195,6 +192,7 @@ void take_matches(ViewContext& context, const BrowseFilter& filter, Walk& walk, 
                   BrowseResult& result)
 {
     const std::size_t has = result.references.size();
+    const auto room = static_cast<std::ptrdiff_t>(result.references.capacity());
     std::size_t count = std::min(most - has, context.turn.left() / Turn::units_of_reference + 1);
     // Instances are too much work to look for them twice.
     if (walk.instances == model::no_node) {
@@ -212,6 +210,7 @@ void take_matches(ViewContext& context, const BrowseFilter& filter, Walk& walk, 
         context.turn.spend(Turn::units_of_reference);
     }
     context.references_left -= result.references.size() - has;
+    context.room += static_cast<std::ptrdiff_t>(result.references.capacity()) - room;
 }
 
 Result<BrowseFilter> make_filter(const ViewContext& context, const BrowseDescription& description)
@@ -265,6 +264,14 @@ Result<BrowseState> begin_browse(ViewContext& context, const BrowseDescription& 
     }
     return BrowseState{context.space.handle(*node), *filter, max_references, 0,
                        first_instance(context.space, *node, *filter)};
+}
+
+void take_back(ViewContext& context, BrowseResult& result, StatusCode status)
+{
+    context.references_left += result.references.size();
+    context.room -= static_cast<std::ptrdiff_t>(result.references.capacity());
+    result = BrowseResult{};
+    result.status_code = status;
 }
 
 bool continue_browse(ViewContext& context, BrowseState& state, BrowseResult& result)

@@ -38,6 +38,8 @@ struct ViewContext {
     /// Work and memory of one request.
     std::size_t visits_left{10'000'000};
     std::size_t references_left{max_references};
+    /// For so many references results have room, more or fewer than before the turn.
+    std::ptrdiff_t room{0};
     /// Bytes of names and NodeIds in what was described.
     std::size_t text_bytes{0};
     /// What may be done of it before others have their turn.

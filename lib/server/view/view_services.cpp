@@ -53,14 +53,16 @@ public:
         busbar::detail::Undo undo{[&] { work_.undo(*context.session); }};
         const bool is_complete = work_.go_on(view, this->request(), response_);
         context.peer.turn() = view.turn;
-        const std::size_t added =
-            references_left_ - std::min(references_left_, view.references_left);
+        room_ += view.room;
+        const std::ptrdiff_t added = std::max<std::ptrdiff_t>(room_ - paid_room_, 0);
+        paid_room_ += added;
         visits_left_ = view.visits_left;
         references_left_ = view.references_left;
         undo.keep();
         if (is_complete) {
             this->respond_results(response_);
-        } else if (!this->charge(added * sizeof(ReferenceDescription) + view.text_bytes)) {
+        } else if (!this->charge(static_cast<std::size_t>(added) * sizeof(ReferenceDescription) +
+                                 view.text_bytes)) {
             this->fault(status::Bad_OutOfMemory);
         }
     }
@@ -71,6 +73,9 @@ private:
     Response response_;
     std::size_t visits_left_{0};
     std::size_t references_left_{0};
+    /// For so many references there is room, and was paid.
+    std::ptrdiff_t room_{0};
+    std::ptrdiff_t paid_room_{0};
 };
 
 /// TranslateBrowsePathsToNodeIds (Part 4, 5.9.4), path by path.
