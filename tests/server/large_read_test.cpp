@@ -1,6 +1,5 @@
 #include <catch2/catch.hpp>
 
-#include <chrono>
 #include <string>
 #include <vector>
 
@@ -14,7 +13,6 @@
 
 using namespace busbar;
 using namespace busbar::test;
-using namespace std::chrono_literals;
 
 namespace {
 
@@ -112,7 +110,7 @@ TEST_CASE_METHOD(LargeReadFixture, "G2: a large Read takes the memory of the one
     CAPTURE(first.allocations, first.bytes, second.allocations, second.bytes);
     CHECK(first.bytes > 3'000'000);
     CHECK(second.allocations <= 8);
-    // Less than malloc takes from the system for: there is no page to be faulted in.
+    // None of these is one that malloc would take from the system and give back.
     CHECK(second.bytes < 16'384);
 
     // None of it lies there for ever.
