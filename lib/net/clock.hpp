@@ -31,33 +31,25 @@ inline void stop(asio::steady_timer& timer) noexcept
     }
 }
 
-/// Waits for the next deadline of an engine, which may be another after every call.
+/// Waits for the next deadline of an engine, which may be another after every call. Most are later
+/// than the one before, as each message that comes puts a timeout off: the system is not asked
+/// then, and what goes off early waits on.
 class DeadlineTimer {
 public:
     explicit DeadlineTimer(const asio::any_io_executor& executor) : timer_{executor} {}
 
-    /// Calls `on_deadline` when it is time, instead of what an earlier call asked for. It has to
-    /// keep the timer's owner alive: Asio may look at the timer after cancel().
+    /// Calls `on_deadline`, which is the same in every call, when it is time, instead of when an
+    /// earlier call wanted it. It has to keep the timer's owner alive: Asio may look at the timer
+    /// after cancel(). Where there is no memory to wait on, it is called too early.
     template <typename OnDeadline>
     void await(TimePoint deadline, OnDeadline on_deadline)
     {
-        if (deadline == awaited_) {
-            return;
-        }
-        awaited_ = no_deadline; // as long as nothing waits
-        stop(timer_);
+        wanted_ = deadline;
         if (deadline == no_deadline) {
-            return;
+            cancel();
+        } else if (deadline < awaited_) {
+            wait(on_deadline);
         }
-        timer_.expires_at(deadline);
-        timer_.async_wait(
-            [this, deadline, on_deadline = std::move(on_deadline)](std::error_code error) mutable {
-                if (!error && awaited_ == deadline) {
-                    awaited_ = no_deadline;
-                    on_deadline();
-                }
-            });
-        awaited_ = deadline;
     }
     void cancel()
     {
@@ -66,8 +58,36 @@ public:
     }
 
 private:
+    template <typename OnDeadline>
+    void wait(const OnDeadline& on_deadline)
+    {
+        cancel();
+        timer_.expires_at(wanted_);
+        timer_.async_wait([this, deadline = wanted_, on_deadline](std::error_code error) {
+            if (!error && awaited_ == deadline) {
+                awaited_ = no_deadline;
+                go_off(deadline, on_deadline);
+            }
+        });
+        awaited_ = wanted_;
+    }
+    template <typename OnDeadline>
+    void go_off(TimePoint deadline, const OnDeadline& on_deadline)
+    {
+        if (wanted_ > deadline) {
+            try {
+                wait(on_deadline);
+                return;
+            } catch (const std::exception&) {
+                awaited_ = no_deadline; // whoever is called waits anew, or ends
+            }
+        }
+        on_deadline();
+    }
+
     asio::steady_timer timer_;
-    TimePoint awaited_{no_deadline};
+    TimePoint wanted_{no_deadline};
+    TimePoint awaited_{no_deadline}; // that of the timer, as long as it waits
 };
 
 } // namespace busbar::net::detail
