@@ -13,6 +13,7 @@
 #include <busbar/model/data_types.hpp>
 
 #include "failure_world.hpp"
+#include "support/failing_worlds.hpp"
 
 /// D3: each request of a client with the k-th of the client's allocations failing, for k = 1, 2,
 /// ... until it goes through. Its handler is called once, with Bad_OutOfMemory or because the
@@ -51,7 +52,7 @@ void read(ClientWorld& world)
     options.max_parallel = 1;
     client::read(
         world.client, std::vector<ReadValueId>{state_value(), state_value(), state_value()},
-        [&world](std::vector<DataValue> values) { world.answer_all(values); }, {}, options);
+        [&world](const std::vector<DataValue>& values) { world.answer_all(values); }, {}, options);
 }
 
 void write(ClientWorld& world)
@@ -297,6 +298,12 @@ constexpr Row rows[] = {
     {"calling with texts", call_text},
 };
 
+/// What has thousands makes one type like the other.
+std::size_t next(std::size_t k)
+{
+    return k < 300 ? k + 1 : k + std::max<std::size_t>(7, k / 10);
+}
+
 bool fail_once(const Row& row, std::size_t k)
 {
     ClientWorld world;
@@ -326,10 +333,8 @@ TEST_CASE("D3: an allocation that fails ends one request of a client, or its con
     for (const Row& row : rows) {
         DYNAMIC_SECTION(row.request)
         {
-            std::size_t k = 1;
-            while (fail_once(row, k)) { // what has thousands makes one type like the other
-                k = k < 300 ? k + 1 : k + std::max<std::size_t>(7, k / 10);
-            }
+            check_failing_worlds(
+                row.request, [&](std::size_t k) { return fail_once(row, k); }, next);
         }
     }
 }

@@ -1,6 +1,7 @@
 #include <map>
 
 #include "failure_world.hpp"
+#include "support/failing_worlds.hpp"
 
 /// D3: Subscriptions of a client with the k-th of the client's allocations failing, for k = 1, 2,
 /// ... until nothing fails. Whatever was under way, soon all items have their values again.
@@ -180,10 +181,9 @@ TEST_CASE("D3: an allocation that fails leaves no item of a client without its v
     for (const Row& row : rows) {
         DYNAMIC_SECTION(row.name)
         {
-            std::size_t k = 1;
-            while (fail_once(row, k)) {
-                k = k < 100 ? k + 1 : k + 7;
-            }
+            check_failing_worlds(
+                row.name, [&](std::size_t k) { return fail_once(row, k); },
+                [](std::size_t k) { return k < 100 ? k + 1 : k + 7; });
         }
     }
 }

@@ -1,4 +1,5 @@
 #include "failure_cases.hpp"
+#include "support/failing_worlds.hpp"
 
 /// D3: each service with the k-th of its allocations failing, for k = 1, 2, ... until it goes
 /// through. Whatever fails ends the request with Bad_OutOfMemory, or its connection, and leaves
@@ -204,14 +205,13 @@ TEST_CASE("D3: an allocation that fails while a channel is opened ends its conne
     const bool has_worker = GENERATE(false, true);
     const channel::SecuritySetting security =
         has_worker ? secure : GENERATE(channel::SecuritySetting{}, secure);
-    for (std::size_t k = 1; fail_opening(security, has_worker, k); k = next(k)) {
-    }
+    check_failing_worlds(
+        "opening", [&](std::size_t k) { return fail_opening(security, has_worker, k); }, next);
 }
 
 TEST_CASE("D3: an allocation that fails while the server calls a client ends the call")
 {
-    for (std::size_t k = 1; fail_reverse_hello(k); ++k) {
-    }
+    check_failing_worlds("ReverseHello", fail_reverse_hello);
 }
 
 TEST_CASE("D3: an allocation that fails while a channel is renewed ends its connection")
@@ -219,8 +219,8 @@ TEST_CASE("D3: an allocation that fails while a channel is renewed ends its conn
     const bool has_worker = GENERATE(false, true);
     const channel::SecuritySetting security =
         has_worker ? secure : GENERATE(channel::SecuritySetting{}, secure);
-    for (std::size_t k = 1; fail_renewal(security, has_worker, k); k = next(k)) {
-    }
+    check_failing_worlds(
+        "renewal", [&](std::size_t k) { return fail_renewal(security, has_worker, k); }, next);
 }
 
 TEST_CASE("D3: an allocation that fails ends one request")
@@ -228,11 +228,8 @@ TEST_CASE("D3: an allocation that fails ends one request")
     for (const Row& row : rows) {
         DYNAMIC_SECTION(row.service)
         {
-            REQUIRE_FALSE(fail_once(row, 1'000'000));
-            const std::size_t live = live_allocations();
-            for (std::size_t k = 1; fail_once(row, k); k = next(k)) {
-                CHECK(live_allocations() == live);
-            }
+            check_failing_worlds(
+                row.service, [&](std::size_t k) { return fail_once(row, k); }, next);
         }
     }
 }
@@ -242,8 +239,9 @@ TEST_CASE("D3: a server without memory for a while lives")
     for (const Row& row : rows) {
         DYNAMIC_SECTION(row.service)
         {
-            for (std::size_t k = 1; fail_for_a_while(row, k); k += 3) {
-            }
+            check_failing_worlds(
+                row.service, [&](std::size_t k) { return fail_for_a_while(row, k); },
+                [](std::size_t k) { return k + 3; });
         }
     }
 }

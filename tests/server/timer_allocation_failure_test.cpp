@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "failure_cases.hpp"
+#include "support/failing_worlds.hpp"
 
 /// D3: what a server does by itself, when its time has come, with the k-th of its allocations
 /// failing, for k = 1, 2, ... until nothing fails. Others are served meanwhile, and what had to be
@@ -186,8 +187,7 @@ bool fail_two_logins(std::size_t k)
 
 TEST_CASE("D3: of logins that a worker has checked one alone ends where there is no memory")
 {
-    for (std::size_t k = 1; fail_two_logins(k); ++k) {
-    }
+    check_failing_worlds("two logins", fail_two_logins);
 }
 
 TEST_CASE("D3: an allocation that fails keeps a server from nothing that it does in time")
@@ -195,11 +195,7 @@ TEST_CASE("D3: an allocation that fails keeps a server from nothing that it does
     for (const Row& row : rows) {
         DYNAMIC_SECTION(row.name)
         {
-            REQUIRE_FALSE(fail_once(row, 1'000'000));
-            const std::size_t live = live_allocations();
-            for (std::size_t k = 1; fail_once(row, k); ++k) {
-                CHECK(live_allocations() == live);
-            }
+            check_failing_worlds(row.name, [&](std::size_t k) { return fail_once(row, k); });
         }
     }
 }
