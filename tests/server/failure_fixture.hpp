@@ -121,8 +121,8 @@ struct FailureParts {
 class FailureFixture : public FailureParts, public ServerFixture {
 public:
     /// Which does the asymmetric work of its channels itself, or has it done.
-    explicit FailureFixture(bool has_worker = false)
-        : ServerFixture{flag_waker, has_worker ? &channel_worker : nullptr, config()}
+    explicit FailureFixture(bool has_worker = false, server::ServerConfig used = config())
+        : ServerFixture{flag_waker, has_worker ? &channel_worker : nullptr, std::move(used)}
     {
         source_ = server.add_source(memory);
         add_variable("level");

@@ -34,7 +34,7 @@ void EndedSubscriptions::add(std::unique_ptr<Subscription> subscription)
     }
 }
 
-bool EndedSubscriptions::sweep(std::size_t items)
+bool EndedSubscriptions::sweep(std::size_t items) noexcept
 {
     const bool has_some = !all_.empty();
     while (items != 0 && !all_.empty()) {

@@ -21,7 +21,7 @@ public:
     /// Takes one that has neither session nor timer any more.
     void add(std::unique_ptr<Subscription> subscription);
     /// Removes that many items at most; false if there is none.
-    bool sweep(std::size_t items);
+    bool sweep(std::size_t items) noexcept;
     [[nodiscard]] std::size_t size() const { return all_.size(); }
     void clear();
     void expire(TimePoint now) override;

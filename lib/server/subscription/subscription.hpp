@@ -147,10 +147,10 @@ public:
     [[nodiscard]] std::size_t item_count() const { return items_.size(); }
     [[nodiscard]] MonitoredItem* find_item(std::uint32_t id) const;
     MonitoredItem& add_item(std::unique_ptr<MonitoredItem> item);
-    /// False if there is no such item.
-    [[nodiscard]] bool remove_item(std::uint32_t id);
+    /// False if there is no such item. What ends an item needs no memory.
+    [[nodiscard]] bool remove_item(std::uint32_t id) noexcept;
     /// Removes that many at most; how many there were.
-    std::size_t remove_items(std::size_t most);
+    std::size_t remove_items(std::size_t most) noexcept;
     /// In ascending order.
     [[nodiscard]] std::vector<std::uint32_t> item_ids() const;
     /// Queues the last value of each data item that reports and has none queued.
@@ -169,7 +169,7 @@ private:
     {
         return !ready_data_.empty() || !ready_events_.empty();
     }
-    void count_items(std::ptrdiff_t more);
+    void count_items(std::ptrdiff_t more) noexcept;
     void perform(SubscriptionAction action, const SubscriptionRow& row, const Input& input);
     void start_publishing_timer(TimePoint now);
     void update_parameters(const SubscriptionParameters& parameters, TimePoint now);

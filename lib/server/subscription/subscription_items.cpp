@@ -16,7 +16,7 @@ void Subscription::user_changed(TimePoint now)
 }
 
 /// Those of a Subscription that has ended are the server's alone.
-void Subscription::count_items(std::ptrdiff_t more)
+void Subscription::count_items(std::ptrdiff_t more) noexcept
 {
     all_.count_items(more);
     if (share_ != nullptr) {
@@ -41,7 +41,7 @@ MonitoredItem& Subscription::add_item(std::unique_ptr<MonitoredItem> item)
     return added;
 }
 
-bool Subscription::remove_item(std::uint32_t id)
+bool Subscription::remove_item(std::uint32_t id) noexcept
 {
     if (items_.erase(id) == 0) {
         return false;
@@ -50,10 +50,10 @@ bool Subscription::remove_item(std::uint32_t id)
     return true;
 }
 
-std::size_t Subscription::remove_items(std::size_t most)
+std::size_t Subscription::remove_items(std::size_t most) noexcept
 {
     const std::size_t count = std::min(most, items_.size());
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < count; ++i) { // to its end: no destructor throws
         items_.erase(items_.begin());
     }
     count_items(-static_cast<std::ptrdiff_t>(count));

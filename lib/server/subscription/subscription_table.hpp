@@ -75,7 +75,7 @@ public:
     [[nodiscard]] Shares& shares() { return shares_; }
     [[nodiscard]] std::size_t size() const { return subscriptions_.size(); }
     [[nodiscard]] std::size_t item_count() const { return item_count_; }
-    void count_items(std::ptrdiff_t more)
+    void count_items(std::ptrdiff_t more) noexcept
     {
         item_count_ = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(item_count_) + more);
     }

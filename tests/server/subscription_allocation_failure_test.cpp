@@ -1,0 +1,215 @@
+#include "failure_cases.hpp"
+#include "support/failing_worlds.hpp"
+
+/// D3: what is counted of Subscriptions and their items, where there is no memory to
+/// end them with.
+using namespace busbar;
+using namespace busbar::test;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr std::size_t most_items = 30;
+constexpr std::size_t most_subscriptions = 3;
+
+server::ServerConfig counting_config()
+{
+    server::ServerConfig config = FailureFixture::config();
+    config.limits.subscriptions.max_items_per_user = most_items;
+    config.limits.subscriptions.max_subscriptions_per_user = most_subscriptions;
+    config.limits.subscriptions.max_subscriptions_per_session = most_subscriptions;
+    return config;
+}
+
+/// A user with two Subscriptions, one of them empty, the other with more items than are removed at
+/// once and of several kinds, in which Notifications wait.
+class CountingWorld : public FailureFixture {
+public:
+    CountingWorld() : FailureFixture{false, counting_config()}
+    {
+        add_range();
+        client = log_in_as("operator");
+        kept = make_subscription();
+        filled = make_subscription();
+        for (int i = 0; i < 9; ++i) {
+            keep_items(items_request(filled));
+        }
+        keep_items(failing::event_item(filled));
+        CreateMonitoredItemsRequest others = items_request(filled);
+        others.items_to_create[0].item_to_monitor.node_id = own("range");
+        others.items_to_create[1].monitoring_mode = MonitoringMode::Disabled;
+        keep_items(others);
+        SetTriggeringRequest triggering;
+        triggering.subscription_id = filled;
+        triggering.triggering_item_id = items[0];
+        triggering.links_to_add = {items[1], items[2]};
+        REQUIRE(client.call<SetTriggeringResponse>(triggering));
+        queue_notifications();
+    }
+
+    /// Whatever is left of the items can be removed, and then there is as much room as ever.
+    void check_counts()
+    {
+        for (TestClient* const each : {&client, left.get()}) {
+            if (each != nullptr && each->is_closed()) {
+                *each = again(*each);
+            }
+        }
+        for (TestClient* const each : {&client, left.get()}) {
+            if (each != nullptr) {
+                DeleteSubscriptionsRequest request;
+                request.subscription_ids = {filled};
+                CHECK(each->call<DeleteSubscriptionsResponse>(request));
+            }
+        }
+        for (int i = 0; i < 5; ++i) {
+            pass(100ms, client);
+        }
+        CHECK(server.subscription_count() == 1);
+        CHECK(server.monitored_item_count() == 0);
+        TestClient& owner = left != nullptr ? *left : client;
+        CHECK(count_new_items(owner, most_items + 1) == most_items);
+        std::size_t made = 0;
+        while (made < 2 * most_subscriptions &&
+               owner.call<CreateSubscriptionResponse>(subscription_request())) {
+            ++made;
+        }
+        CHECK(made == most_subscriptions - 1);
+    }
+
+    std::uint32_t kept{0};
+    std::uint32_t filled{0};
+    std::vector<std::uint32_t> items;
+
+private:
+    void add_range()
+    {
+        model::NewNode node;
+        node.id = own("range");
+        node.browse_name = QualifiedName{1, "range"};
+        node.parent = server.address_space().find(id::ObjectsFolder);
+        model::NewVariable variable;
+        variable.data_type = NodeId{0, id::Range};
+        variable.value = Variant{ExtensionObject::from(Range{0, 100})};
+        REQUIRE(server.address_space().add_variable(node, variable));
+    }
+    /// It outlives the test.
+    std::uint32_t make_subscription()
+    {
+        CreateSubscriptionRequest request = subscription_request();
+        request.requested_lifetime_count = 10'000;
+        const auto made = client.call<CreateSubscriptionResponse>(request);
+        REQUIRE(made);
+        return made->subscription_id;
+    }
+    void keep_items(const CreateMonitoredItemsRequest& request)
+    {
+        const auto made = client.call<CreateMonitoredItemsResponse>(request);
+        REQUIRE(made);
+        REQUIRE(worst_of(*made) == status::Good);
+        for (const MonitoredItemCreateResult& result : made->results) {
+            items.push_back(result.monitored_item_id);
+        }
+    }
+    [[nodiscard]] static server::Event event()
+    {
+        server::Event event;
+        event.message = LocalizedText{"a message that does not fit into a small string"};
+        event.severity = 500;
+        event.source_node = NodeId{0, id::Server};
+        return event;
+    }
+    void queue_notifications()
+    {
+        model::AddressSpace& space = server.address_space();
+        for (int i = 1; i <= 3; ++i) {
+            REQUIRE(space.set_value(space.find(own("range")),
+                                    Variant{ExtensionObject::from(Range{0, 1.0 * i})}));
+            REQUIRE(server.raise_event(event()));
+            pass(100ms, client);
+        }
+    }
+    /// How many more items it can have, up to `most`.
+    [[nodiscard]] std::size_t count_new_items(TestClient& owner, std::size_t most) const
+    {
+        CreateMonitoredItemsRequest request = items_request(kept);
+        request.items_to_create.resize(1);
+        for (std::size_t made = 0; made < most; ++made) {
+            const auto response = owner.call<CreateMonitoredItemsResponse>(request);
+            REQUIRE(response);
+            if (worst_of(*response).is_bad()) {
+                return made;
+            }
+        }
+        return most;
+    }
+};
+
+FailureCase delete_items(CountingWorld& world)
+{
+    DeleteMonitoredItemsRequest request;
+    request.subscription_id = world.filled;
+    request.monitored_item_ids = Array<std::uint32_t>{world.items};
+    return asking<DeleteMonitoredItemsResponse>(request);
+}
+
+FailureCase delete_subscriptions(CountingWorld& world)
+{
+    DeleteSubscriptionsRequest request;
+    request.subscription_ids = {world.filled};
+    return asking<DeleteSubscriptionsResponse>(request);
+}
+
+FailureCase transfer_subscriptions(CountingWorld& world)
+{
+    TransferSubscriptionsRequest request;
+    request.subscription_ids = {world.filled};
+    request.send_initial_values = true;
+    world.left = std::make_unique<TestClient>(std::move(world.client));
+    world.client = world.log_in_as("operator");
+    return asking<TransferSubscriptionsResponse>(request);
+}
+
+struct Row {
+    const char* service;
+    FailureCase (*prepare)(CountingWorld&);
+};
+
+constexpr Row rows[] = {
+    {"DeleteMonitoredItems", delete_items},
+    {"DeleteSubscriptions", delete_subscriptions},
+    {"TransferSubscriptions", transfer_subscriptions},
+};
+
+/// False if nothing failed of the request and of what is done in the time after it.
+bool fail_once(const Row& row, std::size_t k, std::size_t most)
+{
+    CountingWorld world;
+    const FailureCase asked = row.prepare(world);
+    fail_allocation(k, most);
+    const StatusCode answer = world.ask(world.client, asked);
+    for (int i = 0; i < 3; ++i) {
+        world.pass(100ms, world.client);
+    }
+    const bool has_failed = has_allocation_failed();
+    fail_allocation(0);
+    INFO(row.service << ", allocation " << k << ": " << name(answer) << "\n" << world.log.text);
+    CHECK(world.thrown == 0);
+    CHECK((has_failed || answer == status::Good));
+    world.check_counts();
+    return has_failed;
+}
+
+} // namespace
+
+TEST_CASE("D3: an allocation that fails while items are removed leaves every count right")
+{
+    const std::size_t most = GENERATE(1U, 1'000'000U); // or there is no memory any more
+    for (const Row& row : rows) {
+        DYNAMIC_SECTION(row.service << ", " << most)
+        {
+            check_failing_worlds(row.service,
+                                 [&](std::size_t k) { return fail_once(row, k, most); });
+        }
+    }
+}
