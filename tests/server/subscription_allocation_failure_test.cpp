@@ -1,8 +1,11 @@
+#include <array>
+
 #include "failure_cases.hpp"
+#include "server/subscription/timer_queue.hpp"
 #include "support/failing_worlds.hpp"
 
-/// D3: what is counted of Subscriptions and their items, where there is no memory to
-/// end them with.
+/// D3: what is counted of Subscriptions and their items, and what is timed for them, where there is
+/// no memory to end them with.
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -200,6 +203,20 @@ bool fail_once(const Row& row, std::size_t k, std::size_t most)
     return has_failed;
 }
 
+/// Sets itself again.
+struct SteadyTimer final : server::detail::Timer {
+    void expire(TimePoint now) override
+    {
+        if (is_broken) {
+            throw std::bad_alloc{};
+        }
+        queue->set(*this, now + 1s);
+    }
+
+    server::detail::TimerQueue* queue{nullptr};
+    bool is_broken{false};
+};
+
 } // namespace
 
 TEST_CASE("D3: an allocation that fails while items are removed leaves every count right")
@@ -211,5 +228,33 @@ TEST_CASE("D3: an allocation that fails while items are removed leaves every cou
             check_failing_worlds(row.service,
                                  [&](std::size_t k) { return fail_once(row, k, most); });
         }
+    }
+}
+
+TEST_CASE("D3: a timer that expires can be set again whatever memory there is")
+{
+    constexpr std::size_t most_others = 8;
+    for (std::size_t others = 0; others <= most_others; ++others) {
+        server::detail::TimerQueue queue;
+        std::array<SteadyTimer, 4> timers;
+        std::array<SteadyTimer, most_others> later;
+        for (SteadyTimer& timer : timers) {
+            timer.queue = &queue;
+            queue.set(timer, TimePoint{1s});
+        }
+        timers[0].is_broken = true; // which leaves the others behind
+        CHECK_THROWS_AS(queue.expire(TimePoint{1s}), std::bad_alloc);
+        for (std::size_t i = 0; i < others; ++i) {
+            queue.set(later[i], TimePoint{1h});
+        }
+        fail_allocation(1, 1'000'000);
+        static_cast<void>(survives_counted([&] { queue.expire(TimePoint{1s}); }));
+        fail_allocation(0);
+        queue.expire(TimePoint{1s});
+        INFO(others << " others");
+        for (std::size_t i = 1; i < timers.size(); ++i) {
+            CHECK(timers[i].due() == TimePoint{2s});
+        }
+        CHECK(queue.size() == timers.size() - 1 + others);
     }
 }

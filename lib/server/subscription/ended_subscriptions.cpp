@@ -55,9 +55,11 @@ void EndedSubscriptions::clear()
 
 void EndedSubscriptions::expire(TimePoint /*now*/)
 {
+    // First, as in Subscription::expire: whatever happens here, it goes on.
+    timers_.set(*this, TimePoint::min());
     static_cast<void>(sweep(items_of_sweep));
-    if (!all_.empty()) {
-        timers_.set(*this, TimePoint::min());
+    if (all_.empty()) {
+        timers_.cancel(*this);
     }
 }
 

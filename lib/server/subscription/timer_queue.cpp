@@ -40,8 +40,24 @@ void TimerQueue::sift_down(Timer& timer, std::size_t place)
     put(timer, place);
 }
 
+bool TimerQueue::has_place(const Timer& timer) const
+{
+    return timer.due_ != no_deadline || timer.is_expiring_ || current_ == &timer;
+}
+
+void TimerQueue::make_place()
+{
+    const std::size_t used = heap_.size() + expiring_.size();
+    if (used >= heap_.capacity()) {
+        heap_.reserve(2 * used + 1);
+    }
+}
+
 void TimerQueue::set(Timer& timer, TimePoint due)
 {
+    if (due != no_deadline && !has_place(timer)) {
+        make_place();
+    }
     cancel(timer);
     if (due == no_deadline) {
         return;
@@ -53,6 +69,9 @@ void TimerQueue::set(Timer& timer, TimePoint due)
 
 void TimerQueue::cancel(Timer& timer)
 {
+    if (current_ == &timer) {
+        current_ = nullptr;
+    }
     if (std::exchange(timer.is_expiring_, false)) {
         std::replace(expiring_.begin(), expiring_.end(), &timer, static_cast<Timer*>(nullptr));
     }
@@ -83,6 +102,7 @@ public:
     {
         auto& all = queue_.expiring_;
         all.erase(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(next_));
+        queue_.current_ = nullptr;
         queue_.has_rest_ = !all.empty();
     }
 
@@ -93,6 +113,7 @@ public:
             return false;
         }
         timer = std::exchange(queue_.expiring_[next_++], nullptr);
+        queue_.current_ = timer;
         return true;
     }
 

@@ -37,7 +37,8 @@ private:
 /// takes a number of steps that grows with the logarithm of their number.
 class TimerQueue {
 public:
-    /// `timer` must be cancelled before it is destroyed.
+    /// `timer` must be cancelled before it is destroyed. Needs memory only for one that neither is
+    /// set nor expires: whatever happens, what goes on in steps can have its next one.
     void set(Timer& timer, TimePoint due);
     void cancel(Timer& timer);
     [[nodiscard]] TimePoint next_deadline() const
@@ -56,13 +57,18 @@ public:
 private:
     class Expiring;
 
+    [[nodiscard]] bool has_place(const Timer& timer) const;
+    void make_place();
     void put(Timer& timer, std::size_t place);
     void sift_up(Timer& timer, std::size_t place);
     void sift_down(Timer& timer, std::size_t place);
 
+    /// Has room for those that expire as well.
     std::vector<Timer*> heap_;
     /// Due in this call of expire(); null where one was cancelled meanwhile.
     std::vector<Timer*> expiring_;
+    /// The one that expires now, until it is set again or cancelled.
+    Timer* current_{nullptr};
     /// One that threw left others behind there.
     bool has_rest_{false};
 };
