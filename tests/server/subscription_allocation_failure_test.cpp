@@ -1,6 +1,7 @@
 #include <array>
 
 #include "failure_cases.hpp"
+#include "server/subscription/sampling_intervals.hpp"
 #include "server/subscription/timer_queue.hpp"
 #include "support/failing_worlds.hpp"
 
@@ -257,4 +258,17 @@ TEST_CASE("D3: a timer that expires can be set again whatever memory there is")
         }
         CHECK(queue.size() == timers.size() - 1 + others);
     }
+}
+
+TEST_CASE("D3: an item whose new sampling interval finds no memory is counted at the old one")
+{
+    server::detail::SamplingIntervals intervals{true};
+    server::detail::SamplingIntervals::Use use;
+    intervals.change(use, {true, false, 100ms});
+    fail_allocation(1);
+    CHECK_FALSE(survives_counted([&] { intervals.change(use, {true, false, 200ms}); }));
+    fail_allocation(0);
+    CHECK(intervals.all().at(100ms).enabled == 1);
+    intervals.change(use, {});
+    CHECK(intervals.all().at(100ms).enabled == 0);
 }

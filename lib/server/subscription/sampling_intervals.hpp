@@ -34,11 +34,12 @@ public:
         if (!is_fixed_) {
             return;
         }
+        std::size_t* const to = next.is_counted ? &place(next) : nullptr; // first, as it may fail
         if (use.is_counted) {
             --place(use);
         }
-        if (next.is_counted) {
-            ++place(next);
+        if (to != nullptr) {
+            ++*to;
             Items& items = items_[next.interval];
             items.most = std::max(items.most, items.enabled + items.disabled);
         }
