@@ -1,6 +1,7 @@
 #include <array>
 
 #include "failure_cases.hpp"
+#include "server/engine/event_item_queue.hpp"
 #include "server/subscription/sampling_intervals.hpp"
 #include "server/subscription/timer_queue.hpp"
 #include "support/failing_worlds.hpp"
@@ -257,6 +258,39 @@ TEST_CASE("D3: a timer that expires can be set again whatever memory there is")
             CHECK(timers[i].due() == TimePoint{2s});
         }
         CHECK(queue.size() == timers.size() - 1 + others);
+    }
+}
+
+TEST_CASE("D3: what finds no memory in the queue of an event item is neither counted nor paid for")
+{
+    using Queue = server::detail::EventItemQueue;
+    constexpr std::size_t all = 1U << 20U;
+    const bool is_overflow = GENERATE(false, true);
+    bool has_failed = true;
+    for (std::size_t k = 1; has_failed; ++k) {
+        server::detail::MemoryAccount account{all, nullptr};
+        Queue queue{account};
+        REQUIRE(queue.set_capacity(100, true));
+        fail_allocation(k);
+        static_cast<void>(survives_counted([&] {
+            for (int i = 0; i < 50; ++i) {
+                if (is_overflow) {
+                    queue.push_overflow(Queue::Fields{});
+                } else {
+                    static_cast<void>(queue.push(Queue::Fields{}));
+                }
+            }
+        }));
+        has_failed = has_allocation_failed();
+        fail_allocation(0);
+        INFO("allocation " << k);
+        queue.clear();
+        CHECK(account.left() == all);
+        REQUIRE(queue.set_capacity(2, true));
+        for (int i = 0; i < 3; ++i) {
+            CHECK(queue.push(Queue::Fields{}) == (i < 2));
+        }
+        CHECK(queue.size() == 2);
     }
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <busbar/core/detail/guarded.hpp>
+
 namespace busbar::server::detail {
 
 namespace {
@@ -38,12 +40,14 @@ bool EventItemQueue::push(Fields fields, bool is_guarded)
     if (!account_->charge(bytes)) {
         return false;
     }
+    busbar::detail::Undo undo{[&] { account_->release(bytes); }};
     // Behind an overflow event at the end only if there is place again: it tells of a loss before
     // this event, or of one that this event is part of.
     const bool is_behind =
         !is_full || discards_oldest_ || entries_.empty() || !entries_.back().is_overflow;
     entries_.insert(is_behind ? entries_.end() : entries_.end() - 1,
                     Entry{std::move(fields), bytes, false, is_guarded});
+    undo.keep();
     return !is_full;
 }
 
@@ -79,9 +83,11 @@ void EventItemQueue::push_overflow(Fields fields)
     if (!account_->charge(bytes)) {
         return; // another one in the queue tells of a loss already
     }
-    ++overflow_count_;
+    busbar::detail::Undo undo{[&] { account_->release(bytes); }};
     entries_.insert(discards_oldest_ ? entries_.begin() : entries_.end(),
                     Entry{std::move(fields), bytes, true, false});
+    undo.keep();
+    ++overflow_count_;
 }
 
 void EventItemQueue::pop()
