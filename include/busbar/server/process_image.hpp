@@ -93,12 +93,16 @@ public:
 
 private:
     friend class ProcessImage;
+    friend class ImageSource;
     /// A variable's place, and what the scan has of its layout; null if that is nothing.
     struct Found {
         const ImagePlace* place;
         const detail::ImageCopy* copy;
     };
     [[nodiscard]] Found find(std::uint32_t handle) const;
+    /// Has the place of a variable fetched that is read soon, and then what lies there.
+    void fetch_place(std::uint32_t handle) const;
+    void fetch_value(std::uint32_t handle) const;
     ImagePin(std::shared_ptr<const ProcessImage> image, detail::ImageBuffer& buffer)
         : image_{std::move(image)}, buffer_{&buffer}
     {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/fetch.hpp"
 #include "image_pool.hpp"
 #include "image_writes.hpp"
 
@@ -39,8 +40,18 @@ void ImageSource::read(ReadBatch batch)
     const StatusCode quality =
         image_->is_running() ? status::Good : status::Uncertain_LastUsableValue;
     bool is_borrowed = false;
+    const std::uint32_t size = image_->size();
+    // Where a value lies is known when its place is there, so both are fetched, one after the
+    // other.
+    const auto fetch = [&](std::size_t next, void (ImagePin::*part)(std::uint32_t) const) {
+        if (next < items.size() && items[next].handle < size) {
+            (pin.*part)(static_cast<std::uint32_t>(items[next].handle));
+        }
+    };
     for (std::size_t i = 0; i < items.size(); ++i) {
-        if (items[i].handle >= image_->size()) {
+        fetch(i + 2 * busbar::detail::fetched_ahead, &ImagePin::fetch_place);
+        fetch(i + busbar::detail::fetched_ahead, &ImagePin::fetch_value);
+        if (items[i].handle >= size) {
             slots[i].status = status::Bad_NodeIdUnknown;
             continue;
         }

@@ -5,6 +5,7 @@
 
 #include <busbar/core/detail/guarded.hpp>
 
+#include "core/fetch.hpp"
 #include "image_pool.hpp"
 #include "image_segments.hpp"
 #include "image_types.hpp"
@@ -82,6 +83,25 @@ ImagePin::Found ImagePin::find(std::uint32_t handle) const
     const detail::ImageSegment& segment = (*image_->segments_)[index];
     return {&segment.layout[handle - segment.first],
             index < buffer_->segments() ? &segment.copies[buffer_->index()] : nullptr};
+}
+
+void ImagePin::fetch_place(std::uint32_t handle) const
+{
+    constexpr std::size_t line_size = 64;
+    const auto* const place = reinterpret_cast<const char*>(find(handle).place);
+    busbar::detail::fetch(place);
+    busbar::detail::fetch(place + line_size);
+    busbar::detail::fetch(place + sizeof(ImagePlace) - 1);
+}
+
+void ImagePin::fetch_value(std::uint32_t handle) const
+{
+    const auto [place, copy] = find(handle);
+    if (copy != nullptr && place->in_arrays) {
+        busbar::detail::fetch(&copy->array(*place));
+    } else if (copy != nullptr) {
+        busbar::detail::fetch(copy->plain(*place));
+    }
 }
 
 bool ImagePin::read(std::uint32_t handle, ReadSlot& slot) const
