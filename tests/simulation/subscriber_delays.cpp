@@ -58,13 +58,13 @@ void Subscriber::check_answer()
     }
 }
 
-/// True if its lifetime may have run out while nothing could arrive, and it has not been heard
-/// since: the StatusChangeNotification that says so may have gone with a connection, and cannot be
-/// asked for again (Part 4, 5.14.1.1 and 5.14.6).
+/// True if its lifetime may have run out before a connection was lost, and it has not been heard
+/// since: the StatusChangeNotification that says so may have been under way, and cannot be asked
+/// for again (Part 4, 5.14.1.1 and 5.14.6).
 bool Subscriber::may_have_ended(const WatchedSubscription& subscription) const
 {
-    const bool is_heard = subscription.last_heard && *subscription.last_heard >= undisturbed_since_;
-    return !is_heard && undisturbed_since_ - subscription.last_use >= subscription.least_lifetime();
+    const bool is_heard = subscription.last_heard && *subscription.last_heard >= left_at_;
+    return !is_heard && left_at_ - subscription.last_use >= subscription.least_lifetime();
 }
 
 /// Part 4, 5.14.1.1: the first message within the first publishing interval, later ones at least
