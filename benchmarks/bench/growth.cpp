@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <span>
 #include <utility>
 
 #include <malloc.h>
@@ -128,9 +129,24 @@ Result<Series> sessions(const GrowthOptions& options)
     return done ? Result<Series>{std::move(series)} : fail(done.error());
 }
 
-/// Monitors the variables from `first` to before `last`.
+/// Deletes all down to none, and has the points say what that costs.
+template <typename Delete>
+Result<void> measure_deletion(Series& series, MemoryServer& server, Delete remove)
+{
+    for (std::size_t i = series.points.size(); i > 0; --i) {
+        const std::size_t first = i > 1 ? series.points[i - 2].count : 0;
+        const auto cost = create_cost(server, first, series.points[i - 1].count, remove);
+        if (!cost) {
+            return fail(cost.error());
+        }
+        series.points[i - 1].delete_us = *cost;
+    }
+    return {};
+}
+
+/// Monitors the variables from `first` to before `last`, and keeps the ids of the items.
 Result<void> monitor(MemoryServer& server, Guest& guest, std::uint32_t subscription,
-                     std::size_t first, std::size_t last)
+                     std::size_t first, std::size_t last, std::vector<std::uint32_t>& ids)
 {
     CreateMonitoredItemsRequest request;
     request.subscription_id = subscription;
@@ -147,14 +163,33 @@ Result<void> monitor(MemoryServer& server, Guest& guest, std::uint32_t subscript
     if (!response) {
         return fail(response.error());
     }
-    const auto bad = std::find_if(response->results.begin(), response->results.end(),
-                                  [](const auto& one) { return one.status_code.is_bad(); });
-    return bad == response->results.end() ? Result<void>{} : fail(bad->status_code);
+    for (const MonitoredItemCreateResult& result : response->results) {
+        if (result.status_code.is_bad()) {
+            return fail(result.status_code);
+        }
+        ids.push_back(result.monitored_item_id);
+    }
+    return {};
 }
 
-Result<Series> items(const GrowthOptions& options)
+Result<void> forget(Guest& guest, std::uint32_t subscription, std::span<const std::uint32_t> ids)
 {
-    Series series{"items", {}};
+    DeleteMonitoredItemsRequest request;
+    request.subscription_id = subscription;
+    request.monitored_item_ids.assign(ids.begin(), ids.end());
+    const auto response = guest.call<DeleteMonitoredItemsResponse>(request);
+    if (!response) {
+        return fail(response.error());
+    }
+    const auto bad = std::find_if(response->results.begin(), response->results.end(),
+                                  [](StatusCode one) { return one.is_bad(); });
+    return bad == response->results.end() ? Result<void>{} : fail(*bad);
+}
+
+/// `together` in each request that creates or deletes.
+Result<Series> items(const GrowthOptions& options, const char* name, std::size_t together)
+{
+    Series series{name, {}};
     if (options.items.empty()) {
         return series;
     }
@@ -174,20 +209,39 @@ Result<Series> items(const GrowthOptions& options)
     if (!subscription) {
         return fail(subscription.error());
     }
-    const auto create = [&](std::size_t first, std::size_t last) -> Result<void> {
-        for (; first < last; first += items_per_request) {
-            const auto made = monitor(server, **owner, subscription->subscription_id, first,
-                                      std::min(first + items_per_request, last));
-            if (!made) {
-                return made;
+    std::vector<std::uint32_t> ids;
+    const auto in_requests = [&](auto one) {
+        return [one, together](std::size_t first, std::size_t last) -> Result<void> {
+            Result<void> done;
+            for (; done && first < last; first += together) {
+                done = one(first, std::min(first + together, last));
             }
-        }
-        return {};
+            return done;
+        };
     };
-    const auto done = measure(series, options.items, server, create, [&] {
-        return read_cost(server, **reader, options.items.back(), options.reads);
-    });
+    const std::uint32_t id = subscription->subscription_id;
+    auto done = measure(
+        series, options.items, server, in_requests([&](std::size_t first, std::size_t last) {
+            return monitor(server, **owner, id, first, last, ids);
+        }),
+        [&] { return read_cost(server, **reader, options.items.back(), options.reads); });
+    if (done) {
+        done = measure_deletion(
+            series, server, in_requests([&](std::size_t first, std::size_t last) {
+                return forget(**owner, id, std::span{ids}.subspan(first, last - first));
+            }));
+    }
     return done ? Result<Series>{std::move(series)} : fail(done.error());
+}
+
+Result<Series> items_together(const GrowthOptions& options)
+{
+    return items(options, "items", items_per_request);
+}
+
+Result<Series> items_alone(const GrowthOptions& options)
+{
+    return items(options, "items, each by a request of its own", 1);
 }
 
 Result<Series> variables(const GrowthOptions& options, const char* name, std::size_t together)
@@ -247,7 +301,8 @@ Result<std::vector<Series>> measure_growth(const GrowthOptions& options)
 {
     take_memory(options);
     std::vector<Series> all;
-    for (const auto measured : {sessions, items, variables_alone, variables_together}) {
+    for (const auto measured :
+         {sessions, items_together, items_alone, variables_alone, variables_together}) {
         auto series = measured(options);
         if (!series) {
             return fail(series.error());

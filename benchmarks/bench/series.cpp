@@ -12,7 +12,8 @@ struct Cost {
     const char* name;
     double Point::*figure;
 };
-constexpr Cost costs[] = {{"create", &Point::create_us}, {"read", &Point::read_us}};
+constexpr Cost costs[] = {
+    {"create", &Point::create_us}, {"read", &Point::read_us}, {"delete", &Point::delete_us}};
 
 /// Over the point before; none of the first, and none where that cost nothing.
 std::optional<double> growth(const Series& series, std::size_t point, double Point::*figure)
@@ -25,12 +26,19 @@ std::optional<double> growth(const Series& series, std::size_t point, double Poi
 
 void print_table(const Series& series)
 {
-    std::printf("%-12s %12s %8s %12s %8s\n", series.of.c_str(), "create us", "growth", "read us",
-                "growth");
+    std::printf("%-12s", series.of.c_str());
+    for (const Cost& cost : costs) {
+        std::printf(" %9s us %8s", cost.name, "growth");
+    }
+    std::printf("\n");
     for (std::size_t i = 0; i < series.points.size(); ++i) {
         std::printf("%-12zu", series.points[i].count);
         for (const Cost& cost : costs) {
-            std::printf(" %12.2f", series.points[i].*cost.figure);
+            if (const double figure = series.points[i].*cost.figure; figure > 0) {
+                std::printf(" %12.2f", figure);
+            } else {
+                std::printf(" %12s", "-");
+            }
             if (const auto grown = growth(series, i, cost.figure)) {
                 std::printf(" %8.2f", *grown);
             } else {
@@ -48,9 +56,13 @@ void print_json(const std::vector<Series>& all)
     const char* separator = "";
     for (const Series& series : all) {
         for (const Point& point : series.points) {
-            std::printf(
-                "%s\n  {\"of\": %s, \"count\": %zu, \"create_us\": %.3f, \"read_us\": %.3f}",
-                separator, quoted(series.of).c_str(), point.count, point.create_us, point.read_us);
+            std::printf("%s\n  {\"of\": %s, \"count\": %zu, \"create_us\": %.3f, \"read_us\": %.3f",
+                        separator, quoted(series.of).c_str(), point.count, point.create_us,
+                        point.read_us);
+            if (point.delete_us > 0) {
+                std::printf(", \"delete_us\": %.3f", point.delete_us);
+            }
+            std::printf("}");
             separator = ",";
         }
     }

@@ -14,6 +14,8 @@ struct Point {
     double create_us{0};
     /// To read one value.
     double read_us{0};
+    /// To delete one, on the way back to the point before; 0 where that is not measured.
+    double delete_us{0};
 };
 
 /// Figures of ever more of something.
@@ -29,7 +31,7 @@ constexpr double step_growth = 1.5;
 /// Two neighbours of which the second costs more than step_growth times as much as the first.
 struct Step {
     std::string of;
-    /// "create" or "read".
+    /// "create", "read" or "delete".
     std::string cost;
     std::size_t from{0};
     std::size_t to{0};
