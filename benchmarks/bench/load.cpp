@@ -1,6 +1,8 @@
 #include "load.hpp"
 
 #include <algorithm>
+#include <numeric>
+#include <random>
 
 #include <busbar/client/response_limits.hpp>
 #include <busbar/core/attribute_id.hpp>
@@ -40,7 +42,28 @@ MessageSecurityMode mode_of(const std::string& name)
                                       : MessageSecurityMode::None;
 }
 
+std::size_t most(const std::vector<std::size_t>& counts)
+{
+    return counts.empty() ? 0 : *std::max_element(counts.begin(), counts.end());
+}
+
+/// The same in every run.
+std::vector<std::size_t> order_of(const Options& options)
+{
+    std::vector<std::size_t> numbers(most_values(options));
+    std::iota(numbers.begin(), numbers.end(), std::size_t{0});
+    if (!options.is_sequential) {
+        std::shuffle(numbers.begin(), numbers.end(), std::minstd_rand{1});
+    }
+    return numbers;
+}
+
 } // namespace
+
+std::size_t most_values(const Options& options)
+{
+    return std::max({most(options.read_counts), most(options.write_counts), std::size_t{1}});
+}
 
 TimePoint clock_now()
 {
@@ -65,7 +88,9 @@ Row summarise(std::string load, std::vector<double> times_us)
     return row;
 }
 
-Load::Load(Options options) : options_{std::move(options)}
+Load::Load(Options options)
+    : options_{std::move(options)}, numbers_{order_of(options_)}, meter_{
+                                                                      options_.subscribe.server_pid}
 {
     security_ = {crypto::find_policy_by_name(options_.policy), mode_of(options_.mode)};
 }
@@ -150,7 +175,7 @@ NodeId Load::node(std::size_t number) const
     std::string text = options_.node;
     const std::size_t at = text.find("{}");
     if (at != std::string::npos) {
-        text.replace(at, 2, std::to_string(number));
+        text.replace(at, 2, std::to_string(numbers_[number]));
     }
     return NodeId::parse(text).value_or(NodeId{});
 }
@@ -158,6 +183,7 @@ NodeId Load::node(std::size_t number) const
 Result<Row> Load::connect_load()
 {
     std::vector<double> times;
+    meter_.begin();
     for (std::size_t i = 0; i < options_.connects; ++i) {
         net::ClientLoop loop;
         const TimePoint start = clock_now();
@@ -168,7 +194,10 @@ Result<Row> Load::connect_load()
         times.push_back(elapsed_us(start));
         loop.close();
     }
-    return summarise("connect and activate", std::move(times));
+    const auto cost = meter_.end(times.size());
+    Row row = summarise("connect and activate", std::move(times));
+    row.server = cost;
+    return row;
 }
 
 /// Runs `once` for the time the options give; it answers false on failure.
@@ -189,6 +218,21 @@ Result<std::vector<double>> repeat(double seconds, Once once)
     return times;
 }
 
+template <typename Once>
+Result<Row> Load::measure(const std::string& load, std::size_t count, Once once)
+{
+    meter_.begin();
+    auto times = repeat(options_.seconds, once);
+    if (!times) {
+        return fail(times.error());
+    }
+    const auto cost = meter_.end(times->size());
+    Row row = summarise(load + " " + std::to_string(count), *std::move(times));
+    row.server = cost;
+    row.per_second *= static_cast<double>(count);
+    return row;
+}
+
 Result<Row> Load::read_load(net::ClientLoop& loop, std::size_t count)
 {
     ReadRequest request;
@@ -200,7 +244,7 @@ Result<Row> Load::read_load(net::ClientLoop& loop, std::size_t count)
         item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
     }
     std::size_t response_size = 0;
-    auto times = repeat(options_.seconds, [&]() -> Result<void> {
+    auto row = measure("read", count, [&]() -> Result<void> {
         const auto event = loop.call(request);
         const auto response =
             event ? event->response<ReadResponse>(generous()) : fail(event.error());
@@ -215,12 +259,9 @@ Result<Row> Load::read_load(net::ClientLoop& loop, std::size_t count)
         return is_good ? Result<void>{}
                        : fail(results.empty() ? status::Bad_NoData : results[0].status);
     });
-    if (!times) {
-        return fail(times.error());
+    if (row) {
+        row->floor_us = floor_us(wire_size(request), response_size, security_);
     }
-    Row row = summarise("read " + std::to_string(count), *std::move(times));
-    row.floor_us = floor_us(wire_size(request), response_size, security_);
-    row.per_second *= static_cast<double>(count);
     return row;
 }
 
@@ -235,7 +276,7 @@ Result<Row> Load::write_load(net::ClientLoop& loop, std::size_t count)
         item.value = DataValue{Variant{static_cast<std::int16_t>(i)}};
     }
     std::size_t response_size = 0;
-    auto times = repeat(options_.seconds, [&]() -> Result<void> {
+    auto row = measure("write", count, [&]() -> Result<void> {
         const auto event = loop.call(request);
         const auto response =
             event ? event->response<WriteResponse>(generous()) : fail(event.error());
@@ -247,12 +288,9 @@ Result<Row> Load::write_load(net::ClientLoop& loop, std::size_t count)
                                       [](StatusCode code) { return code.is_bad(); });
         return bad == response->results.end() ? Result<void>{} : fail(*bad);
     });
-    if (!times) {
-        return fail(times.error());
+    if (row) {
+        row->floor_us = floor_us(wire_size(request), response_size, security_);
     }
-    Row row = summarise("write " + std::to_string(count), *std::move(times));
-    row.floor_us = floor_us(wire_size(request), response_size, security_);
-    row.per_second *= static_cast<double>(count);
     return row;
 }
 
@@ -265,6 +303,7 @@ Result<Row> Load::in_flight_load(net::ClientLoop& loop, std::size_t in_flight)
     item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
     std::size_t answers = 0;
     std::size_t open = 0;
+    meter_.begin();
     const TimePoint begin = clock_now();
     while (elapsed_us(begin) < options_.seconds * 1e6) {
         for (; open < in_flight; ++open) {
@@ -282,6 +321,7 @@ Result<Row> Load::in_flight_load(net::ClientLoop& loop, std::size_t in_flight)
         --open;
     }
     const double total = elapsed_us(begin);
+    const auto cost = meter_.end(answers);
     for (; open != 0; --open) {
         static_cast<void>(loop.wait());
     }
@@ -290,12 +330,27 @@ Result<Row> Load::in_flight_load(net::ClientLoop& loop, std::size_t in_flight)
     row.runs = answers;
     row.median_us = total / static_cast<double>(answers);
     row.per_second = 1e6 / row.median_us;
+    row.server = cost;
     return row;
 }
 
 Result<std::vector<Row>> Load::run()
 {
     std::vector<Row> rows;
+    for (std::size_t round = 0; round < options_.rounds; ++round) {
+        const std::size_t first = rows.size();
+        if (const auto done = run_round(rows); !done) {
+            return fail(done.error());
+        }
+        for (std::size_t i = first; i < rows.size(); ++i) {
+            rows[i].round = round;
+        }
+    }
+    return rows;
+}
+
+Result<void> Load::run_round(std::vector<Row>& rows)
+{
     const auto keep = [&](Result<Row> row) -> Result<void> {
         if (!row) {
             return fail(row.error());
@@ -321,10 +376,7 @@ Result<std::vector<Row>> Load::run()
         done = keep(in_flight_load(loop, options_.in_flight[i]));
     }
     loop.close();
-    if (!done) {
-        return fail(done.error());
-    }
-    return rows;
+    return done;
 }
 
 Result<std::vector<SubscribeRow>> Load::run_subscriptions()

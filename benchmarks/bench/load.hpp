@@ -2,12 +2,14 @@
 
 #include <chrono>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <busbar/channel/client_channel.hpp>
 #include <busbar/net/client_loop.hpp>
 
+#include "server_meter.hpp"
 #include "subscribe.hpp"
 
 namespace busbar::bench {
@@ -24,14 +26,23 @@ struct Options {
     std::vector<std::size_t> write_counts{1, 100, 3'000};
     std::vector<std::size_t> in_flight{1, 64};
     std::size_t connects{20};
+    /// Values of a Read or Write lie beside each other, or anywhere among as many as the largest
+    /// asks for.
+    bool is_sequential{false};
     double seconds{1.0};
+    /// How often all loads are run.
+    std::size_t rounds{1};
     SubscribeOptions subscribe;
     bool json{false};
 };
 
+/// The values of the largest Read or Write.
+[[nodiscard]] std::size_t most_values(const Options& options);
+
 /// One line of the table; times in microseconds.
 struct Row {
     std::string load;
+    std::size_t round{0};
     std::size_t runs{0};
     double median_us{0};
     double best_us{0};
@@ -39,6 +50,8 @@ struct Row {
     /// What the same bytes cost without any OPC UA, 0 where there is no such thing.
     double floor_us{0};
     double per_second{0};
+    /// None where it is not on this machine.
+    std::optional<ServerCost> server;
 };
 
 /// The median and the like of a series of times.
@@ -54,7 +67,7 @@ public:
     /// Asks the server for its endpoints. Bad_SecurityPolicyRejected if the one that is wanted is
     /// not among them.
     [[nodiscard]] Result<void> prepare();
-    /// All loads of the options; stops at the first that fails.
+    /// All loads of the options, round after round; stops at the first that fails.
     [[nodiscard]] Result<std::vector<Row>> run();
     /// The subscriptions of the options, each on a connection of its own.
     [[nodiscard]] Result<std::vector<SubscribeRow>> run_subscriptions();
@@ -70,10 +83,14 @@ public:
     static constexpr std::chrono::milliseconds default_timeout{10'000};
 
 private:
+    [[nodiscard]] Result<void> run_round(std::vector<Row>& rows);
     [[nodiscard]] Result<Row> connect_load();
     [[nodiscard]] Result<Row> read_load(net::ClientLoop& loop, std::size_t count);
     [[nodiscard]] Result<Row> write_load(net::ClientLoop& loop, std::size_t count);
     [[nodiscard]] Result<Row> in_flight_load(net::ClientLoop& loop, std::size_t in_flight);
+    /// Runs a load of requests of `count` values each.
+    template <typename Once>
+    [[nodiscard]] Result<Row> measure(const std::string& load, std::size_t count, Once once);
     [[nodiscard]] NodeId node(std::size_t number) const;
     [[nodiscard]] channel::ChannelEnvironment environment();
 
@@ -85,6 +102,9 @@ private:
     std::optional<channel::ApplicationIdentity> identity_;
     std::optional<crypto::Certificate> server_certificate_;
     channel::SecuritySetting security_;
+    /// The numbers of the variables in the order in which they are asked for.
+    std::vector<std::size_t> numbers_;
+    ServerMeter meter_;
 };
 
 } // namespace busbar::bench

@@ -6,10 +6,12 @@
 #include <malloc.h>
 
 #include "appendix7.hpp"
+#include "compare.hpp"
 #include "growth.hpp"
 #include "hostile.hpp"
 #include "load.hpp"
 #include "own_server.hpp"
+#include "process.hpp"
 #include "report.hpp"
 #include "session_memory.hpp"
 #include "startup_run.hpp"
@@ -31,14 +33,27 @@ int run_subscriptions(bench::Load& load, const bench::Options& options)
     if (!rows) {
         return complain(options, rows.error());
     }
-    std::printf("%s  %s %s, %.0f ms\n", options.url.c_str(), options.policy.c_str(),
-                options.mode.c_str(), options.subscribe.publishing_ms);
-    bench::print(*rows);
+    bench::print(options, *rows);
     return 0;
 }
 
-int run_loads(const bench::Options& options)
+/// Against the server of the options, or one of our own, which has variables to read and write.
+int run_loads(bench::Options options, bool has_url)
 {
+    std::unique_ptr<bench::OwnServer> own;
+    if (!has_url) {
+        auto started = bench::OwnServer::start({.is_secure = options.policy != "None",
+                                                .is_unrationed = true,
+                                                .variables = bench::most_values(options)});
+        if (!started) {
+            return complain(options, started.error());
+        }
+        own = *std::move(started);
+        options.url = own->url();
+        options.subscribe.server_pid = own->process();
+    } else if (options.subscribe.server_pid == 0) {
+        options.subscribe.server_pid = bench::find_listener(options.url).value_or(0);
+    }
     bench::Load load{options};
     const auto prepared = load.prepare();
     if (prepared && !options.subscribe.item_counts.empty()) {
@@ -84,6 +99,18 @@ int run_hostile(bench::Options options, bench::HostileOptions hostile, bool has_
         return complain(options, rows.error());
     }
     bench::print(options, hostile, *rows);
+    return 0;
+}
+
+/// Of two runs that printed JSON.
+int run_compare(const std::vector<std::string>& files)
+{
+    const auto lines = bench::compare(files.front(), files.back());
+    if (!lines) {
+        std::fprintf(stderr, "busbar-bench: %s\n", lines.error().c_str());
+        return 1;
+    }
+    bench::print(*lines);
     return 0;
 }
 
@@ -138,7 +165,7 @@ int run_appendix7(const bench::SevenOptions& seven, bool json)
 
 void add_server(CLI::App& app, bench::Options& options)
 {
-    app.add_option("url", options.url, "endpoint")->capture_default_str();
+    app.add_option("url", options.url, "endpoint; a server of one's own without");
     app.add_option("--policy", options.policy,
                    "None, Basic256Sha256, Aes128_Sha256_RsaOaep, "
                    "Aes256_Sha256_RsaPss")
@@ -151,17 +178,30 @@ void add_server(CLI::App& app, bench::Options& options)
     app.add_option("--seconds", options.seconds, "time for each load or attack")
         ->capture_default_str();
     app.add_option("--server-pid", options.subscribe.server_pid,
-                   "process whose memory is printed, and of subscriptions its processor time");
+                   "process whose processor time and memory are printed; who listens at the URL "
+                   "on this machine without");
     app.add_flag("--json", options.json, "print JSON");
 }
 
 void add_loads(CLI::App& app, bench::Options& options)
 {
+    const CLI::Range positive{1, 10'000'000};
     app.add_option("--node", options.node, "NodeId of the variables, {} stands for their number")
         ->capture_default_str();
-    app.add_option("--read", options.read_counts, "values per Read")->delimiter(',');
-    app.add_option("--write", options.write_counts, "values per Write")->delimiter(',');
-    app.add_option("--in-flight", options.in_flight, "requests under way")->delimiter(',');
+    app.add_option("--read", options.read_counts, "values per Read")
+        ->delimiter(',')
+        ->check(positive);
+    app.add_option("--write", options.write_counts, "values per Write")
+        ->delimiter(',')
+        ->check(positive);
+    app.add_flag("--sequential", options.is_sequential,
+                 "the values of a request lie beside each other, not anywhere");
+    app.add_option("--rounds", options.rounds, "how often all loads are run, for --compare")
+        ->check(positive)
+        ->capture_default_str();
+    app.add_option("--in-flight", options.in_flight, "requests under way")
+        ->delimiter(',')
+        ->check(positive);
     app.add_option("--connects", options.connects, "connections to open; 0 for none")
         ->capture_default_str();
     bench::SubscribeOptions& subscribe = options.subscribe;
@@ -302,6 +342,12 @@ int run(int argc, char** argv)
                  "flight."};
     add_server(app, options);
     add_loads(app, options);
+    std::vector<std::string> compared;
+    app.add_option("--compare", compared,
+                   "instead of all that: two files that --json printed, and what of the second "
+                   "costs how many times that of the first")
+        ->expected(2)
+        ->type_name("A B");
     const CLI::App* const hostile = add_hostile(app, hostile_options);
     const CLI::App* const growth = add_growth(app, growth_options);
     const CLI::App* const memory = add_memory(app, memory_options);
@@ -312,6 +358,10 @@ int run(int argc, char** argv)
     hostile_options.seconds = options.seconds;
     hostile_options.server_process = options.subscribe.server_pid;
 
+    if (!compared.empty()) {
+        return run_compare(compared);
+    }
+    const bool has_url = app.get_option("url")->count() != 0;
     if (memory->parsed()) { // with malloc as it is: what a server gives back is the question
         return run_memory(memory_options, options.json);
     }
@@ -319,7 +369,7 @@ int run(int argc, char** argv)
     ::mallopt(M_MMAP_THRESHOLD, 64 << 20);
     ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
     if (hostile->parsed()) {
-        return run_hostile(options, hostile_options, app.get_option("url")->count() != 0);
+        return run_hostile(options, hostile_options, has_url);
     }
     if (startup->parsed()) {
         return run_startup(startup_options, options.json);
@@ -327,7 +377,8 @@ int run(int argc, char** argv)
     if (seven->parsed()) {
         return run_appendix7(seven_options, options.json);
     }
-    return growth->parsed() ? run_growth(growth_options, options.json) : run_loads(options);
+    return growth->parsed() ? run_growth(growth_options, options.json)
+                            : run_loads(options, has_url);
 }
 
 } // namespace

@@ -13,7 +13,9 @@
 #include <busbar/net/server_loop.hpp>
 #include <busbar/net/system.hpp>
 #include <busbar/net/worker_thread.hpp>
+#include <busbar/server/memory_source.hpp>
 #include <busbar/server/password_users.hpp>
+#include <busbar/types/ids.hpp>
 
 #include "identity.hpp"
 
@@ -43,6 +45,35 @@ bool add_user(server::ServerConfig& config, server::PasswordUsers& users, crypto
 {
     config.endpoints.back().allows_user_name = true;
     return users.add(good_user, good_password, random).has_value();
+}
+
+/// Below the Objects folder.
+Result<void> add_variables(server::Server& server, server::MemorySource& source, std::size_t count)
+{
+    if (count == 0) {
+        return {};
+    }
+    model::AddressSpace& space = server.address_space();
+    const auto index = space.add_namespace("urn:busbar:bench:variables");
+    if (!index) {
+        return fail(index.error());
+    }
+    model::NewNode node;
+    node.parent = space.find(id::ObjectsFolder);
+    model::NewVariable variable;
+    variable.data_type = NodeId{0, id::Int16};
+    variable.access_level = model::Access::ReadWrite;
+    variable.source = server.add_source(source);
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::string name = "Bulk" + std::to_string(i);
+        node.id = NodeId{*index, String::borrow(name)};
+        node.browse_name = QualifiedName{*index, String::borrow(name)};
+        variable.handle = source.add(Variant{static_cast<std::int16_t>(i)});
+        if (const auto added = space.add_variable(node, variable); !added) {
+            return fail(added.error());
+        }
+    }
+    return {};
 }
 
 void enlarge(server::ServerLimits& limits)
@@ -77,6 +108,8 @@ int serve(int pipe, const OwnServerOptions& options)
     net::WorkerThread worker{64, &log};
     server::PasswordUsers users;
     users.set_worker(&worker);
+    users.set_anonymous_access(static_cast<std::uint8_t>(
+        options.variables == 0 ? model::Access::Read : model::Access::ReadWrite));
     if (options.has_user && !add_user(config, users, random)) {
         return 1;
     }
@@ -96,12 +129,14 @@ int serve(int pipe, const OwnServerOptions& options)
         .wall_clock = &wall_clock,
         .log = &log,
         .validator = &validator,
-        .users = options.has_user ? &users : nullptr,
+        .users = &users,
         .waker = &loop.waker(),
         .channel_worker = channel_worker ? &*channel_worker : nullptr,
     };
+    server::MemorySource source{wall_clock};
     auto server = server::Server::create(std::move(config), environment);
-    const std::uint16_t told = server ? port : 0;
+    const bool is_ready = server && add_variables(*server, source, options.variables);
+    const std::uint16_t told = is_ready ? port : 0;
     if (::write(pipe, &told, sizeof told) != sizeof told || told == 0) {
         return 1;
     }

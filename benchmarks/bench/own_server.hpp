@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -26,9 +27,11 @@ struct OwnServerOptions {
     bool is_large{false};
     /// Does their asymmetric work on a thread of its own.
     bool has_worker{false};
+    /// Int16, which anybody may write: ns=2;s=Bulk0, Bulk1 and so on.
+    std::size_t variables{0};
 };
 
-/// A server of this library with nothing but namespace 0, in a process of its own: what it takes of
+/// A server of this library with little but namespace 0, in a process of its own: what it takes of
 /// memory and time is its alone.
 class OwnServer {
 public:

@@ -1,8 +1,13 @@
 #include "process.hpp"
 
+#include <algorithm>
+#include <charconv>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <unistd.h>
 
 namespace busbar::bench {
@@ -14,22 +19,101 @@ std::string file_of(pid_t process, const char* name)
     return "/proc/" + std::to_string(process) + "/" + name;
 }
 
-} // namespace
+struct Stat {
+    double minor_faults{0};
+    double major_faults{0};
+    /// In ticks.
+    double user{0};
+    double system{0};
+};
 
-double processor_time(pid_t process)
+/// Zeros if there is no process of that id.
+Stat stat_of(pid_t process)
 {
     std::ifstream file{file_of(process, "stat")};
     std::string text;
     std::getline(file, text);
-    double user = 0;
-    double system = 0;
+    Stat fields;
     const std::size_t name_end = text.rfind(')');
     if (name_end == std::string::npos ||
         std::sscanf(text.c_str() + name_end,
-                    ") %*c %*d %*d %*d %*d %*d %*u %*u %*u %*u %*u %lf %lf", &user, &system) != 2) {
-        return 0;
+                    ") %*c %*d %*d %*d %*d %*d %*u %lf %*u %lf %*u %lf %lf", &fields.minor_faults,
+                    &fields.major_faults, &fields.user, &fields.system) != 4) {
+        return {};
     }
-    return (user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK));
+    return fields;
+}
+
+/// The number that the name of a file is; none if it is not.
+std::optional<pid_t> number_of(const std::filesystem::path& file)
+{
+    const std::string name = file.filename().string();
+    pid_t number = 0;
+    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+    return error == std::errc{} && end == name.data() + name.size() ? std::optional{number}
+                                                                    : std::nullopt;
+}
+
+/// The socket that listens at the port, as the links of its descriptors have it.
+std::optional<std::string> find_socket(unsigned port)
+{
+    constexpr unsigned listening = 0x0A;
+    for (const char* table : {"/proc/net/tcp", "/proc/net/tcp6"}) {
+        std::ifstream file{table};
+        for (std::string line; std::getline(file, line);) {
+            unsigned local = 0;
+            unsigned state = 0;
+            unsigned long node = 0;
+            if (std::sscanf(line.c_str(), " %*u: %*[^:]:%x %*[^:]:%*x %x %*s %*s %*s %*u %*u %lu",
+                            &local, &state, &node) == 3 &&
+                local == port && state == listening) {
+                return "socket:[" + std::to_string(node) + "]";
+            }
+        }
+    }
+    return std::nullopt;
+}
+
+bool has_open(pid_t process, const std::string& socket)
+{
+    std::error_code ignored; // another user's, or it has ended
+    for (const auto& descriptor :
+         std::filesystem::directory_iterator{file_of(process, "fd"), ignored}) {
+        if (std::filesystem::read_symlink(descriptor.path(), ignored) == socket) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool is_of_this_machine(const std::string& host)
+{
+    return host == "localhost" || host.starts_with("127.") || host == "[::1]";
+}
+
+} // namespace
+
+double processor_time(pid_t process)
+{
+    // Of each thread in nanoseconds; the sum of all is known in ticks of some milliseconds only.
+    double nanoseconds = 0;
+    for (const pid_t thread : threads_of(process)) {
+        std::ifstream file{file_of(process, "task/") + std::to_string(thread) + "/schedstat"};
+        double one = 0;
+        file >> one;
+        nanoseconds += one;
+    }
+    if (nanoseconds > 0) {
+        return nanoseconds / 1e9;
+    }
+    const auto fields = stat_of(process);
+    return (fields.user + fields.system) / static_cast<double>(::sysconf(_SC_CLK_TCK));
+}
+
+double page_faults(pid_t process)
+{
+    const auto fields = stat_of(process);
+    return fields.minor_faults + fields.major_faults;
 }
 
 Memory memory_of(pid_t process)
@@ -51,6 +135,45 @@ Memory memory_of(pid_t process)
 void forget_peak(pid_t process)
 {
     std::ofstream{file_of(process, "clear_refs")} << "5";
+}
+
+std::vector<pid_t> threads_of(pid_t process)
+{
+    std::vector<pid_t> threads;
+    std::error_code ignored; // there is no such process
+    for (const auto& task :
+         std::filesystem::directory_iterator{file_of(process, "task"), ignored}) {
+        if (const auto thread = number_of(task.path())) {
+            threads.push_back(*thread);
+        }
+    }
+    return threads;
+}
+
+std::optional<pid_t> find_listener(const std::string& url)
+{
+    constexpr std::string_view scheme = "opc.tcp://";
+    const std::size_t begin = url.starts_with(scheme) ? scheme.size() : 0;
+    const std::size_t end = std::min(url.find('/', begin), url.size());
+    const std::size_t colon = url.rfind(':', end);
+    unsigned port = 4840;
+    std::size_t host_end = end;
+    if (colon != std::string::npos && colon > begin && url[end - 1] != ']') {
+        host_end = colon;
+        std::from_chars(url.data() + colon + 1, url.data() + end, port);
+    }
+    const auto socket =
+        is_of_this_machine(url.substr(begin, host_end - begin)) ? find_socket(port) : std::nullopt;
+    if (!socket) {
+        return std::nullopt;
+    }
+    for (const auto& entry : std::filesystem::directory_iterator{"/proc"}) {
+        const auto process = number_of(entry.path());
+        if (process && has_open(*process, *socket)) {
+            return process;
+        }
+    }
+    return std::nullopt;
 }
 
 } // namespace busbar::bench

@@ -1,11 +1,19 @@
 #pragma once
 
+#include <optional>
+#include <string>
+#include <vector>
+
 #include <sys/types.h>
 
 namespace busbar::bench {
 
-/// Seconds of processor time that a process has had; 0 if there is none of that id.
+/// Seconds of processor time that a process has had, all of its threads; 0 if there is none of that
+/// id.
 [[nodiscard]] double processor_time(pid_t process);
+
+/// Page faults that a process has had, whether or not something was read from a disk for them.
+[[nodiscard]] double page_faults(pid_t process);
 
 /// Resident memory in megabytes; zeros if there is no process of that id.
 struct Memory {
@@ -16,5 +24,12 @@ struct Memory {
 [[nodiscard]] Memory memory_of(pid_t process);
 /// Has the system count the peak anew, which it lets only those do who may look into the process.
 void forget_peak(pid_t process);
+
+/// The threads of a process.
+[[nodiscard]] std::vector<pid_t> threads_of(pid_t process);
+
+/// The process that listens at the port of a URL whose host is this machine, as far as we may see
+/// it.
+[[nodiscard]] std::optional<pid_t> find_listener(const std::string& url);
 
 } // namespace busbar::bench

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 
 #include "json_text.hpp"
 
@@ -9,34 +10,116 @@ namespace busbar::bench {
 
 namespace {
 
-void print_table(const Options& options, const std::vector<Row>& rows)
+/// As wide as its column; a dash for what is not known or not above 0.
+void print_figure(int width, int digits, double figure)
 {
-    std::printf("%s  %s %s\n", options.url.c_str(), options.policy.c_str(), options.mode.c_str());
-    std::printf("%-26s %8s %12s %12s %12s %12s %8s %12s\n", "load", "runs", "median us", "best us",
-                "p99 us", "floor us", "x floor", "per second");
-    for (const Row& row : rows) {
-        std::printf("%-26s %8zu %12.1f %12.1f %12.1f ", row.load.c_str(), row.runs, row.median_us,
-                    row.best_us, row.p99_us);
-        if (row.floor_us > 0) {
-            std::printf("%12.1f %8.2f ", row.floor_us, row.median_us / row.floor_us);
-        } else {
-            std::printf("%12s %8s ", "-", "-");
-        }
-        std::printf("%12.0f\n", row.per_second);
+    if (figure > 0) {
+        std::printf(" %*.*f", width, digits, figure);
+    } else {
+        std::printf(" %*s", width, "-");
     }
 }
 
-void print_json(const Options& options, const std::vector<Row>& rows)
+void print_head(const Options& options)
+{
+    std::printf("%s  %s %s", options.url.c_str(), options.policy.c_str(), options.mode.c_str());
+}
+
+void print_table(const Options& options, const std::vector<Row>& rows)
+{
+    print_head(options);
+    std::printf("  %s order\n", options.is_sequential ? "sequential" : "random");
+    std::printf("%-26s %8s %10s %10s %10s %10s %7s %10s %10s %7s %7s\n", "load", "runs",
+                "median us", "best us", "p99 us", "floor us", "x floor", "per second", "server us",
+                "faults", "calls");
+    for (const Row& row : rows) {
+        std::printf("%-26s %8zu", row.load.c_str(), row.runs);
+        for (const double figure : {row.median_us, row.best_us, row.p99_us, row.floor_us}) {
+            print_figure(10, 1, figure);
+        }
+        print_figure(7, 2, row.floor_us > 0 ? row.median_us / row.floor_us : 0);
+        print_figure(10, 0, row.per_second);
+        print_figure(10, 2, row.server ? row.server->processor_us : 0);
+        if (row.server) {
+            std::printf(" %7.2f", row.server->page_faults);
+        } else {
+            print_figure(7, 2, 0);
+        }
+        print_figure(7, 2, row.server ? row.server->system_calls.value_or(0) : 0);
+        std::printf("\n");
+    }
+}
+
+/// A member of an object of JSON, if it is known.
+void print_member(const char* name, const std::optional<double>& figure)
+{
+    if (figure) {
+        std::printf(", \"%s\": %.3f", name, *figure);
+    }
+}
+
+void print_json_head(const Options& options)
 {
     std::printf("{\"url\": %s, \"policy\": %s, \"mode\": %s, \"rows\": [",
                 quoted(options.url).c_str(), quoted(options.policy).c_str(),
                 quoted(options.mode).c_str());
+}
+
+void print_json(const Options& options, const std::vector<Row>& rows)
+{
+    print_json_head(options);
     const char* separator = "";
+    const auto positive = [](double figure) {
+        return figure > 0 ? std::optional{figure} : std::nullopt;
+    };
     for (const Row& row : rows) {
-        std::printf("%s\n  {\"load\": %s, \"runs\": %zu, \"median_us\": %.2f, \"best_us\": "
-                    "%.2f, \"p99_us\": %.2f, \"floor_us\": %.2f, \"per_second\": %.1f}",
-                    separator, quoted(row.load).c_str(), row.runs, row.median_us, row.best_us,
-                    row.p99_us, row.floor_us, row.per_second);
+        std::printf("%s\n  {\"load\": %s, \"round\": %zu, \"runs\": %zu", separator,
+                    quoted(row.load).c_str(), row.round, row.runs);
+        print_member("median_us", row.median_us);
+        print_member("best_us", positive(row.best_us));
+        print_member("p99_us", positive(row.p99_us));
+        print_member("floor_us", positive(row.floor_us));
+        print_member("per_second", row.per_second);
+        if (row.server) {
+            print_member("server_us", row.server->processor_us);
+            print_member("page_faults", row.server->page_faults);
+            print_member("system_calls", row.server->system_calls);
+        }
+        std::printf("}");
+        separator = ",";
+    }
+    std::printf("\n]}\n");
+}
+
+void print_table(const std::vector<SubscribeRow>& rows)
+{
+    std::printf("%8s %9s %9s %9s %14s %7s %9s %6s %6s %11s\n", "items", "publishes", "mean ms",
+                "worst ms", "notifications/s", "cpu %", "RSS MB", "lost", "wrong", "step scans");
+    for (const SubscribeRow& row : rows) {
+        std::printf("%8zu %9zu %9.1f %9.1f %14.0f %7.1f %9.1f %6zu %6zu %5u-%u\n", row.items,
+                    row.publishes, row.mean_interval_ms, row.worst_interval_ms,
+                    row.notifications_per_second, row.cpu_percent, row.resident_mb,
+                    row.messages_lost, row.values_wrong, unsigned{row.smallest_step},
+                    unsigned{row.largest_step});
+    }
+}
+
+void print_json(const Options& options, const std::vector<SubscribeRow>& rows)
+{
+    print_json_head(options);
+    const char* separator = "";
+    for (const SubscribeRow& row : rows) {
+        std::printf("%s\n  {\"load\": \"%zu items\", \"round\": 0, \"publishes\": %zu, "
+                    "\"messages_lost\": %zu, \"values_wrong\": %zu",
+                    separator, row.items, row.publishes, row.messages_lost, row.values_wrong);
+        print_member("mean_interval_ms", row.mean_interval_ms);
+        print_member("worst_interval_ms", row.worst_interval_ms);
+        print_member("notifications_per_second", row.notifications_per_second);
+        if (options.subscribe.server_pid != 0) {
+            print_member("cpu_percent", row.cpu_percent);
+            print_member("resident_mb", row.resident_mb);
+        }
+        std::printf("}");
         separator = ",";
     }
     std::printf("\n]}\n");
@@ -102,13 +185,11 @@ void print(const Options& options, const HostileOptions& hostile,
 {
     const bool has_memory = hostile.server_process != 0;
     if (options.json) {
-        std::printf("{\"url\": %s, \"policy\": %s, \"mode\": %s, \"rows\": [",
-                    quoted(options.url).c_str(), quoted(options.policy).c_str(),
-                    quoted(options.mode).c_str());
+        print_json_head(options);
         print_json(rows, has_memory);
     } else {
-        std::printf("%s  %s %s\n", options.url.c_str(), options.policy.c_str(),
-                    options.mode.c_str());
+        print_head(options);
+        std::printf("\n");
         print_table(rows, has_memory);
     }
 }
@@ -119,6 +200,17 @@ void print(const Options& options, const std::vector<Row>& rows)
         print_json(options, rows);
     } else {
         print_table(options, rows);
+    }
+}
+
+void print(const Options& options, const std::vector<SubscribeRow>& rows)
+{
+    if (options.json) {
+        print_json(options, rows);
+    } else {
+        print_head(options);
+        std::printf(", %.0f ms\n", options.subscribe.publishing_ms);
+        print_table(rows);
     }
 }
 

@@ -277,17 +277,4 @@ Result<SubscribeRow> subscribe(net::ClientLoop& loop, const SubscribeOptions& op
     return Subscriber{loop, options, items}.run();
 }
 
-void print(const std::vector<SubscribeRow>& rows)
-{
-    std::printf("%8s %9s %9s %9s %14s %7s %9s %6s %6s %11s\n", "items", "publishes", "mean ms",
-                "worst ms", "notifications/s", "cpu %", "RSS MB", "lost", "wrong", "step scans");
-    for (const SubscribeRow& row : rows) {
-        std::printf("%8zu %9zu %9.1f %9.1f %14.0f %7.1f %9.1f %6zu %6zu %5u-%u\n", row.items,
-                    row.publishes, row.mean_interval_ms, row.worst_interval_ms,
-                    row.notifications_per_second, row.cpu_percent, row.resident_mb,
-                    row.messages_lost, row.values_wrong, unsigned{row.smallest_step},
-                    unsigned{row.largest_step});
-    }
-}
-
 } // namespace busbar::bench

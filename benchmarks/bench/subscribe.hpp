@@ -48,6 +48,5 @@ struct SubscribeRow {
 /// Runs on a client that is ready, until the time is over.
 [[nodiscard]] Result<SubscribeRow> subscribe(net::ClientLoop& loop, const SubscribeOptions& options,
                                              std::size_t items);
-void print(const std::vector<SubscribeRow>& rows);
 
 } // namespace busbar::bench

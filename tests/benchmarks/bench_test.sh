@@ -22,6 +22,24 @@ refuses() {
 }
 is_json() { "$cmake" -D FILE="$work/$1" -P "$source/tests/programs/check_json.cmake"; }
 
+"$bench" --connects 2 --read 1,10 --write 5 --in-flight 4 --seconds 0.1 --rounds 2 --json > loads.json
+is_json loads.json
+for load in "connect and activate" "read 1" "read 10" "write 5" "one value, 4 in flight"; do
+    has "\"load\": \"$load\", \"round\": 1, .*\"server_us\": [0-9.]*, \"page_faults\": " loads.json
+done
+"$bench" --policy Basic256Sha256 --mode SignAndEncrypt --connects 0 --read 10 --write 5 --in-flight 1 \
+    --seconds 0.1 --sequential > loads.txt
+has "SignAndEncrypt  sequential order" loads.txt
+has "^read 10 " loads.txt
+"$bench" --compare loads.json loads.json > compare.txt
+has "^read 10 *server_us .* 1.00 *1.00 1.00$" compare.txt
+refuses "$bench" --compare loads.json nothing.json
+has "nothing.json: the file cannot be read" refused.txt
+echo '{"rows": [{"load": 1}]}' > wrong.json
+refuses "$bench" --compare loads.json wrong.json
+has "wrong.json: row 1: found no" refused.txt
+refuses "$bench" --in-flight 0
+
 "$bench" hostile --seconds 0.2 --connections 3 --bomb 1000000 > hostile.txt
 has "^none " hostile.txt
 has "^decode bomb before login " hostile.txt
@@ -45,10 +63,11 @@ has '"logins": [1-9][0-9]*, "failed_logins": ' quotas.json
 has "^sessions " growth.txt
 has "^items " growth.txt
 has "^variables " growth.txt
+has "^items, each by a request of its own " growth.txt
 has "step" growth.txt
 "$bench" growth --sessions 1,2 --items 5,10 --variables 10,20 --reads 5 --json > growth.json
 is_json growth.json
-has '"of": "items", "count": 10, ' growth.json
+has '"of": "items", "count": 10, .*"delete_us": ' growth.json
 
 "$bench" startup --limited 3,30 --open 60 --rounds 1 > startup.txt
 has "^3 *nj501 " startup.txt
