@@ -74,16 +74,38 @@ std::optional<std::string> find_socket(unsigned port)
     return std::nullopt;
 }
 
-bool has_open(pid_t process, const std::string& socket)
+/// What is in a folder of /proc: as far as it is ours to see, and until the process ends.
+std::vector<std::filesystem::path> entries_of(const std::string& folder)
 {
-    std::error_code ignored; // another user's, or it has ended
-    for (const auto& descriptor :
-         std::filesystem::directory_iterator{file_of(process, "fd"), ignored}) {
-        if (std::filesystem::read_symlink(descriptor.path(), ignored) == socket) {
-            return true;
+    std::vector<std::filesystem::path> entries;
+    std::error_code error;
+    std::filesystem::directory_iterator at{folder, error};
+    while (!error && at != std::filesystem::directory_iterator{}) {
+        entries.push_back(at->path());
+        at.increment(error);
+    }
+    return entries;
+}
+
+/// Those of them whose names are numbers.
+std::vector<pid_t> numbers_in(const std::string& folder)
+{
+    std::vector<pid_t> numbers;
+    for (const std::filesystem::path& entry : entries_of(folder)) {
+        if (const auto number = number_of(entry)) {
+            numbers.push_back(*number);
         }
     }
-    return false;
+    return numbers;
+}
+
+bool has_open(pid_t process, const std::string& socket)
+{
+    const auto descriptors = entries_of(file_of(process, "fd"));
+    return std::any_of(descriptors.begin(), descriptors.end(), [&](const auto& descriptor) {
+        std::error_code ignored; // it has been closed
+        return std::filesystem::read_symlink(descriptor, ignored) == socket;
+    });
 }
 
 bool is_of_this_machine(const std::string& host)
@@ -139,15 +161,7 @@ void forget_peak(pid_t process)
 
 std::vector<pid_t> threads_of(pid_t process)
 {
-    std::vector<pid_t> threads;
-    std::error_code ignored; // there is no such process
-    for (const auto& task :
-         std::filesystem::directory_iterator{file_of(process, "task"), ignored}) {
-        if (const auto thread = number_of(task.path())) {
-            threads.push_back(*thread);
-        }
-    }
-    return threads;
+    return numbers_in(file_of(process, "task"));
 }
 
 std::optional<pid_t> find_listener(const std::string& url)
@@ -167,13 +181,10 @@ std::optional<pid_t> find_listener(const std::string& url)
     if (!socket) {
         return std::nullopt;
     }
-    for (const auto& entry : std::filesystem::directory_iterator{"/proc"}) {
-        const auto process = number_of(entry.path());
-        if (process && has_open(*process, *socket)) {
-            return process;
-        }
-    }
-    return std::nullopt;
+    const auto processes = numbers_in("/proc");
+    const auto found = std::find_if(processes.begin(), processes.end(),
+                                    [&](pid_t process) { return has_open(process, *socket); });
+    return found != processes.end() ? std::optional{*found} : std::nullopt;
 }
 
 } // namespace busbar::bench
