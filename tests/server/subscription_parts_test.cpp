@@ -1,122 +1,16 @@
-#include <catch2/catch.hpp>
-
 #include <algorithm>
 
-#include <busbar/server/process_image.hpp>
-#include <busbar/types/ids.hpp>
-#include <busbar/types/registry.hpp>
-
-#include "server/session/session.hpp"
-#include "server/subscription/sampler.hpp"
-#include "server/subscription/subscription.hpp"
+#include "bare_subscription.hpp"
 #include "server/subscription/subscription_services.hpp"
-#include "server/subscription/subscription_table.hpp"
-#include "support/identity.hpp"
-#include "support/seeded_random.hpp"
-
-// Subscriptions without a server: the folder's own headers and what lies below them.
 
 using namespace busbar;
 using namespace busbar::server::detail;
 using namespace busbar::test;
 using namespace std::chrono_literals;
 
-namespace {
-
-/// Every Variable of namespace 0 has the value 1, until it is told otherwise.
-struct FixedValues final : LiveValues {
-    [[nodiscard]] Result<DataValue> find(const NodeId&, const ReadingUser&) const override
-    {
-        return DataValue{Variant{value}};
-    }
-    std::int32_t value{1};
-};
-
-struct NoEvents final : EventItems {
-    [[nodiscard]] std::unique_ptr<MonitoredItem>
-    make(const ItemContext&, const MonitoredItemCreateRequest&, ItemRevision& revision) override
-    {
-        revision.status = status::Bad_NotSupported;
-        return nullptr;
-    }
-};
-
-struct SubscriptionParts {
-    explicit SubscriptionParts(std::size_t max_memory = server::SubscriptionLimits{}.max_memory)
-        : limits{with_memory(max_memory)}
-    {
-        const auto made = all.create(session, {100ms, 30, 3, 0, 0}, true, TimePoint{});
-        REQUIRE(made);
-        subscription = *made;
-    }
-    ~SubscriptionParts() { all.session_ends(session, true); }
-    SubscriptionParts(const SubscriptionParts&) = delete;
-    SubscriptionParts& operator=(const SubscriptionParts&) = delete;
-
-    void add_item(std::uint32_t client_handle)
-    {
-        add_item(client_handle, NodeId{0, id::Server_ServerStatus_State}, {});
-    }
-    void add_item(std::uint32_t client_handle, const NodeId& node, const String& range)
-    {
-        MonitoredItemCreateRequest request;
-        request.item_to_monitor.node_id = node;
-        request.item_to_monitor.index_range = range;
-        request.item_to_monitor.attribute_id = 13;
-        request.monitoring_mode = MonitoringMode::Reporting;
-        request.requested_parameters.client_handle = client_handle;
-        request.requested_parameters.sampling_interval = 50;
-        ItemRevision revision;
-        auto item = ValueItem::make({all, *subscription, TimePoint{}}, request,
-                                    TimestampsToReturn::Neither, revision);
-        REQUIRE(item);
-        auto& added = subscription->add_item(std::move(item));
-        all.sampler().add(static_cast<ValueItem&>(added), TimePoint{});
-        all.sampler().sample_new(TimePoint{});
-    }
-    static server::ServerLimits with_memory(std::size_t most)
-    {
-        server::ServerLimits limits;
-        limits.subscriptions.max_memory = most;
-        limits.subscriptions.max_subscription_memory = most;
-        return limits;
-    }
-    /// Takes all data notifications that are ready; how many there were.
-    std::size_t take()
-    {
-        binary::VectorSink sink;
-        binary::Writer writer{sink};
-        auto& ready = subscription->ready(MonitoredItem::Kind::Data);
-        std::size_t count = 0;
-        for (; !ready.empty(); ++count) {
-            ready.take_notification(writer, 1'000);
-        }
-        return count;
-    }
-
-    FixedWallClock clock;
-    SeededRandom random;
-    LogBook log;
-    server::ServerEnvironment environment{.random = &random, .wall_clock = &clock, .log = &log};
-    server::ServerLimits limits;
-    model::AddressSpace space;
-    DataSources sources{nullptr};
-    binary::TypeRegistry types{binary::namespace0_types()};
-    Counters counters;
-    FixedValues values;
-    NoEvents events;
-    SubscriptionNeeds needs{space,    sources, types, limits, environment,
-                            counters, values,  log,   &events};
-    SubscriptionTable all{needs};
-    Session session{1'000'000, 1'000'000};
-    Subscription* subscription{nullptr};
-};
-
-} // namespace
-
 TEST_CASE("GetMonitoredItems and ResendData are there as functions")
 {
-    SubscriptionParts parts;
+    BareSubscription parts;
     Session other{1'000'000, 1'000'000};
     parts.add_item(7);
     parts.add_item(8);
@@ -139,7 +33,7 @@ TEST_CASE("GetMonitoredItems and ResendData are there as functions")
 
 TEST_CASE("items sample what changes, by the timers of their Subscriptions")
 {
-    SubscriptionParts parts;
+    BareSubscription parts;
     parts.add_item(7);
     CHECK(parts.take() == 1);
     const TimePoint due = parts.all.next_deadline();
@@ -153,7 +47,7 @@ TEST_CASE("items sample what changes, by the timers of their Subscriptions")
 
 TEST_CASE("where nobody makes event items there are none")
 {
-    SubscriptionParts parts;
+    BareSubscription parts;
     MonitoredItemCreateRequest request;
     ItemRevision revision;
     CHECK(parts.needs.event_items->make({parts.all, *parts.subscription, {}}, request, revision) ==
@@ -163,7 +57,7 @@ TEST_CASE("where nobody makes event items there are none")
 
 TEST_CASE("Subscriptions that lost their session live on until somebody deletes them")
 {
-    SubscriptionParts parts;
+    BareSubscription parts;
     parts.add_item(7);
     CHECK(parts.all.item_count() == 1);
     parts.all.session_ends(parts.session, false);
@@ -175,48 +69,6 @@ TEST_CASE("Subscriptions that lost their session live on until somebody deletes 
     CHECK(parts.all.size() == 0);
     CHECK(parts.all.item_count() == 0);
 }
-
-namespace {
-
-/// An array of 1 MiB in a process image, which many items look at.
-struct LargeArray {
-    static constexpr std::uint32_t elements = 131'072;
-    static constexpr std::size_t bytes = elements * sizeof(double);
-
-    explicit LargeArray(std::size_t max_memory) : parts{max_memory}
-    {
-        model::NewNode node;
-        REQUIRE(parts.space.add_namespace("urn:test").value() == 1);
-        node.id = curve;
-        node.browse_name = QualifiedName{1, "Curve"};
-        node.parent = parts.space.find(id::ObjectsFolder);
-        model::NewVariable variable;
-        variable.data_type = NodeId{0, id::Double};
-        variable.value_rank = 1;
-        variable.source = parts.sources.add(source);
-        variable.handle = handle;
-        REQUIRE(parts.space.add_variable(node, variable));
-        scan(0, 0.5);
-    }
-
-    void scan(std::uint32_t element, double value)
-    {
-        image->begin_scan();
-        const std::span<double> values = image->memory().values<double>(handle);
-        std::fill(values.begin(), values.end(), 0);
-        values[element] = value;
-        image->publish(parts.clock.now());
-    }
-
-    NodeId curve{1, "Curve"};
-    server::ImageLayout layout;
-    std::uint32_t handle{layout.add({BuiltInType::Double, {elements}, 0}).value()};
-    std::shared_ptr<server::ProcessImage> image{server::ProcessImage::create(std::move(layout))};
-    server::ImageSource source{image};
-    SubscriptionParts parts;
-};
-
-} // namespace
 
 TEST_CASE("A2: all items of a variable share one copy of it, which is charged")
 {
@@ -230,7 +82,8 @@ TEST_CASE("A2: all items of a variable share one copy of it, which is charged")
     for (std::uint32_t handle = 1; handle < 1'000; ++handle) {
         array.parts.add_item(handle, array.curve, "0");
     }
-    CHECK(before - array.parts.all.memory().left() < LargeArray::bytes + 4'096 * 1'000);
+    CHECK(before - array.parts.all.memory().left() <
+          LargeArray::bytes + std::size_t{4'096} * 1'000);
     CHECK(array.parts.take() == 1'000);
     array.parts.all.session_ends(array.parts.session, true);
     while (array.parts.all.next_deadline() != no_deadline) {
