@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include <busbar/core/detail/guarded.hpp>
+
 #include "server/data/read_results.hpp"
 
 namespace busbar::server::detail {
@@ -29,25 +31,42 @@ bool is_same(const std::byte* a, const std::byte* b, std::size_t size)
 std::uint32_t ImageWatch::variable_of(std::uint32_t handle)
 {
     const auto found = known_.find(handle);
-    if (found != known_.end()) {
-        return found->second;
-    }
+    return found != known_.end() ? found->second : add_variable(handle);
+}
+
+std::uint32_t ImageWatch::add_variable(std::uint32_t handle)
+{
     const std::size_t size = image_->place(handle).bytes();
     const std::size_t cost = size + sizeof(Variable) + 8 * sizeof(void*);
     const bool is_kept = account_->charge(cost);
-    charged_ += is_kept ? cost : 0;
+    const Variable added{handle, 0, seen_.size(), is_kept, true, false, 0};
     const auto index = static_cast<std::uint32_t>(variables_.size());
-    variables_.push_back({handle, 0, seen_.size(), is_kept, true, false, 0});
+    busbar::detail::Undo undo{[&] {
+        account_->release(is_kept ? cost : 0);
+        seen_.resize(added.seen);
+        known_.erase(handle);
+    }};
     seen_.resize(seen_.size() + (is_kept ? size : 0));
     known_.emplace(handle, index);
+    variables_.push_back(added);
+    undo.keep();
+    charged_ += is_kept ? cost : 0;
+    unused_bytes_ += is_kept ? size : 0;
     return index;
 }
 
 std::uint32_t ImageWatch::add(ValueItem& item, std::uint32_t handle)
 {
-    const std::uint32_t variable = variable_of(handle);
-    ++variables_[variable].users;
-    entries_.push_back({&item, variable, true, true});
+    entries_.push_back({nullptr, 0, true, true});
+    busbar::detail::Undo undo{[&] { entries_.pop_back(); }};
+    const std::uint32_t index = variable_of(handle);
+    undo.keep();
+    Variable& variable = variables_[index];
+    if (variable.users++ == 0 && variable.is_kept) {
+        unused_bytes_ -= image_->place(handle).bytes();
+    }
+    entries_.back().item = &item;
+    entries_.back().variable = index;
     return static_cast<std::uint32_t>(entries_.size() - 1);
 }
 

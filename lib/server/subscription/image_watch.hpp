@@ -26,7 +26,8 @@ public:
     ImageWatch& operator=(const ImageWatch&) = delete;
     ~ImageWatch() { account_->release(charged_); }
 
-    /// The item's place here. It is sampled next time, whatever its value is.
+    /// The item's place here. It is sampled next time, whatever its value is. Where there is no
+    /// memory for it, nothing is counted or charged.
     [[nodiscard]] std::uint32_t add(ValueItem& item, std::uint32_t handle);
     void remove(std::size_t place);
     /// The item at `place` is sampled next time, whatever its value is.
@@ -70,6 +71,8 @@ private:
     };
 
     [[nodiscard]] std::uint32_t variable_of(std::uint32_t handle);
+    /// Nobody uses it yet.
+    [[nodiscard]] std::uint32_t add_variable(std::uint32_t handle);
     void report(Entry& entry, const Sample& sample);
     [[nodiscard]] bool has_changed(Variable& variable, const Sample& sample);
 

@@ -1,0 +1,91 @@
+#include "bare_subscription.hpp"
+#include "support/failing_worlds.hpp"
+
+/// D3: what is counted and paid for the items of a process image, where there is no memory.
+using namespace busbar;
+using namespace busbar::server::detail;
+using namespace busbar::test;
+
+namespace {
+
+constexpr std::size_t max_memory = 8U << 20U;
+
+/// A watch of the array, and an account of its own that pays for it.
+struct Watched {
+    /// False if there was no memory for it.
+    [[nodiscard]] bool add()
+    {
+        return survives_counted([&] { place = watch.add(*item, array.handle); });
+    }
+
+    LargeArray array{max_memory};
+    ValueItem* item{array.parts.add_item(1, array.curve, "0")};
+    MemoryAccount account{max_memory, nullptr};
+    ImageWatch watch{*array.image, account};
+    std::uint32_t place{0};
+};
+
+bool fail_to_watch(std::size_t k)
+{
+    Watched clean;
+    REQUIRE(clean.add());
+    Watched world;
+    fail_allocation(k);
+    const bool is_added = world.add();
+    const bool has_failed = has_allocation_failed();
+    fail_allocation(0);
+    INFO("allocation " << k);
+    CHECK(is_added != has_failed);
+    if (!is_added) {
+        CHECK(world.account.left() == max_memory);
+        CHECK(world.watch.size() == 0);
+        CHECK_FALSE(world.watch.is_wasteful());
+        REQUIRE(world.add());
+    }
+    CHECK(world.account.left() == clean.account.left());
+    CHECK_FALSE(world.watch.is_wasteful());
+    world.watch.remove(world.place);
+    CHECK(world.watch.is_wasteful()); // nobody uses the only variable
+    return has_failed;
+}
+
+} // namespace
+
+TEST_CASE("D3: an item that finds no memory in the watch of an image is not counted or paid for")
+{
+    check_failing_worlds("ImageWatch::add", fail_to_watch);
+}
+
+TEST_CASE("D3: the next item of a variable that the watch knows finds no memory")
+{
+    Watched world;
+    REQUIRE(world.add());
+    const std::uint32_t first = world.place;
+    const std::size_t left = world.account.left();
+    std::size_t failures = 0;
+    for (int i = 0; i < 10; ++i) { // the places double
+        fail_allocation(1);
+        const bool is_added = world.add();
+        fail_allocation(0);
+        failures += is_added ? 0 : 1;
+        if (is_added) {
+            world.watch.remove(world.place);
+        }
+    }
+    CHECK(failures != 0);
+    CHECK(world.account.left() == left);
+    CHECK_FALSE(world.watch.is_wasteful());
+    world.watch.remove(first);
+    CHECK(world.watch.is_wasteful());
+}
+
+TEST_CASE("a variable that has an item again is no waste")
+{
+    Watched world;
+    for (int i = 0; i < 3; ++i) {
+        REQUIRE(world.add());
+        CHECK_FALSE(world.watch.is_wasteful());
+        world.watch.remove(world.place);
+        CHECK(world.watch.is_wasteful());
+    }
+}
