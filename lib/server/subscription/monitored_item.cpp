@@ -64,6 +64,13 @@ void MonitoredItem::release_queue()
 void MonitoredItem::set_mode(const ItemContext& context, MonitoringMode mode)
 {
     const MonitoringMode before = std::exchange(mode_, mode);
+    if (mode != before) {
+        busbar::detail::Undo undo{[&] { mode_ = before; }};
+        mode_changed(context, before);
+        undo.keep();
+        subscription_->count_disabled((mode == MonitoringMode::Disabled ? 1 : 0) -
+                                      (before == MonitoringMode::Disabled ? 1 : 0));
+    }
     released_ = 0;
     if (mode == MonitoringMode::Disabled) {
         clear();
@@ -72,11 +79,6 @@ void MonitoredItem::set_mode(const ItemContext& context, MonitoringMode mode)
         subscription_->ready(kind_).add(*this);
     } else {
         subscription_->ready(kind_).remove(*this);
-    }
-    if (mode != before) {
-        subscription_->count_disabled((mode == MonitoringMode::Disabled ? 1 : 0) -
-                                      (before == MonitoringMode::Disabled ? 1 : 0));
-        mode_changed(context, before);
     }
 }
 

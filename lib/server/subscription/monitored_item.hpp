@@ -91,7 +91,8 @@ protected:
     void set_client_handle(std::uint32_t client_handle) { client_handle_ = client_handle; }
     /// Empties the queue.
     virtual void clear() = 0;
-    /// Begins or ends sampling, or receiving events; mode() is already the new one.
+    /// Begins or ends sampling, or receiving events; mode() is already the new one. If it throws it
+    /// must have changed nothing.
     virtual void mode_changed(const ItemContext&, MonitoringMode /*before*/) {}
 
 private:

@@ -72,10 +72,10 @@ SamplingGroup& Sampler::group_of(const ValueItem& item)
 void Sampler::add(ValueItem& item, TimePoint now)
 {
     SamplingGroup& group = group_of(item);
-    group.add(item, now);
     if (std::find(fresh_.begin(), fresh_.end(), &group) == fresh_.end()) {
-        fresh_.push_back(&group);
+        fresh_.push_back(&group); // first, as it may fail
     }
+    group.add(item, now);
 }
 
 void Sampler::sample_new(TimePoint now)

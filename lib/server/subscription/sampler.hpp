@@ -19,7 +19,8 @@ public:
     Sampler(const Sampler&) = delete;
     Sampler& operator=(const Sampler&) = delete;
 
-    /// Samples the item from now on; the first time when sample_new() is called.
+    /// Samples the item at its interval from now on, and not as before; the first time when
+    /// sample_new() is called. Where there is no memory all is as before.
     void add(ValueItem& item, TimePoint now);
     /// First samples of the items that were added meanwhile, together. The sources are told before.
     void sample_new(TimePoint now);

@@ -44,15 +44,19 @@ void SamplingGroup::add(ValueItem& item, TimePoint now)
         sampler_.timers().set(*this, now + interval_);
         next_sample_ = now + interval_;
     }
-    put_in(item);
+    const ValueItem::Place place = put_in(item); // first, as it may fail
+    if (item.group_ != nullptr) {
+        item.group_->remove(item);
+    }
+    item.place_ = place;
     item.group_ = this;
     ++item_count_;
 }
 
-void SamplingGroup::put_in(ValueItem& item)
+ValueItem::Place SamplingGroup::put_in(ValueItem& item)
 {
     members_.push_back({&item});
-    item.place_ = {ValueItem::Place::no_image, static_cast<std::uint32_t>(members_.size() - 1)};
+    return {ValueItem::Place::no_image, static_cast<std::uint32_t>(members_.size() - 1)};
 }
 
 void SamplingGroup::take_out(ValueItem& item)
@@ -76,11 +80,9 @@ void SamplingGroup::remove(ValueItem& item)
 
 void SamplingGroup::rebind(ValueItem& item)
 {
-    const ValueItem::Place before = item.place_;
-    put_in(item); // first, as it may fail
-    const ValueItem::Place after = std::exchange(item.place_, before);
+    const ValueItem::Place place = put_in(item); // first, as it may fail
     take_out(item);
-    item.place_ = after;
+    item.place_ = place;
 }
 
 void SamplingGroup::node_changed(ValueItem& item)
@@ -121,7 +123,7 @@ void SamplingGroup::notice_changes()
         members_[i].binding = Binding::Unknown;
     }
     if (has_lost_role || images_.is_wasteful() || has_lost_source()) {
-        images_.take_all([this](ValueItem& item) { put_in(item); });
+        images_.take_all([this](ValueItem& item) { item.place_ = put_in(item); });
     }
 }
 

@@ -33,6 +33,7 @@ public:
     /// The group that the item is in; null if it is in none.
     [[nodiscard]] static SamplingGroup* of(const ValueItem& item) { return item.group_; }
 
+    /// Takes the item from the group that it is in. Where there is no memory it stays there.
     void add(ValueItem& item, TimePoint now);
     void remove(ValueItem& item);
     /// What the item was bound to is looked up again.
@@ -86,7 +87,8 @@ private:
     void bind_one(std::size_t member);
     /// Keeps account of what the item monitors, for the source.
     void note_source(ValueItem& item, const ReadPlan& plan);
-    void put_in(ValueItem& item);
+    /// The place that is to be the item's.
+    [[nodiscard]] ValueItem::Place put_in(ValueItem& item);
     void take_out(ValueItem& item);
     void compact();
     [[nodiscard]] bool is_full_of_holes() const;

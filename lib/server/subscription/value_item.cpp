@@ -6,6 +6,7 @@
 
 #include <busbar/binary/codec.hpp>
 #include <busbar/core/attribute_id.hpp>
+#include <busbar/core/detail/guarded.hpp>
 
 #include "sampler.hpp"
 #include "sampling_context.hpp"
@@ -258,22 +259,26 @@ void ValueItem::modify(const ItemContext& context, const MonitoringParameters& p
     filter_ = *filter;
     set_client_handle(parameters.client_handle);
     const Duration before = interval_;
+    busbar::detail::Undo undo{[&] { // so that the same change is one the next time, too
+        interval_ = before;
+        count_interval();
+    }};
     const ReadPlan plan = plan_sample(needs(), context.subscription, value_id_);
     revise(context, parameters, timestamps, plan, revision);
     if (before != interval_ && group_ != nullptr) {
-        remove_from_group(*this);
         context.all.sampler().add(*this, context.now);
     }
+    undo.keep();
 }
 
 void ValueItem::mode_changed(const ItemContext& context, MonitoringMode before)
 {
-    count_interval();
     if (mode() == MonitoringMode::Disabled) {
         remove_from_group(*this);
     } else if (before == MonitoringMode::Disabled) {
         context.all.sampler().add(*this, context.now);
     }
+    count_interval();
 }
 
 void ValueItem::user_changed(const ItemContext&)
