@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <optional>
 
 #include <catch2/catch.hpp>
 
@@ -130,7 +131,7 @@ struct LargeArray {
         model::NewVariable variable;
         variable.data_type = NodeId{0, id::Double};
         variable.value_rank = 1;
-        variable.source = parts.sources.add(source);
+        variable.source = parts.sources.add(*source);
         variable.handle = handle;
         REQUIRE(parts.space.add_variable(node, variable));
         scan(0, 0.5);
@@ -149,7 +150,7 @@ struct LargeArray {
     server::ImageLayout layout;
     std::uint32_t handle{layout.add({BuiltInType::Double, {elements}, 0}).value()};
     std::shared_ptr<server::ProcessImage> image{server::ProcessImage::create(std::move(layout))};
-    server::ImageSource source{image};
+    std::optional<server::ImageSource> source{image};
     BareSubscription parts;
 };
 

@@ -5,6 +5,7 @@
 using namespace busbar;
 using namespace busbar::server::detail;
 using namespace busbar::test;
+using namespace std::chrono_literals;
 
 namespace {
 
@@ -49,7 +50,45 @@ bool fail_to_watch(std::size_t k)
     return has_failed;
 }
 
+/// Items of a source that ends, which the next sample takes from the watch of its image.
+bool fail_to_take_back(std::size_t k, std::size_t most)
+{
+    constexpr std::uint32_t item_count = 20;
+    LargeArray array{max_memory};
+    for (std::uint32_t handle = 1; handle <= item_count; ++handle) {
+        array.parts.add_item(handle, array.curve, "0");
+    }
+    SubscriptionTable& all = array.parts.all;
+    CHECK(array.parts.take() == item_count);
+    array.source.reset();
+    fail_allocation(k, most);
+    for (int i = 0; i < 3; ++i) {
+        static_cast<void>(survives_counted([&] { all.handle_deadline(all.next_deadline()); }));
+    }
+    const bool has_failed = has_allocation_failed();
+    fail_allocation(0);
+    INFO("allocation " << k);
+    for (int i = 0; i < 3; ++i) {
+        all.handle_deadline(all.next_deadline());
+    }
+    CHECK(array.parts.take() == item_count); // that there is no source any more
+    CHECK(array.image.use_count() == 1);
+    for (std::uint32_t item = 1; item <= item_count; ++item) {
+        CHECK(array.parts.subscription->remove_item(item));
+    }
+    while (all.next_deadline() < TimePoint{1s}) { // nobody looks at what is gone
+        all.handle_deadline(all.next_deadline());
+    }
+    return has_failed;
+}
+
 } // namespace
+
+TEST_CASE("D3: items that are taken from a watch find no memory for their places")
+{
+    const std::size_t most = GENERATE(1U, 1'000'000U); // or there is no memory any more
+    check_failing_worlds("sample", [&](std::size_t k) { return fail_to_take_back(k, most); });
+}
 
 TEST_CASE("D3: an item that finds no memory in the watch of an image is not counted or paid for")
 {

@@ -312,6 +312,8 @@ bool fail_once(const Row& row, std::size_t k, std::size_t most)
     if (world.client.is_closed()) {
         world.client = world.again(world.client);
     }
+    world.scan(2); // has the server let go of an image without items
+    world.pass(100ms, world.client);
     if (answer != status::Good) {
         answer = world.ask(world.client, asked);
     }

@@ -118,13 +118,15 @@ bool SamplingGroup::is_full_of_holes() const
 void SamplingGroup::notice_changes()
 {
     const std::uint64_t removed = sampler_.removed_roles();
-    const bool has_lost_role = std::exchange(removed_roles_, removed) != removed;
+    const bool has_lost_role = removed_roles_ != removed;
+    if (has_lost_role || images_.is_wasteful() || has_lost_source()) {
+        members_.reserve(members_.size() + item_count_); // nothing fails from here on
+        images_.take_all([this](ValueItem& item) { item.place_ = put_in(item); });
+    }
     for (std::size_t i = 0; has_lost_role && i < members_.size(); ++i) {
         members_[i].binding = Binding::Unknown;
     }
-    if (has_lost_role || images_.is_wasteful() || has_lost_source()) {
-        images_.take_all([this](ValueItem& item) { item.place_ = put_in(item); });
-    }
+    removed_roles_ = removed;
 }
 
 void SamplingGroup::bind(std::size_t first)
