@@ -61,13 +61,21 @@ struct BareSubscription {
     server::detail::ValueItem* add_item(std::uint32_t client_handle, const NodeId& node,
                                         const String& range)
     {
+        server::detail::ValueItem* const added = add_new_item(client_handle, node, range, 50);
+        all.sampler().sample_new(TimePoint{});
+        return added;
+    }
+    /// It has no sample yet.
+    server::detail::ValueItem* add_new_item(std::uint32_t client_handle, const NodeId& node,
+                                            const String& range, double interval)
+    {
         MonitoredItemCreateRequest request;
         request.item_to_monitor.node_id = node;
         request.item_to_monitor.index_range = range;
         request.item_to_monitor.attribute_id = 13;
         request.monitoring_mode = MonitoringMode::Reporting;
         request.requested_parameters.client_handle = client_handle;
-        request.requested_parameters.sampling_interval = 50;
+        request.requested_parameters.sampling_interval = interval;
         server::detail::ItemRevision revision;
         auto item = server::detail::ValueItem::make({all, *subscription, TimePoint{}}, request,
                                                     TimestampsToReturn::Neither, revision);
@@ -75,7 +83,6 @@ struct BareSubscription {
         auto& added =
             static_cast<server::detail::ValueItem&>(subscription->add_item(std::move(item)));
         all.sampler().add(added, TimePoint{});
-        all.sampler().sample_new(TimePoint{});
         return &added;
     }
     static server::ServerLimits with_memory(std::size_t most)

@@ -1,5 +1,6 @@
 #include "bare_subscription.hpp"
 #include "support/failing_worlds.hpp"
+#include "support/source_caller.hpp"
 
 /// D3: what is counted and paid for the items of a process image, where there is no memory.
 using namespace busbar;
@@ -127,4 +128,20 @@ TEST_CASE("a variable that has an item again is no waste")
         world.watch.remove(world.place);
         CHECK(world.watch.is_wasteful());
     }
+}
+
+TEST_CASE("D3: an image whose new items were taken back is let go before they are sampled")
+{
+    TestWaker waker;
+    LargeArray array{max_memory};
+    array.parts.environment.waker = &waker; // so that scans can be followed
+    Sampler& sampler = array.parts.all.sampler();
+    array.parts.add_new_item(1, array.curve, "0", 0);
+    CHECK(array.image.use_count() == 3); // the source and the sampler have it
+    CHECK(array.parts.subscription->remove_item(1));
+    array.scan(0, 1.5);
+    sampler.handle_scans(TimePoint{});
+    CHECK(array.image.use_count() == 2);
+    sampler.sample_new(TimePoint{});
+    CHECK(array.parts.take() == 0);
 }

@@ -152,9 +152,10 @@ void Sampler::take_scan(Followed& one, const ImagePin& pin, TimePoint now)
 
 void Sampler::drop_unfollowed()
 {
-    std::erase_if(followed_, [](const Followed& one) {
+    std::erase_if(followed_, [this](const Followed& one) {
         if (one.group->empty()) {
             one.image->follow_scans(false);
+            std::erase(fresh_, one.group.get());
         }
         return one.group->empty();
     });
