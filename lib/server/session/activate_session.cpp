@@ -382,21 +382,21 @@ void ActivateSession::accept(UserIdentity user, TimePoint now)
                       now);
     }
     std::vector<std::string> locales = chosen_locales();
-    // Also the same user, with other rights than before.
-    const UserIdentity before = session.user;
     const bool is_first = !std::exchange(session.is_activated, true);
     busbar::detail::Undo undo{[&] { session.is_activated = !is_first; }};
     peer_->bind(session);
     set_user(needs_, *find_endpoint(needs_.config, session), session, std::move(user), now);
     undo.keep();
     session.have_all_memory();
-    session.server_nonce = *std::move(nonce);
     session.locale_ids = std::move(locales);
     busbar::detail::attempt([&] { tell_activated(needs_, session, is_first, audit_entry_id_); });
     needs_.keeper.session_activated(session);
-    if (!(session.user == before)) {
+    // Also the same user, with other rights than before.
+    if (session.is_user_untold) {
         needs_.keeper.user_changed(session, now);
+        session.is_user_untold = false;
     }
+    session.server_nonce = *std::move(nonce); // a client that is refused signs the one before
     const bool must_change = session.user.must_change_password;
     respond_with<ActivateSessionResponse>(
         must_change ? status::Good_PasswordChangeRequired : status::Good,

@@ -77,6 +77,8 @@ public:
     std::vector<std::string> locale_ids;
     bool is_activated{false};
     UserIdentity user;
+    /// Its Subscriptions have not all heard who that is now.
+    bool is_user_untold{false};
     /// The same as the UserStore gave it, without the roles of rules.
     UserIdentity granted;
     /// The ClientUserId of whoever activated it first, then those it was given to, the latest last.

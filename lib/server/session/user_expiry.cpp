@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/core/text.hpp>
 
 #include "peer.hpp"
@@ -68,6 +69,13 @@ void set_user(const SessionNeeds& needs, const EndpointConfig& endpoint, Session
               UserIdentity user, TimePoint now)
 {
     const TimePoint end = deadline_of(user, needs.wall_time(), now);
+    const UserIdentity before = session.user;
+    UserIdentity kept = before;
+    UserIdentity granted = session.granted;
+    busbar::detail::Undo undo{[&] {
+        session.user = std::move(kept);
+        session.granted = std::move(granted);
+    }};
     session.granted = user;
     session.listener = session.peer != nullptr ? session.peer->listener() : 0;
     if (session.peer != nullptr) {
@@ -75,6 +83,8 @@ void set_user(const SessionNeeds& needs, const EndpointConfig& endpoint, Session
     }
     session.change_user(with_roles(needs, session, std::move(user)));
     needs.sessions.update_share(session);
+    undo.keep();
+    session.is_user_untold = session.is_user_untold || !(session.user == before);
     session.user_deadline = endpoint.allows_anonymous ? end : no_deadline;
     session.ends_at = endpoint.allows_anonymous ? no_deadline : end;
     session.touch(now);

@@ -34,6 +34,9 @@ public:
     /// The shortest interval between the last two samples of a group.
     [[nodiscard]] Duration smallest_actual_interval() const;
 
+    /// With the next sample of its group each item is looked up anew.
+    void look_up_again() { ++removed_roles_; }
+
     [[nodiscard]] SamplingIntervals& intervals() { return intervals_; }
     [[nodiscard]] const SamplingIntervals& intervals() const { return intervals_; }
 

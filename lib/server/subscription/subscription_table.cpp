@@ -145,17 +145,22 @@ void SubscriptionTable::user_changed(Session& session, TimePoint now)
     if (session.publishing == nullptr) {
         return;
     }
+    // Whoever cannot be told: nothing is sampled by what another was allowed.
+    busbar::detail::Undo undo{[&] { sampler_->look_up_again(); }};
     for (Subscription* subscription : PublishPart::of(session).subscriptions()) {
         subscription->update_share();
         subscription->user_changed(now);
     }
+    undo.keep();
 }
 
 void SubscriptionTable::access_changed(TimePoint now)
 {
+    busbar::detail::Undo undo{[&] { sampler_->look_up_again(); }}; // as above
     for (const auto& [id, subscription] : subscriptions_) {
         subscription->user_changed(now);
     }
+    undo.keep();
 }
 
 void SubscriptionTable::announce_change(const std::unordered_set<NodeId>& variables,
