@@ -82,6 +82,15 @@ public:
         CHECK(made == most_subscriptions - 1);
     }
 
+    [[nodiscard]] static server::Event event()
+    {
+        server::Event event;
+        event.message = LocalizedText{"a message that does not fit into a small string"};
+        event.severity = 500;
+        event.source_node = NodeId{0, id::Server};
+        return event;
+    }
+
     std::uint32_t kept{0};
     std::uint32_t filled{0};
     std::vector<std::uint32_t> items;
@@ -115,14 +124,6 @@ private:
         for (const MonitoredItemCreateResult& result : made->results) {
             items.push_back(result.monitored_item_id);
         }
-    }
-    [[nodiscard]] static server::Event event()
-    {
-        server::Event event;
-        event.message = LocalizedText{"a message that does not fit into a small string"};
-        event.severity = 500;
-        event.source_node = NodeId{0, id::Server};
-        return event;
     }
     void queue_notifications()
     {
@@ -205,6 +206,36 @@ bool fail_once(const Row& row, std::size_t k, std::size_t most)
     return has_failed;
 }
 
+/// False if nothing failed when an item of events was enabled; the same request enables it then.
+bool fail_to_enable_events(std::size_t k, std::size_t most)
+{
+    FailureFixture world;
+    SetMonitoringModeRequest request;
+    request.subscription_id = world.subscribe();
+    CreateMonitoredItemsRequest item = failing::event_item(request.subscription_id);
+    item.items_to_create[0].monitoring_mode = MonitoringMode::Disabled;
+    const auto made = world.client.call<CreateMonitoredItemsResponse>(item);
+    REQUIRE(made);
+    request.monitoring_mode = MonitoringMode::Reporting;
+    request.monitored_item_ids = {made->results[0].monitored_item_id};
+    const FailureCase asked = asking<SetMonitoringModeResponse>(request);
+    fail_allocation(k, most);
+    const StatusCode answer = world.ask(world.client, asked);
+    const bool has_failed = has_allocation_failed();
+    fail_allocation(0);
+    INFO("allocation " << k << ": " << name(answer) << "\n" << world.log.text);
+    CHECK(world.thrown == 0);
+    if (world.client.is_closed()) {
+        world.client = world.again(world.client);
+    }
+    if (answer != status::Good) {
+        CHECK(world.ask(world.client, asked) == status::Good);
+    }
+    REQUIRE(world.server.raise_event(CountingWorld::event()));
+    CHECK(world.ask(world.client, failing::publish_something()) == status::Good);
+    return has_failed;
+}
+
 /// Sets itself again.
 struct SteadyTimer final : server::detail::Timer {
     void expire(TimePoint now) override
@@ -231,6 +262,13 @@ TEST_CASE("D3: an allocation that fails while items are removed leaves every cou
                                  [&](std::size_t k) { return fail_once(row, k, most); });
         }
     }
+}
+
+TEST_CASE("D3: an item of events that found no memory when it was enabled is so the next time")
+{
+    const std::size_t most = GENERATE(1U, 1'000'000U); // or there is no memory any more
+    check_failing_worlds("SetMonitoringMode",
+                         [&](std::size_t k) { return fail_to_enable_events(k, most); });
 }
 
 TEST_CASE("D3: a timer that expires can be set again whatever memory there is")
