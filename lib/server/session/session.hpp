@@ -76,9 +76,9 @@ public:
     std::string name;
     std::vector<std::string> locale_ids;
     bool is_activated{false};
-    UserIdentity user;
-    /// Its Subscriptions have not all heard who that is now.
+    /// Its Subscriptions have not all heard whose it is now.
     bool is_user_untold{false};
+    UserIdentity user;
     /// The same as the UserStore gave it, without the roles of rules.
     UserIdentity granted;
     /// The ClientUserId of whoever activated it first, then those it was given to, the latest last.
