@@ -244,6 +244,43 @@ public:
         }
         return answer;
     }
+    struct Attempt {
+        StatusCode answer;
+        bool has_failed;
+    };
+    /// The client asks while the `k`-th allocation fails, and the ones after it up to `most`. If
+    /// its connection ends of that it has another one.
+    Attempt attempt(const FailureCase& asked, std::size_t k, std::size_t most)
+    {
+        fail_allocation(k, most);
+        const StatusCode answer = ask(client, asked);
+        const bool has_failed = has_allocation_failed();
+        fail_allocation(0);
+        CHECK(thrown == 0);
+        if (client.is_closed()) {
+            client = again(client);
+        }
+        return {answer, has_failed};
+    }
+    /// What Subscriptions of the client report of data in a while.
+    [[nodiscard]] std::vector<MonitoredItemNotification> reported()
+    {
+        std::vector<MonitoredItemNotification> all;
+        for (int i = 0; i < 6; ++i) {
+            const std::uint32_t asked = client.send(PublishRequest{});
+            pass(std::chrono::milliseconds{100}, client);
+            const auto response = client.take<PublishResponse>(asked);
+            for (const ExtensionObject& part :
+                 response ? response->notification_message.notification_data
+                          : Array<ExtensionObject>{}) {
+                if (const auto* data = part.get_if<DataChangeNotification>()) {
+                    all.insert(all.end(), data->monitored_items.begin(),
+                               data->monitored_items.end());
+                }
+            }
+        }
+        return all;
+    }
     /// A client whose channel is opened with the server's part counted; null if that does not
     /// accept it.
     [[nodiscard]] std::unique_ptr<TestClient> open(channel::SecuritySetting security)

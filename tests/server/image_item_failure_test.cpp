@@ -163,14 +163,9 @@ public:
         constexpr std::int32_t next = 5'000;
         scan(next);
         std::set<std::uint32_t> found;
-        for (int i = 0; i < 6; ++i) {
-            const std::uint32_t asked = client.send(PublishRequest{});
-            pass(100ms, client);
-            const auto response = client.take<PublishResponse>(asked);
-            for (std::size_t n = 0; response && n < parts_of(*response).size(); ++n) {
-                if (const auto* data = parts_of(*response)[n].get_if<DataChangeNotification>()) {
-                    note(*data, next, found);
-                }
+        for (const MonitoredItemNotification& one : reported()) {
+            if (one.value.value == Variant{next}) {
+                found.insert(one.client_handle);
             }
         }
         return found;
@@ -229,19 +224,6 @@ private:
             variable.type_definition = NodeId{0, id::PropertyType};
         }
         REQUIRE(server.address_space().add_variable(node, variable));
-    }
-    [[nodiscard]] static const Array<ExtensionObject>& parts_of(const PublishResponse& response)
-    {
-        return response.notification_message.notification_data;
-    }
-    static void note(const DataChangeNotification& data, std::int32_t value,
-                     std::set<std::uint32_t>& found)
-    {
-        for (const MonitoredItemNotification& one : data.monitored_items) {
-            if (one.value.value == Variant{value}) {
-                found.insert(one.client_handle);
-            }
-        }
     }
 };
 
@@ -303,15 +285,8 @@ bool fail_once(const Row& row, std::size_t k, std::size_t most)
 {
     ImageWorld world;
     const FailureCase asked = row.prepare(world);
-    fail_allocation(k, most);
-    StatusCode answer = world.ask(world.client, asked);
-    const bool has_failed = has_allocation_failed();
-    fail_allocation(0);
+    auto [answer, has_failed] = world.attempt(asked, k, most);
     INFO(row.service << ", allocation " << k << ": " << name(answer) << "\n" << world.log.text);
-    CHECK(world.thrown == 0);
-    if (world.client.is_closed()) {
-        world.client = world.again(world.client);
-    }
     world.scan(2); // has the server let go of an image without items
     world.pass(100ms, world.client);
     if (answer != status::Good) {

@@ -219,15 +219,8 @@ bool fail_to_enable_events(std::size_t k, std::size_t most)
     request.monitoring_mode = MonitoringMode::Reporting;
     request.monitored_item_ids = {made->results[0].monitored_item_id};
     const FailureCase asked = asking<SetMonitoringModeResponse>(request);
-    fail_allocation(k, most);
-    const StatusCode answer = world.ask(world.client, asked);
-    const bool has_failed = has_allocation_failed();
-    fail_allocation(0);
+    const auto [answer, has_failed] = world.attempt(asked, k, most);
     INFO("allocation " << k << ": " << name(answer) << "\n" << world.log.text);
-    CHECK(world.thrown == 0);
-    if (world.client.is_closed()) {
-        world.client = world.again(world.client);
-    }
     if (answer != status::Good) {
         CHECK(world.ask(world.client, asked) == status::Good);
     }

@@ -38,23 +38,10 @@ struct GuardedWorld : FailureFixture {
         }
         REQUIRE(ask(other, asking<WriteResponse>(request)) == status::Good);
         int found = 0;
-        for (int i = 0; i < 6; ++i) {
-            const std::uint32_t asked = client.send(PublishRequest{});
-            pass(100ms, client);
-            const auto response = client.take<PublishResponse>(asked);
-            for (std::size_t n = 0; response && n < parts_of(*response).size(); ++n) {
-                if (const auto* data = parts_of(*response)[n].get_if<DataChangeNotification>()) {
-                    for (const MonitoredItemNotification& one : data->monitored_items) {
-                        found += one.value.value == Variant{written} ? 1 : 0;
-                    }
-                }
-            }
+        for (const MonitoredItemNotification& one : reported()) {
+            found += one.value.value == Variant{written} ? 1 : 0;
         }
         return found;
-    }
-    [[nodiscard]] static const Array<ExtensionObject>& parts_of(const PublishResponse& response)
-    {
-        return response.notification_message.notification_data;
     }
 };
 
@@ -65,15 +52,8 @@ bool fail_once(std::size_t k, std::size_t most)
     ActivateSessionRequest request;
     request.user_identity_token = TestClient::anonymous();
     const FailureCase asked = asking<ActivateSessionResponse>(request);
-    fail_allocation(k, most);
-    StatusCode answer = world.ask(world.client, asked);
-    const bool has_failed = has_allocation_failed();
-    fail_allocation(0);
+    auto [answer, has_failed] = world.attempt(asked, k, most);
     INFO("allocation " << k << ": " << name(answer) << "\n" << world.log.text);
-    CHECK(world.thrown == 0);
-    if (world.client.is_closed()) {
-        world.client = world.again(world.client);
-    }
     // Until it is asked again it is one user's or the other's.
     if (world.ask(world.client, failing::read(world)) != status::Good) {
         CHECK(world.leaks(8) == 0);
