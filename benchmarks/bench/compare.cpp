@@ -1,14 +1,16 @@
 #include "compare.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <map>
 #include <optional>
+#include <system_error>
+#include <utility>
 
 #include "core/json.hpp"
+#include "core/number_text.hpp"
 
 namespace busbar::bench {
 
@@ -27,15 +29,17 @@ struct Run {
     std::map<std::pair<std::string, std::string>, Rounds> figures;
 };
 
-std::optional<double> number(const Json* value)
+/// None if it is no number, or none that T has.
+template <typename T>
+std::optional<T> number(const Json* value)
 {
-    double number = 0;
+    T number{};
     if (value == nullptr || value->kind != Json::Kind::Number) {
         return std::nullopt;
     }
     const char* const end = value->text.data() + value->text.size();
-    return std::from_chars(value->text.data(), end, number).ptr == end ? std::optional{number}
-                                                                       : std::nullopt;
+    const auto read = detail::read_number(value->text.data(), end, number);
+    return read.ec == std::errc{} && read.ptr == end ? std::optional{number} : std::nullopt;
 }
 
 /// False if the row has no load.
@@ -48,10 +52,9 @@ bool take_row(Run& run, const Json& row)
     if (std::find(run.loads.begin(), run.loads.end(), load->text) == run.loads.end()) {
         run.loads.push_back(load->text);
     }
-    const auto round =
-        static_cast<std::size_t>(std::max(number(row.find("round")).value_or(0), 0.0));
+    const auto round = number<std::size_t>(row.find("round")).value_or(0);
     for (const char* cost : costs) {
-        if (const auto figure = number(row.find(cost))) {
+        if (const auto figure = number<double>(row.find(cost))) {
             run.figures[{load->text, cost}][round] = *figure;
         }
     }

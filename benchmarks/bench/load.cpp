@@ -381,14 +381,17 @@ Result<void> Load::run_round(std::vector<Row>& rows)
 
 Result<std::vector<SubscribeRow>> Load::run_subscriptions()
 {
+    const std::vector<std::size_t>& counts = options_.subscribe.item_counts;
     std::vector<SubscribeRow> rows;
-    for (const std::size_t items : options_.subscribe.item_counts) {
+    for (std::size_t i = 0; i < options_.rounds * counts.size(); ++i) {
         net::ClientLoop loop;
         const auto opened = open(loop, true);
-        auto row = opened ? subscribe(loop, options_.subscribe, items) : fail(opened.error());
+        auto row = opened ? subscribe(loop, options_.subscribe, counts[i % counts.size()])
+                          : fail(opened.error());
         if (!row) {
             return fail(row.error());
         }
+        row->round = i / counts.size();
         rows.push_back(*row);
         loop.close();
     }

@@ -41,6 +41,11 @@ int run_subscriptions(bench::Load& load, const bench::Options& options)
 int run_loads(bench::Options options, bool has_url)
 {
     std::unique_ptr<bench::OwnServer> own;
+    if (!has_url && !options.subscribe.item_counts.empty()) {
+        std::fprintf(stderr, "busbar-bench: --subscribe: found no URL, expected that of a server "
+                             "whose variables change\n");
+        return 1;
+    }
     if (!has_url) {
         auto started = bench::OwnServer::start({.is_secure = options.policy != "None",
                                                 .is_unrationed = true,
@@ -51,8 +56,6 @@ int run_loads(bench::Options options, bool has_url)
         own = *std::move(started);
         options.url = own->url();
         options.subscribe.server_pid = own->process();
-    } else if (options.subscribe.server_pid == 0) {
-        options.subscribe.server_pid = bench::find_listener(options.url).value_or(0);
     }
     bench::Load load{options};
     const auto prepared = load.prepare();
@@ -196,7 +199,7 @@ void add_loads(CLI::App& app, bench::Options& options)
         ->check(positive);
     app.add_flag("--sequential", options.is_sequential,
                  "the values of a request lie beside each other, not anywhere");
-    app.add_option("--rounds", options.rounds, "how often all loads are run, for --compare")
+    app.add_option("--rounds", options.rounds, "how often all of that is run, for --compare")
         ->check(positive)
         ->capture_default_str();
     app.add_option("--in-flight", options.in_flight, "requests under way")
@@ -354,6 +357,10 @@ int run(int argc, char** argv)
     const CLI::App* const startup = add_startup(app, startup_options);
     const CLI::App* const seven = add_appendix7(app, seven_options);
     CLI11_PARSE(app, argc, argv);
+    const bool has_url = app.get_option("url")->count() != 0;
+    if (has_url && options.subscribe.server_pid == 0) {
+        options.subscribe.server_pid = bench::find_listener(options.url).value_or(0);
+    }
     options.subscribe.seconds = options.seconds;
     hostile_options.seconds = options.seconds;
     hostile_options.server_process = options.subscribe.server_pid;
@@ -361,7 +368,6 @@ int run(int argc, char** argv)
     if (!compared.empty()) {
         return run_compare(compared);
     }
-    const bool has_url = app.get_option("url")->count() != 0;
     if (memory->parsed()) { // with malloc as it is: what a server gives back is the question
         return run_memory(memory_options, options.json);
     }

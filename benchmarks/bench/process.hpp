@@ -8,8 +8,8 @@
 
 namespace busbar::bench {
 
-/// Seconds of processor time that a process has had, all of its threads; 0 if there is none of that
-/// id.
+/// Seconds of processor time that the threads which a process has now have had; 0 if there is none
+/// of that id.
 [[nodiscard]] double processor_time(pid_t process);
 
 /// Page faults that a process has had, whether or not something was read from a disk for them.

@@ -109,9 +109,10 @@ void print_json(const Options& options, const std::vector<SubscribeRow>& rows)
     print_json_head(options);
     const char* separator = "";
     for (const SubscribeRow& row : rows) {
-        std::printf("%s\n  {\"load\": \"%zu items\", \"round\": 0, \"publishes\": %zu, "
+        std::printf("%s\n  {\"load\": \"%zu items\", \"round\": %zu, \"publishes\": %zu, "
                     "\"messages_lost\": %zu, \"values_wrong\": %zu",
-                    separator, row.items, row.publishes, row.messages_lost, row.values_wrong);
+                    separator, row.items, row.round, row.publishes, row.messages_lost,
+                    row.values_wrong);
         print_member("mean_interval_ms", row.mean_interval_ms);
         print_member("worst_interval_ms", row.worst_interval_ms);
         print_member("notifications_per_second", row.notifications_per_second);

@@ -29,6 +29,7 @@ struct SubscribeOptions {
 /// What a client saw of one subscription.
 struct SubscribeRow {
     std::size_t items{0};
+    std::size_t round{0};
     std::size_t publishes{0};
     double mean_interval_ms{0};
     double worst_interval_ms{0};

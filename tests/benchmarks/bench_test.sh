@@ -39,6 +39,8 @@ echo '{"rows": [{"load": 1}]}' > wrong.json
 refuses "$bench" --compare loads.json wrong.json
 has "wrong.json: row 1: found no" refused.txt
 refuses "$bench" --in-flight 0
+refuses "$bench" --subscribe 10
+has "found no URL" refused.txt
 
 "$bench" hostile --seconds 0.2 --connections 3 --bomb 1000000 > hostile.txt
 has "^none " hostile.txt
