@@ -13,8 +13,6 @@ namespace busbar::model::detail {
 
 namespace {
 
-constexpr std::size_t line_size = 64;
-
 /// Nearly all of these are constant nodes, which are few and found in two steps.
 bool is_number_of_namespace0(const NodeId& id)
 {
@@ -60,11 +58,7 @@ void Tables::fetch_nodes(std::span<const NodeId* const> ids, std::span<Sought> s
             each.record = by_id.likely(each.hash);
         }
         if (each.record != IndexTable::none) {
-            const auto* const record = reinterpret_cast<const char*>(&at(each.record));
-            busbar::detail::fetch(record);
-            busbar::detail::fetch(record + line_size);
-            // One in two begins so that it has three lines.
-            busbar::detail::fetch(record + sizeof(NodeRecord) - 1);
+            busbar::detail::fetch_object(at(each.record));
         }
     }
     for (const Sought& each : sought) {

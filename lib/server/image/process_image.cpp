@@ -87,11 +87,7 @@ ImagePin::Found ImagePin::find(std::uint32_t handle) const
 
 void ImagePin::fetch_place(std::uint32_t handle) const
 {
-    constexpr std::size_t line_size = 64;
-    const auto* const place = reinterpret_cast<const char*>(find(handle).place);
-    busbar::detail::fetch(place);
-    busbar::detail::fetch(place + line_size);
-    busbar::detail::fetch(place + sizeof(ImagePlace) - 1);
+    busbar::detail::fetch_object(*find(handle).place);
 }
 
 void ImagePin::fetch_value(std::uint32_t handle) const

@@ -69,11 +69,10 @@ void set_user(const SessionNeeds& needs, const EndpointConfig& endpoint, Session
               UserIdentity user, TimePoint now)
 {
     const TimePoint end = deadline_of(user, needs.wall_time(), now);
-    const UserIdentity before = session.user;
-    UserIdentity kept = before;
+    UserIdentity before = session.user;
     UserIdentity granted = session.granted;
     busbar::detail::Undo undo{[&] {
-        session.user = std::move(kept);
+        session.user = std::move(before);
         session.granted = std::move(granted);
     }};
     session.granted = user;
@@ -119,6 +118,7 @@ void expire_user(const SessionNeeds& needs, Session& session, TimePoint now)
     needs.sessions.update_share(session);
     session.user_deadline = no_deadline;
     needs.keeper.user_changed(session, now);
+    session.is_user_untold = false;
 }
 
 } // namespace busbar::server::detail

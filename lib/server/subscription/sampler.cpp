@@ -192,7 +192,7 @@ void Sampler::watch_roles(model::NodeIndex node)
 
 void Sampler::Role::node_changed(model::NodeIndex node, bool /*is_removed*/)
 {
-    ++sampler.removed_roles_;
+    sampler.look_up_again();
     sampler.roles_.erase(node); // and this with it
 }
 

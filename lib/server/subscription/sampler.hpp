@@ -35,7 +35,7 @@ public:
     [[nodiscard]] Duration smallest_actual_interval() const;
 
     /// With the next sample of its group each item is looked up anew.
-    void look_up_again() { ++removed_roles_; }
+    void look_up_again() { ++lookups_; }
 
     [[nodiscard]] SamplingIntervals& intervals() { return intervals_; }
     [[nodiscard]] const SamplingIntervals& intervals() const { return intervals_; }
@@ -48,10 +48,10 @@ public:
     [[nodiscard]] MonitoredHandles& monitored() { return monitored_; }
     [[nodiscard]] bool is_overload(Duration revised, Duration actual) const;
     void remove(SamplingGroup& group);
-    /// Has removed_roles() count the removal of any role that the node's RolePermissions name.
+    /// Has the removal of any role that the node's RolePermissions name count as look_up_again().
     void watch_roles(model::NodeIndex node);
     /// When it changes, any item may have lost what let it be sampled.
-    [[nodiscard]] std::uint64_t removed_roles() const { return removed_roles_; }
+    [[nodiscard]] std::uint64_t lookups() const { return lookups_; }
 
 private:
     struct Followed {
@@ -87,7 +87,7 @@ private:
     /// With items that have no sample yet.
     std::vector<SamplingGroup*> fresh_;
     std::unordered_map<model::NodeIndex, Role> roles_;
-    std::uint64_t removed_roles_{0};
+    std::uint64_t lookups_{0};
 };
 
 } // namespace busbar::server::detail

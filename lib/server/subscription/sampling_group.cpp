@@ -28,8 +28,7 @@ struct SamplingGroup::Flight final : SourceCallOwner {
 };
 
 SamplingGroup::SamplingGroup(Sampler& sampler, Duration interval)
-    : sampler_{sampler}, interval_{interval}, images_{sampler.memory()},
-      removed_roles_{sampler.removed_roles()}
+    : sampler_{sampler}, interval_{interval}, images_{sampler.memory()}, lookups_{sampler.lookups()}
 {
 }
 
@@ -117,16 +116,16 @@ bool SamplingGroup::is_full_of_holes() const
 /// What happens to an item's own node comes to node_changed.
 void SamplingGroup::notice_changes()
 {
-    const std::uint64_t removed = sampler_.removed_roles();
-    const bool has_lost_role = removed_roles_ != removed;
-    if (has_lost_role || images_.is_wasteful() || has_lost_source()) {
+    const std::uint64_t lookups = sampler_.lookups();
+    const bool is_outdated = lookups_ != lookups;
+    if (is_outdated || images_.is_wasteful() || has_lost_source()) {
         members_.reserve(members_.size() + item_count_); // nothing fails from here on
         images_.take_all([this](ValueItem& item) { item.place_ = put_in(item); });
     }
-    for (std::size_t i = 0; has_lost_role && i < members_.size(); ++i) {
+    for (std::size_t i = 0; is_outdated && i < members_.size(); ++i) {
         members_[i].binding = Binding::Unknown;
     }
-    removed_roles_ = removed;
+    lookups_ = lookups;
 }
 
 void SamplingGroup::bind(std::size_t first)

@@ -108,7 +108,7 @@ private:
     bool is_late_{false};
     std::vector<std::unique_ptr<Flight>> flights_;
     WatchedImages images_;
-    std::uint64_t removed_roles_;
+    std::uint64_t lookups_;
 };
 
 } // namespace busbar::server::detail
