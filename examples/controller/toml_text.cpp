@@ -38,8 +38,8 @@ std::size_t line_at(std::string_view text, std::size_t at)
     return static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n')) + 1;
 }
 
-/// The first byte that is not ASCII and stands neither in a string nor in a comment: toml++ is
-/// hard to understand about some of them.
+/// The first byte that is not ASCII and stands neither in a string nor in a comment, as far as it
+/// is easily told. What toml++ says of such a text does not name the character.
 std::optional<std::size_t> find_stray(std::string_view text)
 {
     constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";

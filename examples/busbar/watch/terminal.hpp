@@ -12,8 +12,8 @@ namespace busbar::cli::watch {
 /// time; whoever writes to it meanwhile garbles it.
 ///
 /// By ncursesw: it knows what each terminal can do (terminfo), tells keys from the bytes that they
-/// send, notices new sizes, gives the terminal back when the program is suspended, and sends only
-/// what has changed, which counts over a slow line. Debian maintains it in its base system.
+/// send, notices new sizes, and sends only what has changed, which counts over a slow line. Debian
+/// maintains it in its base system. Ctrl+Z gives the terminal back at the next next_key().
 class Terminal {
 public:
     /// Null if there is no such terminal: TERM is not known. Without colour styles are told by
