@@ -1,3 +1,5 @@
+#include <span>
+
 #include <busbar/model/address_space.hpp>
 
 #include "tables.hpp"
@@ -11,6 +13,12 @@ using detail::ReferenceList;
 using detail::Tables;
 
 namespace {
+
+bool has_children(const Tables& tables, NodeIndex node)
+{
+    const ReferenceList* const list = tables.list(node);
+    return list != nullptr && list->entries.size() - list->holes > list->others;
+}
 
 /// The node and everything that was added below it, parents before children.
 std::vector<NodeIndex> subtree(const Tables& tables, NodeIndex root)
@@ -43,6 +51,19 @@ void remove_from_others(Tables& tables, NodeIndex node)
     }
 }
 
+/// Parents stand before children.
+void remove_all(Tables& tables, std::span<const NodeIndex> nodes)
+{
+    for (const NodeIndex each : nodes) { // while it has its NodeVersion
+        tables.note(each, static_cast<unsigned>(ModelChangeStructureVerbMask::NodeDeleted));
+    }
+    for (auto at = nodes.rbegin(); at != nodes.rend(); ++at) {
+        remove_from_others(tables, *at);
+        tables.unlink(*at);
+        tables.destroy(*at);
+    }
+}
+
 } // namespace
 
 void SpaceReader::for_each_below(NodeIndex node, FunctionRef<bool(NodeIndex)> visit) const
@@ -62,20 +83,13 @@ Result<void> AddressSpace::remove(NodeIndex node)
     if (tables_->is_constant(node) || detail::is_type(node_class(node))) {
         return fail(status::Bad_NoDeleteRights);
     }
-    const std::vector<NodeIndex> nodes = subtree(*tables_, node);
+    if (!has_children(*tables_, node)) { // which needs no memory
+        remove_all(*tables_, std::span{&node, 1});
+        return {};
+    }
     // Nothing of it fails when it has begun.
-    std::vector<std::uint32_t>& free_records = tables_->free_records;
-    if (free_records.capacity() - free_records.size() < nodes.size()) {
-        free_records.reserve(2 * free_records.size() + nodes.size());
-    }
-    for (const NodeIndex each : nodes) { // while it has its NodeVersion
-        tables_->note(each, static_cast<unsigned>(ModelChangeStructureVerbMask::NodeDeleted));
-    }
-    for (auto at = nodes.rbegin(); at != nodes.rend(); ++at) {
-        remove_from_others(*tables_, *at);
-        tables_->unlink(*at);
-        tables_->destroy(*at);
-    }
+    const std::vector<NodeIndex> nodes = subtree(*tables_, node);
+    remove_all(*tables_, nodes);
     return {};
 }
 

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <tuple>
+#include <utility>
 
 #include <busbar/core/detail/guarded.hpp>
 
@@ -136,18 +137,23 @@ std::uint64_t Tables::name_hash(std::uint32_t record_number) const
 NodeIndex Tables::create(const NodeId& id, const QualifiedName& name, NodeClass node_class)
 {
     by_id.make_room(id_hasher());
-    const bool is_reused = !free_records.empty();
-    const std::uint32_t number_of_record = is_reused ? free_records.back() : record_count;
+    const bool is_reused = free_count != 0;
+    const std::uint32_t number_of_record = is_reused ? first_free : record_count;
     if (number_of_record == blocks.size() * block_size) {
         blocks.push_back(std::make_unique<NodeRecord[]>(block_size));
     }
     NodeRecord& node = at(number_of_record);
-    busbar::detail::Undo undo{[&] { node = NodeRecord{}; }};
+    const std::uint32_t next_free = node.id;
+    busbar::detail::Undo undo{[&] {
+        node = NodeRecord{};
+        node.id = next_free;
+    }};
     node.set_names(id, name);
     undo.keep();
     // Nothing fails from here on.
     if (is_reused) {
-        free_records.pop_back();
+        first_free = next_free;
+        --free_count;
     } else {
         ++record_count;
     }
@@ -208,13 +214,14 @@ void Tables::unlink(NodeIndex child)
 void Tables::destroy(NodeIndex node)
 {
     const std::uint32_t number_of_record = number(node) - constant_count;
-    free_records.push_back(number_of_record); // first, as it may fail
     by_id.erase(id_hash(number_of_record), number_of_record, id_hasher());
     access.erase(node);
     translations.erase(node);
     // The last source before none is a server's own: its values are looked up when they are read.
     rebindings += record(node).source < no_source - 1 ? 1U : 0U;
     record(node) = NodeRecord{};
+    record(node).id = std::exchange(first_free, number_of_record);
+    ++free_count;
     watches.tell_removed(node);
 }
 

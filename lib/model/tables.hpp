@@ -52,7 +52,10 @@ struct Tables {
     NamespaceTable namespaces;
     std::vector<Block> blocks;
     std::uint32_t record_count{0};
-    std::vector<std::uint32_t> free_records;
+    /// Each free record has the number of the next one as its id, so that none is freed in vain for
+    /// want of memory.
+    std::uint32_t first_free{IndexTable::none};
+    std::uint32_t free_count{0};
     IndexTable by_id;
     IndexTable by_name;
     std::unordered_map<std::uint32_t, std::unique_ptr<Overlay>> overlays;

@@ -81,7 +81,7 @@ public:
     Result<void> remove_reference(NodeIndex source, const NodeId& type, NodeIndex target);
     /// Removes a dynamic node, all nodes that were added below it, and all references to them.
     /// Bad_NodeIdUnknown if there is no such node, Bad_NoDeleteRights for a constant node or a
-    /// type, which nothing may lose.
+    /// type, which nothing may lose. One that has nothing below it needs no memory for that.
     Result<void> remove(NodeIndex node);
 
     /// Gives a Variable a value of its own. Bad_TypeMismatch as check_value.
