@@ -188,6 +188,48 @@ TEST_CASE_METHOD(ArraysFixture, "B7: a Subscription is in the array of whichever
     CHECK(read(admin, element).status == status::Bad_NodeIdUnknown);
 }
 
+TEST_CASE_METHOD(DiagnosticsFixture, "E9: fields of diagnostics are nodes once they are looked for")
+{
+    TestClient client = log_in();
+    const std::uint32_t id = subscribe(client);
+    const auto parts = children(client, session_objects(client)[0].node_id.node_id);
+    REQUIRE(parts.size() == 2);
+    const auto subscriptions = children(client, parts[1].node_id.node_id);
+    REQUIRE(subscriptions.size() == 1);
+    const model::AddressSpace& space = server.address_space();
+    const auto has_nodes_below = [&](const ReferenceDescription& part) {
+        model::ReferenceCursor cursor = space.references(space.find(part.node_id.node_id));
+        bool has_child = false;
+        while (const auto reference = cursor.next()) {
+            has_child = has_child || (reference->is_forward &&
+                                      space.is_subtype_of(reference->type, id::HasComponent));
+        }
+        return has_child;
+    };
+    CHECK_FALSE(has_nodes_below(parts[0]));
+    CHECK_FALSE(has_nodes_below(subscriptions[0]));
+
+    const auto follow = [&](const ReferenceDescription& part, const char* name) {
+        TranslateBrowsePathsToNodeIdsRequest request;
+        request.browse_paths.resize(1);
+        request.browse_paths[0].starting_node = part.node_id.node_id;
+        RelativePathElement& element =
+            request.browse_paths[0].relative_path.elements.emplace_back();
+        element.reference_type_id = NodeId{0, id::HasComponent};
+        element.target_name = QualifiedName{0, name};
+        const auto response = client.call<TranslateBrowsePathsToNodeIdsResponse>(request);
+        REQUIRE(response);
+        REQUIRE(response->results[0].targets.size() == 1);
+        return read(client, response->results[0].targets[0].target_id.node_id).value;
+    };
+    CHECK(follow(parts[0], "SessionName") == Variant{"test"});
+    CHECK(has_nodes_below(parts[0]));
+    CHECK_FALSE(has_nodes_below(subscriptions[0]));
+    CHECK(children(client, parts[0].node_id.node_id).size() == 43);
+    CHECK(follow(subscriptions[0], "SubscriptionId") == Variant{id});
+    CHECK(children(client, subscriptions[0].node_id.node_id).size() == 31);
+}
+
 TEST_CASE_METHOD(DiagnosticsFixture, "a session's diagnostics can be monitored until it ends")
 {
     TestClient client = log_in();

@@ -26,9 +26,16 @@ model::NodeIndex find_component(const model::AddressSpace& space, std::uint32_t 
     return found;
 }
 
-/// A Variable as `declaration` has it; no_node if there is none.
+NodeId part_id(std::uint16_t name_space, std::uint64_t handle)
+{
+    return NodeId{name_space, "SessionDiagnostics." + std::to_string(handle)};
+}
+
+/// A Variable as `declaration` has it, for those to see who have `access`; no_node if there is
+/// none.
 model::NodeIndex add_like(model::AddressSpace& space, model::NodeIndex declaration,
-                          model::NewNode node, std::uint32_t type, std::uint64_t handle)
+                          const model::NewNode& node, std::uint32_t type, std::uint64_t handle,
+                          const model::NodeAccess* access)
 {
     if (declaration == model::no_node) {
         return model::no_node;
@@ -39,15 +46,16 @@ model::NodeIndex add_like(model::AddressSpace& space, model::NodeIndex declarati
     variable.source = live_values_source;
     variable.handle = handle;
     variable.type_definition = NodeId{0, type};
-    node.id = NodeId{node.id.namespace_index(), "SessionDiagnostics." + std::to_string(handle)};
-    return space.add_variable(node, variable).value_or(model::no_node);
-}
-
-void protect(model::AddressSpace& space, model::NodeIndex node, const model::NodeAccess* access)
-{
-    if (access != nullptr && node != model::no_node) {
-        space.set_node_access(node, model::NodeAccess{*access});
+    const auto made = space.add_variable(node, variable);
+    if (!made) {
+        return model::no_node;
     }
+    busbar::detail::Undo undo{[&] { static_cast<void>(space.remove(*made)); }};
+    if (access != nullptr) {
+        space.set_node_access(*made, model::NodeAccess{*access});
+    }
+    undo.keep();
+    return *made;
 }
 
 } // namespace
@@ -55,28 +63,33 @@ void protect(model::AddressSpace& space, model::NodeIndex node, const model::Nod
 model::NodeIndex add_part(model::AddressSpace& space, model::NodeIndex parent,
                           std::uint16_t name_space, std::uint32_t number, const PartNodes& part)
 {
+    const std::uint64_t handle = handle_of(number, part.section, 0);
     model::NewNode node;
-    node.id = NodeId{name_space, 0U};
+    node.id = part_id(name_space, handle);
     node.browse_name = QualifiedName{part.name_space, String{part.name}};
     node.parent = parent;
-    const model::NodeIndex made =
-        add_like(space, part.declaration, node, part.type, handle_of(number, part.section, 0));
-    if (made == model::no_node) {
-        return made;
-    }
-    busbar::detail::Undo undo{[&] { static_cast<void>(space.remove(made)); }};
-    protect(space, made, part.access);
+    return add_like(space, part.declaration, node, part.type, handle, part.access);
+}
+
+std::size_t add_fields(model::AddressSpace& space, model::NodeIndex made, std::uint16_t name_space,
+                       std::uint32_t number, const PartNodes& part)
+{
+    std::size_t count = 0;
+    model::NewNode node;
     node.parent = made;
     for (std::size_t i = 0; i < part.fields.size(); ++i) {
+        const std::uint64_t handle = handle_of(number, part.section, i + 1);
+        node.id = part_id(name_space, handle);
+        if (space.find(node.id) != model::no_node) {
+            continue;
+        }
         node.browse_name = QualifiedName{0, part.fields[i]};
         const auto declaration = find_component(space, part.type, node.browse_name);
-        protect(space,
-                add_like(space, declaration, node, id::BaseDataVariableType,
-                         handle_of(number, part.section, i + 1)),
-                part.access);
+        const model::NodeIndex field =
+            add_like(space, declaration, node, id::BaseDataVariableType, handle, part.access);
+        count += field != model::no_node ? 1 : 0;
     }
-    undo.keep();
-    return made;
+    return count;
 }
 
 } // namespace busbar::server::detail

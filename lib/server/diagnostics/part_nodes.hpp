@@ -27,6 +27,21 @@ enum class Section : std::uint8_t {
     return std::uint64_t{number} << 16U | static_cast<std::uint64_t>(section) << 8U | field;
 }
 
+[[nodiscard]] constexpr std::uint32_t number_of(std::uint64_t handle)
+{
+    return static_cast<std::uint32_t>(handle >> 16U);
+}
+
+[[nodiscard]] constexpr Section section_of(std::uint64_t handle)
+{
+    return static_cast<Section>(handle >> 8U & 0xFFU);
+}
+
+[[nodiscard]] constexpr std::size_t field_of(std::uint64_t handle)
+{
+    return handle & 0xFFU;
+}
+
 /// A Variable of the diagnostics with one Variable for each field that its type has.
 struct PartNodes {
     Section section;
@@ -41,8 +56,12 @@ struct PartNodes {
     std::uint16_t name_space{0};
 };
 
-/// Adds it below `parent`, with NodeIds of `name_space`; no_node if it could not be added.
+/// Adds it below `parent`, with a NodeId of `name_space`, and without its fields, which most often
+/// nobody looks for; no_node if it could not be added.
 model::NodeIndex add_part(model::AddressSpace& space, model::NodeIndex parent,
                           std::uint16_t name_space, std::uint32_t number, const PartNodes& part);
+/// Adds those of its fields that are not there; how many there were.
+std::size_t add_fields(model::AddressSpace& space, model::NodeIndex made, std::uint16_t name_space,
+                       std::uint32_t number, const PartNodes& part);
 
 } // namespace busbar::server::detail

@@ -32,6 +32,25 @@ void add_to_array(model::AddressSpace& space, std::uint32_t array, model::NodeIn
     }
 }
 
+PartNodes session_part(const model::AddressSpace& space)
+{
+    return {.section = Section::Session,
+            .name = "SessionDiagnostics",
+            .declaration = space.find(id::SessionDiagnosticsObjectType_SessionDiagnostics),
+            .type = id::SessionDiagnosticsVariableType,
+            .fields = session_field_names()};
+}
+
+PartNodes security_part(const model::AddressSpace& space)
+{
+    return {.section = Section::Security,
+            .name = "SessionSecurityDiagnostics",
+            .declaration = space.find(id::SessionDiagnosticsObjectType_SessionSecurityDiagnostics),
+            .type = id::SessionSecurityDiagnosticsType,
+            .fields = security_field_names(),
+            .access = access_to_security(space)};
+}
+
 /// Sessions may have the same name, Objects beside each other may not.
 Result<model::NodeIndex> add_object(const DiagnosticsNeeds& needs, const Session& session)
 {
@@ -74,22 +93,13 @@ void SessionNodes::add(const Session& session)
     const auto add = [&](const PartNodes& part) {
         return add_part(space, *object, needs_.own_namespace, number, part);
     };
-    add_to_array(
-        space, id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionDiagnosticsArray,
-        add({.section = Section::Session,
-             .name = "SessionDiagnostics",
-             .declaration = space.find(id::SessionDiagnosticsObjectType_SessionDiagnostics),
-             .type = id::SessionDiagnosticsVariableType,
-             .fields = session_field_names()}));
+    add_to_array(space,
+                 id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionDiagnosticsArray,
+                 add(session_part(space)));
     add_to_array(
         space,
         id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionSecurityDiagnosticsArray,
-        add({.section = Section::Security,
-             .name = "SessionSecurityDiagnostics",
-             .declaration = space.find(id::SessionDiagnosticsObjectType_SessionSecurityDiagnostics),
-             .type = id::SessionSecurityDiagnosticsType,
-             .fields = security_field_names(),
-             .access = access_to_security(space)}));
+        add(security_part(space)));
     const model::NodeIndex subscriptions = add(
         {.section = Section::SubscriptionTable,
          .name = "SubscriptionDiagnosticsArray",
@@ -101,6 +111,27 @@ void SessionNodes::add(const Session& session)
     }
     forgotten.keep();
     removed_object.keep();
+}
+
+std::size_t SessionNodes::add_fields(model::NodeIndex variable, std::uint64_t handle)
+{
+    const auto found = entries_.find(number_of(handle));
+    const Section section = section_of(handle);
+    if (found == entries_.end() || field_of(handle) != 0 ||
+        (section != Section::Session && section != Section::Security)) {
+        return 0;
+    }
+    const bool is_session = section == Section::Session;
+    bool& has_fields =
+        is_session ? found->second.has_session_fields : found->second.has_security_fields;
+    if (has_fields) {
+        return 0;
+    }
+    const std::size_t count =
+        detail::add_fields(needs_.space, variable, needs_.own_namespace, number_of(handle),
+                           is_session ? session_part(needs_.space) : security_part(needs_.space));
+    has_fields = true;
+    return count;
 }
 
 model::NodeIndex SessionNodes::subscriptions_of(const Session& session) const
@@ -161,9 +192,9 @@ void SessionNodes::take_flag()
 
 Result<Variant> SessionNodes::value(std::uint64_t handle, const ReadingUser& reader) const
 {
-    const auto number = static_cast<std::uint32_t>(handle >> 16U);
-    const auto section = static_cast<Section>(handle >> 8U & 0xFF);
-    const std::size_t field = handle & 0xFF;
+    const std::uint32_t number = number_of(handle);
+    const Section section = section_of(handle);
+    const std::size_t field = field_of(handle);
     if (section == Section::Subscription) {
         const Subscription* const subscription = needs_.subscriptions.find(number);
         return subscription == nullptr

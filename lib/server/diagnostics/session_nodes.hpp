@@ -13,8 +13,9 @@
 namespace busbar::server::detail {
 
 /// An Object for each activated session below SessionsDiagnosticsSummary (Part 5, 6.3.4 and 6.3.5),
-/// whose parts are the elements of the arrays there: its NodeId is the session's. There are none
-/// while diagnostics are off (Part 5, 6.3.3), nor in a namespace 0 without the types.
+/// whose parts are the elements of the arrays there: its NodeId is the session's. What the parts
+/// have below them is added when it is asked for. There are none while diagnostics are off (Part 5,
+/// 6.3.3), nor in a namespace 0 without the types.
 class SessionNodes {
 public:
     explicit SessionNodes(const DiagnosticsNeeds& needs) : needs_{needs} {}
@@ -24,6 +25,9 @@ public:
     void remove(const Session& session);
     /// Adds or removes the Objects of all sessions if diagnostics were switched on or off.
     void take_flag();
+
+    /// Adds the fields of a Variable of a session, by its handle; how many that were.
+    std::size_t add_fields(model::NodeIndex variable, std::uint64_t handle);
 
     /// The Object's array of Subscriptions; no_node if there is none.
     [[nodiscard]] model::NodeIndex subscriptions_of(const Session& session) const;
@@ -39,6 +43,8 @@ private:
         const Session* session;
         model::NodeHandle object;
         model::NodeHandle subscriptions;
+        bool has_session_fields{false};
+        bool has_security_fields{false};
     };
 
     const DiagnosticsNeeds& needs_;

@@ -12,6 +12,21 @@
 
 namespace busbar::server::detail {
 
+namespace {
+
+PartNodes part_of(const DiagnosticsNeeds& needs, std::string_view name)
+{
+    return {.section = Section::Subscription,
+            .name = name,
+            .declaration =
+                needs.space.find(id::SubscriptionDiagnosticsArrayType_SubscriptionDiagnostics),
+            .type = id::SubscriptionDiagnosticsType,
+            .fields = subscription_field_names(),
+            .name_space = needs.own_namespace};
+}
+
+} // namespace
+
 void SubscriptionNodes::added(const Subscription& subscription)
 {
     model::AddressSpace& space = needs_.space;
@@ -22,22 +37,27 @@ void SubscriptionNodes::added(const Subscription& subscription)
         return;
     }
     const std::string name = std::to_string(subscription.id());
-    const PartNodes part{
-        .section = Section::Subscription,
-        .name = name,
-        .declaration = space.find(id::SubscriptionDiagnosticsArrayType_SubscriptionDiagnostics),
-        .type = id::SubscriptionDiagnosticsType,
-        .fields = subscription_field_names(),
-        .name_space = needs_.own_namespace};
     Entry& entry = entries_[subscription.id()];
     busbar::detail::Undo undo{[&] { removed(subscription); }};
     const model::NodeIndex made =
-        add_part(space, array, needs_.own_namespace, subscription.id(), part);
+        add_part(space, array, needs_.own_namespace, subscription.id(), part_of(needs_, name));
     if (made != model::no_node) {
         entry.element = space.handle(made);
         refer(subscription, entry);
         undo.keep();
     }
+}
+
+std::size_t SubscriptionNodes::add_fields(model::NodeIndex variable, std::uint64_t handle)
+{
+    const auto found = entries_.find(number_of(handle));
+    if (found == entries_.end() || found->second.has_fields || field_of(handle) != 0) {
+        return 0;
+    }
+    const std::size_t count = detail::add_fields(needs_.space, variable, needs_.own_namespace,
+                                                 found->first, part_of(needs_, {}));
+    found->second.has_fields = true;
+    return count;
 }
 
 void SubscriptionNodes::refer(const Subscription& subscription, Entry& entry) const

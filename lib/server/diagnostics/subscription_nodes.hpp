@@ -12,8 +12,9 @@
 namespace busbar::server::detail {
 
 /// A Variable for each Subscription below the server's SubscriptionDiagnosticsArray (Part 5, 7.11
-/// and 7.12), which that of its session refers to, too. Its BrowseName is the SubscriptionId. There
-/// are none while diagnostics are off, nor in a namespace 0 without the types.
+/// and 7.12), which that of its session refers to, too. Its BrowseName is the SubscriptionId; its
+/// fields are added when they are asked for. There are none while diagnostics are off, nor in a
+/// namespace 0 without the types.
 class SubscriptionNodes final : public SubscriptionObserver {
 public:
     SubscriptionNodes(const DiagnosticsNeeds& needs, const SessionNodes& sessions)
@@ -24,6 +25,8 @@ public:
     void added(const Subscription& subscription) override;
     void moved(const Subscription& subscription) override;
     void removed(const Subscription& subscription) override;
+    /// Adds the fields of a Subscription's Variable, by its handle; how many that were.
+    std::size_t add_fields(model::NodeIndex variable, std::uint64_t handle);
     /// Adds or removes the Variables of all Subscriptions if diagnostics were switched on or off.
     /// Those of sessions have to be there by then.
     void take_flag();
@@ -37,6 +40,7 @@ private:
         model::NodeHandle array;
         /// The Subscription is gone: there was no memory to remove its nodes.
         bool is_left{false};
+        bool has_fields{false};
     };
 
     /// Has the array of the Subscription's session refer to it, and no other.

@@ -67,7 +67,7 @@ Core::Core(ServerConfig c, const ServerEnvironment& e, model::AddressSpace space
                       server_object,
                       *this,
                       config.locale_ids},
-      view_needs{address_space, config.limits, *environment.random, environment.access},
+      view_needs{address_space, config.limits, *environment.random, environment.access, late_nodes},
       certificate_watch{*environment.log}, next_channel_id{random_channel_id(*e.random)}
 {
     add_base_services(services);

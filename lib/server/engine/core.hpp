@@ -95,6 +95,8 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     SubscriptionTable subscriptions{subscription_needs};
     SessionNeeds session_needs;
     AttributeNeeds attribute_needs;
+    /// Null without the module that has some.
+    LateNodes* late_nodes{nullptr};
     const ViewNeeds view_needs;
 
     // What modules have added.

@@ -5,6 +5,7 @@
 #include <busbar/types/ids.hpp>
 
 #include "server/rights/hierarchy.hpp"
+#include "server/rights/live_values.hpp"
 #include "view_context.hpp"
 #include "view_part.hpp"
 #include "view_walk.hpp"
@@ -251,6 +252,17 @@ Result<NodeIndex> find_in_view(ViewContext& context, const NodeId& id, NodeIndex
 
 } // namespace
 
+void ViewContext::add_late_nodes(NodeIndex node)
+{
+    if (late_nodes == nullptr || space.node_class(node) != NodeClass::Variable) {
+        return;
+    }
+    const model::VariableAttributes variable = space.variable(node);
+    if (variable.source == live_values_source) {
+        turn.spend(late_nodes->add_below(node, variable.handle) * Turn::units_of_reference);
+    }
+}
+
 Result<BrowseState> begin_browse(ViewContext& context, const BrowseDescription& description,
                                  NodeIndex view, std::uint32_t max_references)
 {
@@ -262,6 +274,7 @@ Result<BrowseState> begin_browse(ViewContext& context, const BrowseDescription& 
     if (view != model::no_node) {
         filter->view = context.space.handle(view);
     }
+    context.add_late_nodes(*node);
     return BrowseState{context.space.handle(*node), *filter, max_references, 0,
                        first_instance(context.space, *node, *filter)};
 }

@@ -10,6 +10,7 @@
 #include <busbar/server/limits.hpp>
 #include <busbar/types/view.hpp>
 
+#include "server/rights/late_nodes.hpp"
 #include "server/rights/node_rights.hpp"
 #include "server/session/session.hpp"
 #include "server/session/turn.hpp"
@@ -23,6 +24,8 @@ struct ViewNeeds {
     crypto::Random& random;
     /// May be null.
     const AccessControl* access;
+    /// Null if all nodes are there; known once all modules are.
+    LateNodes* const& late_nodes;
 };
 
 /// What they need of the server and the session for one request.
@@ -35,6 +38,7 @@ struct ViewContext {
     const ServerLimits& limits;
     crypto::Random& random;
     Session& session;
+    LateNodes* late_nodes{nullptr};
     /// Work and memory of one request.
     std::size_t visits_left{10'000'000};
     std::size_t references_left{max_references};
@@ -63,6 +67,8 @@ struct ViewContext {
         }
         return node;
     }
+    /// To be called before the references of a node are looked at.
+    void add_late_nodes(model::NodeIndex node);
     /// False if it has to stop after this one, for now or because the request has looked at too
     /// much.
     [[nodiscard]] bool visit(std::size_t count)

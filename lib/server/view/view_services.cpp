@@ -18,8 +18,9 @@ namespace {
 
 ViewContext view_context(const ViewNeeds& needs, const ServiceContext& context)
 {
-    return {needs.space, rights_of(*context.session, needs.space, needs.access), needs.limits,
-            needs.random, *context.session};
+    return {needs.space,      rights_of(*context.session, needs.space, needs.access),
+            needs.limits,     needs.random,
+            *context.session, needs.late_nodes};
 }
 
 /// A request that browses as long as its turns allow.

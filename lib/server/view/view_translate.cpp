@@ -61,6 +61,7 @@ public:
             if (node == model::no_node) {
                 continue;
             }
+            context_.add_late_nodes(node);
             const std::size_t before = context_.visits_left;
             is_by_name() ? take_by_name(node, to, most) : take_by_scan(node, to, most);
             context_.turn.spend(before - context_.visits_left);

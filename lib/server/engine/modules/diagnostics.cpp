@@ -2,6 +2,7 @@
 #include <busbar/types/ids.hpp>
 
 #include "server/diagnostics/diagnostic_values.hpp"
+#include "server/diagnostics/part_nodes.hpp"
 #include "server/diagnostics/session_nodes.hpp"
 #include "server/diagnostics/subscription_nodes.hpp"
 #include "server/engine/core.hpp"
@@ -12,13 +13,14 @@ namespace detail {
 
 namespace {
 
-class Diagnostics final : public DiagnosticsPart {
+class Diagnostics final : public DiagnosticsPart, private LateNodes {
 public:
     explicit Diagnostics(Core& core)
         : nodes_{core.diagnostics_needs},
           subscriptions_{core.diagnostics_needs, nodes_}, values_{core.diagnostics_needs, nodes_}
     {
         core.subscription_needs.observer = &subscriptions_;
+        core.late_nodes = this;
     }
 
     [[nodiscard]] const LiveValues& values() const { return values_; }
@@ -32,6 +34,13 @@ public:
     }
 
 private:
+    std::size_t add_below(model::NodeIndex variable, std::uint64_t handle) override
+    {
+        return section_of(handle) == Section::Subscription
+                   ? subscriptions_.add_fields(variable, handle)
+                   : nodes_.add_fields(variable, handle);
+    }
+
     SessionNodes nodes_;
     SubscriptionNodes subscriptions_;
     DiagnosticValues values_;
