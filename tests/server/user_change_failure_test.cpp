@@ -66,10 +66,35 @@ bool fail_once(std::size_t k, std::size_t most)
     return has_failed;
 }
 
+bool fail_expiry(std::size_t k, std::size_t most)
+{
+    GuardedWorld world;
+    world.users.everybody.valid_until = {world.wall_clock.time.ticks + DateTime::ticks_per_second};
+    ActivateSessionRequest request;
+    request.user_identity_token = TestClient::anonymous();
+    REQUIRE(world.ask(world.client, asking<ActivateSessionResponse>(request)) == status::Good);
+    world.users.everybody.roles.clear();
+    world.users.everybody.valid_until = {};
+    fail_allocation(k, most);
+    world.pass(1100ms, world.client);
+    const bool has_failed = has_allocation_failed();
+    fail_allocation(0);
+    INFO("allocation " << k << "\n" << world.log.text);
+    CHECK(world.thrown == 0);
+    CHECK(world.leaks(7) == 0);
+    return has_failed;
+}
+
 } // namespace
 
 TEST_CASE("D3: who a session was given to in the end reads by that user's rights only")
 {
     const std::size_t most = GENERATE(1U, 1'000'000U); // or there is no memory any more
     check_failing_worlds("ActivateSession", [&](std::size_t k) { return fail_once(k, most); });
+}
+
+TEST_CASE("D3: nothing is read any more by the rights of a user whose time is over")
+{
+    const std::size_t most = GENERATE(1U, 1'000'000U); // or there is no memory any more
+    check_failing_worlds("the end of a user", [&](std::size_t k) { return fail_expiry(k, most); });
 }

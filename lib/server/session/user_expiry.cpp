@@ -116,9 +116,9 @@ void expire_user(const SessionNeeds& needs, Session& session, TimePoint now)
     session.granted = users != nullptr ? users->anonymous() : anonymous_reader();
     session.change_user(with_roles(needs, session, session.granted));
     needs.sessions.update_share(session);
-    session.user_deadline = no_deadline;
     needs.keeper.user_changed(session, now);
     session.is_user_untold = false;
+    session.user_deadline = no_deadline; // last: what fails before is done again
 }
 
 } // namespace busbar::server::detail
