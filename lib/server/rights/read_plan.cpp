@@ -16,17 +16,17 @@ constexpr auto value_attribute = static_cast<std::uint32_t>(AttributeId::Value);
 /// Part 4, 7.29: a null DataEncoding is the default one. Bad_DataEncodingInvalid where none can be
 /// asked for: not for the Value of a Variable, or it is no Structure. Bad_DataEncodingUnsupported
 /// for one that a structure has not: the only one of this protocol is "Default Binary".
-StatusCode check_data_encoding(const ReadContext& context, const ReadValueId& id,
+StatusCode check_data_encoding(const ReadContext& context, const ReadTarget& id,
                                const model::VariableAttributes* variable)
 {
-    if (id.data_encoding.name.empty()) {
+    if (id.data_encoding == nullptr || id.data_encoding->name.empty()) {
         return status::Good;
     }
     if (variable == nullptr || !context.space.is_subtype_of(variable->data_type, id::Structure)) {
         return status::Bad_DataEncodingInvalid;
     }
     const bool is_binary =
-        id.data_encoding.namespace_index == 0 && id.data_encoding.name.view() == "Default Binary";
+        id.data_encoding->namespace_index == 0 && id.data_encoding->name.view() == "Default Binary";
     return is_binary ? status::Good : status::Bad_DataEncodingUnsupported;
 }
 
@@ -88,7 +88,7 @@ void translate(const ReadContext& context, model::NodeIndex node, AttributeId at
 }
 
 /// Any attribute but a Variable's Value.
-Result<Variant> attribute(const ReadContext& context, const ReadValueId& id, model::NodeIndex node)
+Result<Variant> attribute(const ReadContext& context, const ReadTarget& id, model::NodeIndex node)
 {
     const model::AddressSpace& space = context.space;
     const bool is_browsing = id.attribute_id != value_attribute;
@@ -138,7 +138,7 @@ Result<Variant> attribute(const ReadContext& context, const ReadValueId& id, mod
 }
 
 /// The value of a Variable without data source.
-DataValue kept_value(const ReadContext& context, const ReadValueId& id, model::NodeIndex node,
+DataValue kept_value(const ReadContext& context, const ReadTarget& id, model::NodeIndex node,
                      std::uint32_t source)
 {
     if (id.node_id.namespace_index() == 0 || source == live_values_source) {
@@ -158,7 +158,7 @@ ReadPlan answered(DataValue value)
     return plan;
 }
 
-ReadPlan plan_value(const ReadContext& context, const ReadValueId& id, model::NodeIndex node)
+ReadPlan plan_value(const ReadContext& context, const ReadTarget& id, model::NodeIndex node)
 {
     const model::VariableAttributes variable = context.space.variable(node);
     StatusCode refusal = check_access(context, node, variable);
@@ -180,12 +180,12 @@ ReadPlan plan_value(const ReadContext& context, const ReadValueId& id, model::No
 
 } // namespace
 
-ReadPlan plan_read(const ReadContext& context, const ReadValueId& id)
+ReadPlan plan_read(const ReadContext& context, const ReadTarget& id)
 {
     return plan_read(context, id, context.space.find(id.node_id));
 }
 
-ReadPlan plan_read(const ReadContext& context, const ReadValueId& id, model::NodeIndex node)
+ReadPlan plan_read(const ReadContext& context, const ReadTarget& id, model::NodeIndex node)
 {
     if (node == model::no_node || !context.rights.may_see(node)) {
         return answered(why_not_found(id.node_id));

@@ -36,10 +36,26 @@ struct ReadPlan {
     DataValue answer;
 };
 
-/// Looks up node, attribute, rights and data encoding; not the index range, which the caller cuts.
-[[nodiscard]] ReadPlan plan_read(const ReadContext& context, const ReadValueId& id);
+/// A ReadValueId without its index range; valid as long as what it was made of.
+struct ReadTarget {
+    ReadTarget(const ReadValueId& id) : ReadTarget{id.node_id, id.attribute_id, &id.data_encoding}
+    {
+    }
+    /// `encoding` may be null, for the default one.
+    ReadTarget(const NodeId& node, std::uint32_t attribute, const QualifiedName* encoding)
+        : node_id{node}, attribute_id{attribute}, data_encoding{encoding}
+    {
+    }
+
+    const NodeId& node_id;
+    std::uint32_t attribute_id;
+    const QualifiedName* data_encoding;
+};
+
+/// Looks up node, attribute, rights and data encoding; the index range is the caller's to cut.
+[[nodiscard]] ReadPlan plan_read(const ReadContext& context, const ReadTarget& id);
 /// The same for who has looked up `node`, no_node if there is none.
-[[nodiscard]] ReadPlan plan_read(const ReadContext& context, const ReadValueId& id,
+[[nodiscard]] ReadPlan plan_read(const ReadContext& context, const ReadTarget& id,
                                  model::NodeIndex node);
 
 } // namespace busbar::server::detail

@@ -9,7 +9,7 @@
 namespace busbar::server::detail {
 
 ReadPlan plan_sample(const SubscriptionNeeds& needs, const Subscription& subscription,
-                     const ReadValueId& id)
+                     const ReadTarget& id)
 {
     const UserIdentity& user = subscription.user();
     const ReadingUser reader{user, subscription.is_encrypted()};

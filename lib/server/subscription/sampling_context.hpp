@@ -6,7 +6,7 @@ namespace busbar::server::detail {
 
 /// Where an item's samples come from, and why if they cannot.
 [[nodiscard]] ReadPlan plan_sample(const SubscriptionNeeds& needs, const Subscription& subscription,
-                                   const ReadValueId& id);
+                                   const ReadTarget& id);
 /// True if the value lies in a process image, whose scans can be followed one by one.
 [[nodiscard]] bool can_follow_scans(const SubscriptionNeeds& needs, const ReadPlan& plan);
 
