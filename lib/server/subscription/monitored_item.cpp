@@ -18,7 +18,8 @@ constexpr std::size_t link_cost = 4 * sizeof(void*) + 4 * sizeof(std::vector<voi
 
 MonitoredItem::MonitoredItem(Subscription& subscription, Kind kind, std::uint32_t client_handle,
                              MonitoringMode mode)
-    : subscription_{&subscription}, client_handle_{client_handle}, mode_{mode}, kind_{kind}
+    : subscription_{&subscription},
+      client_handle_{client_handle}, mode_{static_cast<std::uint8_t>(mode)}, kind_{kind}
 {
     subscription.count_disabled(mode == MonitoringMode::Disabled ? 1 : 0);
 }
@@ -32,17 +33,18 @@ MonitoredItem::~MonitoredItem()
         links_->triggers.back()->forget_link(*this);
     }
     subscription_->ready(kind_).remove(*this);
-    subscription_->count_disabled(mode_ == MonitoringMode::Disabled ? -1 : 0);
+    subscription_->count_disabled(mode() == MonitoringMode::Disabled ? -1 : 0);
 }
 
 std::size_t MonitoredItem::reportable() const
 {
-    return mode_ == MonitoringMode::Reporting ? queued() : std::min(released_, queued());
+    return mode() == MonitoringMode::Reporting ? queued()
+                                               : std::min<std::size_t>(released_, queued());
 }
 
 void MonitoredItem::notify()
 {
-    if (mode_ == MonitoringMode::Reporting) {
+    if (mode() == MonitoringMode::Reporting) {
         subscription_->ready(kind_).add(*this);
     }
     if (links_ != nullptr) {
@@ -55,17 +57,18 @@ void MonitoredItem::notify()
 void MonitoredItem::release_queue()
 {
     // An item that reports by itself needs no trigger, and one that is disabled has no queue.
-    if (mode_ == MonitoringMode::Sampling && queued() != 0) {
-        released_ = queued();
+    if (mode() == MonitoringMode::Sampling && queued() != 0) {
+        released_ = static_cast<std::uint32_t>(queued());
         subscription_->ready(kind_).add(*this);
     }
 }
 
 void MonitoredItem::set_mode(const ItemContext& context, MonitoringMode mode)
 {
-    const MonitoringMode before = std::exchange(mode_, mode);
+    const MonitoringMode before = this->mode();
+    keep_mode(mode);
     if (mode != before) {
-        busbar::detail::Undo undo{[&] { mode_ = before; }};
+        busbar::detail::Undo undo{[&] { keep_mode(before); }};
         mode_changed(context, before);
         undo.keep();
         subscription_->count_disabled((mode == MonitoringMode::Disabled ? 1 : 0) -

@@ -50,7 +50,7 @@ public:
     /// Unique in its Subscription.
     [[nodiscard]] std::uint32_t id() const { return id_; }
     [[nodiscard]] std::uint32_t client_handle() const { return client_handle_; }
-    [[nodiscard]] MonitoringMode mode() const { return mode_; }
+    [[nodiscard]] MonitoringMode mode() const { return static_cast<MonitoringMode>(mode_); }
 
     // For the Subscription and its services.
 
@@ -103,18 +103,12 @@ private:
     [[nodiscard]] bool triggers(const MonitoredItem& triggered) const;
     /// Lets what is queued now be reported.
     void release_queue();
+    void keep_mode(MonitoringMode mode) { mode_ = static_cast<std::uint8_t>(mode); }
 
     Subscription* subscription_;
     /// Neighbours in the ready list, in which it is if is_ready_.
     MonitoredItem* previous_{nullptr};
     MonitoredItem* next_{nullptr};
-    std::uint32_t id_{0};
-    std::uint32_t client_handle_;
-    /// Of the queue's oldest, so many are released by a trigger.
-    std::size_t released_{0};
-    MonitoringMode mode_;
-    Kind kind_;
-    bool is_ready_{false};
     /// Items that this one triggers, and those that trigger it; both sides know of the other. Null
     /// if there never were any.
     struct Links {
@@ -122,6 +116,14 @@ private:
         std::vector<MonitoredItem*> triggers;
     };
     std::unique_ptr<Links> links_;
+    std::uint32_t id_{0};
+    std::uint32_t client_handle_;
+    /// Of the queue's oldest, so many are released by a trigger.
+    std::uint32_t released_{0};
+    /// A MonitoringMode.
+    std::uint8_t mode_;
+    Kind kind_;
+    bool is_ready_{false};
 };
 
 /// What makes items of events, which are none of this folder's business.

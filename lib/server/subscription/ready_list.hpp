@@ -42,7 +42,7 @@ public:
     {
         MonitoredItem& item = *first_;
         item.take_notification(writer, most);
-        if (item.mode_ != MonitoringMode::Reporting) {
+        if (item.mode() != MonitoringMode::Reporting) {
             --item.released_;
         }
         if (item.reportable() == 0) {
