@@ -59,8 +59,7 @@ ValueItem::ValueItem(const ItemContext& context, const MonitoredItemCreateReques
                      TimestampsToReturn timestamps)
     : MonitoredItem{context.subscription, Kind::Data, request.requested_parameters.client_handle,
                     request.monitoring_mode},
-      value_id_{request.item_to_monitor},
-      timestamps_{timestamps}, all_{&context.all}, queue_{context.subscription.memory()}
+      value_id_{request.item_to_monitor}, timestamps_{timestamps}, all_{&context.all}
 {
 }
 
@@ -75,7 +74,7 @@ ValueItem::~ValueItem()
         remove_from_group(*this);
     }
     all_->sampler().intervals().change(counted_, {});
-    queue_.clear();
+    queue_.release(subscription().memory());
     subscription().memory().release(charged_);
     if (charged_source_ != nullptr) {
         charged_source_->release_monitored(monitored_size_);
@@ -236,7 +235,8 @@ void ValueItem::revise(const ItemContext& context, const MonitoringParameters& p
         can_follow_scans(needs(), plan), minimum_sampling_interval(needs().space, value_id_));
     // 0 and 1 are the same (Part 4, 7.21).
     const std::uint32_t capacity = std::min(parameters.queue_size, limits.max_queue_size);
-    revision.queue_size = queue_.set_capacity(capacity, parameters.discard_oldest);
+    revision.queue_size =
+        queue_.set_capacity(capacity, parameters.discard_oldest, subscription().memory());
     revision.sampling_interval = to_milliseconds(interval_);
     count_interval();
 }
@@ -286,7 +286,7 @@ void ValueItem::user_changed(const ItemContext&)
     const ReadPlan plan = plan_sample(needs(), subscription(), value_id_);
     if (plan.source == nullptr && plan.answer.status.is_bad()) {
         // What the user before was allowed to know is not this one's.
-        queue_.clear();
+        queue_.clear(subscription().memory());
         subscription().ready(Kind::Data).remove(*this);
     }
     if (group_ != nullptr) {
@@ -325,7 +325,8 @@ void ValueItem::sample(const ReadSlot& slot, StatusCode status, DateTime server_
     }
     const std::uint32_t bits = std::exchange(pending_bits_, 0U) |
                                (std::exchange(has_lost_, false) ? ValueQueue::overflow_bits : 0U);
-    if (queue_.push(slot, value, StatusCode{status.value() | bits}, server_time)) {
+    if (queue_.push(slot, value, StatusCode{status.value() | bits}, server_time,
+                    subscription().memory())) {
         subscription().count(&SubscriptionDiagnosticsDataType::monitoring_queue_overflow_count);
     }
     notify();
@@ -341,7 +342,7 @@ void ValueItem::note_loss()
 
 void ValueItem::clear()
 {
-    queue_.clear();
+    queue_.clear(subscription().memory());
     has_lost_ = false;
 }
 

@@ -39,13 +39,14 @@ std::size_t held_bytes(const Variant& value)
     return 64 + 8 * binary::encoded_size(value);
 }
 
-ValueQueue::~ValueQueue()
+void ValueQueue::release(MemoryAccount& account)
 {
-    clear();
-    account_->release(ring_ != nullptr ? capacity_ * sizeof(DataValue) : 0);
+    clear(account);
+    account.release(ring_ != nullptr ? capacity_ * sizeof(DataValue) : 0);
 }
 
-std::uint32_t ValueQueue::set_capacity(std::uint32_t capacity, bool discards_oldest)
+std::uint32_t ValueQueue::set_capacity(std::uint32_t capacity, bool discards_oldest,
+                                       MemoryAccount& account)
 {
     discards_oldest_ = discards_oldest;
     capacity = std::max(capacity, 1U);
@@ -53,23 +54,24 @@ std::uint32_t ValueQueue::set_capacity(std::uint32_t capacity, bool discards_old
         return capacity_;
     }
     const std::size_t old_cost = ring_ != nullptr ? capacity_ * sizeof(DataValue) : 0;
-    account_->release(old_cost);
-    busbar::detail::Undo undo{[&] { static_cast<void>(account_->charge(old_cost)); }};
-    const std::size_t most = account_->left() / sizeof(DataValue);
+    account.release(old_cost);
+    busbar::detail::Undo undo{[&] { static_cast<void>(account.charge(old_cost)); }};
+    const std::size_t most = account.left() / sizeof(DataValue);
     capacity = std::max(static_cast<std::uint32_t>(std::min<std::size_t>(capacity, most)), 1U);
     std::unique_ptr<DataValue[]> ring;
     if (capacity > 1) {
         ring = std::make_unique<DataValue[]>(capacity);
     }
-    move_to(std::move(ring), capacity);
+    move_to(std::move(ring), capacity, account);
     undo.keep();
     if (capacity > 1) {
-        static_cast<void>(account_->charge(capacity * sizeof(DataValue))); // there is that much
+        static_cast<void>(account.charge(capacity * sizeof(DataValue))); // there is that much
     }
     return capacity_;
 }
 
-void ValueQueue::discard(std::vector<DataValue>& values, std::size_t most) const
+void ValueQueue::discard(std::vector<DataValue>& values, std::size_t most,
+                         MemoryAccount& account) const
 {
     if (values.size() <= most) {
         return;
@@ -79,14 +81,15 @@ void ValueQueue::discard(std::vector<DataValue>& values, std::size_t most) const
     const auto lost = static_cast<std::ptrdiff_t>(values.size() - most);
     const auto first = loses_oldest ? values.begin() : values.end() - 1 - lost;
     for (auto at = first; at != first + lost; ++at) {
-        account_->release(held_bytes(at->value));
+        account.release(held_bytes(at->value));
     }
     values.erase(first, first + lost);
     DataValue& flagged = loses_oldest ? values.front() : values.back();
     flagged.status = with_bits(flagged.status, most > 1 ? overflow_bits : 0);
 }
 
-void ValueQueue::move_to(std::unique_ptr<DataValue[]> ring, std::uint32_t capacity)
+void ValueQueue::move_to(std::unique_ptr<DataValue[]> ring, std::uint32_t capacity,
+                         MemoryAccount& account)
 {
     const bool is_taken = size_ == 0;
     std::vector<DataValue> values;
@@ -96,10 +99,10 @@ void ValueQueue::move_to(std::unique_ptr<DataValue[]> ring, std::uint32_t capaci
         values.push_back(std::move(at((oldest_index() + i) % capacity_)));
     }
     for (std::uint32_t i = 0; i < capacity_; ++i) { // what was taken, but not overwritten yet
-        account_->release(held_bytes(at(i).value));
+        account.release(held_bytes(at(i).value));
         at(i).value = Variant{};
     }
-    discard(values, capacity);
+    discard(values, capacity, account);
     ring_ = std::move(ring);
     capacity_ = capacity;
     for (std::uint32_t i = 0; i < values.size(); ++i) {
@@ -125,17 +128,18 @@ std::uint32_t ValueQueue::make_place(bool& is_overflow)
     return place;
 }
 
-void ValueQueue::set(DataValue& to, const DataValue& data, const Variant& value)
+void ValueQueue::set(DataValue& to, const DataValue& data, const Variant& value,
+                     MemoryAccount& account)
 {
-    account_->release(held_bytes(to.value));
+    account.release(held_bytes(to.value));
     to.value = Variant{};
     const std::size_t size = held_bytes(value);
-    bool is_kept = account_->charge(size);
+    bool is_kept = account.charge(size);
     if (is_kept) {
         std::string why;
         is_kept = busbar::detail::caught(why, [&] { to.value = value; }).is_good();
         if (!is_kept) {
-            account_->release(size);
+            account.release(size);
         }
     }
     if (!is_kept) {
@@ -146,24 +150,24 @@ void ValueQueue::set(DataValue& to, const DataValue& data, const Variant& value)
 }
 
 bool ValueQueue::push(const DataValue& data, const Variant& value, StatusCode status,
-                      DateTime server_timestamp)
+                      DateTime server_timestamp, MemoryAccount& account)
 {
     const bool has_lost = size_ == capacity_ && capacity_ > 1;
     bool is_overflow = false;
     newest_ = make_place(is_overflow);
     DataValue& to = at(newest_);
     to.status = with_bits(status, is_overflow ? overflow_bits : 0);
-    set(to, data, value);
+    set(to, data, value, account);
     to.server_timestamp = server_timestamp;
     size_ += size_ < capacity_ && !is_overflow ? 1 : 0;
     has_newest_ = true;
     return has_lost;
 }
 
-void ValueQueue::clear()
+void ValueQueue::clear(MemoryAccount& account)
 {
     for (std::uint32_t i = 0; i < capacity_; ++i) {
-        account_->release(held_bytes(at(i).value));
+        account.release(held_bytes(at(i).value));
         at(i).value = Variant{};
     }
     size_ = 0;

@@ -48,6 +48,8 @@ private:
 
 /// The queue of a data item (Part 4, 5.13.1.5): a ring that never grows, whose newest value stays
 /// behind when it was taken, as what the next sample is compared with.
+///
+/// An account pays for the ring and for what the values hold: the same in all calls.
 class ValueQueue {
 public:
     /// Bits of a value's status that this side sets (Part 4, 7.38.1): they do not count as a
@@ -56,15 +58,17 @@ public:
     static constexpr std::uint32_t structure_changed_bit = 0x8000;
     static constexpr std::uint32_t semantics_changed_bit = 0x4000;
 
-    /// `account` pays for the ring and for what the values hold; it must outlive the queue.
-    explicit ValueQueue(MemoryAccount& account) : account_{&account} {}
+    ValueQueue() = default;
     ValueQueue(const ValueQueue&) = delete;
     ValueQueue& operator=(const ValueQueue&) = delete;
-    ~ValueQueue();
+
+    /// Gives back what the account has paid. To be called before the queue is destroyed.
+    void release(MemoryAccount& account);
 
     /// Brings the queue to `capacity`, or to as much as the account can pay, which it returns.
     /// Queued values that have no place any more are discarded by the policy.
-    std::uint32_t set_capacity(std::uint32_t capacity, bool discards_oldest);
+    std::uint32_t set_capacity(std::uint32_t capacity, bool discards_oldest,
+                               MemoryAccount& account);
     [[nodiscard]] std::uint32_t capacity() const { return capacity_; }
 
     [[nodiscard]] std::size_t size() const { return size_; }
@@ -73,12 +77,12 @@ public:
     /// Queues a copy; `value` may stand for `data.value`. What the account cannot pay is queued as
     /// Bad_OutOfMemory. True if another one was lost to make place, but not in a queue of one.
     bool push(const DataValue& data, const Variant& value, StatusCode status,
-              DateTime server_timestamp);
+              DateTime server_timestamp, MemoryAccount& account);
     [[nodiscard]] const DataValue& oldest() const { return at(oldest_index()); }
     void pop() { --size_; }
     /// Queues the newest value again, if it was taken.
     void repeat() { size_ = size_ == 0 && has_newest_ ? 1 : size_; }
-    void clear();
+    void clear(MemoryAccount& account);
 
 private:
     [[nodiscard]] const DataValue& at(std::uint32_t index) const
@@ -96,12 +100,12 @@ private:
     }
     /// Where the next value goes; flags what is lost.
     [[nodiscard]] std::uint32_t make_place(bool& is_overflow);
-    void set(DataValue& to, const DataValue& data, const Variant& value);
+    static void set(DataValue& to, const DataValue& data, const Variant& value,
+                    MemoryAccount& account);
     /// Leaves `most` of the values that wait.
-    void discard(std::vector<DataValue>& values, std::size_t most) const;
-    void move_to(std::unique_ptr<DataValue[]> ring, std::uint32_t capacity);
+    void discard(std::vector<DataValue>& values, std::size_t most, MemoryAccount& account) const;
+    void move_to(std::unique_ptr<DataValue[]> ring, std::uint32_t capacity, MemoryAccount& account);
 
-    MemoryAccount* account_;
     /// Null with a capacity of 1, which most have.
     std::unique_ptr<DataValue[]> ring_;
     DataValue single_;
