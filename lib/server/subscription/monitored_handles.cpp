@@ -9,16 +9,16 @@
 
 namespace busbar::server::detail {
 
-void MonitoredHandles::change(Use& use, const Use& next)
+void MonitoredHandles::change(const Use& from, const Use& to, Duration interval)
 {
-    if (use == next) {
+    if (from == to) {
         return;
     }
-    add(next);
-    remove(std::exchange(use, next));
+    add(to, interval);
+    remove(from, interval);
 }
 
-void MonitoredHandles::add(const Use& use)
+void MonitoredHandles::add(const Use& use, Duration interval)
 {
     if (use.source == model::no_source) {
         return;
@@ -26,30 +26,28 @@ void MonitoredHandles::add(const Use& use)
     if (changed_.capacity() <= entries_.size()) { // so that to note a change needs no memory
         changed_.reserve(2 * entries_.size() + 8);
     }
-    const Key key{use.source, use.handle};
-    Entry& entry = entries_[key];
-    ++entry.items[use.interval];
-    note_change(key, entry);
+    Entry& entry = entries_[use];
+    ++entry.items[interval];
+    note_change(use, entry);
 }
 
-void MonitoredHandles::remove(const Use& use)
+void MonitoredHandles::remove(const Use& use, Duration interval)
 {
     if (use.source == model::no_source) {
         return;
     }
-    const Key key{use.source, use.handle};
-    Entry& entry = entries_.find(key)->second;
-    const auto items = entry.items.find(use.interval);
+    Entry& entry = entries_.find(use)->second;
+    const auto items = entry.items.find(interval);
     if (--items->second == 0) {
         entry.items.erase(items);
     }
-    note_change(key, entry);
+    note_change(use, entry);
 }
 
-void MonitoredHandles::note_change(const Key& key, Entry& entry)
+void MonitoredHandles::note_change(const Use& use, Entry& entry)
 {
     if (!std::exchange(entry.is_changed, true)) {
-        changed_.push_back(key);
+        changed_.push_back(use);
     }
 }
 
@@ -58,7 +56,7 @@ void MonitoredHandles::tell(DataSources& sources)
     if (changed_.empty()) {
         return;
     }
-    std::vector<Key> changed = changed_;
+    std::vector<Use> changed = changed_;
     std::vector<Monitoring> batch;
     batch.reserve(changed.size());
     changed_.clear(); // nothing fails from here on

@@ -25,31 +25,24 @@ public:
     struct Use {
         std::uint32_t source{model::no_source};
         std::uint64_t handle{0};
-        Duration interval{0};
 
         friend bool operator==(const Use&, const Use&) = default;
-    };
-
-    /// The item whose use this is monitors `next` from now on.
-    void change(Use& use, const Use& next);
-    /// Tells every source what has changed for it since the last time.
-    void tell(DataSources& sources);
-
-private:
-    struct Key {
-        std::uint32_t source;
-        std::uint64_t handle;
-
-        friend bool operator==(const Key&, const Key&) = default;
-        friend bool operator<(const Key& a, const Key& b)
+        friend bool operator<(const Use& a, const Use& b)
         {
             return a.source != b.source ? a.source < b.source : a.handle < b.handle;
         }
     };
+
+    /// An item with that interval, which monitored `from`, monitors `to` from now on.
+    void change(const Use& from, const Use& to, Duration interval);
+    /// Tells every source what has changed for it since the last time.
+    void tell(DataSources& sources);
+
+private:
     struct Hash {
-        [[nodiscard]] std::size_t operator()(const Key& key) const
+        [[nodiscard]] std::size_t operator()(const Use& use) const
         {
-            return static_cast<std::size_t>(key.handle * 31 + key.source);
+            return static_cast<std::size_t>(use.handle * 31 + use.source);
         }
     };
     struct Entry {
@@ -59,12 +52,12 @@ private:
         bool is_changed{false};
     };
 
-    void add(const Use& use);
-    void remove(const Use& use);
-    void note_change(const Key& key, Entry& entry);
+    void add(const Use& use, Duration interval);
+    void remove(const Use& use, Duration interval);
+    void note_change(const Use& use, Entry& entry);
 
-    std::unordered_map<Key, Entry, Hash> entries_;
-    std::vector<Key> changed_;
+    std::unordered_map<Use, Entry, Hash> entries_;
+    std::vector<Use> changed_;
 };
 
 } // namespace busbar::server::detail

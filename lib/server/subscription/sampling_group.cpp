@@ -74,7 +74,7 @@ void SamplingGroup::remove(ValueItem& item)
     item.stop();
     item.group_ = nullptr;
     --item_count_;
-    sampler_.monitored().change(item.use_, {});
+    set_use(item, {});
 }
 
 void SamplingGroup::rebind(ValueItem& item)
@@ -141,9 +141,16 @@ void SamplingGroup::note_source(ValueItem& item, const ReadPlan& plan)
 {
     MonitoredHandles::Use use;
     if (plan.source != nullptr) {
-        use = {plan.source_index, plan.handle, interval_};
+        use = {plan.source_index, plan.handle};
     }
-    sampler_.monitored().change(item.use_, use);
+    set_use(item, use);
+}
+
+void SamplingGroup::set_use(ValueItem& item, const MonitoredHandles::Use& use)
+{
+    sampler_.monitored().change({item.used_source_, item.used_handle_}, use, interval_);
+    item.used_source_ = use.source;
+    item.used_handle_ = use.handle;
 }
 
 /// Members are looked up behind the plan, for which an AccessControl is asked: whatever that does

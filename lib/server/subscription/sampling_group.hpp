@@ -87,6 +87,7 @@ private:
     void bind_one(std::size_t member);
     /// Keeps account of what the item monitors, for the source.
     void note_source(ValueItem& item, const ReadPlan& plan);
+    void set_use(ValueItem& item, const MonitoredHandles::Use& use);
     /// The place that is to be the item's.
     [[nodiscard]] ValueItem::Place put_in(ValueItem& item);
     void take_out(ValueItem& item);

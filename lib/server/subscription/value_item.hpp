@@ -124,7 +124,9 @@ private:
 
     SamplingGroup* group_{nullptr};
     Place place_;
-    MonitoredHandles::Use use_;
+    /// With used_handle_, the MonitoredHandles::Use of the item in its group.
+    std::uint32_t used_source_{model::no_source};
+    std::uint64_t used_handle_{0};
 };
 
 } // namespace busbar::server::detail
