@@ -328,10 +328,11 @@ TEST_CASE("D3: what finds no memory in the queue of an event item is neither cou
 TEST_CASE("D3: an item whose new sampling interval finds no memory is counted at the old one")
 {
     server::detail::SamplingIntervals intervals{true};
-    server::detail::SamplingIntervals::Use use;
-    intervals.change(use, {true, false, 100ms});
+    const server::detail::SamplingIntervals::Use use{false, 100ms};
+    const server::detail::SamplingIntervals::Use next{false, 200ms};
+    intervals.change({}, use);
     fail_allocation(1);
-    CHECK_FALSE(survives_counted([&] { intervals.change(use, {true, false, 200ms}); }));
+    CHECK_FALSE(survives_counted([&] { intervals.change(use, next); }));
     fail_allocation(0);
     CHECK(intervals.all().at(100ms).enabled == 1);
     intervals.change(use, {});

@@ -1,5 +1,7 @@
 #include <algorithm>
 
+#include <busbar/types/filter.hpp>
+
 #include "bare_subscription.hpp"
 #include "server/subscription/subscription_services.hpp"
 
@@ -43,6 +45,27 @@ TEST_CASE("items sample what changes, by the timers of their Subscriptions")
     parts.values.value = 2;
     parts.all.handle_deadline(parts.all.next_deadline());
     CHECK(parts.take() == 1);
+}
+
+TEST_CASE("an item gives back what it was charged, whatever filter it has got")
+{
+    BareSubscription parts;
+    const ItemContext context{parts.all, *parts.subscription, {}};
+    MemoryAccount& memory = parts.subscription->memory();
+    const std::size_t before = memory.left();
+    const std::size_t filters = GENERATE(0U, 1U, 2U, 3U);
+    ValueItem* const item = parts.add_item(7, NodeId{0, id::Server_ServerStatus_State}, {});
+    for (std::size_t i = 0; i < filters; ++i) { // one, none, one
+        MonitoringParameters parameters;
+        parameters.filter =
+            i % 2 == 0 ? ExtensionObject::from(DataChangeFilter{}) : ExtensionObject{};
+        ItemRevision revision;
+        item->modify(context, parameters, TimestampsToReturn::Neither, revision);
+        CHECK(revision.status == status::Good);
+    }
+    CHECK(memory.left() < before);
+    CHECK(parts.subscription->remove_item(item->id()));
+    CHECK(memory.left() == before);
 }
 
 TEST_CASE("where nobody makes event items there are none")

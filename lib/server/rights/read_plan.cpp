@@ -19,7 +19,7 @@ constexpr auto value_attribute = static_cast<std::uint32_t>(AttributeId::Value);
 StatusCode check_data_encoding(const ReadContext& context, const ReadTarget& id,
                                const model::VariableAttributes* variable)
 {
-    if (id.data_encoding == nullptr || id.data_encoding->name.empty()) {
+    if (id.has_default_encoding()) {
         return status::Good;
     }
     if (variable == nullptr || !context.space.is_subtype_of(variable->data_type, id::Structure)) {

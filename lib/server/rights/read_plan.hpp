@@ -47,6 +47,11 @@ struct ReadTarget {
     {
     }
 
+    [[nodiscard]] bool has_default_encoding() const
+    {
+        return data_encoding == nullptr || data_encoding->name.empty();
+    }
+
     const NodeId& node_id;
     std::uint32_t attribute_id;
     const QualifiedName* data_encoding;

@@ -54,7 +54,7 @@ SamplingGroup& Sampler::follow(ProcessImage& image)
 SamplingGroup& Sampler::group_of(const ValueItem& item)
 {
     if (item.interval() == Duration::zero()) {
-        const ReadPlan plan = plan_sample(needs_, item.subscription(), item.value_id());
+        const ReadPlan plan = plan_sample(needs_, item.subscription(), item.target());
         if (can_follow_scans(needs_, plan)) {
             return follow(*plan.source->process_image());
         }

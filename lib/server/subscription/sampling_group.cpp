@@ -159,14 +159,14 @@ void SamplingGroup::bind_one(std::size_t index)
 {
     ValueItem& item = *members_[index].item;
     const model::AddressSpace& space = sampler_.needs().space;
-    const ReadPlan plan = plan_sample(sampler_.needs(), item.subscription(), item.value_id());
+    const ReadPlan plan = plan_sample(sampler_.needs(), item.subscription(), item.target());
     note_source(item, plan);
     Member& member = members_[index];
     if (plan.source == nullptr) { // is looked up at each sample
         member.binding = Binding::AddressSpace;
         return item.stop();
     }
-    const model::NodeIndex node = space.find(item.value_id().node_id);
+    const model::NodeIndex node = space.find(item.node_id());
     space.journal().watch(node, model::NodeAspect::Binding, item);
     sampler_.watch_roles(node);
     ProcessImage* const image = plan.source->process_image();
@@ -186,7 +186,7 @@ void SamplingGroup::bind_one(std::size_t index)
 void SamplingGroup::ask_unbound(Flight& flight, std::size_t index)
 {
     ValueItem& item = *members_[index].item;
-    ReadPlan plan = plan_sample(sampler_.needs(), item.subscription(), item.value_id());
+    ReadPlan plan = plan_sample(sampler_.needs(), item.subscription(), item.target());
     note_source(item, plan);
     if (plan.source == nullptr) {
         flight.call.answer(index - flight.first) = std::move(plan.answer);
@@ -211,7 +211,7 @@ void SamplingGroup::ask(Flight& flight, std::size_t index)
     }
     const NumericRange* range = nullptr;
     if (member.is_cut_by_source) {
-        flight.ranges.push_back(member.item->range());
+        flight.ranges.push_back(member.item->shared_range());
         range = flight.ranges.back().get();
     }
     flight.call.ask(index - flight.first, member.source, {member.handle, range});

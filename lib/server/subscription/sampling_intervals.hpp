@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include <busbar/core/clock.hpp>
@@ -19,9 +20,8 @@ public:
         /// That there ever were at the same time.
         std::size_t most{0};
     };
-    /// Where one item is counted.
+    /// Where an item is counted.
     struct Use {
-        bool is_counted{false};
         bool is_disabled{false};
         Duration interval{0};
     };
@@ -29,21 +29,22 @@ public:
     /// `is_fixed`: there are only a few intervals.
     explicit SamplingIntervals(bool is_fixed) : is_fixed_{is_fixed} {}
 
-    void change(Use& use, const Use& next)
+    /// An item is counted at `to` and not at `from` any more; either may be nothing. Needs memory
+    /// only for an interval that is new, and without it counts as before.
+    void change(const std::optional<Use>& from, const std::optional<Use>& to)
     {
         if (!is_fixed_) {
             return;
         }
-        std::size_t* const to = next.is_counted ? &place(next) : nullptr; // first, as it may fail
-        if (use.is_counted) {
-            --place(use);
+        std::size_t* const more = to ? &place(*to) : nullptr; // first, as it may fail
+        if (from) {
+            --place(*from);
         }
-        if (to != nullptr) {
-            ++*to;
-            Items& items = items_[next.interval];
+        if (more != nullptr) {
+            ++*more;
+            Items& items = items_[to->interval];
             items.most = std::max(items.most, items.enabled + items.disabled);
         }
-        use = next;
     }
     [[nodiscard]] const std::map<Duration, Items>& all() const { return items_; }
 

@@ -139,6 +139,7 @@ public:
 
     // Items.
 
+    [[nodiscard]] SubscriptionTable& all() const { return all_; }
     [[nodiscard]] std::size_t disabled_item_count() const { return disabled_item_count_; }
     void count_disabled(std::ptrdiff_t more)
     {

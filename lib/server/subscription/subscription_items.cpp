@@ -90,8 +90,7 @@ void Subscription::announce_change(const std::unordered_set<NodeId>& variables,
             continue;
         }
         auto& data = static_cast<ValueItem&>(*item);
-        if (data.value_id().attribute_id == value_attribute &&
-            variables.contains(data.value_id().node_id)) {
+        if (data.target().attribute_id == value_attribute && variables.contains(data.node_id())) {
             data.announce_change(status_bits);
         }
     }

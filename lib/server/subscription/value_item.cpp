@@ -26,10 +26,10 @@ constexpr std::array refusals{
     status::Bad_DataEncodingInvalid, status::Bad_DataEncodingUnsupported,
 };
 
-bool is_value_of_variable(const model::AddressSpace& space, const ReadValueId& id,
+bool is_value_of_variable(const model::AddressSpace& space, const ReadTarget& target,
                           model::NodeIndex node)
 {
-    return id.attribute_id == static_cast<std::uint32_t>(AttributeId::Value) &&
+    return target.attribute_id == static_cast<std::uint32_t>(AttributeId::Value) &&
            node != model::no_node && space.node_class(node) == NodeClass::Variable;
 }
 
@@ -46,11 +46,12 @@ bool is_past_the_end(const NumericRange& range, std::span<const std::uint32_t> d
 }
 
 /// Of the Variable whose value is monitored; for all else there is none.
-double minimum_sampling_interval(const model::AddressSpace& space, const ReadValueId& id)
+double minimum_sampling_interval(const model::AddressSpace& space, const ReadTarget& target)
 {
-    const model::NodeIndex node = space.find(id.node_id);
-    return is_value_of_variable(space, id, node) ? space.variable(node).minimum_sampling_interval
-                                                 : 0;
+    const model::NodeIndex node = space.find(target.node_id);
+    return is_value_of_variable(space, target, node)
+               ? space.variable(node).minimum_sampling_interval
+               : 0;
 }
 
 } // namespace
@@ -59,13 +60,17 @@ ValueItem::ValueItem(const ItemContext& context, const MonitoredItemCreateReques
                      TimestampsToReturn timestamps)
     : MonitoredItem{context.subscription, Kind::Data, request.requested_parameters.client_handle,
                     request.monitoring_mode},
-      value_id_{request.item_to_monitor}, timestamps_{timestamps}, all_{&context.all}
+      timestamps_{timestamps},
+      attribute_id_{request.item_to_monitor.attribute_id}, node_id_{request.item_to_monitor.node_id}
 {
+    if (!request.item_to_monitor.data_encoding.name.empty()) {
+        extras().data_encoding = request.item_to_monitor.data_encoding;
+    }
 }
 
 const SubscriptionNeeds& ValueItem::needs() const
 {
-    return all_->needs();
+    return subscription().all().needs();
 }
 
 ValueItem::~ValueItem()
@@ -73,9 +78,9 @@ ValueItem::~ValueItem()
     if (group_ != nullptr) {
         remove_from_group(*this);
     }
-    all_->sampler().intervals().change(counted_, {});
+    subscription().all().sampler().intervals().change(counted(mode()), {});
     queue_.release(subscription().memory());
-    subscription().memory().release(charged_);
+    subscription().memory().release(is_charged_ ? cost() : 0);
     if (charged_source_ != nullptr) {
         charged_source_->release_monitored(monitored_size_);
     }
@@ -92,7 +97,7 @@ std::unique_ptr<ValueItem> ValueItem::make(const ItemContext& context,
 {
     std::unique_ptr<ValueItem> item{new ValueItem{context, request, timestamps}};
     ReadPlan plan;
-    revision.status = item->check_target(context, plan);
+    revision.status = item->check_target(context, request.item_to_monitor.index_range, plan);
     if (revision.status.is_bad()) {
         return nullptr;
     }
@@ -102,24 +107,32 @@ std::unique_ptr<ValueItem> ValueItem::make(const ItemContext& context,
         revision.status = filter.error();
         return nullptr;
     }
-    item->keep_filter(parameters.filter);
-    item->filter_ = *filter;
-    // Each may get a filter later.
-    const std::size_t cost = sizeof(ValueItem) + sizeof(Filtered) + 2 * sizeof(void*) * 8 +
-                             MonitoredHandles::bytes_per_item + model::node_watch_memory +
-                             2 * binary::encoded_size(item->value_id_) +
-                             (item->range_ != nullptr ? sizeof(NumericRange) : 0);
-    if (!context.subscription.memory().charge(cost)) {
+    item->keep_filter(parameters.filter, *filter);
+    item->is_charged_ = context.subscription.memory().charge(item->cost());
+    if (!item->is_charged_) {
         revision.status = status::Bad_TooManyMonitoredItems;
         return nullptr;
     }
-    item->charged_ = cost;
     revision.status = item->charge_source(plan);
     if (revision.status.is_bad()) {
         return nullptr;
     }
     item->revise(context, parameters, timestamps, plan, revision);
     return item;
+}
+
+// There may be hundreds of thousands.
+static_assert(sizeof(void*) != 8 || sizeof(ValueItem) <= 272);
+
+std::size_t ValueItem::cost() const
+{
+    const ReadTarget read = target();
+    const std::size_t of_encoding =
+        read.has_default_encoding() ? 0 : binary::encoded_size(*read.data_encoding);
+    return sizeof(ValueItem) + sizeof(Extras) + 2 * sizeof(void*) * 8 +
+           MonitoredHandles::bytes_per_item + model::node_watch_memory +
+           2 * (binary::encoded_size(node_id_) + of_encoding) +
+           (range() != nullptr ? sizeof(NumericRange) : 0);
 }
 
 StatusCode ValueItem::charge_source(const ReadPlan& plan)
@@ -136,33 +149,34 @@ StatusCode ValueItem::charge_source(const ReadPlan& plan)
     return status::Good;
 }
 
-StatusCode ValueItem::check_target(const ItemContext& context, ReadPlan& plan)
+StatusCode ValueItem::check_target(const ItemContext& context, const String& index_range,
+                                   ReadPlan& plan)
 {
-    plan = plan_sample(needs(), context.subscription, value_id_);
+    plan = plan_sample(needs(), context.subscription, target());
     const StatusCode status = plan.answer.status;
     if (std::find(refusals.begin(), refusals.end(), status) != refusals.end()) {
         return status;
     }
-    if (value_id_.index_range.empty()) {
+    if (index_range.empty()) {
         return status::Good;
     }
-    const auto range = NumericRange::parse(value_id_.index_range.view());
+    const auto range = NumericRange::parse(index_range.view());
     if (!range) {
         return range.error();
     }
-    const model::NodeIndex node = needs().space.find(value_id_.node_id);
-    if (is_value_of_variable(needs().space, value_id_, node) &&
+    const model::NodeIndex node = this->node();
+    if (is_value_of_variable(needs().space, target(), node) &&
         is_past_the_end(*range, needs().space.variable(node).array_dimensions)) {
         return status::Bad_IndexRangeNoData;
     }
-    range_ = std::make_shared<const NumericRange>(*range);
+    extras().range = std::make_shared<const NumericRange>(*range);
     return status::Good;
 }
 
 Result<ChangeFilter> ValueItem::make_filter(const ExtensionObject& filter)
 {
-    const model::NodeIndex node = needs().space.find(value_id_.node_id);
-    if (!filter.is_null() && !is_value_of_variable(needs().space, value_id_, node)) {
+    const model::NodeIndex node = this->node();
+    if (!filter.is_null() && !is_value_of_variable(needs().space, target(), node)) {
         return fail(status::Bad_FilterNotAllowed); // Part 4, 5.13.1.1
     }
     std::optional<Range> eu_range;
@@ -172,20 +186,24 @@ Result<ChangeFilter> ValueItem::make_filter(const ExtensionObject& filter)
     return ChangeFilter::make(filter, needs().space, node, eu_range);
 }
 
-ValueItem::Filtered& ValueItem::filtered()
+ValueItem::Extras& ValueItem::extras()
 {
-    if (filtered_ == nullptr) {
-        filtered_ = std::make_unique<Filtered>();
+    if (extras_ == nullptr) {
+        extras_ = std::make_unique<Extras>(*this);
     }
-    return *filtered_;
+    return *extras_;
 }
 
-void ValueItem::keep_filter(const ExtensionObject& filter)
+void ValueItem::keep_filter(const ExtensionObject& text, const ChangeFilter& filter)
 {
-    if (filter.is_null()) {
-        filtered_.reset();
+    if (!text.is_null()) {
+        Filtered& kept = extras().filtered;
+        kept.text = text; // first, as it may fail
+        kept.filter = filter;
+    } else if (range() != nullptr || !target().has_default_encoding()) {
+        extras_->filtered = {};
     } else {
-        filtered().text = filter;
+        extras_.reset();
     }
 }
 
@@ -199,9 +217,8 @@ std::optional<Range> ValueItem::look_up_eu_range(model::NodeIndex variable)
     }
     const model::VariableAttributes attributes = space.variable(property);
     if (needs().sources.find(attributes.source) != nullptr) {
-        EuRangeUser& user = *this;
-        auto read = std::make_unique<EuRangeRead>(user, needs().sources);
-        Filtered& kept = filtered();
+        auto read = std::make_unique<EuRangeRead>(extras(), needs().sources);
+        Filtered& kept = extras().filtered;
         kept.eu_range = Range{};
         kept.read = std::move(read);
         // Its deadline is not looked at; an answer is welcome at any time.
@@ -213,15 +230,15 @@ std::optional<Range> ValueItem::look_up_eu_range(model::NodeIndex variable)
 
 void ValueItem::eu_range_came(const std::optional<Range>& range)
 {
-    Filtered& kept = filtered();
+    Filtered& kept = extras_->filtered;
     kept.eu_range = range;
     const auto done = std::move(kept.read);
-    const model::NodeIndex node = needs().space.find(value_id_.node_id);
+    const model::NodeIndex node = this->node();
     if (node == model::no_node || !ChangeFilter::is_percentage(kept.text)) {
         return;
     }
     if (auto filter = ChangeFilter::make(kept.text, needs().space, node, range)) {
-        filter_ = *filter;
+        kept.filter = *filter;
     }
 }
 
@@ -230,21 +247,31 @@ void ValueItem::revise(const ItemContext& context, const MonitoringParameters& p
 {
     const SubscriptionLimits& limits = needs().limits.subscriptions;
     timestamps_ = timestamps;
-    interval_ = limits.sampling.revise(
+    const Duration interval = limits.sampling.revise(
         parameters.sampling_interval, context.subscription.parameters().publishing_interval,
-        can_follow_scans(needs(), plan), minimum_sampling_interval(needs().space, value_id_));
+        can_follow_scans(needs(), plan), minimum_sampling_interval(needs().space, target()));
     // 0 and 1 are the same (Part 4, 7.21).
     const std::uint32_t capacity = std::min(parameters.queue_size, limits.max_queue_size);
     revision.queue_size =
         queue_.set_capacity(capacity, parameters.discard_oldest, subscription().memory());
-    revision.sampling_interval = to_milliseconds(interval_);
-    count_interval();
+    revision.sampling_interval = to_milliseconds(interval);
+    set_interval(interval);
 }
 
-void ValueItem::count_interval()
+std::optional<SamplingIntervals::Use> ValueItem::counted(MonitoringMode mode) const
 {
-    all_->sampler().intervals().change(counted_,
-                                       {true, mode() == MonitoringMode::Disabled, interval_});
+    if (!is_counted_) {
+        return std::nullopt;
+    }
+    return SamplingIntervals::Use{mode == MonitoringMode::Disabled, interval_};
+}
+
+void ValueItem::set_interval(Duration interval)
+{
+    const SamplingIntervals::Use next{mode() == MonitoringMode::Disabled, interval};
+    subscription().all().sampler().intervals().change(counted(mode()), next);
+    is_counted_ = true;
+    interval_ = interval;
 }
 
 void ValueItem::modify(const ItemContext& context, const MonitoringParameters& parameters,
@@ -255,15 +282,12 @@ void ValueItem::modify(const ItemContext& context, const MonitoringParameters& p
         revision.status = filter.error();
         return;
     }
-    keep_filter(parameters.filter);
-    filter_ = *filter;
+    keep_filter(parameters.filter, *filter);
     set_client_handle(parameters.client_handle);
     const Duration before = interval_;
-    busbar::detail::Undo undo{[&] { // so that the same change is one the next time, too
-        interval_ = before;
-        count_interval();
-    }};
-    const ReadPlan plan = plan_sample(needs(), context.subscription, value_id_);
+    // So that the same change is one the next time, too.
+    busbar::detail::Undo undo{[&] { set_interval(before); }};
+    const ReadPlan plan = plan_sample(needs(), context.subscription, target());
     revise(context, parameters, timestamps, plan, revision);
     if (before != interval_ && group_ != nullptr) {
         context.all.sampler().add(*this, context.now);
@@ -278,12 +302,12 @@ void ValueItem::mode_changed(const ItemContext& context, MonitoringMode before)
     } else if (before == MonitoringMode::Disabled) {
         context.all.sampler().add(*this, context.now);
     }
-    count_interval();
+    context.all.sampler().intervals().change(counted(before), counted(mode()));
 }
 
 void ValueItem::user_changed(const ItemContext&)
 {
-    const ReadPlan plan = plan_sample(needs(), subscription(), value_id_);
+    const ReadPlan plan = plan_sample(needs(), subscription(), target());
     if (plan.source == nullptr && plan.answer.status.is_bad()) {
         // What the user before was allowed to know is not this one's.
         queue_.clear(subscription().memory());
@@ -306,9 +330,9 @@ void ValueItem::announce_change(std::uint32_t status_bits)
 {
     pending_bits_ |= status_bits;
     // An EURange that has become unusable leaves the deadband as it was.
-    if (filtered_ != nullptr) {
-        if (auto filter = make_filter(filtered_->text)) {
-            filter_ = *filter;
+    if (extras_ != nullptr) {
+        if (auto filter = make_filter(extras_->filtered.text)) {
+            extras_->filtered.filter = *filter;
         }
     }
     if (group_ != nullptr) {
@@ -320,7 +344,7 @@ void ValueItem::sample(const ReadSlot& slot, StatusCode status, DateTime server_
 {
     const Variant& value = slot.shared != nullptr ? *slot.shared : slot.value;
     const DataValue* const last = queue_.newest();
-    if (last != nullptr && pending_bits_ == 0 && !filter_.passes(*last, slot, value, status)) {
+    if (last != nullptr && pending_bits_ == 0 && !filter().passes(*last, slot, value, status)) {
         return;
     }
     const std::uint32_t bits = std::exchange(pending_bits_, 0U) |

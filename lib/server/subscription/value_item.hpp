@@ -21,7 +21,7 @@ class SamplingGroup;
 
 /// An item of an attribute, mostly a Variable's Value: samples come from its SamplingGroup, pass
 /// the filter and wait in a queue.
-class ValueItem final : public MonitoredItem, private EuRangeUser, private model::NodeWatch {
+class ValueItem final : public MonitoredItem, private model::NodeWatch {
 public:
     /// Where an item is in its sampling group.
     struct Place {
@@ -50,15 +50,27 @@ public:
 
     // For the sampler.
 
-    [[nodiscard]] const ReadValueId& value_id() const { return value_id_; }
+    [[nodiscard]] const NodeId& node_id() const { return node_id_; }
+    [[nodiscard]] ReadTarget target() const
+    {
+        return {node_id_, attribute_id_, extras_ != nullptr ? &extras_->data_encoding : nullptr};
+    }
     /// Zero: each scan of a process image.
     [[nodiscard]] Duration interval() const { return interval_; }
     /// Null if the whole value is wanted.
-    [[nodiscard]] const std::shared_ptr<const NumericRange>& range() const { return range_; }
+    [[nodiscard]] const NumericRange* range() const
+    {
+        return extras_ != nullptr ? extras_->range.get() : nullptr;
+    }
+    /// The same, for who may look at it after the item is gone. Not without a range.
+    [[nodiscard]] const std::shared_ptr<const NumericRange>& shared_range() const
+    {
+        return extras_->range;
+    }
     /// True if two equal samples are never both reported.
     [[nodiscard]] bool ignores_equal() const
     {
-        return !filter_.looks_at_time() && pending_bits_ == 0 && queue_.newest() != nullptr;
+        return !filter().looks_at_time() && pending_bits_ == 0 && queue_.newest() != nullptr;
     }
     /// One sample, whose range is cut already: queues it if it passes the filter.
     void sample(const ReadSlot& slot, StatusCode status, DateTime server_time);
@@ -76,56 +88,82 @@ private:
 
     /// What belongs to a filter of the client's.
     struct Filtered {
+        ChangeFilter filter;
         /// As it was given, for when the EURange changes.
         ExtensionObject text;
         std::optional<Range> eu_range;
         /// Null unless a source is asked for the EURange.
         std::unique_ptr<EuRangeRead> read;
     };
+    /// What few items have.
+    struct Extras final : EuRangeUser {
+        explicit Extras(ValueItem& owner) : item{owner} {}
+        void eu_range_came(const std::optional<Range>& range) override
+        {
+            item.eu_range_came(range);
+        }
+
+        ValueItem& item;
+        std::shared_ptr<const NumericRange> range;
+        QualifiedName data_encoding;
+        Filtered filtered;
+    };
 
     ValueItem(const ItemContext& context, const MonitoredItemCreateRequest& request,
               TimestampsToReturn timestamps);
 
     [[nodiscard]] const SubscriptionNeeds& needs() const;
+    [[nodiscard]] model::NodeIndex node() const { return needs().space.find(node_id_); }
+    [[nodiscard]] ChangeFilter filter() const
+    {
+        return extras_ != nullptr ? extras_->filtered.filter : ChangeFilter{};
+    }
+    /// Makes what is not there yet.
+    [[nodiscard]] Extras& extras();
     void clear() override;
     void mode_changed(const ItemContext& context, MonitoringMode before) override;
+    /// What the item takes at most, besides what is queued: each may get a filter later. Always the
+    /// same.
+    [[nodiscard]] std::size_t cost() const;
     [[nodiscard]] StatusCode charge_source(const ReadPlan& plan);
-    [[nodiscard]] StatusCode check_target(const ItemContext& context, ReadPlan& plan);
+    [[nodiscard]] StatusCode check_target(const ItemContext& context, const String& index_range,
+                                          ReadPlan& plan);
     [[nodiscard]] Result<ChangeFilter> make_filter(const ExtensionObject& filter);
-    [[nodiscard]] Filtered& filtered();
-    void keep_filter(const ExtensionObject& filter);
+    void keep_filter(const ExtensionObject& text, const ChangeFilter& filter);
     [[nodiscard]] std::optional<Range> look_up_eu_range(model::NodeIndex variable);
-    void eu_range_came(const std::optional<Range>& range) override;
+    void eu_range_came(const std::optional<Range>& range);
     /// Where the group gets the item's values from may be wrong by now.
     void node_changed(model::NodeIndex node, bool is_removed) override;
-    void count_interval();
+    [[nodiscard]] std::optional<SamplingIntervals::Use> counted(MonitoringMode mode) const;
+    void set_interval(Duration interval);
     /// Queue, interval and timestamps.
     void revise(const ItemContext& context, const MonitoringParameters& parameters,
                 TimestampsToReturn timestamps, const ReadPlan& plan, ItemRevision& revision);
 
-    ReadValueId value_id_;
-    std::shared_ptr<const NumericRange> range_;
-    TimestampsToReturn timestamps_;
-    ChangeFilter filter_;
-    /// Null without a filter, which most have.
-    std::unique_ptr<Filtered> filtered_;
-    SubscriptionTable* all_;
-    Duration interval_{0};
-    SamplingIntervals::Use counted_;
-    std::uint32_t pending_bits_{0};
+    // What each sample looks at lies together; the flags in bytes that NodeWatch leaves free.
+
     bool has_lost_{false};
-    std::size_t charged_{0};
+    bool is_charged_{false};
+    /// In SamplingIntervals, by mode and interval.
+    bool is_counted_{false};
+    std::uint32_t pending_bits_{0};
+    TimestampsToReturn timestamps_;
+    std::uint32_t attribute_id_;
+    /// With used_handle_, the MonitoredHandles::Use of the item in its group.
+    std::uint32_t used_source_{model::no_source};
+    std::unique_ptr<Extras> extras_;
+    ValueQueue queue_;
+
+    NodeId node_id_;
+    Duration interval_{0};
     /// Null, or which source counts the item, and as what.
     SourceEntry* charged_source_{nullptr};
     std::size_t monitored_size_{0};
-    ValueQueue queue_;
 
     // The sampling group's: where the item is in it.
 
     SamplingGroup* group_{nullptr};
     Place place_;
-    /// With used_handle_, the MonitoredHandles::Use of the item in its group.
-    std::uint32_t used_source_{model::no_source};
     std::uint64_t used_handle_{0};
 };
 
