@@ -36,7 +36,7 @@ void PublishPart::remove(Subscription& subscription)
 void PublishPart::add_status_change(std::size_t most, StatusChange change)
 {
     if (status_changes_.size() >= most) {
-        status_changes_.pop_front();
+        status_changes_.erase(status_changes_.begin());
     }
     status_changes_.push_back(std::move(change));
     serve_status_changes();
@@ -46,7 +46,7 @@ void PublishPart::serve_status_changes()
 {
     while (!status_changes_.empty() && next_request() != nullptr) {
         const StatusChange change = std::move(status_changes_.front());
-        status_changes_.pop_front();
+        status_changes_.erase(status_changes_.begin());
         take_request()->answer_status_change(change.subscription_id, change.message);
     }
 }
@@ -100,7 +100,7 @@ PublishOperation* PublishPart::next_request()
 {
     while (!requests_.empty() && requests_.front()->is_finished()) {
         requests_.front()->part_ = nullptr;
-        requests_.pop_front();
+        requests_.erase(requests_.begin());
     }
     return requests_.empty() ? nullptr : requests_.front();
 }
@@ -109,7 +109,7 @@ PublishOperation* PublishPart::take_request()
 {
     PublishOperation* const request = next_request();
     if (request != nullptr) {
-        requests_.pop_front();
+        requests_.erase(requests_.begin());
         request->part_ = nullptr;
     }
     return request;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <span>
 #include <vector>
 
@@ -111,8 +110,8 @@ private:
 
     std::vector<Subscription*> subscriptions_;
     /// Oldest first.
-    std::deque<PublishOperation*> requests_;
-    std::deque<StatusChange> status_changes_;
+    std::vector<PublishOperation*> requests_;
+    std::vector<StatusChange> status_changes_;
 };
 
 } // namespace busbar::server::detail

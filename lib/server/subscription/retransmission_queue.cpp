@@ -1,15 +1,23 @@
 #include "retransmission_queue.hpp"
 
 #include <algorithm>
-
-#include <busbar/core/detail/guarded.hpp>
+#include <utility>
 
 namespace busbar::server::detail {
+
+void RetransmissionQueue::make_place()
+{
+    constexpr std::size_t first = 4;
+    const std::size_t most = std::max<std::size_t>(max_messages_, 1);
+    if (messages_.size() == messages_.capacity() && messages_.size() < most) {
+        messages_.reserve(std::min(std::max(2 * messages_.size(), first), most));
+    }
+}
 
 void RetransmissionQueue::drop_oldest()
 {
     account_->release(messages_.front().bytes.capacity());
-    messages_.pop_front();
+    messages_.erase(messages_.begin());
 }
 
 std::uint32_t RetransmissionQueue::add(std::uint32_t sequence_number,
@@ -25,10 +33,7 @@ std::uint32_t RetransmissionQueue::add(std::uint32_t sequence_number,
         }
         drop_oldest();
     }
-    busbar::detail::Undo undo{[&] { account_->release(message.capacity()); }};
-    messages_.push_back({sequence_number, {}});
-    undo.keep();
-    messages_.back().bytes = std::move(message);
+    messages_.push_back({sequence_number, std::move(message)});
     return lost;
 }
 
@@ -74,9 +79,10 @@ std::vector<std::uint32_t> RetransmissionQueue::available() const
 
 void RetransmissionQueue::clear()
 {
-    while (!messages_.empty()) {
-        drop_oldest();
+    for (const Message& message : messages_) {
+        account_->release(message.bytes.capacity());
     }
+    messages_.clear();
 }
 
 } // namespace busbar::server::detail

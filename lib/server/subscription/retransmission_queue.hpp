@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <span>
 #include <vector>
 
@@ -25,8 +24,11 @@ public:
     RetransmissionQueue& operator=(const RetransmissionQueue&) = delete;
     ~RetransmissionQueue() { clear(); }
 
-    /// Takes the message over. The oldest give way to it; if it cannot be paid for even so, it is
-    /// left as it is and not kept. How many were lost by that before they were acknowledged.
+    /// So that add() needs no memory: before what the message tells is taken from its items.
+    void make_place();
+    /// Takes the message over, behind make_place(). The oldest give way to it; if it cannot be paid
+    /// for even so, it is left as it is and not kept. How many were lost by that before they were
+    /// acknowledged.
     std::uint32_t add(std::uint32_t sequence_number, std::vector<std::byte>& message);
     /// False if there is no such message.
     [[nodiscard]] bool acknowledge(std::uint32_t sequence_number);
@@ -49,7 +51,7 @@ private:
     std::size_t max_messages_;
     MemoryAccount* account_;
     /// Oldest first.
-    std::deque<Message> messages_;
+    std::vector<Message> messages_;
 };
 
 } // namespace busbar::server::detail

@@ -231,6 +231,7 @@ void Subscription::return_notifications()
         last_served_ = all_.next_serial();
         busbar::detail::Undo undo{[&] { give_up(*request); }};
         count(&SubscriptionDiagnosticsDataType::publish_request_count);
+        retransmission_.make_place();
         const DateTime now = all_.needs().wall_time();
         const std::size_t room = request->room_for_message(retransmission_.size() + 1);
         auto message = write_notifications(next_sequence_number(), now, ready_data_, ready_events_,
