@@ -96,8 +96,8 @@ protected:
     virtual void mode_changed(const ItemContext&, MonitoringMode /*before*/) {}
 
 private:
+    friend class ItemList;
     friend class ReadyList;
-    friend class Subscription;
 
     void forget_link(MonitoredItem& triggered);
     [[nodiscard]] bool triggers(const MonitoredItem& triggered) const;

@@ -259,11 +259,7 @@ void Subscription::return_notifications()
 /// value is.
 void Subscription::give_up(PublishOperation& request)
 {
-    for (const auto& [id, item] : items_) {
-        if (item->mode() == MonitoringMode::Reporting) {
-            item->resend(context(next_publishing_));
-        }
-    }
+    resend_data(next_publishing_);
     more_notifications_ = notifications_available();
     request.refuse(status::Bad_OutOfMemory);
 }

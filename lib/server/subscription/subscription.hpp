@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
@@ -15,6 +14,7 @@
 #include "server/session/counters.hpp"
 #include "server/users/shares.hpp"
 
+#include "item_list.hpp"
 #include "ready_list.hpp"
 #include "retransmission_queue.hpp"
 #include "state_table.hpp"
@@ -146,7 +146,7 @@ public:
         disabled_item_count_ += static_cast<std::size_t>(more);
     }
     [[nodiscard]] std::size_t item_count() const { return items_.size(); }
-    [[nodiscard]] MonitoredItem* find_item(std::uint32_t id) const;
+    [[nodiscard]] MonitoredItem* find_item(std::uint32_t id) const { return items_.find(id); }
     MonitoredItem& add_item(std::unique_ptr<MonitoredItem> item);
     /// False if there is no such item. What ends an item needs no memory.
     [[nodiscard]] bool remove_item(std::uint32_t id) noexcept;
@@ -213,9 +213,8 @@ private:
     RetransmissionQueue retransmission_;
     ReadyList ready_data_;
     ReadyList ready_events_;
-    std::uint32_t last_item_id_{0};
     /// Destroyed before the lists they are in.
-    std::unordered_map<std::uint32_t, std::unique_ptr<MonitoredItem>> items_;
+    ItemList items_;
 };
 
 } // namespace busbar::server::detail

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <utility>
 
 #include <busbar/core/attribute_id.hpp>
 
@@ -10,9 +11,7 @@ namespace busbar::server::detail {
 
 void Subscription::user_changed(TimePoint now)
 {
-    for (const auto& [id, item] : items_) {
-        item->user_changed(context(now));
-    }
+    items_.for_each([&](MonitoredItem& item) { item.user_changed(context(now)); });
 }
 
 /// Those of a Subscription that has ended are the server's alone.
@@ -24,26 +23,16 @@ void Subscription::count_items(std::ptrdiff_t more) noexcept
     }
 }
 
-MonitoredItem* Subscription::find_item(std::uint32_t id) const
-{
-    const auto found = items_.find(id);
-    return found == items_.end() ? nullptr : found->second.get();
-}
-
 MonitoredItem& Subscription::add_item(std::unique_ptr<MonitoredItem> item)
 {
-    do {
-        ++last_item_id_;
-    } while (last_item_id_ == 0 || items_.contains(last_item_id_));
-    item->id_ = last_item_id_;
-    MonitoredItem& added = *items_.emplace(last_item_id_, std::move(item)).first->second;
+    MonitoredItem& added = items_.add(std::move(item));
     count_items(1);
     return added;
 }
 
 bool Subscription::remove_item(std::uint32_t id) noexcept
 {
-    if (items_.erase(id) == 0) {
+    if (!items_.remove(id)) {
         return false;
     }
     count_items(-1);
@@ -54,7 +43,7 @@ std::size_t Subscription::remove_items(std::size_t most) noexcept
 {
     const std::size_t count = std::min(most, items_.size());
     for (std::size_t i = 0; i < count; ++i) { // to its end: no destructor throws
-        items_.erase(items_.begin());
+        items_.remove_last();
     }
     count_items(-static_cast<std::ptrdiff_t>(count));
     return count;
@@ -64,36 +53,32 @@ std::vector<std::uint32_t> Subscription::item_ids() const
 {
     std::vector<std::uint32_t> ids;
     ids.reserve(items_.size());
-    for (const auto& [id, item] : items_) {
-        ids.push_back(id);
-    }
-    std::sort(ids.begin(), ids.end());
+    items_.for_each([&](const MonitoredItem& item) { ids.push_back(item.id()); });
     return ids;
 }
 
 void Subscription::resend_data(TimePoint now)
 {
-    for (const std::uint32_t id : item_ids()) {
-        MonitoredItem& item = *find_item(id);
+    items_.for_each([&](MonitoredItem& item) {
         if (item.mode() == MonitoringMode::Reporting) {
             item.resend(context(now));
         }
-    }
+    });
 }
 
 void Subscription::announce_change(const std::unordered_set<NodeId>& variables,
                                    std::uint32_t status_bits)
 {
     constexpr auto value_attribute = static_cast<std::uint32_t>(AttributeId::Value);
-    for (const auto& [id, item] : items_) {
-        if (item->kind() != MonitoredItem::Kind::Data) {
-            continue;
+    items_.for_each([&](MonitoredItem& item) {
+        if (item.kind() != MonitoredItem::Kind::Data) {
+            return;
         }
-        auto& data = static_cast<ValueItem&>(*item);
+        auto& data = static_cast<ValueItem&>(item);
         if (data.target().attribute_id == value_attribute && variables.contains(data.node_id())) {
             data.announce_change(status_bits);
         }
-    }
+    });
 }
 
 } // namespace busbar::server::detail

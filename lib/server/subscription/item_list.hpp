@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "monitored_item.hpp"
+
+namespace busbar::server::detail {
+
+/// The items of a Subscription by their ids, which it gives them. What is removed leaves a hole;
+/// they close up when they are the half, so that to remove an item is cheap in any order.
+class ItemList {
+public:
+    /// The next id is the one after `last_id`.
+    explicit ItemList(std::uint32_t last_id = 0) : last_id_{last_id} {}
+
+    [[nodiscard]] std::size_t size() const { return entries_.size() - holes_; }
+    /// Null if there is none.
+    [[nodiscard]] MonitoredItem* find(std::uint32_t id) const;
+    MonitoredItem& add(std::unique_ptr<MonitoredItem> item);
+    /// False if there is no such item. What removes items needs no memory.
+    [[nodiscard]] bool remove(std::uint32_t id) noexcept;
+    /// The one with the highest id; not without any.
+    void remove_last() noexcept;
+    /// Calls `function` with each, by ascending ids. It must not add or remove any.
+    template <typename Function>
+    void for_each(Function function) const
+    {
+        for (const Entry& entry : entries_) {
+            if (entry.item != nullptr) {
+                function(*entry.item);
+            }
+        }
+    }
+
+private:
+    struct Entry {
+        std::uint32_t id;
+        /// Null in a hole.
+        std::unique_ptr<MonitoredItem> item;
+    };
+
+    /// Of the first entry whose id is not less.
+    [[nodiscard]] std::size_t place(std::uint32_t id) const;
+    void close_up() noexcept;
+
+    /// Ascending ids; the last one is no hole.
+    std::vector<Entry> entries_;
+    std::size_t holes_{0};
+    std::uint32_t last_id_;
+};
+
+} // namespace busbar::server::detail
