@@ -271,7 +271,9 @@ void add_items(Rows& rows, const SubscriptionLimits& limits)
     rows.count("subscriptions.max_subscriptions_per_session", limits.max_subscriptions_per_session);
     rows.count("subscriptions.max_subscriptions_per_user", limits.max_subscriptions_per_user);
     rows.count("subscriptions.max_subscriptions", limits.max_subscriptions)
-        .holds(limits.max_subscriptions, sizeof(detail::Subscription) + bytes_of_subscription,
+        .holds(limits.max_subscriptions,
+               sizeof(detail::Subscription) + sizeof(detail::SubscriptionOwner) +
+                   bytes_of_subscription,
                "Subscriptions without their items");
     rows.count("subscriptions.max_items_per_subscription", limits.max_items_per_subscription)
         .paid(by_subscription);

@@ -303,6 +303,7 @@ void Subscription::set_session(Session& session, TimePoint now)
         PublishPart::of(*session_).remove(*this);
     }
     session_ = &session;
+    owner_.reset();
     all_.shares().leave(*std::exchange(share_, &share), items_.size());
     if (SubscriptionObserver* const observer = all_.needs().observer) {
         busbar::detail::attempt([&] { observer->moved(*this); });
@@ -312,19 +313,25 @@ void Subscription::set_session(Session& session, TimePoint now)
     }
 }
 
+const SubscriptionOwner& Subscription::kept_owner() const
+{
+    static const SubscriptionOwner nobody; // after an end without memory
+    return owner_ != nullptr ? *owner_ : nobody;
+}
+
 SubscriptionOwner Subscription::owner() const
 {
-    return session_ != nullptr ? owner_of(*session_) : owner_;
+    return session_ != nullptr ? owner_of(*session_) : kept_owner();
 }
 
 const UserIdentity& Subscription::user() const
 {
-    return session_ != nullptr ? session_->user : owner_.user;
+    return session_ != nullptr ? session_->user : kept_owner().user;
 }
 
 std::span<const std::string> Subscription::locales() const
 {
-    return session_ != nullptr ? session_->locale_ids : owner_.locale_ids;
+    return session_ != nullptr ? session_->locale_ids : kept_owner().locale_ids;
 }
 
 NodeRights Subscription::rights() const
@@ -332,16 +339,16 @@ NodeRights Subscription::rights() const
     MessageSecurityMode mode = MessageSecurityMode::None;
     if (session_ != nullptr) {
         mode = session_->security.mode;
-    } else if (owner_.is_signed) {
-        mode =
-            owner_.is_encrypted ? MessageSecurityMode::SignAndEncrypt : MessageSecurityMode::Sign;
+    } else if (kept_owner().is_signed) {
+        mode = kept_owner().is_encrypted ? MessageSecurityMode::SignAndEncrypt
+                                         : MessageSecurityMode::Sign;
     }
     return {all_.needs().space, user(), all_.needs().environment.access, mode};
 }
 
 bool Subscription::is_encrypted() const
 {
-    return session_ != nullptr ? detail::is_encrypted(*session_) : owner_.is_encrypted;
+    return session_ != nullptr ? detail::is_encrypted(*session_) : kept_owner().is_encrypted;
 }
 
 void Subscription::detach()
@@ -349,7 +356,7 @@ void Subscription::detach()
     if (session_ == nullptr) {
         return;
     }
-    owner_ = owner_of(*session_);
+    owner_ = std::make_unique<SubscriptionOwner>(owner_of(*session_));
     session_ = nullptr;
     since_ = all_.next_serial();
 }

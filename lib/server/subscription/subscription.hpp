@@ -180,13 +180,14 @@ private:
     void return_keep_alive();
     void issue_status_change(StatusCode status);
     void set_session(Session& session, TimePoint now);
+    [[nodiscard]] const SubscriptionOwner& kept_owner() const;
     [[nodiscard]] ItemContext context(TimePoint now) { return {all_, *this, now}; }
 
     SubscriptionTable& all_;
     std::uint32_t id_;
     Session* session_;
-    /// While there is no session.
-    SubscriptionOwner owner_;
+    /// Null while there is a session.
+    std::unique_ptr<SubscriptionOwner> owner_;
     /// Null after end().
     Share* share_{nullptr};
     std::uint64_t since_;
