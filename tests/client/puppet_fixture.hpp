@@ -113,6 +113,17 @@ struct PuppetFixture {
         response.notification_message = message(number);
         reply(response);
     }
+    /// As often as a client is patient.
+    void leave_republish_unanswered()
+    {
+        for (int i = 0; i < 3; ++i) {
+            CHECK(requester.count<PublishRequest>() == 0);
+            static_cast<void>(requester.take<RepublishRequest>());
+            refuse(status::Bad_Timeout);
+            pass(std::chrono::seconds{1});
+        }
+        CHECK(requester.count<PublishRequest>() == 0);
+    }
     void refuse_republish(std::uint32_t number)
     {
         CHECK(requester.take<RepublishRequest>().retransmit_sequence_number == number);

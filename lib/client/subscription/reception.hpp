@@ -35,7 +35,11 @@ private:
     void fetch_missing(WatchedSubscription& subscription);
     void republished(WatchedSubscription& subscription, std::uint32_t number, bool is_sent,
                      const Result<RepublishResponse>& response);
+    void go_on(SubscriptionHandle handle, std::uint32_t incarnation);
     void not_republished(WatchedSubscription& subscription, bool is_sent, StatusCode status);
+    void ask_for_life(WatchedSubscription& subscription);
+    /// The message is lost, or there is none.
+    void stop_republishing(WatchedSubscription& subscription, bool is_sent);
 
     SessionRequests& requests_;
     WatchList& subscriptions_;

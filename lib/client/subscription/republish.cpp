@@ -1,5 +1,9 @@
 #include <algorithm>
 
+#include <busbar/core/attribute_id.hpp>
+#include <busbar/types/attribute.hpp>
+#include <busbar/types/ids.hpp>
+
 #include "reception.hpp"
 
 namespace busbar::client::detail {
@@ -61,13 +65,18 @@ void Reception::fetch_missing(WatchedSubscription& subscription)
                 found->messages.is_republishing = false;
                 republished(*found, number, is_sent, response);
             }
-            WatchedSubscription* found = subscriptions_.find(handle, incarnation);
-            if (found != nullptr && found->messages.heard_time > found->messages.complete_until) {
-                settle(handle); // what was told of since is here, or is given up
-            } else if (found != nullptr) {
-                fetch_missing(*found);
-            }
+            go_on(handle, incarnation);
         });
+}
+
+void Reception::go_on(SubscriptionHandle handle, std::uint32_t incarnation)
+{
+    WatchedSubscription* const found = subscriptions_.find(handle, incarnation);
+    if (found != nullptr && found->messages.heard_time > found->messages.complete_until) {
+        settle(handle); // what was told of since is here, or is given up
+    } else if (found != nullptr) {
+        fetch_missing(*found);
+    }
 }
 
 void Reception::republished(WatchedSubscription& subscription, std::uint32_t number, bool is_sent,
@@ -93,10 +102,41 @@ void Reception::republished(WatchedSubscription& subscription, std::uint32_t num
 
 void Reception::not_republished(WatchedSubscription& subscription, bool is_sent, StatusCode status)
 {
-    if (!is_final(status) && ++subscription.messages.republish_failures < max_republishes) {
+    std::uint32_t& failures = subscription.messages.republish_failures;
+    if (!is_final(status) && ++failures < max_republishes) {
         subscription.messages.republish_at = requests_.now() + republish_pause;
-        return;
+    } else if (status == status::Bad_Timeout && failures == max_republishes) {
+        ask_for_life(subscription);
+    } else {
+        stop_republishing(subscription, is_sent);
     }
+}
+
+/// Who answers nothing at all may have messages still: the link holds everything up. Answers to
+/// Publish would push them out of the server's queue, so that none is sent before it answers
+/// something; then it has one more attempt.
+void Reception::ask_for_life(WatchedSubscription& subscription)
+{
+    ReadRequest request;
+    ReadValueId& state = request.nodes_to_read.emplace_back();
+    state.node_id = NodeId{0, id::Server_ServerStatus_State};
+    state.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
+    subscription.messages.is_republishing = true;
+    requests_.send<ReadResponse>(
+        request, [this, handle = subscription.handle,
+                  incarnation = subscription.incarnation](const Result<ReadResponse>& response) {
+            if (WatchedSubscription* found = subscriptions_.find(handle, incarnation)) {
+                found->messages.is_republishing = false;
+                if (!response && response.error() == status::Bad_Timeout) {
+                    found->messages.republish_failures = 0;
+                }
+            }
+            go_on(handle, incarnation);
+        });
+}
+
+void Reception::stop_republishing(WatchedSubscription& subscription, bool is_sent)
+{
     subscription.messages.republish_failures = 0;
     if (is_sent) {
         subscription.lose(status::Bad_MessageNotAvailable);
