@@ -1,8 +1,12 @@
 #include "notification_message.hpp"
 
+#include <algorithm>
 #include <array>
+#include <optional>
+#include <string>
 
 #include <busbar/binary/codec.hpp>
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/types/subscription.hpp>
 
 namespace busbar::server::detail {
@@ -15,8 +19,9 @@ class MessageWriter {
 public:
     MessageWriter(std::uint32_t sequence_number, DateTime publish_time)
     {
-        writer_.number(sequence_number);
-        encode(writer_, publish_time);
+        make_room(frame);
+        writer_->number(sequence_number);
+        encode(*writer_, publish_time);
         parts_place_ = reserve();
     }
 
@@ -27,37 +32,44 @@ public:
         if (list.empty() || is_full(list, limits)) {
             return;
         }
-        encode(writer_, NodeId{0, encoding_id});
-        writer_.number(std::uint8_t{1}); // a ByteString (Part 6, 5.2.2.15)
+        std::string why;
+        const std::size_t begin = written();
+        const StatusCode thrown = busbar::detail::caught(why, [&] { make_room(2 * frame); });
+        if (thrown.is_bad()) {
+            return lack(thrown);
+        }
+        encode(*writer_, NodeId{0, encoding_id});
+        writer_->number(std::uint8_t{1}); // a ByteString (Part 6, 5.2.2.15)
         const std::size_t length_place = reserve();
         const std::size_t count_place = reserve();
         const std::size_t before = notifications_;
-        MonitoredItem* item = nullptr;
-        do {
-            item = &list.take_notification(writer_, room(limits));
-            ++notifications_;
-        } while (!list.empty() && !is_full(list, limits));
-        list.end_turn(*item);
+        write_notifications(list, limits);
+        if (notifications_ == before) {
+            return cut(begin);
+        }
         if (has_diagnostics) {
-            writer_.number(std::int32_t{-1});
+            writer_->number(std::int32_t{-1});
         }
         fill(count_place, notifications_ - before);
-        fill(length_place, writer_.written() - count_place);
+        fill(length_place, written() - count_place);
         ++parts_;
     }
 
     [[nodiscard]] Result<std::vector<std::byte>> finish()
     {
-        if (!writer_.ok()) {
-            return fail(writer_.status());
+        if (!writer_->ok()) {
+            return fail(writer_->status());
+        }
+        if (notifications_ == 0 && lack_.is_bad()) {
+            return fail(lack_);
         }
         fill(parts_place_, parts_);
-        std::vector<std::byte> bytes = sink_.take(writer_.written());
+        bytes_.resize(written());
         for (std::size_t i = 0; i < patch_count_; ++i) {
-            binary::SpanSink place{std::span{bytes}.subspan(patches_[i].place, 4)};
+            binary::SpanSink place{std::span{bytes_}.subspan(patches_[i].place, 4)};
             binary::Writer{place}.length(patches_[i].number);
         }
-        return bytes;
+        return std::move(bytes_);
     }
 
 private:
@@ -68,34 +80,83 @@ private:
         std::size_t number;
     };
 
+    void write_notifications(ReadyList& list, const MessageLimits& limits)
+    {
+        MonitoredItem* item = nullptr;
+        do {
+            std::string why;
+            const std::size_t end = written();
+            const StatusCode thrown = busbar::detail::caught(why, [&] {
+                make_room(list.front().notification_size() + frame);
+                item = &list.take_notification(*writer_, room(limits));
+            });
+            if (thrown.is_bad()) {
+                cut(end);
+                lack(thrown);
+                break;
+            }
+            ++notifications_;
+        } while (!list.empty() && !is_full(list, limits));
+        if (item != nullptr) {
+            list.end_turn(*item);
+        }
+    }
     [[nodiscard]] bool is_full(const ReadyList& list, const MessageLimits& limits) const
     {
+        if (lack_.is_bad()) {
+            return true;
+        }
         if (notifications_ == 0) {
             return false;
         }
-        return !writer_.ok() ||
-               writer_.written() + frame + list.front().notification_size() > limits.bytes ||
+        return !writer_->ok() ||
+               written() + frame + list.front().notification_size() > limits.bytes ||
                (limits.notifications != 0 && notifications_ >= limits.notifications);
     }
     /// Bytes that one more Notification may have.
     [[nodiscard]] std::size_t room(const MessageLimits& limits) const
     {
-        const std::size_t used = writer_.written() + frame;
+        const std::size_t used = written() + frame;
         return limits.most_bytes > used ? limits.most_bytes - used : 0;
     }
+    [[nodiscard]] std::size_t written() const { return before_ + writer_->written(); }
+    /// So that what has at most so many bytes can be written without memory.
+    void make_room(std::size_t size)
+    {
+        const std::size_t end = writer_ ? written() : 0;
+        if (bytes_.size() - end < size) {
+            bytes_.resize(std::max({end + size, 2 * bytes_.size(), smallest}));
+            cut(end);
+        }
+    }
+    /// Takes back what was written from there on.
+    void cut(std::size_t end)
+    {
+        before_ = end;
+        block_.emplace(std::span{bytes_}.subspan(end));
+        writer_.emplace(*block_);
+    }
+    void lack(StatusCode status) { lack_ = status; }
     std::size_t reserve()
     {
-        const std::size_t place = writer_.written();
-        writer_.length(0);
+        const std::size_t place = written();
+        writer_->length(0);
         return place;
     }
     void fill(std::size_t place, std::size_t number) { patches_[patch_count_++] = {place, number}; }
 
-    binary::VectorSink sink_;
-    binary::Writer writer_{sink_};
+    static constexpr std::size_t smallest = 256;
+
+    std::vector<std::byte> bytes_;
+    /// What is left of them, and bytes before it.
+    std::optional<binary::SpanSink> block_;
+    std::optional<binary::Writer> writer_;
+    std::size_t before_{0};
     std::size_t parts_place_{0};
     std::size_t parts_{0};
     std::size_t notifications_{0};
+    /// Why no more can be written.
+    StatusCode lack_;
     std::array<Patch, 5> patches_{};
     std::size_t patch_count_{0};
 };

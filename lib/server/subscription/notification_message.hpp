@@ -24,6 +24,7 @@ struct MessageLimits {
 
 /// Takes Notifications of the items that are ready: data first, unless `events_first`. It becomes
 /// true if no place was left for all events, so that data which never ends does not keep them.
+/// Takes what there is memory for and leaves the rest to its items; Bad_OutOfMemory for nothing.
 [[nodiscard]] Result<std::vector<std::byte>>
 write_notifications(std::uint32_t sequence_number, DateTime publish_time, ReadyList& data,
                     ReadyList& events, const MessageLimits& limits, bool& events_first);

@@ -229,9 +229,13 @@ void Subscription::return_notifications()
         }
         // Though it may have more to send for ever: of equal priorities it is the others' turn now.
         last_served_ = all_.next_serial();
-        busbar::detail::Undo undo{[&] { give_up(*request); }};
+        // Without memory what there is waits for the next request.
+        busbar::detail::Undo undo{[&] {
+            more_notifications_ = notifications_available();
+            request->refuse(status::Bad_OutOfMemory);
+        }};
+        retransmission_.make_place(); // before anything is taken
         count(&SubscriptionDiagnosticsDataType::publish_request_count);
-        retransmission_.make_place();
         const DateTime now = all_.needs().wall_time();
         const std::size_t room = request->room_for_message(retransmission_.size() + 1);
         auto message = write_notifications(next_sequence_number(), now, ready_data_, ready_events_,
@@ -243,6 +247,9 @@ void Subscription::return_notifications()
         if (!message) {
             undo.keep();
             request->refuse(message.error());
+            if (message.error() == status::Bad_OutOfMemory) {
+                return;
+            }
             continue;
         }
         const std::span<const std::byte> bytes{*message};
@@ -253,15 +260,6 @@ void Subscription::return_notifications()
         request->answer({*this, bytes, more_notifications_});
         undo.keep();
     } while (more_notifications_);
-}
-
-/// There was no memory for the message: what it had is not told any more, but each item's last
-/// value is.
-void Subscription::give_up(PublishOperation& request)
-{
-    resend_data(next_publishing_);
-    more_notifications_ = notifications_available();
-    request.refuse(status::Bad_OutOfMemory);
 }
 
 void Subscription::return_keep_alive()

@@ -176,7 +176,6 @@ private:
     void update_parameters(const SubscriptionParameters& parameters, TimePoint now);
     void set_publishing_enabled(bool is_enabled);
     void return_notifications();
-    void give_up(PublishOperation& request);
     void return_keep_alive();
     void issue_status_change(StatusCode status);
     void set_session(Session& session, TimePoint now);
