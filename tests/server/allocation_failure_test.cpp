@@ -179,6 +179,28 @@ bool fail_reverse_hello(std::size_t k)
     return has_failed;
 }
 
+/// False if nothing failed when a client connected to a server that had no place for it: that of a
+/// connection without a session, or none at all.
+bool fail_without_place(bool is_one_idle, std::size_t k)
+{
+    server::ServerConfig config = FailureFixture::config();
+    config.limits.max_connections_per_address = is_one_idle ? 3 : 2;
+    FailureFixture world{false, config};
+    const auto idle = is_one_idle ? world.open({}) : nullptr;
+    std::optional<Result<server::Connection>> connected;
+    fail_allocation(k);
+    world.counted([&] { connected.emplace(world.server.connect("192.0.2.1", world.now)); });
+    const bool has_failed = has_allocation_failed();
+    fail_allocation(0);
+    INFO("allocation " << k << "\n" << world.log.text);
+    CHECK(world.thrown == 0);
+    CHECK((has_failed || (connected && connected->has_value() == is_one_idle)));
+    connected.reset();
+    CHECK(world.server.connect("192.0.2.1", world.now).has_value() == is_one_idle);
+    CHECK(use(world.other) == status::Good);
+    return has_failed;
+}
+
 /// False if the channel was renewed without a failure.
 bool fail_renewal(const channel::SecuritySetting& security, bool has_worker, std::size_t k)
 {
@@ -233,6 +255,13 @@ TEST_CASE("D3: an allocation that fails while a channel is opened ends its conne
 TEST_CASE("D3: an allocation that fails while the server calls a client ends the call")
 {
     check_failing_worlds("ReverseHello", fail_reverse_hello);
+}
+
+TEST_CASE("D3: an allocation that fails while there is no place for a client is told")
+{
+    const bool is_one_idle = GENERATE(false, true);
+    check_failing_worlds("connecting",
+                         [&](std::size_t k) { return fail_without_place(is_one_idle, k); });
 }
 
 TEST_CASE("D3: an allocation that fails while a channel is renewed ends its connection")

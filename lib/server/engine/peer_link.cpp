@@ -397,7 +397,7 @@ void PeerLink::close(StatusCode status, std::string_view reason)
 
 void PeerLink::close(const Refusal& refusal)
 {
-    explain(log_, "connection", refusal);
+    busbar::detail::attempt([&] { explain(log_, "connection", refusal); });
     close(refusal.status, refusal.check);
 }
 

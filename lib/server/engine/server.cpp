@@ -146,21 +146,26 @@ std::shared_ptr<EventQueue> Server::event_queue() const
 Result<Connection> Server::connect(std::string_view peer_address, TimePoint now)
 {
     impl_->latest = now;
-    if (auto found = impl_->find_obstacle(peer_address); !found.empty()) {
-        const Refusal refusal{status::Bad_TcpServerTooBusy, "place for a connection",
-                              std::move(found), "Part 6, 7.1.2.5",
-                              "Close connections that are not needed, or raise the limit"};
-        impl_->log(LogLevel::Warning, "connection", printable(peer_address) + ": " + text(refusal));
-        return fail(status::Bad_TcpServerTooBusy);
-    }
     std::unique_ptr<detail::PeerLink> link;
     std::string why;
-    const StatusCode thrown = busbar::detail::caught(
-        why, [&] { link = std::make_unique<detail::PeerLink>(*impl_, peer_address, now); });
-    if (thrown.is_bad()) {
-        return fail(thrown);
+    const StatusCode thrown = busbar::detail::caught(why, [&] {
+        if (auto found = impl_->find_obstacle(peer_address); !found.empty()) {
+            return impl_->refuse(peer_address, std::move(found));
+        }
+        link = std::make_unique<detail::PeerLink>(*impl_, peer_address, now);
+    });
+    if (link == nullptr) {
+        return fail(thrown.is_bad() ? thrown : status::Bad_TcpServerTooBusy);
     }
     return Connection{std::move(link)};
+}
+
+void Server::Impl::refuse(std::string_view peer_address, std::string why)
+{
+    const Refusal refusal{status::Bad_TcpServerTooBusy, "place for a connection", std::move(why),
+                          "Part 6, 7.1.2.5",
+                          "Close connections that are not needed, or raise the limit"};
+    log(LogLevel::Warning, "connection", printable(peer_address) + ": " + text(refusal));
 }
 
 Configured<void> Server::Impl::check_modules(const ServerConfig& wanted) const

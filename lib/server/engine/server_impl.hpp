@@ -17,6 +17,8 @@ struct Server::Impl : detail::Core {
     [[nodiscard]] Configured<void> check_modules(const ServerConfig& wanted) const;
     /// Why a peer cannot be taken; nothing if it can, for which another may have been closed.
     [[nodiscard]] std::string find_obstacle(std::string_view peer_address);
+    /// Tells the log why.
+    void refuse(std::string_view peer_address, std::string why);
     /// Makes place by closing the oldest connection that has no session (Part 4, 5.6.2.1), of the
     /// network that has most such.
     [[nodiscard]] bool make_place(std::string_view peer_address);
