@@ -151,6 +151,16 @@ bool fail_once(const Row& row, std::size_t k)
     return has_failed;
 }
 
+/// All sessions time out when there is no memory at all.
+void end_without_memory(FailureFixture& world)
+{
+    world.now += 70s;
+    fail_allocation(1, 1'000'000);
+    world.counted([&] { world.server.handle_deadline(world.now); });
+    fail_allocation(0);
+    CHECK(world.thrown == 0);
+}
+
 /// False if a worker's answers to two logins, which come at the same time, were taken without a
 /// failure.
 bool fail_two_logins(std::size_t k)
@@ -198,4 +208,22 @@ TEST_CASE("D3: an allocation that fails keeps a server from nothing that it does
             check_failing_worlds(row.name, [&](std::size_t k) { return fail_once(row, k); });
         }
     }
+}
+
+TEST_CASE("D3: what finds no memory when it is due is tried again, but not at once")
+{
+    FailureFixture world;
+    watch_values(world);
+    end_without_memory(world);
+    CHECK(world.server.next_deadline() > world.now);
+    CHECK(world.server.next_deadline() <= world.now + 1s);
+    world.pass(1s, world.client);
+    CHECK(world.server.session_count() == 0);
+}
+
+TEST_CASE("D3: a session without Subscriptions ends without memory")
+{
+    FailureFixture world;
+    end_without_memory(world);
+    CHECK(world.server.session_count() == 0);
 }

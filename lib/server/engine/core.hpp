@@ -121,6 +121,8 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     /// When the server was called last.
     TimePoint latest{};
     TimePoint shutdown_deadline{no_deadline};
+    /// Something that was due has failed: it is tried again then, and not before.
+    TimePoint retry{TimePoint::min()};
     /// When channels that were opened with another certificate are closed: those of links before
     /// this one.
     TimePoint old_channels_deadline{no_deadline};

@@ -17,6 +17,13 @@
 
 namespace busbar::server {
 
+namespace {
+
+/// Without memory nothing is gained by trying at once what is due still.
+constexpr std::chrono::milliseconds retry_pause{50};
+
+} // namespace
+
 std::vector<EndpointConfig> secure_endpoints()
 {
     const auto* policy = crypto::find_policy_by_name("Basic256Sha256");
@@ -185,14 +192,18 @@ Configured<void> Server::Impl::check_modules(const ServerConfig& wanted) const
 
 TimePoint Server::next_deadline() const
 {
-    if (impl_->events->has_model_changes()) {
+    return std::max(impl_->first_due(), impl_->retry);
+}
+
+TimePoint Server::Impl::first_due()
+{
+    if (events->has_model_changes()) {
         return TimePoint{}; // long past
     }
-    const detail::Session* first = impl_->sessions.next_due();
-    return std::min({first != nullptr ? first->next_deadline() : no_deadline,
-                     impl_->shutdown_deadline, impl_->certificate_check,
-                     impl_->old_channels_deadline, impl_->trust_check_deadline,
-                     impl_->kept_memory.next_deadline(), impl_->subscriptions.next_deadline()});
+    const detail::Session* first = sessions.next_due();
+    return std::min({first != nullptr ? first->next_deadline() : no_deadline, shutdown_deadline,
+                     certificate_check, old_channels_deadline, trust_check_deadline,
+                     kept_memory.next_deadline(), subscriptions.next_deadline()});
 }
 
 void Server::start(TimePoint now)
@@ -207,15 +218,19 @@ void Server::handle_deadline(TimePoint now)
     const busbar::detail::KeptMemory::Use memory{impl_->kept_memory};
     impl_->latest = now;
     impl_->kept_memory.handle_deadline(now);
-    impl_->survive("a check of certificates", [&] {
+    bool is_done = true;
+    const auto survive = [&](std::string_view what, FunctionRef<void()> work) {
+        is_done = impl_->survive(what, work) && is_done;
+    };
+    survive("a check of certificates", [&] {
         if (impl_->certificate_check <= now) {
             impl_->watch_certificate(now);
         }
     });
-    impl_->survive("model changes", [&] { impl_->events->announce_model_changes(); });
-    impl_->survive("the end of a session", [&] { impl_->expire_sessions(now); });
-    impl_->survive("a Subscription", [&] { impl_->subscriptions.handle_deadline(now); });
-    impl_->survive("the end of channels", [&] {
+    survive("model changes", [&] { impl_->events->announce_model_changes(); });
+    survive("the end of a session", [&] { impl_->expire_sessions(now); });
+    survive("a Subscription", [&] { impl_->subscriptions.handle_deadline(now); });
+    survive("the end of channels", [&] {
         if (impl_->old_channels_deadline <= now) {
             impl_->close_old_channels();
         }
@@ -226,14 +241,15 @@ void Server::handle_deadline(TimePoint now)
     if (impl_->shutdown_deadline <= now) {
         impl_->finish_shutdown();
     }
-    impl_->survive("the end of a call", [&] { impl_->sweep(); });
+    survive("the end of a call", [&] { impl_->sweep(); });
+    impl_->retry = is_done ? TimePoint::min() : now + retry_pause;
 }
 
 /// What fails ends what it was done for; the rest of the call is done, and what is due still is
 /// done with the next.
-void Server::Impl::survive(std::string_view what, FunctionRef<void()> work)
+bool Server::Impl::survive(std::string_view what, FunctionRef<void()> work)
 {
-    busbar::detail::guarded(rationed_log, what, [&] { work(); });
+    return busbar::detail::guarded(rationed_log, what, [&] { work(); }).is_good();
 }
 
 void Server::Impl::expire_sessions(TimePoint now)

@@ -23,7 +23,9 @@ struct Server::Impl : detail::Core {
     /// network that has most such.
     [[nodiscard]] bool make_place(std::string_view peer_address);
     void expire_sessions(TimePoint now);
-    void survive(std::string_view what, FunctionRef<void()> work);
+    /// False if it threw.
+    bool survive(std::string_view what, FunctionRef<void()> work);
+    [[nodiscard]] TimePoint first_due();
     /// Is in the state, with the sources as it wants them, and tells clients by an event.
     void enter(ServerState state, std::string_view reason, DateTime return_time);
     void begin_shutdown(TimePoint now, std::string_view reason, std::chrono::milliseconds delay,

@@ -118,6 +118,9 @@ bool SubscriptionTable::sweep_ended()
 
 void SubscriptionTable::session_ends(Session& session, bool deletes_subscriptions)
 {
+    if (session.publishing == nullptr) {
+        return;
+    }
     const auto own = PublishPart::of(session).subscriptions(); // a copy
     for (Subscription* subscription : own) {
         if (deletes_subscriptions) {
