@@ -221,6 +221,18 @@ TEST_CASE("D3: what finds no memory when it is due is tried again, but not at on
     CHECK(world.server.session_count() == 0);
 }
 
+TEST_CASE("D3: that events were lost is told when there is memory again")
+{
+    FailureFixture world;
+    watch_events(world);
+    fail_allocation(1, 1'000'000);
+    raise(world);
+    world.pass(100ms, world.client);
+    REQUIRE(has_allocation_failed());
+    fail_allocation(0);
+    CHECK(count_events(world) == 1);
+}
+
 TEST_CASE("D3: a session without Subscriptions ends without memory")
 {
     FailureFixture world;

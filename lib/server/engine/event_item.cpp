@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <busbar/binary/codec.hpp>
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/types/subscription.hpp>
 
 #include "server/subscription/sampling_context.hpp"
@@ -176,22 +177,34 @@ void EventItem::tell_of_loss()
 /// The overflow event bypasses the whereClause (Part 4, 7.22.3).
 void EventItem::queue_overflow()
 {
-    if (queue_.wants_overflow()) {
+    if (!owes_overflow_ && queue_.wants_overflow()) {
         subscription().count(&SubscriptionDiagnosticsDataType::event_queue_overflow_count);
+        owes_overflow_ = true;
+        busbar::detail::attempt([&] { pay_overflow(); });
+    }
+}
+
+void EventItem::pay_overflow()
+{
+    if (owes_overflow_) {
         filter_.follow(events_.fields());
         const NodeRights rights = subscription().rights();
         queue_.push_overflow(
             filter_.select(*events_.overflow_event(), EventReader{needs_.space, &rights}));
+        owes_overflow_ = false;
     }
 }
 
 std::size_t EventItem::notification_size() const
 {
-    return binary::encoded_size(client_handle(), queue_.oldest());
+    // The item has paid for more than an overflow event takes.
+    return (owes_overflow_ ? paid_ : 0) +
+           (queue_.size() != 0 ? binary::encoded_size(client_handle(), queue_.oldest()) : 0);
 }
 
 void EventItem::take_notification(binary::Writer& writer, std::size_t most)
 {
+    pay_overflow();
     // An EventFieldList (Part 4, 7.25.3), encoded from where the fields lie.
     encode(writer, client_handle());
     const std::size_t size = notification_size();
@@ -222,7 +235,7 @@ void EventItem::user_changed(const ItemContext& context)
                    rights.check_channel(node).is_good();
     if (!may_receive_) {
         // What the user before was allowed to know is not this one's.
-        queue_.clear();
+        clear();
         subscription().ready(Kind::Event).remove(*this);
     } else if (queue_.discard_guarded()) {
         queue_overflow(); // their fields were chosen for the one before

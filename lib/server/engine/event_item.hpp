@@ -20,7 +20,10 @@ public:
               model::NodeHandle notifier, ItemRevision& revision);
     ~EventItem() override;
 
-    [[nodiscard]] std::size_t queued() const override { return queue_.size(); }
+    [[nodiscard]] std::size_t queued() const override
+    {
+        return queue_.size() + (owes_overflow_ ? 1 : 0);
+    }
     [[nodiscard]] std::size_t notification_size() const override;
     void take_notification(binary::Writer& writer, std::size_t most) override;
     void modify(const ItemContext& context, const MonitoringParameters& parameters,
@@ -28,7 +31,11 @@ public:
     void user_changed(const ItemContext& context) override;
 
 protected:
-    void clear() override { queue_.clear(); }
+    void clear() override
+    {
+        queue_.clear();
+        owes_overflow_ = false;
+    }
     void mode_changed(const ItemContext& context, MonitoringMode before) override;
 
 private:
@@ -38,6 +45,8 @@ private:
     void set(const MonitoringParameters& parameters, ItemRevision& revision);
     [[nodiscard]] StatusCode take_filter(const ExtensionObject& filter, ItemRevision& revision);
     void queue_overflow();
+    /// Makes the overflow event that is owed. May throw, and it still is.
+    void pay_overflow();
     [[nodiscard]] bool may_know_of(model::NodeIndex type) const;
 
     Events& events_;
@@ -46,6 +55,8 @@ private:
     std::size_t paid_{0};
     EventItemQueue queue_;
     bool may_receive_{true};
+    /// Events were lost, and there was no memory for the one that tells of it.
+    bool owes_overflow_{false};
 };
 
 /// Makes items of the events of one server.
