@@ -4,16 +4,35 @@
 
 namespace busbar::harness {
 
+/// While it lives the server's own code runs.
+class ServerHost::Inside {
+public:
+    explicit Inside(const ServerHost& host) : watch_{host.parts_.watch}
+    {
+        if (watch_ != nullptr) {
+            watch_->enter();
+        }
+    }
+    Inside(const Inside&) = delete;
+    Inside& operator=(const Inside&) = delete;
+    ~Inside()
+    {
+        if (watch_ != nullptr) {
+            watch_->leave();
+        }
+    }
+
+private:
+    EngineWatch* watch_;
+};
+
 /// The server's end of a link.
 class ServerHost::Peer final : public LinkEnd {
 public:
     Peer(ServerHost& host, server::Connection connection, std::shared_ptr<Link> link)
         : host_{host}, connection_{std::move(connection)}, link_{std::move(link)},
-          deadline_{host.scheduler_, [this] {
-                        connection_.handle_deadline(host_.scheduler_.now());
-                        update();
-                        host_.settle();
-                    }}
+          deadline_{host.scheduler_,
+                    [this] { work([&](TimePoint now) { connection_->handle_deadline(now); }); }}
     {
         update();
     }
@@ -22,46 +41,64 @@ public:
         if (!has_ended_) {
             link_->leave(Side::Server);
         }
+        const Inside inside{host_};
+        connection_.reset();
     }
 
     [[nodiscard]] std::span<const std::byte> output() const override
     {
-        return connection_.output();
+        return connection_->output();
     }
-    void consume(std::size_t size) override { connection_.consume(size); }
+    void consume(std::size_t size) override
+    {
+        const Inside inside{host_};
+        connection_->consume(size);
+    }
     void feed(std::span<const std::byte> in) override
     {
-        static_cast<void>(connection_.feed(in, host_.scheduler_.now()));
-        update();
-        host_.settle();
+        work([&](TimePoint now) { static_cast<void>(connection_->feed(in, now)); });
     }
     void link_lost() override { end(); }
 
     void update()
     {
-        while (connection_.next_event()) {
+        {
+            const Inside inside{host_};
+            while (connection_->next_event()) {
+            }
         }
         link_->flush(Side::Server);
-        if (connection_.is_closed() && connection_.output().empty()) {
+        if (connection_->is_closed() && connection_->output().empty()) {
             link_->close(Side::Server);
             end();
         } else {
-            deadline_.set(connection_.next_deadline());
+            deadline_.set(connection_->next_deadline());
         }
     }
 
 private:
+    template <typename Work>
+    void work(Work call)
+    {
+        {
+            const Inside inside{host_};
+            call(host_.scheduler_.now());
+        }
+        update();
+        host_.settle();
+    }
     void end()
     {
         deadline_.cancel();
         if (!std::exchange(has_ended_, true)) {
-            host_.ended_.push_back(connection_.id());
+            host_.ended_.push_back(connection_->id());
             host_.forget_.set_after(Duration{0});
         }
     }
 
     ServerHost& host_;
-    server::Connection connection_;
+    /// Empty only while it ends.
+    std::optional<server::Connection> connection_;
     std::shared_ptr<Link> link_;
     bool has_ended_{false};
     Alarm deadline_;
@@ -114,16 +151,9 @@ ServerHost::ServerHost(Scheduler& scheduler, const WallClock& clock, LogSink& lo
                        server::ServerConfig config, const ServerParts& parts,
                        model::AddressSpace address_space)
     : scheduler_{scheduler}, chance_{chance}, parts_{parts}, random_{chance_.next()},
-      deadline_{scheduler,
-                [this] {
-                    server_->handle_deadline(scheduler_.now());
-                    settle();
-                }},
+      deadline_{scheduler, [this] { work([&](TimePoint now) { server_->handle_deadline(now); }); }},
       completions_{scheduler,
-                   [this] {
-                       server_->handle_completions(scheduler_.now());
-                       settle();
-                   }},
+                   [this] { work([&](TimePoint now) { server_->handle_completions(now); }); }},
       forget_{scheduler, [this] { forget_ended(); }},
       woken_{scheduler, [this] { await_completions(); }}, touched_{scheduler, [this] { settle(); }}
 {
@@ -153,9 +183,22 @@ ServerHost::~ServerHost()
     peers_.clear();
 }
 
+template <typename Work>
+void ServerHost::work(Work call)
+{
+    {
+        const Inside inside{*this};
+        call(scheduler_.now());
+    }
+    settle();
+}
+
 bool ServerHost::accept(const std::shared_ptr<Link>& link, std::string_view peer_address)
 {
-    auto connection = server_->connect(peer_address, scheduler_.now());
+    auto connection = [&] {
+        const Inside inside{*this};
+        return server_->connect(peer_address, scheduler_.now());
+    }();
     if (!connection) {
         return false;
     }
@@ -182,7 +225,11 @@ void ServerHost::settle()
     if (server_ == nullptr) {
         return;
     }
-    while (const auto id = server_->next_changed()) {
+    const auto next_changed = [&] {
+        const Inside inside{*this};
+        return server_->next_changed();
+    };
+    while (const auto id = next_changed()) {
         if (const auto found = peers_.find(*id); found != peers_.end()) {
             found->second->update();
         }

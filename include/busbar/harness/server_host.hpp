@@ -17,6 +17,19 @@
 
 namespace busbar::harness {
 
+/// Is told when the server's own code begins to run and when it has ended: for what a test wants to
+/// happen to the server alone, as memory that runs out. The calls do not nest.
+class BUSBAR_API EngineWatch {
+public:
+    EngineWatch() = default;
+    EngineWatch(const EngineWatch&) = delete;
+    EngineWatch& operator=(const EngineWatch&) = delete;
+    virtual ~EngineWatch() = default;
+
+    virtual void enter() = 0;
+    virtual void leave() = 0;
+};
+
 /// What a hosted server needs beside its configuration. Whatever is given must outlive the host.
 struct ServerParts {
     /// Null: every certificate is accepted.
@@ -28,6 +41,9 @@ struct ServerParts {
     /// when threads wait for their turn. One in eight times it is up to the second value.
     Duration wake_delay{0};
     Duration rare_wake_delay{0};
+    /// Of what is not called through ServerHost::server(). What the server calls, as a data source
+    /// or a log, runs inside.
+    EngineWatch* watch{nullptr};
 };
 
 /// One endpoint without security, on which everybody may do everything: for tests of something
@@ -83,9 +99,13 @@ public:
 
 private:
     class Peer;
+    class Inside;
 
     void wake() override { woken_.raise(); }
     void await_completions();
+    /// Has the server do something, and looks after it.
+    template <typename Work>
+    void work(Work call);
     /// Looks after what the last call left behind: deadlines, and output of other connections.
     void settle();
     void forget_ended();
