@@ -13,6 +13,7 @@ namespace busbar::test {
 using harness::Alarm;
 using harness::Chance;
 using harness::ClientHost;
+using harness::EngineWatch;
 using harness::JumpingClock;
 using harness::Link;
 using harness::LinkEnd;

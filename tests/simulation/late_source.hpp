@@ -7,6 +7,7 @@
 #include <busbar/server/memory_source.hpp>
 
 #include "harness_names.hpp"
+#include "support/failing_allocation.hpp"
 
 namespace busbar::test {
 
@@ -24,6 +25,7 @@ public:
     [[nodiscard]] server::DataSourceOptions options() const override { return memory_->options(); }
     void read(server::ReadBatch batch) override
     {
+        const Uncounted in_test;
         const auto late = std::make_shared<server::ReadBatch>(std::move(batch));
         for (std::size_t i = 0; i < late->size(); ++i) {
             late->results()[i] = memory_->get(late->items()[i].handle);

@@ -8,6 +8,7 @@
 #include <busbar/client/subscriptions.hpp>
 
 #include "harness_names.hpp"
+#include "memory_weather.hpp"
 #include "notification_check.hpp"
 #include "plant.hpp"
 #include "trace.hpp"
@@ -21,7 +22,8 @@ class LibraryClient {
 public:
     static constexpr std::size_t publish_requests{6};
 
-    LibraryClient(World& world, const Plant& plant, Trace& trace, std::size_t number);
+    LibraryClient(World& world, const MemoryWeather& memory, const Plant& plant, Trace& trace,
+                  std::size_t number);
 
     void start();
     /// Whether the last of all that was counted has arrived, with the plant and network quiet.
@@ -42,6 +44,7 @@ private:
     void violation(const std::string& what) { trace_.violation(number_, what); }
 
     World& world_;
+    const MemoryWeather& memory_;
     const Plant& plant_;
     Trace& trace_;
     std::size_t number_;

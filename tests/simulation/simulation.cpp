@@ -66,19 +66,22 @@ harness::ServerParts Simulation::server_parts()
     parts.users = &users_;
     parts.wake_delay = 2ms;
     parts.rare_wake_delay = 250ms;
+    parts.watch = &memory_;
     return parts;
 }
 
 Simulation::Simulation(const SimulationOptions& options)
-    : world_{options.seed}, chance_{options.seed, 1}, plant_{scheduler_, world_.clock(),
-                                                             Chance{options.seed, 2}},
+    : world_{options.seed}, chance_{options.seed, 1},
+      memory_{scheduler_, trace_, Chance{options.seed, 4}}, plant_{scheduler_, world_.clock(),
+                                                                   Chance{options.seed, 2}},
       host_{scheduler_, world_.clock(), log_, Chance{options.seed, 3}, config(), server_parts()},
       jump_{scheduler_, [this] { jump(); }}
 {
     make_bad(weather_);
     plant_.serve(host_.server());
     static_cast<void>(world_.network().listen("opc.tcp://localhost:4840", host_));
-    const SimulationParts parts{scheduler_, world_.clock(), weather_, plant_, host_, trace_};
+    const SimulationParts parts{scheduler_, world_.clock(), weather_, memory_,
+                                plant_,     host_,          trace_};
     const HostileParts hostile{scheduler_, world_.clock(), weather_,
                                host_,      trace_,         options.clients};
     for (std::size_t i = 1; i <= options.clients; ++i) {
@@ -92,7 +95,7 @@ Simulation::Simulation(const SimulationOptions& options)
     }
     for (std::size_t i = 1; i <= options.library_clients; ++i) {
         library_clients_.push_back(
-            std::make_unique<LibraryClient>(world_, plant_, trace_, options.clients + i));
+            std::make_unique<LibraryClient>(world_, memory_, plant_, trace_, options.clients + i));
     }
 }
 
@@ -107,6 +110,7 @@ void Simulation::jump()
 void Simulation::run(std::chrono::hours time)
 {
     weather_.has_resets = true;
+    memory_.start();
     plant_.start();
     jump_.set_after(1min);
     for (const auto& client : clients_) {
@@ -155,6 +159,7 @@ void Simulation::check_counts()
 void Simulation::finish()
 {
     weather_.has_resets = false;
+    memory_.stop();
     jump_.cancel();
     for (const auto& attacker : attackers_) {
         attacker->leave();

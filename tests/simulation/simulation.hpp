@@ -9,6 +9,7 @@
 
 #include "attacker.hpp"
 #include "library_client.hpp"
+#include "memory_weather.hpp"
 #include "subscriber.hpp"
 
 namespace busbar::test {
@@ -52,6 +53,7 @@ private:
     NullLog log_;
     PlainUsers users_;
     Chance chance_;
+    MemoryWeather memory_;
     Plant plant_;
     ServerHost host_;
     std::vector<std::unique_ptr<Subscriber>> clients_;

@@ -12,6 +12,7 @@
 #include "client_port.hpp"
 #include "harness_names.hpp"
 #include "link_watch.hpp"
+#include "memory_weather.hpp"
 #include "support/server_fixture.hpp"
 #include "trace.hpp"
 #include "watched_subscription.hpp"
@@ -23,6 +24,7 @@ struct SimulationParts {
     Scheduler& scheduler;
     const WallClock& clock;
     const Weather& weather;
+    const MemoryWeather& memory;
     const Plant& plant;
     ServerHost& host;
     Trace& trace;
@@ -61,7 +63,7 @@ public:
     void check_arrivals();
 
 private:
-    using Violation = std::function<void(const std::string&)>;
+    class Judge;
 
     // subscriber_session.cpp
 
@@ -82,7 +84,7 @@ private:
     template <typename Response, typename Request>
     void call(Request request, std::function<void(Result<Response>)> then);
     /// The same, with nothing else but Publish meanwhile; `then` is not called if the connection
-    /// is lost.
+    /// is lost or the server has no memory for it.
     template <typename Response, typename Request>
     void step(Request request, std::function<void(Result<Response>)> then);
 
@@ -140,6 +142,16 @@ private:
     /// True, and handled, if the response says that.
     [[nodiscard]] bool is_subscription_lost(std::uint32_t id, StatusCode status);
     void violation(const std::string& what) { parts_.trace.violation(number_, what); }
+    /// True, and noted, if the server had no memory for what was asked for at that time: nothing of
+    /// it was done.
+    [[nodiscard]] bool is_refused(StatusCode status, TimePoint asked);
+    [[nodiscard]] bool is_refused(StatusCode status) { return is_refused(status, step_sent_); }
+    /// Without memory a sample was not taken, or an event was lost and the server has told so.
+    [[nodiscard]] bool may_miss(const Watch& watch, std::int64_t number) const;
+    /// The next event that must come, which may not have been raised yet.
+    [[nodiscard]] std::int64_t next_event(const Watch& watch) const;
+    /// Items whose creation was refused are wanted still.
+    void take_back_items();
     void expect(bool condition, const std::string& what, StatusCode status);
 
     // subscriber_delays.cpp
@@ -147,6 +159,8 @@ private:
     /// Looks whether what has to come takes too long.
     void look();
     [[nodiscard]] bool is_undisturbed() const;
+    /// How much later than it happens a client that reads again learns of anything.
+    [[nodiscard]] Duration longest_notice() const;
     void check_answer();
     void check_message(const WatchedSubscription& subscription);
     [[nodiscard]] bool may_have_ended(const WatchedSubscription& subscription) const;
@@ -222,7 +236,7 @@ void Subscriber::call(Request request, std::function<void(Result<Response>)> the
             status == status::Bad_SessionNotActivated) {
             session_lost(status);
             response = fail(status::Bad_ConnectionClosed);
-        } else if (status != status::Bad_ConnectionClosed) {
+        } else if (status != status::Bad_ConnectionClosed && !is_refused(status, sent)) {
             last_use_ = std::max(last_use_, sent);
             was_used_ = true;
         }
@@ -237,10 +251,15 @@ void Subscriber::step(Request request, std::function<void(Result<Response>)> the
     step_sent_ = parts_.scheduler.now();
     call<Response>(std::move(request), [this, then = std::move(then)](Result<Response> response) {
         is_busy_ = false;
-        if (response || response.error() != status::Bad_ConnectionClosed) {
-            then(std::move(response));
-            next_step();
+        if (!response && response.error() == status::Bad_ConnectionClosed) {
+            return;
         }
+        if (!response && is_refused(response.error())) {
+            take_back_items();
+        } else {
+            then(std::move(response));
+        }
+        next_step();
     });
 }
 

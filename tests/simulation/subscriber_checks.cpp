@@ -2,6 +2,15 @@
 
 namespace busbar::test {
 
+using namespace std::chrono_literals;
+
+namespace {
+
+/// The server has given an event to all items after that time.
+constexpr Duration distribution = 500ms;
+
+} // namespace
+
 WatchedSubscription* Subscriber::find(std::uint32_t id)
 {
     const auto found = subscriptions_.find(id);
@@ -58,12 +67,52 @@ void Subscriber::check_arrivals()
             const std::int64_t count = parts_.plant.count(watch.kind, watch.counter);
             // A value is sent anew after a gap; an event that was missed does not come back.
             const bool has_news = watch.kind != Plant::Kind::Event ||
-                                  (count > watch.first_count && !watch.check.may_miss());
+                                  (next_event(watch) <= count && !watch.check.may_miss());
             if (watch.state == Watch::State::Live && watch.mode == MonitoringMode::Reporting &&
                 has_news && watch.check.last() != count) {
                 violation("subscription " + std::to_string(id) + ", item " +
                           std::to_string(handle) + " did not bring the last of " +
                           std::to_string(count));
+            }
+        }
+    }
+}
+
+bool Subscriber::is_refused(StatusCode status, TimePoint asked)
+{
+    if (status != status::Bad_OutOfMemory) {
+        return false;
+    }
+    parts_.trace.note(number_, "is refused");
+    expect(parts_.memory.has_failed(asked), "there was memory", status);
+    return true;
+}
+
+bool Subscriber::may_miss(const Watch& watch, std::int64_t number) const
+{
+    const TimePoint made = parts_.plant.time_of(watch.kind, watch.counter, number);
+    if (watch.kind == Plant::Kind::Event) {
+        return watch.loss_told >= made && parts_.memory.has_failed(made, made + distribution);
+    }
+    return watch.kind == Plant::Kind::Memory && parts_.memory.has_failed(made);
+}
+
+std::int64_t Subscriber::next_event(const Watch& watch) const
+{
+    const std::int64_t count = parts_.plant.count(watch.kind, watch.counter);
+    std::int64_t next = watch.check.last().value_or(watch.first_count) + 1;
+    while (next <= count && may_miss(watch, next)) {
+        ++next;
+    }
+    return next;
+}
+
+void Subscriber::take_back_items()
+{
+    for (auto& [id, subscription] : subscriptions_) {
+        for (auto& [handle, watch] : subscription.watches) {
+            if (watch.state == Watch::State::Asked) {
+                watch.state = Watch::State::Wanted;
             }
         }
     }

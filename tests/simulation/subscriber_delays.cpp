@@ -10,6 +10,8 @@ namespace {
 
 /// The server looks for what sources have completed a little later.
 constexpr Duration server_turn = 250ms;
+/// A client, or its link, is slow for so long at most.
+constexpr Duration longest_slow = 90s;
 
 /// From a request until its answer, over a link that nothing holds up. A client does one thing at a
 /// time: it may have to wait for one answer before it asks for the next.
@@ -34,13 +36,18 @@ bool Subscriber::is_undisturbed() const
            *held_until_ <= parts_.scheduler.now();
 }
 
+Duration Subscriber::longest_notice() const
+{
+    return longest_slow + parts_.weather.max_stall + usual_time(parts_.weather);
+}
+
 void Subscriber::look()
 {
     look_.set_after(10s);
     if (!is_undisturbed()) {
         return;
     }
-    undisturbed_since_ = std::max(undisturbed_since_, *held_until_);
+    undisturbed_since_ = std::max({undisturbed_since_, *held_until_, parts_.memory.last_failure()});
     check_answer();
     for (const auto& [id, subscription] : subscriptions_) {
         if (!subscription.needs_transfer && subscription.interval) {
@@ -101,20 +108,19 @@ void Subscriber::check_values(const WatchedSubscription& subscription)
                              watch.mode == MonitoringMode::Reporting &&
                              (watch.kind != Plant::Kind::Event || !watch.check.may_miss());
         const std::int64_t count = parts_.plant.count(watch.kind, watch.counter);
-        const std::int64_t last = watch.kind == Plant::Kind::Event
-                                      ? watch.check.last().value_or(watch.first_count)
-                                      : watch.check.last().value_or(-1);
-        if (!is_sure || count <= last) {
+        const std::int64_t next = watch.kind == Plant::Kind::Event
+                                      ? next_event(watch)
+                                      : watch.check.last().value_or(-1) + 1;
+        if (!is_sure || count < next) {
             continue;
         }
-        const TimePoint made =
-            parts_.plant.time_of(watch.kind, watch.counter, std::max<std::int64_t>(last + 1, 0));
+        const TimePoint made = parts_.plant.time_of(watch.kind, watch.counter, next);
         const TimePoint begin =
             std::max({made, undisturbed_since_, subscription.undisturbed_since, watch.since});
         const Duration allowed = sampling_time(watch, handle) + subscription.cycle();
         if (parts_.scheduler.now() > begin + allowed + sending_time(subscription)) {
             violation("subscription " + std::to_string(subscription.id) + ", item " +
-                      std::to_string(handle) + ": " + std::to_string(last + 1) +
+                      std::to_string(handle) + ": " + std::to_string(next) +
                       " has not come in time");
         }
     }
@@ -139,7 +145,8 @@ void Subscriber::slow_down()
 {
     slow_.set_after(chance_.between(10min, 2h));
     const std::size_t what = chance_.below(3);
-    const Duration time = chance_.one_in(2) ? chance_.between(100ms, 3s) : chance_.between(3s, 90s);
+    const Duration time =
+        chance_.one_in(2) ? chance_.between(100ms, 3s) : chance_.between(3s, longest_slow);
     if (!is_ready_ || link_->is_cut()) {
         return;
     }

@@ -8,6 +8,28 @@
 
 namespace busbar::test {
 
+/// Of what one of its Subscriptions brings.
+class Subscriber::Judge final : public DeliveryJudge {
+public:
+    Judge(Subscriber& client, std::uint32_t subscription)
+        : client_{client}, subscription_{subscription}
+    {
+    }
+    [[nodiscard]] TimePoint now() const override { return client_.parts_.scheduler.now(); }
+    [[nodiscard]] bool may_miss(const Watch& watch, std::int64_t number) const override
+    {
+        return client_.may_miss(watch, number);
+    }
+    void violation(const std::string& what) override
+    {
+        client_.violation("subscription " + std::to_string(subscription_) + ", " + what);
+    }
+
+private:
+    Subscriber& client_;
+    std::uint32_t subscription_;
+};
+
 void Subscriber::fill_publish_queue()
 {
     const bool has_any =
@@ -67,6 +89,13 @@ void Subscriber::publish_failed(StatusCode status, const std::vector<Acknowledge
     }
     if (status == status::Bad_ConnectionClosed) {
         return;
+    }
+    if (status == status::Bad_OutOfMemory) {
+        // A message may have been made for it, of which the next one, or a keep-alive, tells.
+        for (auto& [id, subscription] : subscriptions_) {
+            subscription.is_caught_up = false;
+        }
+        return next_step();
     }
     expect(status == status::Bad_NoSubscription, "Publish", status);
     std::vector<std::uint32_t> ids;
@@ -139,11 +168,9 @@ void Subscriber::receive(WatchedSubscription& subscription, const PublishRespons
 
 void Subscriber::deliver(WatchedSubscription& subscription)
 {
-    const Violation complain = [&](const std::string& what) {
-        violation("subscription " + std::to_string(subscription.id) + ", " + what);
-    };
+    Judge judge{*this, subscription.id};
     while (const auto message = subscription.sequence.take()) {
-        subscription.deliver(*message, complain);
+        subscription.deliver(*message, judge);
         subscription.acknowledgements.push_back({message->sequence_number, true});
     }
 }
@@ -231,7 +258,7 @@ void Subscriber::resend(WatchedSubscription& subscription)
     step<CallResponse>(request, [this, id = subscription.id](const auto& response) {
         WatchedSubscription* const found = find(id);
         const StatusCode status = response ? response->results[0].status_code : response.error();
-        if (found != nullptr && !is_subscription_lost(id, status)) {
+        if (found != nullptr && !is_subscription_lost(id, status) && !is_refused(status)) {
             expect(status == status::Good, "ResendData", status);
             found->needs_values = false;
             found->undisturbed_since = parts_.scheduler.now();

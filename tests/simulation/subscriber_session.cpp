@@ -67,7 +67,9 @@ void Subscriber::connect()
     link->attach(Side::Client, *port_);
     parts_.trace.note(number_, "connects");
     if (!parts_.host.accept(link, "192.0.2." + std::to_string(number_))) {
-        violation("no place for a connection");
+        if (!parts_.memory.has_failed(parts_.scheduler.now())) {
+            violation("no place for a connection");
+        }
         return port_->close(false);
     }
     port_->update();
@@ -88,7 +90,8 @@ void Subscriber::channel_closed()
     left_at_ = parts_.scheduler.now();
     // A client that has lost all Subscriptions and wants no new ones says nothing any more.
     const bool was_idle = parts_.scheduler.now() - last_use_ >= session_timeout;
-    if (is_ready_ && !is_closing_ && !link_->is_cut() && !was_idle) {
+    const bool may_end = was_idle || parts_.memory.has_failed(left_at_ - longest_notice());
+    if (is_ready_ && !is_closing_ && !link_->is_cut() && !may_end) {
         violation("the server has ended the connection");
     }
     is_ready_ = false;
@@ -118,19 +121,24 @@ void Subscriber::create_session()
 {
     CreateSessionRequest request = session_request(habits_.is_secure);
     request.requested_session_timeout = static_cast<double>(session_timeout.count());
-    port_->call<CreateSessionResponse>(request, [this](Result<CreateSessionResponse> response) {
-        if (!response) {
-            return expect(response.error() == status::Bad_ConnectionClosed, "CreateSession",
-                          response.error());
-        }
-        token_ = response->authentication_token;
-        server_nonce_ = response->server_nonce;
-        has_session_ = true;
-        is_nonce_old_ = false;
-        was_used_ = false;
-        last_use_ = parts_.scheduler.now();
-        activate_session();
-    });
+    const TimePoint sent = parts_.scheduler.now();
+    port_->call<CreateSessionResponse>(
+        request, [this, sent](Result<CreateSessionResponse> response) {
+            if (!response && is_refused(response.error(), sent)) {
+                return create_session();
+            }
+            if (!response) {
+                return expect(response.error() == status::Bad_ConnectionClosed, "CreateSession",
+                              response.error());
+            }
+            token_ = response->authentication_token;
+            server_nonce_ = response->server_nonce;
+            has_session_ = true;
+            is_nonce_old_ = false;
+            was_used_ = false;
+            last_use_ = parts_.scheduler.now();
+            activate_session();
+        });
 }
 
 void Subscriber::activate_session()
@@ -140,23 +148,30 @@ void Subscriber::activate_session()
     ActivateSessionRequest request =
         activation_request(policy, name, name + "-secret", server_nonce_);
     request.request_header.authentication_token = token_;
-    const bool may_fail = std::exchange(is_nonce_old_, true) || !was_used_;
-    port_->call<ActivateSessionResponse>(request, [this, may_fail](auto response) {
-        if (!response) {
-            if (response.error() == status::Bad_ConnectionClosed) {
-                return;
+    const bool was_nonce_old = std::exchange(is_nonce_old_, true);
+    const bool may_fail = was_nonce_old || !was_used_;
+    const TimePoint sent = parts_.scheduler.now();
+    port_->call<ActivateSessionResponse>(
+        request, [this, was_nonce_old, may_fail, sent](auto response) {
+            if (!response && is_refused(response.error(), sent)) {
+                is_nonce_old_ = was_nonce_old;
+                return activate_session();
             }
-            if (!may_fail) {
-                expect(parts_.scheduler.now() - last_use_ >= session_timeout,
-                       "a session was lost before its timeout", response.error());
+            if (!response) {
+                if (response.error() == status::Bad_ConnectionClosed) {
+                    return;
+                }
+                if (!may_fail) {
+                    expect(parts_.scheduler.now() - last_use_ >= session_timeout,
+                           "a session was lost before its timeout", response.error());
+                }
+                forget_session();
+                return create_session();
             }
-            forget_session();
-            return create_session();
-        }
-        server_nonce_ = response->server_nonce;
-        is_nonce_old_ = false;
-        become_ready();
-    });
+            server_nonce_ = response->server_nonce;
+            is_nonce_old_ = false;
+            become_ready();
+        });
 }
 
 void Subscriber::forget_session()
@@ -269,7 +284,8 @@ void Subscriber::transfer()
 void Subscriber::transferred(std::uint32_t id, const TransferResult& result)
 {
     WatchedSubscription* const subscription = find(id);
-    if (subscription == nullptr || is_subscription_lost(id, result.status_code)) {
+    if (subscription == nullptr || is_subscription_lost(id, result.status_code) ||
+        is_refused(result.status_code)) {
         return;
     }
     expect(result.status_code == status::Good || result.status_code == status::Bad_NothingToDo,

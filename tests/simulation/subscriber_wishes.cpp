@@ -198,6 +198,10 @@ void Subscriber::items_created(std::uint32_t id, const std::vector<std::uint32_t
     for (std::size_t i = 0; i < handles.size(); ++i) {
         Watch& watch = subscription->watches.at(handles[i]);
         const MonitoredItemCreateResult& result = response->results[i];
+        if (is_refused(result.status_code)) {
+            watch.state = State::Wanted;
+            continue;
+        }
         expect(result.status_code == status::Good &&
                    result.revised_queue_size == watch.wanted_queue_size,
                "an item was not created", result.status_code);
@@ -247,7 +251,7 @@ void Subscriber::set_publishing(WatchedSubscription& subscription)
     step<SetPublishingModeResponse>(request, [this, id = subscription.id, wanted](auto response) {
         WatchedSubscription* const found = find(id);
         const StatusCode status = response ? response->results[0] : response.error();
-        if (found != nullptr && !is_subscription_lost(id, status)) {
+        if (found != nullptr && !is_subscription_lost(id, status) && !is_refused(status)) {
             expect(status == status::Good, "SetPublishingMode", status);
             found->publishing = wanted;
             found->undisturbed_since = parts_.scheduler.now();
@@ -271,7 +275,7 @@ void Subscriber::set_mode(WatchedSubscription& subscription, std::uint32_t handl
         request, [this, id = subscription.id, handle, wanted](auto response) {
             const StatusCode status = response ? response->results[0] : response.error();
             Watch* const found = find(id, handle);
-            if (found != nullptr && !is_subscription_lost(id, status)) {
+            if (found != nullptr && !is_subscription_lost(id, status) && !is_refused(status)) {
                 expect(status == status::Good, "SetMonitoringMode", status);
                 found->mode = wanted;
                 found->since = parts_.scheduler.now();
@@ -293,7 +297,7 @@ void Subscriber::modify_item(WatchedSubscription& subscription, std::uint32_t ha
                                                  wanted](auto response) {
         const StatusCode status = response ? response->results[0].status_code : response.error();
         Watch* const found = find(id, handle);
-        if (found != nullptr && !is_subscription_lost(id, status)) {
+        if (found != nullptr && !is_subscription_lost(id, status) && !is_refused(status)) {
             expect(status == status::Good, "ModifyMonitoredItems", status);
             found->queue_size = wanted;
         }
@@ -309,7 +313,7 @@ void Subscriber::delete_item(WatchedSubscription& subscription, std::uint32_t ha
         request, [this, id = subscription.id, handle](auto response) {
             const StatusCode status = response ? response->results[0] : response.error();
             Watch* const found = find(id, handle);
-            if (found != nullptr && !is_subscription_lost(id, status)) {
+            if (found != nullptr && !is_subscription_lost(id, status) && !is_refused(status)) {
                 // Unknown, if the answer to an earlier request was lost.
                 expect(status == status::Good || status == status::Bad_MonitoredItemIdInvalid,
                        "DeleteMonitoredItems", status);

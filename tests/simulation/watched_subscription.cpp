@@ -25,6 +25,20 @@ std::int64_t to_number(std::string_view text)
     return number;
 }
 
+/// False if the number must not come now.
+bool receive(Watch& watch, std::int64_t number, const DeliveryJudge& judge)
+{
+    const auto last = watch.check.last();
+    if (watch.check.receive(number)) {
+        return true;
+    }
+    bool is_excused = last && number > *last;
+    for (std::int64_t missed = last.value_or(0) + 1; is_excused && missed < number; ++missed) {
+        is_excused = judge.may_miss(watch, missed);
+    }
+    return is_excused;
+}
+
 std::string describe(std::uint32_t handle, std::optional<std::int64_t> last, std::int64_t number)
 {
     return "item " + std::to_string(handle) + ": " + std::to_string(number) + " after " +
@@ -110,23 +124,21 @@ std::size_t WatchedSubscription::messages() const
     return 1 + queued / max_notifications;
 }
 
-Watch* WatchedSubscription::find(std::uint32_t handle,
-                                 const std::function<void(const std::string&)>& violation)
+Watch* WatchedSubscription::find(std::uint32_t handle, DeliveryJudge& judge)
 {
     const auto found = watches.find(handle);
     if (found != watches.end()) {
         return &found->second;
     }
     if (handle == 0 || handle > last_handle_) {
-        violation("a notification of an item that was never asked for");
+        judge.violation("a notification of an item that was never asked for");
     }
     return nullptr;
 }
 
-void WatchedSubscription::deliver_value(const MonitoredItemNotification& item,
-                                        const std::function<void(const std::string&)>& violation)
+void WatchedSubscription::deliver_value(const MonitoredItemNotification& item, DeliveryJudge& judge)
 {
-    Watch* const watch = find(item.client_handle, violation);
+    Watch* const watch = find(item.client_handle, judge);
     if (watch == nullptr) {
         return;
     }
@@ -136,47 +148,46 @@ void WatchedSubscription::deliver_value(const MonitoredItemNotification& item,
     if ((status & overflow_bits) == overflow_bits) {
         watch->check.tell_overflow();
     } else if (status != 0) {
-        violation(describe(item.client_handle, last, number) + ", status " +
-                  std::to_string(status));
+        judge.violation(describe(item.client_handle, last, number) + ", status " +
+                        std::to_string(status));
     }
-    if (number < 0 || !watch->check.receive(number)) {
-        violation(describe(item.client_handle, last, number));
+    if (number < 0 || !receive(*watch, number, judge)) {
+        judge.violation(describe(item.client_handle, last, number));
     }
 }
 
-void WatchedSubscription::deliver_event(const EventFieldList& event,
-                                        const std::function<void(const std::string&)>& violation)
+void WatchedSubscription::deliver_event(const EventFieldList& event, DeliveryJudge& judge)
 {
-    Watch* const watch = find(event.client_handle, violation);
+    Watch* const watch = find(event.client_handle, judge);
     if (watch == nullptr || event.event_fields.size() != 2) {
         return;
     }
     if (event.event_fields[0].value_or<NodeId>({}).is(id::EventQueueOverflowEventType)) {
         watch->check.tell_overflow();
+        watch->loss_told = judge.now();
         return;
     }
     const LocalizedText text = event.event_fields[1].value_or<LocalizedText>({});
     const std::int64_t number = to_number(text.text.view());
     const auto last = watch->check.last();
-    if (number >= 0 && !watch->check.receive(number)) { // others are the server's own
-        violation("event " + describe(event.client_handle, last, number));
+    if (number >= 0 && !receive(*watch, number, judge)) { // others are the server's own
+        judge.violation("event " + describe(event.client_handle, last, number));
     }
 }
 
-void WatchedSubscription::deliver(const NotificationMessage& message,
-                                  const std::function<void(const std::string&)>& violation)
+void WatchedSubscription::deliver(const NotificationMessage& message, DeliveryJudge& judge)
 {
     for (const ExtensionObject& part : message.notification_data) {
         if (const auto* changes = part.get_if<DataChangeNotification>()) {
             for (const MonitoredItemNotification& item : changes->monitored_items) {
-                deliver_value(item, violation);
+                deliver_value(item, judge);
             }
         } else if (const auto* list = part.get_if<EventNotificationList>()) {
             for (const EventFieldList& event : list->events) {
-                deliver_event(event, violation);
+                deliver_event(event, judge);
             }
         } else {
-            violation("a part of a message that nobody asked for");
+            judge.violation("a part of a message that nobody asked for");
         }
     }
 }

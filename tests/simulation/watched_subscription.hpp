@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <deque>
-#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -38,10 +37,24 @@ struct Watch {
     std::int64_t first_count{0};
     /// Since when it reports as it does.
     TimePoint since;
+    /// When the server told last that events were lost.
+    TimePoint loss_told;
     CountCheck check;
 };
 
 [[nodiscard]] MonitoringParameters parameters_of(const Watch& watch, std::uint32_t client_handle);
+
+/// Who looks at what is delivered.
+class DeliveryJudge {
+public:
+    [[nodiscard]] virtual TimePoint now() const = 0;
+    /// That number of the item may be missing.
+    [[nodiscard]] virtual bool may_miss(const Watch& watch, std::int64_t number) const = 0;
+    virtual void violation(const std::string& what) = 0;
+
+protected:
+    ~DeliveryJudge() = default;
+};
 
 /// What a simulated client knows of one of its Subscriptions, and expects of it.
 class WatchedSubscription {
@@ -51,9 +64,8 @@ public:
     {
     }
 
-    /// Looks at what a message brings. Calls `violation` for what must not be there.
-    void deliver(const NotificationMessage& message,
-                 const std::function<void(const std::string&)>& violation);
+    /// Looks at what a message brings.
+    void deliver(const NotificationMessage& message, DeliveryJudge& judge);
     void add_watch(Plant::Kind kind, std::size_t counter, std::uint32_t queue_size);
     /// Notifications may be missing, or come twice, for a reason.
     void allow_gaps();
@@ -119,12 +131,9 @@ public:
     std::map<std::uint32_t, Watch> watches;
 
 private:
-    void deliver_value(const MonitoredItemNotification& item,
-                       const std::function<void(const std::string&)>& violation);
-    void deliver_event(const EventFieldList& event,
-                       const std::function<void(const std::string&)>& violation);
-    [[nodiscard]] Watch* find(std::uint32_t handle,
-                              const std::function<void(const std::string&)>& violation);
+    void deliver_value(const MonitoredItemNotification& item, DeliveryJudge& judge);
+    void deliver_event(const EventFieldList& event, DeliveryJudge& judge);
+    [[nodiscard]] Watch* find(std::uint32_t handle, DeliveryJudge& judge);
 
     std::uint32_t last_handle_{0};
 };
