@@ -70,8 +70,7 @@ bool SpaceReader::is_constant(NodeIndex node) const
 
 std::size_t SpaceReader::node_count() const
 {
-    return std::size_t{tables_->constant_count} + tables_->record_count -
-           tables_->free_count;
+    return std::size_t{tables_->constant_count} + tables_->record_count - tables_->free_count;
 }
 
 void SpaceReader::for_each(FunctionRef<void(NodeIndex)> visit) const

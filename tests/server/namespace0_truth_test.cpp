@@ -40,6 +40,9 @@ struct Crawl : DiagnosticsFixture {
             if (!nodes.insert(node).second) {
                 continue;
             }
+            if (space.node_class(node) == NodeClass::Variable) { // whose fields may come late
+                static_cast<void>(children(admin, space.node_id(node)));
+            }
             for (const model::NodeIndex child : children_of(node)) {
                 parents.emplace(child, node);
                 open.push_back(child);
