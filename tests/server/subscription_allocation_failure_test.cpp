@@ -229,6 +229,25 @@ bool fail_to_enable_events(std::size_t k, std::size_t most)
     return has_failed;
 }
 
+/// False if nothing failed when a session was closed that leaves two Subscriptions behind. It is
+/// either gone or as it was.
+bool fail_to_close(std::size_t k, std::size_t most)
+{
+    FailureFixture world;
+    DeleteSubscriptionsRequest own;
+    own.subscription_ids = {world.subscribe(), world.subscribe()};
+    CloseSessionRequest request;
+    request.delete_subscriptions = false;
+    const auto [answer, has_failed] = world.attempt(asking<CloseSessionResponse>(request), k, most);
+    INFO("allocation " << k << ": " << name(answer) << "\n" << world.log.text);
+    if (world.server.session_count() == 2) {
+        world.client = world.again(world.client);
+        CHECK(world.ask(world.client, asking<DeleteSubscriptionsResponse>(own)) == status::Good);
+    }
+    CHECK(use(world.other) == status::Good);
+    return has_failed;
+}
+
 /// Sets itself again.
 struct SteadyTimer final : server::detail::Timer {
     void expire(TimePoint now) override
@@ -262,6 +281,12 @@ TEST_CASE("D3: an item of events that found no memory when it was enabled is so 
     const std::size_t most = GENERATE(1U, 1'000'000U); // or there is no memory any more
     check_failing_worlds("SetMonitoringMode",
                          [&](std::size_t k) { return fail_to_enable_events(k, most); });
+}
+
+TEST_CASE("D3: a session that found no memory for its end is as it was")
+{
+    const std::size_t most = GENERATE(1U, 1'000'000U); // or there is no memory any more
+    check_failing_worlds("CloseSession", [&](std::size_t k) { return fail_to_close(k, most); });
 }
 
 TEST_CASE("D3: a timer that expires can be set again whatever memory there is")

@@ -69,6 +69,8 @@ public:
     void add(Subscription& subscription) { subscriptions_.push_back(&subscription); }
     /// Without any Subscription the requests that wait answer Bad_NoSubscription.
     void remove(Subscription& subscription);
+    /// They are nobody's any more, as the session ends.
+    void forget_subscriptions() { subscriptions_.clear(); }
 
     struct StatusChange {
         std::uint32_t subscription_id;

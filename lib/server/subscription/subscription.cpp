@@ -349,12 +349,9 @@ bool Subscription::is_encrypted() const
     return session_ != nullptr ? detail::is_encrypted(*session_) : kept_owner().is_encrypted;
 }
 
-void Subscription::detach()
+void Subscription::detach(std::unique_ptr<SubscriptionOwner> owner)
 {
-    if (session_ == nullptr) {
-        return;
-    }
-    owner_ = std::make_unique<SubscriptionOwner>(owner_of(*session_));
+    owner_ = std::move(owner);
     session_ = nullptr;
     since_ = all_.next_serial();
 }
@@ -376,7 +373,8 @@ void Subscription::end()
     all_.timers().cancel(*this);
     if (session_ != nullptr) {
         PublishPart::of(*session_).remove(*this);
-        busbar::detail::attempt([&] { detach(); });
+        busbar::detail::attempt(
+            [&] { detach(std::make_unique<SubscriptionOwner>(owner_of(*session_))); });
         session_ = nullptr;
     }
     all_.shares().leave(*std::exchange(share_, nullptr), items_.size());

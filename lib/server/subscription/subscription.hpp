@@ -102,8 +102,8 @@ public:
     [[nodiscard]] bool is_encrypted() const;
     /// What its client would have texts in, the best first.
     [[nodiscard]] std::span<const std::string> locales() const;
-    /// The session ends; the Subscription goes on until its lifetime is over.
-    void detach();
+    /// The session ends; the Subscription goes on, for `owner`, until its lifetime is over.
+    void detach(std::unique_ptr<SubscriptionOwner> owner);
     /// Its session has another user or comes from elsewhere.
     void update_share();
     /// What its user has, it included.

@@ -1,7 +1,9 @@
 #include "subscription_table.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <utility>
 
 #include <busbar/core/detail/guarded.hpp>
 
@@ -121,14 +123,22 @@ void SubscriptionTable::session_ends(Session& session, bool deletes_subscription
     if (session.publishing == nullptr) {
         return;
     }
-    const auto own = PublishPart::of(session).subscriptions(); // a copy
-    for (Subscription* subscription : own) {
-        if (deletes_subscriptions) {
-            subscription->handle(SubscriptionEvent::DeleteSubscriptions, {.session = &session});
-            remove(*subscription);
-        } else {
-            subscription->detach();
+    PublishPart& part = PublishPart::of(session);
+    const auto own = part.subscriptions(); // a copy
+    if (!deletes_subscriptions) {
+        // First, as it may fail: a session that goes on has what it had.
+        std::vector<std::unique_ptr<SubscriptionOwner>> owners(own.size());
+        std::transform(own.begin(), own.end(), owners.begin(), [](const Subscription* one) {
+            return std::make_unique<SubscriptionOwner>(one->owner());
+        });
+        for (std::size_t i = 0; i < own.size(); ++i) {
+            own[i]->detach(std::move(owners[i]));
         }
+        return part.forget_subscriptions();
+    }
+    for (Subscription* subscription : own) {
+        subscription->handle(SubscriptionEvent::DeleteSubscriptions, {.session = &session});
+        remove(*subscription);
     }
 }
 
