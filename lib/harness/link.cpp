@@ -146,6 +146,9 @@ void Link::release(Side from)
         --sender.due;
         deliver(from);
     }
+    if (!sender.is_held && std::exchange(sender.is_end_held, false)) {
+        tell_of_end(from);
+    }
 }
 
 void Link::cut()
@@ -196,10 +199,17 @@ void Link::close(Side side)
 {
     flush(side);
     end(side).engine = nullptr;
-    if (!end(side).is_held) {
-        const TimePoint last = std::max(end(side).last_arrival, scheduler_->now());
-        tell(other(side), last - scheduler_->now());
+    if (end(side).is_held) {
+        end(side).is_end_held = true;
+    } else {
+        tell_of_end(side);
     }
+}
+
+void Link::tell_of_end(Side side)
+{
+    const TimePoint last = std::max(end(side).last_arrival, scheduler_->now());
+    tell(other(side), last - scheduler_->now());
 }
 
 } // namespace busbar::harness

@@ -4,11 +4,25 @@
 #include <string>
 #include <thread>
 
+#include <busbar/harness/link.hpp>
 #include <busbar/harness/world.hpp>
 
 using namespace busbar;
 using namespace busbar::harness;
 using namespace std::chrono_literals;
+
+namespace {
+
+struct QuietEnd final : LinkEnd {
+    [[nodiscard]] std::span<const std::byte> output() const override { return {}; }
+    void consume(std::size_t) override {}
+    void feed(std::span<const std::byte>) override {}
+    void link_lost() override { is_lost = true; }
+
+    bool is_lost{false};
+};
+
+} // namespace
 
 TEST_CASE("things happen in the order of their time and, at one time, of asking", "[harness]")
 {
@@ -64,6 +78,24 @@ TEST_CASE("an alarm can be set anew, cancelled and forgotten", "[harness]")
     }
     world.run_for(2s);
     CHECK(count == 1);
+}
+
+TEST_CASE("the end of a connection is held with what is sent before it", "[harness]")
+{
+    World world;
+    QuietEnd client;
+    QuietEnd server;
+    const auto link =
+        std::make_shared<Link>(world.scheduler(), world.network().weather(), Chance{1, 1});
+    link->attach(Side::Client, client);
+    link->attach(Side::Server, server);
+    link->hold(Side::Server);
+    link->close(Side::Server);
+    world.run_for(1s);
+    CHECK_FALSE(client.is_lost);
+    link->release(Side::Server);
+    world.run_for(1s);
+    CHECK(client.is_lost);
 }
 
 TEST_CASE("the time of day jumps and monotonic time does not notice", "[harness]")

@@ -144,6 +144,8 @@ private:
         bool is_held{false};
         /// That have arrived while held.
         std::size_t due{0};
+        /// It has left while held, behind all of them.
+        bool is_end_held{false};
     };
 
     [[nodiscard]] End& end(Side side) { return ends_[static_cast<std::size_t>(side)]; }
@@ -153,6 +155,8 @@ private:
     void arrive(Side from);
     void deliver(Side from);
     void reset();
+    /// The other end learns behind the last piece that `side` has left.
+    void tell_of_end(Side side);
     void tell(Side side, Duration delay);
     void tell_now(Side side);
 
