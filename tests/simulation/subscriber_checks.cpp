@@ -63,6 +63,9 @@ void Subscriber::check_arrivals()
         return violation("is not back");
     }
     for (const auto& [id, subscription] : subscriptions_) {
+        if (may_have_ended(subscription)) {
+            continue;
+        }
         for (const auto& [handle, watch] : subscription.watches) {
             const std::int64_t count = parts_.plant.count(watch.kind, watch.counter);
             // A value is sent anew after a gap; an event that was missed does not come back.
