@@ -138,11 +138,11 @@ ServerHost::ServerHost(World& world, server::ServerConfig config, const ServerPa
                  world.clock(),
                  world.log(),
                  world.new_chance(Actor::Server),
-                 config,
+                 std::move(config),
                  parts,
                  std::move(address_space)}
 {
-    if (server_ != nullptr && world.network().listen(config.endpoint_url, *this)) {
+    if (server_ != nullptr && world.network().listen(server_->config().endpoint_url, *this)) {
         network_ = &world.network();
     }
 }
