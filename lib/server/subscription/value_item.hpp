@@ -98,9 +98,9 @@ private:
     /// What few items have.
     struct Extras final : EuRangeUser {
         explicit Extras(ValueItem& owner) : item{owner} {}
-        void eu_range_came(const std::optional<Range>& range) override
+        void eu_range_came(const std::optional<Range>& value) override
         {
-            item.eu_range_came(range);
+            item.eu_range_came(value);
         }
 
         ValueItem& item;
