@@ -197,7 +197,7 @@ TimePoint Server::next_deadline() const
 
 TimePoint Server::Impl::first_due()
 {
-    if (events->has_model_changes()) {
+    if (events->has_model_changes() || subscriptions.sampler().is_behind()) {
         return TimePoint{}; // long past
     }
     const detail::Session* first = sessions.next_due();
@@ -230,6 +230,11 @@ void Server::handle_deadline(TimePoint now)
     survive("model changes", [&] { impl_->events->announce_model_changes(); });
     survive("the end of a session", [&] { impl_->expire_sessions(now); });
     survive("a Subscription", [&] { impl_->subscriptions.handle_deadline(now); });
+    survive("a scan", [&] {
+        if (impl_->subscriptions.sampler().is_behind()) {
+            impl_->subscriptions.sampler().catch_up(now);
+        }
+    });
     survive("the end of channels", [&] {
         if (impl_->old_channels_deadline <= now) {
             impl_->close_old_channels();

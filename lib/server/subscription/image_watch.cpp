@@ -153,6 +153,11 @@ void ImageWatch::sample(const Sample& sample)
         last_status_ = sample.status;
     }
     ++round_;
+    busbar::detail::Undo undo{[this] { // nobody knows any more what the rest have seen
+        for (Entry& entry : entries_) {
+            entry.is_always = true;
+        }
+    }};
     for (Entry& entry : entries_) {
         if (entry.item == nullptr || (sample.is_only_new && !entry.is_new)) {
             continue;
@@ -162,6 +167,7 @@ void ImageWatch::sample(const Sample& sample)
             report(entry, sample);
         }
     }
+    undo.keep();
 }
 
 } // namespace busbar::server::detail

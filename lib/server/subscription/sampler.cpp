@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
+
 #include "sampling_context.hpp"
 #include "subscription.hpp"
 
@@ -80,7 +82,11 @@ void Sampler::add(ValueItem& item, TimePoint now)
 
 void Sampler::sample_new(TimePoint now)
 {
-    const std::vector<SamplingGroup*> fresh = std::exchange(fresh_, {});
+    std::vector<SamplingGroup*> fresh = std::exchange(fresh_, {});
+    busbar::detail::Undo undo{[&] {
+        is_behind_ = true;
+        fresh_ = std::move(fresh);
+    }};
     std::unordered_map<const SamplingGroup*, ImagePin> latest;
     for (Followed& one : followed_) {
         // A new item's first value must not be followed by that of an older scan.
@@ -100,6 +106,7 @@ void Sampler::sample_new(TimePoint now)
             group->sample_new(now);
         }
     }
+    undo.keep();
 }
 
 void Sampler::tell_sources()
@@ -107,12 +114,21 @@ void Sampler::tell_sources()
     monitored_.tell(needs_.sources);
 }
 
+void Sampler::catch_up(TimePoint now)
+{
+    is_behind_ = false;
+    sample_new(now);
+    handle_scans(now);
+}
+
 void Sampler::handle_scans(TimePoint now)
 {
+    busbar::detail::Undo undo{[&] { is_behind_ = true; }};
     for (Followed& one : followed_) {
         static_cast<void>(take_scans(one, now));
     }
     drop_unfollowed();
+    undo.keep();
 }
 
 /// Gives the latest scan, which is the last that was taken.
@@ -133,10 +149,11 @@ ImagePin Sampler::take_scans(Followed& one, TimePoint now)
         take_scan(one, latest, now);
     }
     const bool is_running = one.image->is_running();
-    const bool has_changed = std::exchange(one.was_running, is_running) != is_running;
+    const bool has_changed = one.was_running != is_running;
     if ((has_changed && latest) || one.group->has_lost_source()) {
         one.group->sample_scan(latest, now, false); // for the status
     }
+    one.was_running = is_running;
     return latest;
 }
 
@@ -146,8 +163,8 @@ void Sampler::take_scan(Followed& one, const ImagePin& pin, TimePoint now)
         return;
     }
     const bool has_lost = one.last_scan != 0 && pin.scan() != one.last_scan + 1;
-    one.last_scan = pin.scan();
     one.group->sample_scan(pin, now, has_lost);
+    one.last_scan = pin.scan(); // if that fails it is taken again, or is lost
 }
 
 void Sampler::drop_unfollowed()

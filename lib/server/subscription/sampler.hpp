@@ -28,6 +28,10 @@ public:
     void tell_sources();
     /// Samples the scans that have come in the process images which are followed.
     void handle_scans(TimePoint now);
+    /// A scan or the first sample of new items has failed, and nothing else may come that has it
+    /// taken again.
+    [[nodiscard]] bool is_behind() const { return is_behind_; }
+    void catch_up(TimePoint now);
 
     /// The shortest revised interval, zero if nothing is sampled in intervals.
     [[nodiscard]] Duration smallest_revised_interval() const;
@@ -73,7 +77,7 @@ private:
 
     [[nodiscard]] SamplingGroup& group_of(const ValueItem& item);
     [[nodiscard]] SamplingGroup& follow(ProcessImage& image);
-    static ImagePin take_scans(Followed& one, TimePoint now);
+    ImagePin take_scans(Followed& one, TimePoint now);
     static void take_scan(Followed& one, const ImagePin& pin, TimePoint now);
     void drop_unfollowed();
 
@@ -88,6 +92,7 @@ private:
     std::vector<SamplingGroup*> fresh_;
     std::unordered_map<model::NodeIndex, Role> roles_;
     std::uint64_t lookups_{0};
+    bool is_behind_{false};
 };
 
 } // namespace busbar::server::detail

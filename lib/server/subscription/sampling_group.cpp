@@ -4,6 +4,8 @@
 #include <optional>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
+
 #include "sampler.hpp"
 #include "sampling_context.hpp"
 #include "server/data/read_results.hpp"
@@ -273,7 +275,9 @@ void SamplingGroup::deliver(Flight& flight)
         }
         const ReadSlot& sample = slot != nullptr ? *slot : flight.call.result(i);
         const bool is_overload = flight.is_late && sample.status == StatusCode{};
-        member.item->sample(sample, is_overload ? status::Good_Overload : sample.status, time);
+        busbar::detail::attempt([&] { // without memory for one the others have theirs
+            member.item->sample(sample, is_overload ? status::Good_Overload : sample.status, time);
+        });
     }
 }
 
@@ -324,7 +328,8 @@ void SamplingGroup::sample_new(const ImagePin& pin, TimePoint now)
 
 void SamplingGroup::sample_new_members(TimePoint now)
 {
-    sample_members(std::exchange(first_new_, members_.size()), members_.size(), now, false);
+    sample_members(first_new_, members_.size(), now, false);
+    first_new_ = members_.size(); // if that fails they are new still
 }
 
 void SamplingGroup::sample(TimePoint now)

@@ -347,12 +347,13 @@ void ValueItem::sample(const ReadSlot& slot, StatusCode status, DateTime server_
     if (last != nullptr && pending_bits_ == 0 && !filter().passes(*last, slot, value, status)) {
         return;
     }
-    const std::uint32_t bits = std::exchange(pending_bits_, 0U) |
-                               (std::exchange(has_lost_, false) ? ValueQueue::overflow_bits : 0U);
+    const std::uint32_t bits = pending_bits_ | (has_lost_ ? ValueQueue::overflow_bits : 0U);
     if (queue_.push(slot, value, StatusCode{status.value() | bits}, server_time,
                     subscription().memory())) {
         subscription().count(&SubscriptionDiagnosticsDataType::monitoring_queue_overflow_count);
     }
+    pending_bits_ = 0;
+    has_lost_ = false;
     notify();
 }
 

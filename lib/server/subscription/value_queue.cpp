@@ -112,14 +112,19 @@ void ValueQueue::move_to(std::unique_ptr<DataValue[]> ring, std::uint32_t capaci
     size_ = is_taken ? 0 : static_cast<std::uint32_t>(values.size());
 }
 
+std::uint32_t ValueQueue::next_place() const
+{
+    if (size_ == capacity_ && capacity_ > 1 && !discards_oldest_) {
+        return newest_;
+    }
+    return newest_ + 1 == capacity_ ? 0 : newest_ + 1;
+}
+
 std::uint32_t ValueQueue::make_place(bool& is_overflow)
 {
     is_overflow = size_ == capacity_ && capacity_ > 1;
-    if (is_overflow && !discards_oldest_) {
-        return newest_;
-    }
-    const std::uint32_t place = newest_ + 1 == capacity_ ? 0 : newest_ + 1;
-    if (is_overflow) { // this was the oldest; the next one tells of the loss
+    const std::uint32_t place = next_place();
+    if (is_overflow && discards_oldest_) { // this was the oldest; the next one tells of the loss
         DataValue& next = at(place + 1 == capacity_ ? 0 : place + 1);
         next.status = with_bits(next.status, overflow_bits);
         is_overflow = false;
@@ -128,21 +133,14 @@ std::uint32_t ValueQueue::make_place(bool& is_overflow)
     return place;
 }
 
-void ValueQueue::set(DataValue& to, const DataValue& data, const Variant& value,
+void ValueQueue::set(DataValue& to, const DataValue& data, Variant value, std::size_t size,
                      MemoryAccount& account)
 {
     account.release(held_bytes(to.value));
     to.value = Variant{};
-    const std::size_t size = held_bytes(value);
-    bool is_kept = account.charge(size);
-    if (is_kept) {
-        std::string why;
-        is_kept = busbar::detail::caught(why, [&] { to.value = value; }).is_good();
-        if (!is_kept) {
-            account.release(size);
-        }
-    }
-    if (!is_kept) {
+    if (account.charge(size)) {
+        to.value = std::move(value);
+    } else {
         to.status = status::Bad_OutOfMemory;
     }
     to.source_timestamp = data.source_timestamp;
@@ -154,10 +152,14 @@ bool ValueQueue::push(const DataValue& data, const Variant& value, StatusCode st
 {
     const bool has_lost = size_ == capacity_ && capacity_ > 1;
     bool is_overflow = false;
+    // First, as it may fail; but not if it cannot be paid for.
+    const std::size_t size = held_bytes(value);
+    const bool is_paid = size <= account.left() + held_bytes(at(next_place()).value);
+    Variant copy = is_paid ? value : Variant{};
     newest_ = make_place(is_overflow);
     DataValue& to = at(newest_);
     to.status = with_bits(status, is_overflow ? overflow_bits : 0);
-    set(to, data, value, account);
+    set(to, data, std::move(copy), size, account);
     to.server_timestamp = server_timestamp;
     size_ += size_ < capacity_ && !is_overflow ? 1 : 0;
     has_newest_ = true;

@@ -75,7 +75,8 @@ public:
     /// The newest value, queued or taken; null if there was none since clear().
     [[nodiscard]] const DataValue* newest() const { return has_newest_ ? &at(newest_) : nullptr; }
     /// Queues a copy; `value` may stand for `data.value`. What the account cannot pay is queued as
-    /// Bad_OutOfMemory. True if another one was lost to make place, but not in a queue of one.
+    /// Bad_OutOfMemory; if it cannot be copied nothing changes, and std::bad_alloc is thrown. True
+    /// if another one was lost to make place, but not in a queue of one.
     bool push(const DataValue& data, const Variant& value, StatusCode status,
               DateTime server_timestamp, MemoryAccount& account);
     [[nodiscard]] const DataValue& oldest() const { return at(oldest_index()); }
@@ -100,7 +101,8 @@ private:
     }
     /// Where the next value goes; flags what is lost.
     [[nodiscard]] std::uint32_t make_place(bool& is_overflow);
-    static void set(DataValue& to, const DataValue& data, const Variant& value,
+    [[nodiscard]] std::uint32_t next_place() const;
+    static void set(DataValue& to, const DataValue& data, Variant value, std::size_t size,
                     MemoryAccount& account);
     /// Leaves `most` of the values that wait.
     void discard(std::vector<DataValue>& values, std::size_t most, MemoryAccount& account) const;
