@@ -8,6 +8,7 @@
 #include <busbar/types/registry.hpp>
 #include <busbar/types/session.hpp>
 
+#include "crypto/secret_maker.hpp"
 #include "fuzz_script.hpp"
 #include "server/users/issued_token.hpp"
 #include "server/users/user_policies.hpp"
@@ -70,8 +71,20 @@ struct Fixture {
     }
 };
 
+/// The plain text as the payload of an RsaEncryptedSecret, which has whole blocks.
+ByteString sealed(const Fixture& fixture, const crypto::SecurityPolicy& policy,
+                  std::span<const std::byte> plain)
+{
+    const auto& certificate = fixture.config.identity->certificates.front();
+    crypto::Bytes payload{plain.begin(), plain.end()};
+    payload.resize((plain.size() / policy.block_size + 1) * policy.block_size);
+    const auto secret = test::make_secret(
+        policy, certificate, test::secret_parts(policy, certificate, std::move(payload)));
+    return secret ? ByteString{*secret} : ByteString{};
+}
+
 /// What a client may have encrypted, so that what is behind the decryption is reached.
-ExtensionObject encrypted(const Fixture& fixture, std::span<const std::byte> plain)
+ExtensionObject encrypted(const Fixture& fixture, std::span<const std::byte> plain, bool is_legacy)
 {
     const auto& endpoint = fixture.config.endpoints[0];
     const auto& policy = server::detail::password_policy(endpoint);
@@ -79,6 +92,10 @@ ExtensionObject encrypted(const Fixture& fixture, std::span<const std::byte> pla
     token.policy_id = server::detail::policy_id(endpoint, UserTokenType::UserName);
     token.user_name = "operator";
     token.encryption_algorithm = policy.encryption_uri;
+    if (!is_legacy) {
+        token.password = sealed(fixture, policy, plain);
+        return ExtensionObject::from(token);
+    }
     if (const auto cipher = crypto::asymmetric_encrypt(
             policy, fixture.config.identity->certificates.front(), plain)) {
         token.password = ByteString{*cipher};
@@ -88,8 +105,8 @@ ExtensionObject encrypted(const Fixture& fixture, std::span<const std::byte> pla
 
 } // namespace
 
-/// Any userIdentityToken and userTokenSignature, and any plain text of an encrypted password. No
-/// token of these users is right.
+/// Any userIdentityToken and userTokenSignature, and any plain text of an encrypted password in
+/// either format. No token of these users is right.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
     static Fixture fixture;
@@ -97,7 +114,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::uint8_t choice = script.byte();
     if (choice % 4 == 0) {
         fixture.users.asked = 0;
-        const auto token = encrypted(fixture, script.bytes(size));
+        const auto token = encrypted(fixture, script.bytes(size), choice % 8 == 0);
         if (fixture.log_in(fixture.config.endpoints[0], token, {}) || fixture.users.asked != 1) {
             std::abort(); // every secret costs a password check
         }

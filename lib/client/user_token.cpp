@@ -2,14 +2,17 @@
 
 #include <busbar/channel/server_certificate.hpp>
 #include <busbar/core/text.hpp>
-#include <busbar/crypto/asymmetric.hpp>
+#include <busbar/crypto/encrypted_secret.hpp>
 #include <busbar/types/session.hpp>
 
 namespace busbar::client::detail {
 
 namespace {
 
-/// Issued tokens are larger than passwords may be. In bytes.
+/// In bytes; those that are longer than the legacy format has room for go in the other one (Part 4,
+/// 7.40.4), which not every server knows.
+constexpr std::size_t max_password_size = 256;
+/// Issued tokens are larger than passwords may be, in the legacy format, too.
 constexpr std::size_t max_issued_size = 8'192;
 
 bool is_for(const UserTokenPolicy& policy, const UserIdentity& identity)
@@ -87,7 +90,7 @@ struct ProtectedSecret {
 
 /// Part 4, 7.40.2; as it is only where the channel hides it.
 Result<ProtectedSecret> protect(const TokenContext& context, std::string_view secret,
-                                std::size_t max_size)
+                                std::size_t max_legacy_size, std::size_t max_size)
 {
     const auto bytes = std::as_bytes(std::span{secret});
     if (context.security.is_none()) {
@@ -101,16 +104,22 @@ Result<ProtectedSecret> protect(const TokenContext& context, std::string_view se
                            "it has more than " + std::to_string(max_size) + " bytes")
                         .error());
     }
+    const crypto::Certificate& server = *context.config.channel.server_certificate;
+    const bool is_legacy = secret.size() <= max_legacy_size;
     const auto encrypted =
-        crypto::encrypt_secret(context.security, *context.config.channel.server_certificate, bytes,
-                               context.server_nonce.span(), max_size);
+        is_legacy
+            ? crypto::encrypt_secret(context.security, server, bytes, context.server_nonce.span(),
+                                     max_legacy_size)
+            : crypto::seal_secret(context.security, server, bytes, context.server_nonce.span(),
+                                  context.environment.wall_clock->now());
     if (!encrypted) {
         return fail(
             refuse(context, encrypted.error(),
                    "it cannot be encrypted: the server's nonce is too short, or its key unfit")
                 .error());
     }
-    return ProtectedSecret{ByteString{*encrypted}, String{context.security.encryption_uri}};
+    return ProtectedSecret{ByteString{*encrypted},
+                           is_legacy ? String{context.security.encryption_uri} : String{}};
 }
 
 Result<UserToken> make(const TokenContext& context, const AnonymousUser&)
@@ -122,7 +131,7 @@ Result<UserToken> make(const TokenContext& context, const AnonymousUser&)
 
 Result<UserToken> make(const TokenContext& context, const NamedUser& user)
 {
-    auto secret = protect(context, user.password, crypto::max_secret_size);
+    auto secret = protect(context, user.password, crypto::max_secret_size, max_password_size);
     if (!secret) {
         return fail(secret.error());
     }
@@ -158,7 +167,7 @@ Result<UserToken> make(const TokenContext& context, const CertificateUser& user)
 
 Result<UserToken> make(const TokenContext& context, const IssuedUser& user)
 {
-    auto secret = protect(context, user.token, max_issued_size);
+    auto secret = protect(context, user.token, max_issued_size, max_issued_size);
     if (!secret) {
         return fail(secret.error());
     }

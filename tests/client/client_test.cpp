@@ -72,6 +72,18 @@ TEST_CASE("users of every kind log in over a channel without security, their sec
     CHECK(plant.validator.asked == (is_anonymous ? 0 : 1));
 }
 
+TEST_CASE("a password that the legacy format has no room for goes as an RsaEncryptedSecret")
+{
+    const std::string name(GENERATE(57U, 58U, 240U),
+                           'n'); // the first is 64 bytes, for the legacy one
+    auto config = ClientFixture::configuration(client::NamedUser{name, name + "-secret"});
+    ClientFixture plant{config};
+    plant.connect();
+    INFO(plant.log.text << plant.site->log.text);
+    CHECK(plant.is_ready());
+    CHECK(plant.site->users.asked == 1);
+}
+
 TEST_CASE("no secret goes to a server that is not trusted")
 {
     auto config = ClientFixture::named_user();
@@ -136,7 +148,7 @@ TEST_CASE("what cannot be mended by another attempt ends the client, and says wh
     }
     SECTION("a password that cannot be encrypted")
     {
-        config.identity = client::NamedUser{"operator", std::string(65, 'x')};
+        config.identity = client::NamedUser{"operator", std::string(257, 'x')};
         expected = status::Bad_IdentityTokenInvalid;
     }
     SECTION("another server")

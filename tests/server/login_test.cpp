@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include <busbar/crypto/encrypted_secret.hpp>
 #include <busbar/types/attribute.hpp>
 #include <busbar/types/ids.hpp>
 
@@ -77,6 +78,46 @@ TEST_CASE("user name tokens",
         X509IdentityToken x509;
         x509.policy_id = "x509";
         CHECK(client.activate(ExtensionObject::from(x509)) == status::Bad_IdentityTokenRejected);
+    }
+}
+
+TEST_CASE("a password of more than 64 bytes comes as an RsaEncryptedSecret",
+          "[unit:Security User Name Password]")
+{
+    ServerFixture fixture;
+    const auto security = GENERATE(channel::SecuritySetting{}, sign, encrypt);
+    auto client = fixture.connect(security);
+    REQUIRE(client.create_session());
+    const std::string name(60, 'n');
+    auto token = *client.user("operator", "operator-secret").get_if<UserNameIdentityToken>();
+    const auto& policy = *crypto::find_policy(security.policy->is_none() ? encrypt.policy->uri
+                                                                         : security.policy->uri);
+    const auto attempt = [&](std::string_view password) {
+        token.user_name = name;
+        token.password =
+            ByteString{crypto::seal_secret(policy, server_identity().certificates.front(),
+                                           std::as_bytes(std::span{password}),
+                                           client.server_nonce.span(), fixture.wall_clock.time)
+                           .value()};
+        return client.activate(ExtensionObject::from(token));
+    };
+    const std::string right = name + "-secret";
+    SECTION("right, whatever encryptionAlgorithm says (Part 4, 7.40.4)")
+    {
+        token.encryption_algorithm = GENERATE("", "something");
+        CHECK(attempt(right) == status::Good);
+        CHECK(fixture.log.text.find("secret") == std::string::npos);
+    }
+    SECTION("wrong, empty or too long")
+    {
+        CHECK(attempt(GENERATE(std::string{"x"}, std::string{}, std::string(257, 'x'))) ==
+              status::Bad_UserAccessDenied);
+        CHECK(fixture.users.asked == 1); // all cost the same
+    }
+    SECTION("for an older nonce")
+    {
+        REQUIRE(attempt(right) == status::Good);
+        CHECK(client.activate(ExtensionObject::from(token)) == status::Bad_UserAccessDenied);
     }
 }
 

@@ -12,11 +12,12 @@ Login log_in_issued(const LoginContext& context, const IssuedIdentityToken& toke
     if (auto failure = check_policy(context, UserTokenType::IssuedToken, token.policy_id)) {
         return tl::unexpected{*std::move(failure)};
     }
-    if (!has_right_encryption(context, token.encryption_algorithm)) {
+    if (!has_right_encryption(context, token.token_data, token.encryption_algorithm)) {
         return tl::unexpected{misuse(status::Bad_IdentityTokenInvalid,
                                      "the token is not encrypted as the endpoint says", {})};
     }
-    const auto secret = open_secret(context, token.token_data, crypto::max_jwt_size);
+    const auto secret =
+        open_secret(context, token.token_data, crypto::max_jwt_size, crypto::max_jwt_size);
     if (!secret) {
         return tl::unexpected{guess(status::Bad_IdentityTokenRejected, "issued token",
                                     "it is not encrypted for this session", "Part 4, 7.40.6")};

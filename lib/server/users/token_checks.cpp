@@ -1,7 +1,7 @@
 #include "token_checks.hpp"
 
 #include <busbar/core/text.hpp>
-#include <busbar/crypto/asymmetric.hpp>
+#include <busbar/crypto/encrypted_secret.hpp>
 
 #include "user_policies.hpp"
 
@@ -56,22 +56,30 @@ std::optional<LoginFailure> check_policy(const LoginContext& context, UserTokenT
     return std::nullopt;
 }
 
-bool has_right_encryption(const LoginContext& context, const String& algorithm)
+bool has_right_encryption(const LoginContext& context, const ByteString& secret,
+                          const String& algorithm)
 {
     const crypto::SecurityPolicy& policy = password_policy(context.endpoint);
-    return policy.is_none() ? algorithm.empty()
-                            : algorithm.view() == policy.encryption_uri && context.config.identity;
+    if (policy.is_none()) {
+        return algorithm.empty();
+    }
+    return context.config.identity && (algorithm.view() == policy.encryption_uri ||
+                                       crypto::is_encrypted_secret(secret.span()));
 }
 
 std::optional<crypto::Secret> open_secret(const LoginContext& context, const ByteString& data,
-                                          std::size_t max_size)
+                                          std::size_t max_legacy_size, std::size_t max_size)
 {
     const crypto::SecurityPolicy& policy = password_policy(context.endpoint);
     if (policy.is_none()) {
         return data.size() <= max_size ? std::optional{crypto::Secret{data.span()}} : std::nullopt;
     }
-    auto secret = crypto::decrypt_secret(policy, context.config.identity->key, data.span(),
-                                         context.server_nonce, max_size);
+    const channel::ApplicationIdentity& identity = *context.config.identity;
+    auto secret = crypto::is_encrypted_secret(data.span())
+                      ? crypto::unseal_secret(policy, identity.certificates.front(), identity.key,
+                                              data.span(), context.server_nonce, max_size)
+                      : crypto::decrypt_secret(policy, identity.key, data.span(),
+                                               context.server_nonce, max_legacy_size);
     return secret ? std::optional{*std::move(secret)} : std::nullopt;
 }
 

@@ -21,13 +21,17 @@ namespace busbar::server::detail {
                                                        UserTokenType type, const String& policy);
 
 /// True if the secret of a token is encrypted, or not, as the endpoint wants it; which anyone can
-/// see.
-[[nodiscard]] bool has_right_encryption(const LoginContext& context, const String& algorithm);
+/// see. With an EncryptedSecret `algorithm` says nothing (Part 4, 7.40.4).
+[[nodiscard]] bool has_right_encryption(const LoginContext& context, const ByteString& secret,
+                                        const String& algorithm);
 
-/// The secret of a token as it was before encryption; nothing if it cannot be read, is not for this
-/// session or too long.
-[[nodiscard]] std::optional<crypto::Secret>
-open_secret(const LoginContext& context, const ByteString& data, std::size_t max_size);
+/// The secret of a token as it was before encryption, in either format (Part 4, 7.40.2); nothing if
+/// it cannot be read, is not for this session or has more bytes than `max_size`, in the legacy
+/// format `max_legacy_size`.
+[[nodiscard]] std::optional<crypto::Secret> open_secret(const LoginContext& context,
+                                                        const ByteString& data,
+                                                        std::size_t max_legacy_size,
+                                                        std::size_t max_size);
 
 [[nodiscard]] UserIdentity identity_of(UserTokenType type, std::string name, UserRights rights);
 

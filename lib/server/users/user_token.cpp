@@ -14,7 +14,7 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// Bytes of passwords that are looked at. The legacy format has room for 64 (Part 4, 7.40.2.1).
+/// Bytes of passwords that are looked at; the legacy format has room for 64 (Part 4, 7.40.2.1).
 constexpr std::size_t max_password_size = 256;
 /// What is checked instead of a password that could not be read.
 constexpr std::string_view stand_in = "not the password of anyone";
@@ -36,15 +36,14 @@ LoginStep begin_user(const LoginContext& context, const UserNameIdentityToken& t
     if (auto failure = check_policy(context, UserTokenType::UserName, token.policy_id)) {
         return Login{tl::unexpected{*std::move(failure)}};
     }
-    if (token.user_name.empty() || !has_right_encryption(context, token.encryption_algorithm)) {
+    if (token.user_name.empty() ||
+        !has_right_encryption(context, token.password, token.encryption_algorithm)) {
         return Login{tl::unexpected{misuse(status::Bad_IdentityTokenInvalid,
                                            "there is no name, or the password is not encrypted as "
                                            "the endpoint says",
                                            {})}};
     }
-    const bool is_legacy = !password_policy(context.endpoint).is_none();
-    auto secret = open_secret(context, token.password,
-                              is_legacy ? crypto::max_secret_size : max_password_size);
+    auto secret = open_secret(context, token.password, crypto::max_secret_size, max_password_size);
     auto check = std::make_shared<PasswordCheck>();
     check->name = token.user_name.view();
     // Neither answer nor time tells what was wrong: the password check is made in any case.
