@@ -255,6 +255,63 @@ TEST_CASE_METHOD(PuppetFixture, "A transfer that is not answered is tried again"
     CHECK(heard.gaps.empty());
 }
 
+TEST_CASE_METHOD(PuppetFixture, "A transfer that found no memory is tried again", "[client]")
+{
+    start();
+    publish(message(1));
+    subscriptions.session_lost();
+    subscriptions.session_started(Start::New);
+    settle();
+    const bool is_whole = GENERATE(false, true); // of the service, or of the one Subscription
+    const auto refuse_transfer = [&] {
+        CHECK(requester.take<TransferSubscriptionsRequest>().subscription_ids ==
+              Array<std::uint32_t>{server_id});
+        TransferSubscriptionsResponse response;
+        response.results.resize(1);
+        response.results[0].status_code = status::Bad_OutOfMemory;
+        if (is_whole) {
+            refuse(status::Bad_OutOfMemory);
+        } else {
+            reply(response);
+        }
+    };
+    SECTION("until there is some")
+    {
+        for (int i = 0; i < 9; ++i) {
+            refuse_transfer();
+            CHECK(requester.count<TransferSubscriptionsRequest>() == 0); // not at once
+            pass(1s);
+        }
+        static_cast<void>(requester.take<TransferSubscriptionsRequest>());
+        TransferSubscriptionsResponse response;
+        response.results.resize(1);
+        reply(response);
+        refuse_republish(2);
+        publish(message(2));
+        CHECK(heard.take_values() == Values{1, 2});
+        CHECK(heard.gaps.empty());
+        CHECK(requester.count<CreateSubscriptionRequest>() == 0);
+    }
+    SECTION("but not for ever")
+    {
+        for (int i = 0; i < 10; ++i) {
+            refuse_transfer();
+            pass(1s);
+        }
+        CHECK(requester.count<TransferSubscriptionsRequest>() == 0);
+        CHECK(requester.count<DeleteSubscriptionsRequest>() == 1);
+        CHECK(requester.count<CreateSubscriptionRequest>() == 1);
+    }
+    SECTION("unless the session is lost once more")
+    {
+        refuse_transfer();
+        subscriptions.session_lost();
+        subscriptions.session_started(Start::Resumed);
+        settle();
+        CHECK(requester.count<TransferSubscriptionsRequest>() == 1);
+    }
+}
+
 TEST_CASE_METHOD(PuppetFixture, "A transfer that was carried out though no answer came is one",
                  "[client]")
 {

@@ -13,9 +13,6 @@ namespace {
 /// InfoType DataValue and Overflow (Part 4, 7.38.1).
 constexpr std::uint32_t overflow_bits = 0x0480;
 
-/// From a refused request until the new Subscription's first values.
-constexpr Duration longest_recovery = 2min;
-
 client::ClientConfig library_config()
 {
     client::ClientConfig config;
@@ -38,9 +35,8 @@ client::SubscriptionSettings settings_of(std::chrono::milliseconds interval)
 
 } // namespace
 
-LibraryClient::LibraryClient(World& world, const MemoryWeather& memory, const Plant& plant,
-                             Trace& trace, std::size_t number)
-    : world_{world}, memory_{memory}, plant_{plant}, trace_{trace}, number_{number},
+LibraryClient::LibraryClient(World& world, const Plant& plant, Trace& trace, std::size_t number)
+    : world_{world}, plant_{plant}, trace_{trace}, number_{number},
       host_{world, library_config(), {.identity = &client_identity(), .log = &log_}}
 {
 }
@@ -59,7 +55,7 @@ void LibraryClient::subscribe(const client::SubscriptionSettings& settings, Plan
 {
     client::SubscriptionHandlers handlers;
     handlers.on_data = [this](auto changes) { receive(changes); };
-    handlers.on_gap = [this](const client::Gap& gap) { allow_gap(gap); };
+    handlers.on_gap = [this](const client::Gap& gap) { refuse_gap(gap); };
     client::Subscriptions& all = host_.client().subscriptions();
     const auto subscription = all.create(settings, std::move(handlers));
     std::vector<client::ItemSettings> items(counters);
@@ -93,19 +89,11 @@ void LibraryClient::receive(std::span<const client::DataChange> changes)
     }
 }
 
-void LibraryClient::allow_gap(const client::Gap& gap)
+/// Its lifetime is longer than what any connection is away and the server without memory.
+void LibraryClient::refuse_gap(const client::Gap& gap)
 {
     trace_.note(number_, "gap", gap.reason.value());
-    // Its lifetime is longer than what any connection is away; but a server without memory does not
-    // give it to the next session.
-    const bool is_refused = gap.reason == status::Bad_OutOfMemory &&
-                            memory_.has_failed(world_.now() - longest_recovery);
-    if (!is_refused) {
-        violation("a gap: " + std::string{name(gap.reason)});
-    }
-    for (const client::ItemHandle item : subscriptions_.at(gap.subscription)) {
-        watches_.at(item).check.allow_gap();
-    }
+    violation("a gap: " + std::string{name(gap.reason)});
 }
 
 void LibraryClient::check_arrivals()

@@ -8,7 +8,6 @@
 #include <busbar/client/subscriptions.hpp>
 
 #include "harness_names.hpp"
-#include "memory_weather.hpp"
 #include "notification_check.hpp"
 #include "plant.hpp"
 #include "trace.hpp"
@@ -22,8 +21,7 @@ class LibraryClient {
 public:
     static constexpr std::size_t publish_requests{6};
 
-    LibraryClient(World& world, const MemoryWeather& memory, const Plant& plant, Trace& trace,
-                  std::size_t number);
+    LibraryClient(World& world, const Plant& plant, Trace& trace, std::size_t number);
 
     void start();
     /// Whether the last of all that was counted has arrived, with the plant and network quiet.
@@ -40,11 +38,10 @@ private:
     void subscribe(const client::SubscriptionSettings& settings, Plant::Kind kind,
                    std::size_t counters);
     void receive(std::span<const client::DataChange> changes);
-    void allow_gap(const client::Gap& gap);
+    void refuse_gap(const client::Gap& gap);
     void violation(const std::string& what) { trace_.violation(number_, what); }
 
     World& world_;
-    const MemoryWeather& memory_;
     const Plant& plant_;
     Trace& trace_;
     std::size_t number_;

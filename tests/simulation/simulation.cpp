@@ -95,7 +95,7 @@ Simulation::Simulation(const SimulationOptions& options)
     }
     for (std::size_t i = 1; i <= options.library_clients; ++i) {
         library_clients_.push_back(
-            std::make_unique<LibraryClient>(world_, memory_, plant_, trace_, options.clients + i));
+            std::make_unique<LibraryClient>(world_, plant_, trace_, options.clients + i));
     }
 }
 

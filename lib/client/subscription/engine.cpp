@@ -148,8 +148,10 @@ void SubscriptionEngine::work_on(WatchedSubscription& subscription)
     case Phase::Polling:
         creation_.create(subscription);
         break;
-    case Phase::Creating:
     case Phase::Transferring:
+        sessions_.transfer();
+        break;
+    case Phase::Creating:
         break;
     }
 }

@@ -2,6 +2,14 @@
 
 namespace busbar::client::detail {
 
+namespace {
+
+/// How often a server without memory is asked, once a second: meanwhile nothing is published, as
+/// the messages of what is transferred come first.
+constexpr std::uint32_t most_transfers = 10;
+
+} // namespace
+
 SessionChange::SessionChange(SessionRequests& requests, WatchList& subscriptions,
                              SubscriptionEnds& ends, Reception& reception)
     : requests_{requests}, subscriptions_{subscriptions}, ends_{ends}, reception_{reception}
@@ -25,6 +33,7 @@ void SessionChange::start_again(WatchedSubscription& subscription, bool is_new_s
         ends_.lost(subscription, status::Bad_SubscriptionIdInvalid, !is_new_session);
     } else if (is_at_server && (is_new_session || subscription.phase == Phase::Transferring)) {
         subscription.phase = Phase::Transferring;
+        subscription.failures = 0;
     } else if (is_at_server) {
         reception_.catch_up(subscription);
     } else if (subscription.phase == Phase::Polling) {
@@ -43,13 +52,17 @@ void SessionChange::transfer()
     TransferSubscriptionsRequest request;
     request.send_initial_values = false;
     for (const auto& [handle, subscription] : subscriptions_.all()) {
-        if (subscription.phase == Phase::Transferring) {
+        if (subscription.phase == Phase::Transferring && !subscription.is_busy &&
+            requests_.now() >= subscription.retry_at) {
             handles.push_back(handle);
             request.subscription_ids.push_back(subscription.server_id);
         }
     }
     if (handles.empty()) {
         return;
+    }
+    for (const SubscriptionHandle handle : handles) {
+        subscriptions_.find(handle)->is_busy = true;
     }
     requests_.send<TransferSubscriptionsResponse>(
         std::move(request), [this, handles = std::move(handles)](const auto& response) {
@@ -60,13 +73,18 @@ void SessionChange::transfer()
 void SessionChange::transferred(const std::vector<SubscriptionHandle>& handles,
                                 const Result<TransferSubscriptionsResponse>& response)
 {
-    if (!response && response.error() == status::Bad_Timeout) {
-        transfer();
-        return;
-    }
     if (!response && (response.error() == status::Bad_ConnectionClosed ||
                       response.error() == status::Bad_SecureChannelClosed)) {
         return; // the next session tries it
+    }
+    for (const SubscriptionHandle handle : handles) {
+        if (WatchedSubscription* subscription = subscriptions_.find(handle)) {
+            subscription->is_busy = false;
+        }
+    }
+    if (!response && response.error() == status::Bad_Timeout) {
+        transfer();
+        return;
     }
     for (std::size_t i = 0; i < handles.size(); ++i) {
         WatchedSubscription* subscription = subscriptions_.find(handles[i]);
@@ -74,24 +92,33 @@ void SessionChange::transferred(const std::vector<SubscriptionHandle>& handles,
             continue;
         }
         if (!response) {
-            ends_.lost(*subscription, response.error(), true);
-            continue;
-        }
-        const StatusCode result = i < response->results.size()
-                                      ? response->results[i].status_code
-                                      : StatusCode{status::Bad_UnexpectedError};
-        // Bad_NothingToDo: it is this session's since a request whose answer was lost.
-        if (result.is_bad() && result != status::Bad_NothingToDo) {
-            // A server that has none of that id may give it to the next one.
-            ends_.lost(*subscription, result, result != status::Bad_SubscriptionIdInvalid);
+            refused(*subscription, response.error());
+        } else if (i >= response->results.size()) {
+            refused(*subscription, status::Bad_UnexpectedError);
         } else {
             transferred(*subscription, response->results[i]);
         }
     }
 }
 
+void SessionChange::refused(WatchedSubscription& subscription, StatusCode reason)
+{
+    if (reason == status::Bad_OutOfMemory && ++subscription.failures < most_transfers) {
+        subscription.retry_at = requests_.now() + first_retry;
+        return;
+    }
+    // A server that has none of that id may give it to the next one.
+    ends_.lost(subscription, reason, reason != status::Bad_SubscriptionIdInvalid);
+}
+
 void SessionChange::transferred(WatchedSubscription& subscription, const TransferResult& result)
 {
+    // Bad_NothingToDo: it is this session's since a request whose answer was lost.
+    if (result.status_code.is_bad() && result.status_code != status::Bad_NothingToDo) {
+        refused(subscription, result.status_code);
+        return;
+    }
+    subscription.failures = 0;
     subscription.phase = Phase::Live;
     // Numbers that are too far ahead are not believed until a message has one.
     for (const std::uint32_t number : result.available_sequence_numbers) {

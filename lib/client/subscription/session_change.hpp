@@ -18,13 +18,16 @@ public:
 
     /// Calls handlers.
     void begin(bool is_new_session);
+    /// Asks for what is to be transferred and was not asked for yet, or was refused for want of
+    /// memory and has waited for it.
+    void transfer();
 
 private:
     void start_again(WatchedSubscription& subscription, bool is_new_session);
-    void transfer();
     void transferred(const std::vector<SubscriptionHandle>& handles,
                      const Result<TransferSubscriptionsResponse>& response);
     void transferred(WatchedSubscription& subscription, const TransferResult& result);
+    void refused(WatchedSubscription& subscription, StatusCode reason);
 
     SessionRequests& requests_;
     WatchList& subscriptions_;
