@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include <busbar/core/detail/guarded.hpp>
 #include <busbar/server/data_source.hpp>
 
 #include "server/data/data_sources.hpp"
@@ -26,9 +27,16 @@ void MonitoredHandles::add(const Use& use, Duration interval)
     if (changed_.capacity() <= entries_.size()) { // so that to note a change needs no memory
         changed_.reserve(2 * entries_.size() + 8);
     }
-    Entry& entry = entries_[use];
+    const auto made = entries_.try_emplace(use);
+    busbar::detail::Undo undo{[&] {
+        if (made.second) {
+            entries_.erase(made.first);
+        }
+    }};
+    Entry& entry = made.first->second;
     ++entry.items[interval];
     note_change(use, entry);
+    undo.keep();
 }
 
 void MonitoredHandles::remove(const Use& use, Duration interval)

@@ -156,8 +156,8 @@ public:
     [[nodiscard]] std::vector<std::uint32_t> item_ids() const;
     /// Queues the last value of each data item that reports and has none queued.
     void resend_data(TimePoint now);
-    /// See ValueItem::announce_change.
-    void announce_change(const std::unordered_set<NodeId>& variables, std::uint32_t status_bits);
+    /// See ValueItem::announce_change. False if an item had no memory to be looked up again.
+    bool announce_change(const std::unordered_set<NodeId>& variables, std::uint32_t status_bits);
     [[nodiscard]] ReadyList& ready(MonitoredItem::Kind kind)
     {
         return kind == MonitoredItem::Kind::Data ? ready_data_ : ready_events_;

@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <string>
 #include <utility>
 
 #include <busbar/core/attribute_id.hpp>
+#include <busbar/core/detail/guarded.hpp>
 
 #include "subscription.hpp"
 #include "subscription_table.hpp"
@@ -66,19 +68,23 @@ void Subscription::resend_data(TimePoint now)
     });
 }
 
-void Subscription::announce_change(const std::unordered_set<NodeId>& variables,
+bool Subscription::announce_change(const std::unordered_set<NodeId>& variables,
                                    std::uint32_t status_bits)
 {
     constexpr auto value_attribute = static_cast<std::uint32_t>(AttributeId::Value);
+    bool is_whole = true;
+    std::string lost;
     items_.for_each([&](MonitoredItem& item) {
         if (item.kind() != MonitoredItem::Kind::Data) {
             return;
         }
         auto& data = static_cast<ValueItem&>(item);
         if (data.target().attribute_id == value_attribute && variables.contains(data.node_id())) {
-            data.announce_change(status_bits);
+            is_whole &= busbar::detail::caught(lost, [&] { data.announce_change(status_bits); })
+                            .is_good();
         }
     });
+    return is_whole;
 }
 
 } // namespace busbar::server::detail

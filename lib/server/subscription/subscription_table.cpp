@@ -180,7 +180,9 @@ void SubscriptionTable::announce_change(const std::unordered_set<NodeId>& variab
                                         std::uint32_t status_bits)
 {
     for (const auto& [id, subscription] : subscriptions_) {
-        subscription->announce_change(variables, status_bits);
+        if (!subscription->announce_change(variables, status_bits)) {
+            sampler_->look_up_again(); // without memory now
+        }
     }
 }
 
