@@ -127,7 +127,12 @@ private:
             const std::vector<std::byte> request{client_->output().begin(),
                                                  client_->output().end()};
             client_->consume(request.size());
-            timed([&] { static_cast<void>(connection_->feed(request, now_)); });
+            timed([&] {
+                static_cast<void>(connection_->feed(request, now_));
+                while (connection_->next_deadline() <= now_) { // large requests have turns
+                    connection_->handle_deadline(now_);
+                }
+            });
             static_cast<void>(client_->feed(connection_->output(), now_));
             connection_->consume(connection_->output().size());
             while (auto event = client_->next_event()) {

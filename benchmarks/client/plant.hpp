@@ -78,6 +78,9 @@ public:
         const std::vector<std::byte> request{engine.output().begin(), engine.output().end()};
         watch.time([&] { engine.consume(request.size()); });
         static_cast<void>(connection_->feed(request, now));
+        while (connection_->next_deadline() <= now) { // large requests are carried out in turns
+            connection_->handle_deadline(now);
+        }
         while (connection_->next_event()) {
         }
         const std::vector<std::byte> response{connection_->output().begin(),

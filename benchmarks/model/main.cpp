@@ -25,7 +25,6 @@ using namespace busbar::bench;
 
 namespace {
 
-constexpr std::uint32_t sizes[] = {25'000, 250'000, 1'000'000};
 constexpr std::uint32_t wide_folder = 10'000;
 
 void print_starts()
@@ -162,7 +161,7 @@ void add_services(GrowthTable& table, model::AddressSpace space, std::uint32_t v
     table.add("translate 1,000 paths of 3, us", paths.microseconds);
 }
 
-void print_growth()
+void print_growth(const std::vector<std::uint32_t>& sizes)
 {
     GrowthTable table;
     for (const std::uint32_t variables : sizes) {
@@ -179,12 +178,12 @@ void print_growth()
 }
 
 /// What the information model costs, and files of the user's.
-void print_models(const std::vector<std::string>& files)
+void print_models(const std::vector<std::string>& files, const std::vector<std::uint32_t>& sizes)
 {
     std::printf("growth: a figure over that of the size before. For one of a node or variable 1.00 "
                 "is linear,\nthe ratio of the sizes quadratic.\n\n");
     print_starts();
-    print_growth();
+    print_growth(sizes);
     print_load_growth(sizes);
     std::printf("\n");
     static_cast<void>(subtype_cost(model::AddressSpace{}));
@@ -212,11 +211,16 @@ int print_projects(const ProjectOptions& options, bool json)
 int main(int argc, char** argv)
 {
     std::vector<std::string> files;
+    std::vector<std::uint32_t> sizes{25'000, 250'000, 1'000'000};
     ProjectOptions options;
     bool json = false;
     CLI::App app{"Measures the information model: start, memory, and the View services with ever "
                  "more nodes."};
     app.add_option("files", files, "NodeSet2 files, which are loaded together");
+    app.add_option("--variables", sizes, "of the models that grow, ascending")
+        ->delimiter(',')
+        ->check(CLI::Range(1'000, 10'000'000))
+        ->capture_default_str();
     CLI::App* const project = app.add_subcommand(
         "project", "What a project of model mode costs for each node: import, check, export, write "
                    "and verify, with the limits of RD81OPC96 and ten times as large without.");
@@ -229,6 +233,6 @@ int main(int argc, char** argv)
         options.open.objects = 10 * options.limited.objects;
         return print_projects(options, json);
     }
-    print_models(files);
+    print_models(files, sizes);
     return 0;
 }

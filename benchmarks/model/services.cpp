@@ -126,6 +126,9 @@ client::ConnectionEvent Services::Impl::wait()
         client->consume(request.size());
         const auto begin = Clock::now();
         static_cast<void>(connection->feed(request, now));
+        while (connection->next_deadline() <= now) { // large requests are carried out in turns
+            connection->handle_deadline(now);
+        }
         server_us += elapsed_us(begin);
         if (request.empty() && connection->output().empty()) {
             give_up("Bad_Timeout");

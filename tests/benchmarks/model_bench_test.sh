@@ -25,3 +25,8 @@ has '"nodes": 200, "mapped": 100, "files": 1, "preset": "rd81opc96", ' project.j
 has '"import_growth": null, ' project.json
 has '"nodes": 2000, "mapped": 1000, "files": 10, "preset": null, ' project.json
 has '"verify_us_per_node": .*, "held_bytes": [1-9]' project.json
+
+"$bench" --variables 1000,2000 > growth.txt
+for figure in "find a node" "Browse 10,000 references" "translate 1,000 paths of 3"; do
+    has "^$figure, [nu]s  *[0-9.]*  *[0-9.]*  *[0-9.]*$" growth.txt
+done
