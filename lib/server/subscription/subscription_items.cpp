@@ -80,8 +80,8 @@ bool Subscription::announce_change(const std::unordered_set<NodeId>& variables,
         }
         auto& data = static_cast<ValueItem&>(item);
         if (data.target().attribute_id == value_attribute && variables.contains(data.node_id())) {
-            is_whole &= busbar::detail::caught(lost, [&] { data.announce_change(status_bits); })
-                            .is_good();
+            is_whole &=
+                busbar::detail::caught(lost, [&] { data.announce_change(status_bits); }).is_good();
         }
     });
     return is_whole;
