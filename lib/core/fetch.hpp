@@ -19,16 +19,22 @@ inline void fetch(const void* address)
 #endif
 }
 
+/// The same for so many bytes from there on.
+inline void fetch(const void* address, std::size_t size)
+{
+    constexpr std::size_t line_size = 64;
+    const auto* const begin = static_cast<const char*>(address);
+    for (std::size_t at = 0; at < size; at += line_size) {
+        fetch(begin + at);
+    }
+    fetch(begin + size - 1); // it need not begin where a line does
+}
+
 /// The same for all of an object.
 template <typename T>
 void fetch_object(const T& object)
 {
-    constexpr std::size_t line_size = 64;
-    const auto* const begin = reinterpret_cast<const char*>(&object);
-    for (std::size_t at = 0; at < sizeof object; at += line_size) {
-        fetch(begin + at);
-    }
-    fetch(begin + sizeof object - 1); // it need not begin where a line does
+    fetch(&object, sizeof object);
 }
 
 } // namespace busbar::detail

@@ -1,29 +1,47 @@
 #include "image_watch.hpp"
 
+#include <array>
 #include <cstring>
+#include <span>
+#include <utility>
 
 #include <busbar/core/detail/guarded.hpp>
 
+#include "core/fetch.hpp"
 #include "server/data/read_results.hpp"
 
 namespace busbar::server::detail {
 
 namespace {
 
-bool is_same(const std::byte* a, const std::byte* b, std::size_t size)
+template <std::size_t size>
+bool take_new(std::byte* seen, const std::byte* now)
+{
+    const bool is_new = std::memcmp(seen, now, size) != 0;
+    std::memcpy(seen, now, size);
+    return is_new;
+}
+
+/// Has `seen` be what is there now; true if it was something else.
+bool take_new(std::byte* seen, const std::byte* now, std::size_t size)
 {
     switch (size) { // sizes that are known need no call
     case 1:
-        return *a == *b;
+        return take_new<1>(seen, now);
     case 2:
-        return std::memcmp(a, b, 2) == 0;
+        return take_new<2>(seen, now);
     case 4:
-        return std::memcmp(a, b, 4) == 0;
+        return take_new<4>(seen, now);
     case 8:
-        return std::memcmp(a, b, 8) == 0;
+        return take_new<8>(seen, now);
     default:
-        return std::memcmp(a, b, size) == 0;
+        break;
     }
+    const bool is_new = std::memcmp(seen, now, size) != 0;
+    if (is_new) {
+        std::memcpy(seen, now, size);
+    }
+    return is_new;
 }
 
 } // namespace
@@ -109,12 +127,7 @@ bool ImageWatch::has_changed(Variable& variable, const Sample& sample)
     if (now == nullptr) { // it was added after the scan
         return variable.has_changed = true;
     }
-    std::byte* const seen = seen_.data() + variable.seen;
-    variable.has_changed = !is_same(now, seen, size);
-    if (variable.has_changed) {
-        std::memcpy(seen, now, size);
-    }
-    return variable.has_changed;
+    return variable.has_changed = take_new(seen_.data() + variable.seen, now, size);
 }
 
 void ImageWatch::report(Entry& entry, const Sample& sample)
@@ -158,15 +171,33 @@ void ImageWatch::sample(const Sample& sample)
             entry.is_always = true;
         }
     }};
+    // A group at a time: items lie apart from each other, and all that have something new are on
+    // their way from memory while the rest of the group is looked at.
+    std::array<Entry*, 2 * busbar::detail::fetched_ahead> group;
+    std::size_t count = 0;
+    const auto report_group = [&] {
+        const auto those = std::span{group}.first(std::exchange(count, 0));
+        for (const Entry* const entry : those) {
+            entry->item->fetch_queue();
+        }
+        for (Entry* const entry : those) {
+            report(*entry, sample);
+        }
+    };
     for (Entry& entry : entries_) {
         if (entry.item == nullptr || (sample.is_only_new && !entry.is_new)) {
             continue;
         }
         const bool has_new = sample.pin && has_changed(variables_[entry.variable], sample);
         if (has_new || is_everything || entry.is_always) {
-            report(entry, sample);
+            busbar::detail::fetch_object(*entry.item);
+            group[count++] = &entry;
+        }
+        if (count == group.size()) {
+            report_group();
         }
     }
+    report_group();
     undo.keep();
 }
 

@@ -56,6 +56,8 @@ public:
 
     /// Notifications that wait.
     [[nodiscard]] virtual std::size_t queued() const = 0;
+    /// Has the oldest Notification brought near from memory.
+    virtual void fetch_notification() const {}
     /// Bytes that the oldest Notification takes at most.
     [[nodiscard]] virtual std::size_t notification_size() const { return 0; }
     /// Writes the oldest Notification, a MonitoredItemNotification or an EventFieldList, and

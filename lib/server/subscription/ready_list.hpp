@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/fetch.hpp"
 #include "monitored_item.hpp"
 
 namespace busbar::server::detail {
@@ -41,6 +42,7 @@ public:
     MonitoredItem& take_notification(binary::Writer& writer, std::size_t most)
     {
         MonitoredItem& item = *first_;
+        fetch_after(item);
         item.take_notification(writer, most);
         if (item.mode() != MonitoringMode::Reporting) {
             --item.released_;
@@ -60,6 +62,21 @@ public:
     }
 
 private:
+    /// Of an item, whatever its kind: what is fetched while those before it write.
+    static constexpr std::size_t most_item_size = 256;
+
+    static void fetch_after(const MonitoredItem& item)
+    {
+        const MonitoredItem* const next = item.next_;
+        if (next == nullptr) {
+            return;
+        }
+        next->fetch_notification();
+        if (next->next_ != nullptr) {
+            busbar::detail::fetch(next->next_, most_item_size);
+        }
+    }
+
     MonitoredItem* first_{nullptr};
     MonitoredItem* last_{nullptr};
 };

@@ -41,6 +41,7 @@ public:
     ~ValueItem() override;
 
     [[nodiscard]] std::size_t queued() const override { return queue_.size(); }
+    void fetch_notification() const override { busbar::detail::fetch_object(queue_.oldest()); }
     [[nodiscard]] std::size_t notification_size() const override;
     void take_notification(binary::Writer& writer, std::size_t most) override;
     void modify(const ItemContext& context, const MonitoringParameters& parameters,
@@ -82,6 +83,8 @@ public:
     /// The next sample is reported whatever it is, with these bits of its status set (Part 4,
     /// 7.38.1; Part 8, 5.2). A filter in percent looks for the EURange again.
     void announce_change(std::uint32_t status_bits);
+    /// Has brought near from memory what sample() is going to look at.
+    void fetch_queue() const { queue_.fetch(); }
 
 private:
     friend class SamplingGroup;

@@ -10,13 +10,6 @@ namespace busbar::server::detail {
 
 namespace {
 
-/// True for what lies in a Variant, and in an array, without memory of its own.
-bool is_flat(BuiltInType type)
-{
-    return type < BuiltInType::String || type == BuiltInType::DateTime ||
-           type == BuiltInType::Guid || type == BuiltInType::StatusCode;
-}
-
 StatusCode with_bits(StatusCode status, std::uint32_t bits)
 {
     return StatusCode{status.value() | bits};
@@ -24,10 +17,10 @@ StatusCode with_bits(StatusCode status, std::uint32_t bits)
 
 } // namespace
 
-std::size_t held_bytes(const Variant& value)
+std::size_t held_bytes_apart(const Variant& value)
 {
     if (is_flat(value.type())) {
-        return value.is_array() ? value.array_size() * 16 + 32 : 0;
+        return value.array_size() * 16 + 32;
     }
     if (const String* text = value.get_if<String>()) {
         return text->size();
@@ -154,7 +147,7 @@ bool ValueQueue::push(const DataValue& data, const Variant& value, StatusCode st
     bool is_overflow = false;
     // First, as it may fail; but not if it cannot be paid for.
     const std::size_t size = held_bytes(value);
-    const bool is_paid = size <= account.left() + held_bytes(at(next_place()).value);
+    const bool is_paid = size == 0 || size <= account.left() + held_bytes(at(next_place()).value);
     Variant copy = is_paid ? value : Variant{};
     newest_ = make_place(is_overflow);
     DataValue& to = at(newest_);

@@ -7,6 +7,8 @@
 
 #include <busbar/core/data_value.hpp>
 
+#include "core/fetch.hpp"
+
 namespace busbar::server::detail {
 
 /// What pays for the memory of items and messages.
@@ -20,6 +22,9 @@ public:
     /// False, and nothing is charged, if there is not that much left.
     [[nodiscard]] bool charge(std::size_t bytes)
     {
+        if (bytes == 0) { // as what is flat costs
+            return true;
+        }
         if (bytes > left_ || (parent_ != nullptr && !parent_->charge(bytes))) {
             return false;
         }
@@ -28,6 +33,9 @@ public:
     }
     void release(std::size_t bytes)
     {
+        if (bytes == 0) {
+            return;
+        }
         left_ += bytes;
         if (parent_ != nullptr) {
             parent_->release(bytes);
@@ -43,8 +51,21 @@ private:
     MemoryAccount* parent_;
 };
 
+/// True for what lies in a Variant, and in an array, without memory of its own.
+[[nodiscard]] inline bool is_flat(BuiltInType type)
+{
+    return type < BuiltInType::String || type == BuiltInType::DateTime ||
+           type == BuiltInType::Guid || type == BuiltInType::StatusCode;
+}
+
+/// held_bytes() of anything but a flat scalar.
+[[nodiscard]] std::size_t held_bytes_apart(const Variant& value);
+
 /// Bytes that a value holds besides the Variant itself; an estimate for what is nested.
-[[nodiscard]] std::size_t held_bytes(const Variant& value);
+[[nodiscard]] inline std::size_t held_bytes(const Variant& value)
+{
+    return is_flat(value.type()) && !value.is_array() ? 0 : held_bytes_apart(value);
+}
 
 /// The queue of a data item (Part 4, 5.13.1.5): a ring that never grows, whose newest value stays
 /// behind when it was taken, as what the next sample is compared with.
@@ -79,6 +100,14 @@ public:
     /// if another one was lost to make place, but not in a queue of one.
     bool push(const DataValue& data, const Variant& value, StatusCode status,
               DateTime server_timestamp, MemoryAccount& account);
+    /// Has the newest value and the place of the next brought near from memory.
+    void fetch() const
+    {
+        if (ring_ != nullptr) {
+            busbar::detail::fetch_object(ring_[newest_]);
+            busbar::detail::fetch_object(ring_[next_place()]);
+        }
+    }
     [[nodiscard]] const DataValue& oldest() const { return at(oldest_index()); }
     void pop() { --size_; }
     /// Queues the newest value again, if it was taken.
