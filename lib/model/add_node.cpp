@@ -40,7 +40,7 @@ Result<NodeIndex> data_type_of(const SpaceReader& space, const NodeId& id, std::
     return found;
 }
 
-/// The NodeId of a Variable that is named after its place.
+/// The NodeId of a Variable that is named after its links.
 NodeId path_id(const NodeId& parent, const QualifiedName& name)
 {
     const bool continues =
@@ -104,7 +104,7 @@ Result<NodeIndex> AddressSpace::add_object(const NewNode& node, const NewObject&
     const auto created = create(node, NodeClass::Object);
     if (created) {
         NodeRecord& record = tables_->record(*created);
-        record.type_definition = *type;
+        tables_->links(*created).type_definition = *type;
         record.event_notifier = object.event_notifier;
     }
     return created;
@@ -131,7 +131,7 @@ Result<NodeIndex> AddressSpace::add_variable(const NewNode& node, const NewVaria
         return created;
     }
     NodeRecord& record = tables_->record(*created);
-    record.type_definition = *type;
+    tables_->links(*created).type_definition = *type;
     record.data_type = *data_type;
     record.value_rank = variable.value_rank;
     record.access_level = static_cast<std::uint8_t>(variable.access_level);

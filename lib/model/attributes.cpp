@@ -200,7 +200,7 @@ LocalizedText SpaceReader::display_name(NodeIndex node) const
         if (record.extra != nullptr && !record.extra->display_name.text.is_null()) {
             return borrowed(record.extra->display_name);
         }
-        return LocalizedText{String::borrow(record.name())};
+        return LocalizedText{String::borrow(record.name(tables_->links(node)))};
     }
     if (!tables_->overlays.empty()) {
         const Overlay* const overlay = tables_->overlay(node);

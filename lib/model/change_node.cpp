@@ -29,8 +29,8 @@ std::vector<NodeIndex> subtree(const Tables& tables, NodeIndex root)
         for (std::uint32_t slot = 0; list != nullptr && slot < list->entries.size(); ++slot) {
             const Entry& entry = list->entries[slot];
             if (!entry.is_hole() && entry.is_forward() && !tables.is_constant(entry.target) &&
-                tables.record(entry.target).parent == nodes[i] &&
-                tables.record(entry.target).parent_slot == slot) {
+                tables.links(entry.target).parent == nodes[i] &&
+                tables.links(entry.target).parent_slot == slot) {
                 nodes.push_back(entry.target);
             }
         }

@@ -79,7 +79,7 @@ StatusCode check_names(const SpaceReader& space, const Tables& tables, const New
         return status::Bad_BrowseNameInvalid;
     }
     bool is_taken = tables.find_child(node.parent, name, [&](NodeIndex child) {
-        return tables.record(child).parent_reference == reference;
+        return tables.links(child).parent_reference == reference;
     }) != no_node;
     if (!is_taken && tables.is_constant(node.parent)) {
         static_cast<void>(space.for_each_child(node.parent, reference, false, name, [&](NodeIndex) {

@@ -131,7 +131,7 @@ void Graft::choose_parents()
     for (Link& link : links_) {
         const std::uint32_t at = position(link.target);
         if (at == none || is_type(record(link.target).node_class()) ||
-            record(link.target).parent != no_node ||
+            tables_.links(link.target).parent != no_node ||
             !space_.is_subtype_of(link.type, id_hierarchical_references)) {
             continue;
         }
@@ -180,8 +180,9 @@ void Graft::add_others()
     const NodeIndex has_modelling_rule = tables_.find_constant(id_has_modelling_rule);
     for (const Link& link : links_) {
         if (link.type == tables_.has_type_definition) {
-            if (position(link.source) != none && record(link.source).type_definition == no_node) {
-                record(link.source).type_definition = link.target;
+            if (position(link.source) != none &&
+                tables_.links(link.source).type_definition == no_node) {
+                tables_.links(link.source).type_definition = link.target;
             }
             continue;
         }

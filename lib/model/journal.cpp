@@ -34,8 +34,8 @@ void Tables::note(NodeIndex node, unsigned verb)
         // Copies own their text.
         const NodeId id = from.node_id();
         change.affected = id;
-        if (from.type_definition != no_node) {
-            const NodeId type = id_of(from.type_definition);
+        if (const NodeIndex definition = links(node).type_definition; definition != no_node) {
+            const NodeId type = id_of(definition);
             change.affected_type = type;
         }
         if (from.generation > journal.taken_generation) {
@@ -49,10 +49,11 @@ NodeId Tables::id_of(NodeIndex node) const
     return is_constant(node) ? NodeId{0, constant(node).id.value} : record(node).node_id();
 }
 
-bool Tables::is_node_version(const NodeRecord& child) const
+bool Tables::is_node_version(NodeIndex child) const
 {
-    return child.browse_namespace == 0 && child.parent_reference == has_property &&
-           child.name() == "NodeVersion";
+    const NodeRecord& from = record(child);
+    return from.browse_namespace == 0 && links(child).parent_reference == has_property &&
+           from.name(links(child)) == "NodeVersion";
 }
 
 } // namespace detail

@@ -56,7 +56,8 @@ NodeId NodeRecord::node_id() const
     return NodeId{id_namespace, id};
 }
 
-void NodeRecord::set_names(const NodeId& id_of_node, const QualifiedName& browse_name)
+void NodeRecord::set_names(const NodeId& id_of_node, const QualifiedName& browse_name,
+                           NodeLinks& links)
 {
     const std::string_view identifier = identifier_text(id_of_node);
     const std::string_view name_text = browse_name.name.view();
@@ -65,13 +66,14 @@ void NodeRecord::set_names(const NodeId& id_of_node, const QualifiedName& browse
     id = id_of_node.is_numeric() ? id_of_node.numeric()
                                  : static_cast<std::uint32_t>(identifier.size());
     browse_namespace = browse_name.namespace_index;
-    name_size = static_cast<std::uint32_t>(name_text.size());
+    links.name_size = static_cast<std::uint32_t>(name_text.size());
     const bool shares = identifier.ends_with(name_text);
     text = std::make_unique<char[]>(identifier.size() + (shares ? 0 : name_text.size()));
     std::copy(identifier.begin(), identifier.end(), text.get());
-    name_offset = static_cast<std::uint32_t>(identifier.size() - (shares ? name_text.size() : 0));
+    links.name_offset =
+        static_cast<std::uint32_t>(identifier.size() - (shares ? name_text.size() : 0));
     if (!shares) {
-        std::copy(name_text.begin(), name_text.end(), text.get() + name_offset);
+        std::copy(name_text.begin(), name_text.end(), text.get() + links.name_offset);
     }
 }
 

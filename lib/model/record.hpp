@@ -66,9 +66,22 @@ struct Extra {
     NodeIndex constant_base{no_node};
 };
 
-/// A dynamic node. The text block has the identifier of a String or Opaque NodeId (the 16 bytes
-/// of a Guid) and the BrowseName, which shares bytes with the identifier where that ends with it.
-struct NodeRecord {
+/// The rest of a dynamic node: its name, and where it lies.
+struct NodeLinks {
+    std::uint32_t name_offset{0};
+    std::uint32_t name_size{0};
+    NodeIndex parent{no_node};
+    std::uint32_t parent_slot{0};
+    NodeIndex parent_reference{no_node};
+    NodeIndex type_definition{no_node};
+    std::unique_ptr<ReferenceList> references;
+};
+
+/// A dynamic node: what finds it by its NodeId and what a Read of its Value needs, which a
+/// processor has with one line of its memory. The text block has the identifier of a String or
+/// Opaque NodeId (the 16 bytes of a Guid) and the BrowseName, which shares bytes with the
+/// identifier where that ends with it.
+struct alignas(64) NodeRecord {
     std::uint32_t generation{0};
     std::uint16_t id_namespace{0};
     std::uint16_t browse_namespace{0};
@@ -80,34 +93,31 @@ struct NodeRecord {
     /// The numeric identifier, or the size of the identifier's text.
     std::uint32_t id{0};
     std::unique_ptr<char[]> text;
-    std::uint32_t name_offset{0};
-    std::uint32_t name_size{0};
-    NodeIndex parent{no_node};
-    std::uint32_t parent_slot{0};
-    NodeIndex parent_reference{no_node};
-    NodeIndex type_definition{no_node};
-    NodeIndex data_type{no_node};
-    std::int32_t value_rank{-1};
     std::uint64_t handle{0};
     double minimum_sampling_interval{0};
     std::uint32_t source{no_source};
+    NodeIndex data_type{no_node};
+    std::int32_t value_rank{-1};
     std::uint8_t access_level{0};
     std::uint8_t user_access_level{0};
-    std::unique_ptr<ReferenceList> references;
     std::unique_ptr<Extra> extra;
 
     [[nodiscard]] bool is_free() const { return class_bits == 0; }
     [[nodiscard]] NodeClass node_class() const { return NodeClass{class_bits}; }
-    [[nodiscard]] std::string_view name() const { return {text.get() + name_offset, name_size}; }
+    /// Its BrowseName; borrowed.
+    [[nodiscard]] std::string_view name(const NodeLinks& links) const
+    {
+        return {text.get() + links.name_offset, links.name_size};
+    }
     /// The identifier; borrowed.
     [[nodiscard]] NodeId node_id() const;
-    /// Sets identifier and BrowseName. The record must be new.
-    void set_names(const NodeId& id_of_node, const QualifiedName& browse_name);
+    /// Sets identifier and BrowseName. Both must be new.
+    void set_names(const NodeId& id_of_node, const QualifiedName& browse_name, NodeLinks& links);
     [[nodiscard]] bool has_id(const NodeId& other) const;
     [[nodiscard]] BUSBAR_API Extra& make_extra();
 };
 
-static_assert(sizeof(void*) != 8 || sizeof(NodeRecord) == 96);
+static_assert(sizeof(NodeRecord) == 64);
 
 /// What was set of a constant node at run time.
 struct Overlay {

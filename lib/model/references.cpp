@@ -6,7 +6,7 @@
 namespace busbar::model {
 
 using detail::Entry;
-using detail::NodeRecord;
+using detail::NodeLinks;
 using detail::number;
 using detail::ReferenceList;
 using detail::Tables;
@@ -75,12 +75,12 @@ ReferenceCursor SpaceReader::references(NodeIndex node, std::size_t position) co
         cursor.constant_ = all.data() + first;
         cursor.constant_count_ = last - first;
     } else {
-        const NodeRecord& record = tables.record(node);
-        if (record.parent != no_node) {
-            cursor.own_[cursor.own_count_++] = {record.parent_reference, record.parent, false};
+        const NodeLinks& links = tables.links(node);
+        if (links.parent != no_node) {
+            cursor.own_[cursor.own_count_++] = {links.parent_reference, links.parent, false};
         }
-        if (record.type_definition != no_node) {
-            cursor.own_[cursor.own_count_++] = {tables.has_type_definition, record.type_definition,
+        if (links.type_definition != no_node) {
+            cursor.own_[cursor.own_count_++] = {tables.has_type_definition, links.type_definition,
                                                 true};
         }
     }
@@ -106,7 +106,7 @@ std::uint64_t SpaceReader::type_count() const
 NodeIndex SpaceReader::type_definition(NodeIndex node) const
 {
     if (!tables_->is_constant(node)) {
-        return tables_->record(node).type_definition;
+        return tables_->links(node).type_definition;
     }
     ReferenceCursor cursor = references(node);
     while (const auto reference = cursor.next()) {
@@ -146,7 +146,7 @@ std::size_t SpaceReader::for_each_child(NodeIndex parent, NodeIndex type, bool i
     bool goes_on = true;
     // The children that were added below `parent` are found by name, however many they are.
     static_cast<void>(tables.find_child(parent, name, [&](NodeIndex child) {
-        if (fits(tables.record(child).parent_reference)) {
+        if (fits(tables.links(child).parent_reference)) {
             goes_on = visit(child);
         }
         return !goes_on;
@@ -166,8 +166,8 @@ std::size_t SpaceReader::for_each_child(NodeIndex parent, NodeIndex type, bool i
             continue;
         }
         const bool was_found = !tables.is_constant(reference->target) &&
-                               tables.record(reference->target).parent == parent &&
-                               tables.record(reference->target).parent_reference == reference->type;
+                               tables.links(reference->target).parent == parent &&
+                               tables.links(reference->target).parent_reference == reference->type;
         if (!was_found && browse_name(reference->target) == name) {
             goes_on = visit(reference->target);
         }

@@ -101,7 +101,7 @@ QualifiedName SpaceReader::browse_name(NodeIndex node) const
         return {constant.browse_namespace, String::borrow(tables_->text(constant.browse_name))};
     }
     const detail::NodeRecord& record = tables_->record(node);
-    return {record.browse_namespace, String::borrow(record.name())};
+    return {record.browse_namespace, String::borrow(record.name(tables_->links(node)))};
 }
 
 } // namespace busbar::model

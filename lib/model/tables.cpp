@@ -67,7 +67,7 @@ Overlay& Tables::make_overlay(NodeIndex node)
 const ReferenceList* Tables::list(NodeIndex node) const
 {
     if (!is_constant(node)) {
-        return record(node).references.get();
+        return links(node).references.get();
     }
     const Overlay* const found = overlay(node);
     return found == nullptr ? nullptr : &found->references;
@@ -78,7 +78,7 @@ ReferenceList& Tables::make_list(NodeIndex node)
     if (is_constant(node)) {
         return make_overlay(node).references;
     }
-    auto& references = record(node).references;
+    auto& references = links(node).references;
     if (references == nullptr) {
         references = std::make_unique<ReferenceList>();
     }
@@ -130,8 +130,9 @@ std::uint64_t Tables::id_hash(std::uint32_t record_number) const
 std::uint64_t Tables::name_hash(std::uint32_t record_number) const
 {
     const NodeRecord& node = at(record_number);
-    return name_hash(node.parent,
-                     QualifiedName{node.browse_namespace, String::borrow(node.name())});
+    const NodeLinks& links = links_at(record_number);
+    return name_hash(links.parent,
+                     QualifiedName{node.browse_namespace, String::borrow(node.name(links))});
 }
 
 NodeIndex Tables::create(const NodeId& id, const QualifiedName& name, NodeClass node_class)
@@ -140,15 +141,16 @@ NodeIndex Tables::create(const NodeId& id, const QualifiedName& name, NodeClass 
     const bool is_reused = free_count != 0;
     const std::uint32_t number_of_record = is_reused ? first_free : record_count;
     if (number_of_record == blocks.size() * block_size) {
-        blocks.push_back(std::make_unique<NodeRecord[]>(block_size));
+        blocks.push_back(std::make_unique<Block>());
     }
     NodeRecord& node = at(number_of_record);
     const std::uint32_t next_free = node.id;
     busbar::detail::Undo undo{[&] {
         node = NodeRecord{};
+        links_at(number_of_record) = NodeLinks{};
         node.id = next_free;
     }};
-    node.set_names(id, name);
+    node.set_names(id, name, links_at(number_of_record));
     undo.keep();
     // Nothing fails from here on.
     if (is_reused) {
@@ -165,14 +167,14 @@ NodeIndex Tables::create(const NodeId& id, const QualifiedName& name, NodeClass 
 
 void Tables::link(NodeIndex parent, NodeIndex reference_type, NodeIndex child)
 {
-    NodeRecord& node = record(child);
+    NodeLinks& links_of = links(child);
     by_name.make_room(name_hasher());
-    node.parent_slot = push(parent, Entry{reference_type, child, true});
-    node.parent = parent;
-    node.parent_reference = reference_type;
+    links_of.parent_slot = push(parent, Entry{reference_type, child, true});
+    links_of.parent = parent;
+    links_of.parent_reference = reference_type;
     const std::uint32_t number_of_record = number(child) - constant_count;
     by_name.insert(name_hash(number_of_record), number_of_record, name_hasher());
-    if (is_node_version(node)) {
+    if (is_node_version(child)) {
         journal.begin(parent, child);
         note(parent, reference_added);
     }
@@ -194,21 +196,21 @@ void Tables::place_type(NodeIndex type, NodeIndex supertype)
 
 void Tables::unlink(NodeIndex child)
 {
-    NodeRecord& node = record(child);
-    if (node.parent == no_node) {
+    NodeLinks& links_of = links(child);
+    if (links_of.parent == no_node) {
         return;
     }
     const std::uint32_t number_of_record = number(child) - constant_count;
     by_name.erase(name_hash(number_of_record), number_of_record, name_hasher());
-    ReferenceList& references = make_list(node.parent);
-    references.entries[node.parent_slot] = {};
+    ReferenceList& references = make_list(links_of.parent);
+    references.entries[links_of.parent_slot] = {};
     ++references.holes;
-    watches.tell(node.parent, NodeAspect::References);
-    note(node.parent, reference_deleted);
-    if (journal.property_of(node.parent) == child) {
-        journal.end(node.parent);
+    watches.tell(links_of.parent, NodeAspect::References);
+    note(links_of.parent, reference_deleted);
+    if (journal.property_of(links_of.parent) == child) {
+        journal.end(links_of.parent);
     }
-    node.parent = no_node;
+    links_of.parent = no_node;
 }
 
 void Tables::destroy(NodeIndex node)
@@ -220,6 +222,7 @@ void Tables::destroy(NodeIndex node)
     // The last source before none is a server's own: its values are looked up when they are read.
     rebindings += record(node).source < no_source - 1 ? 1U : 0U;
     record(node) = NodeRecord{};
+    links(node) = NodeLinks{};
     record(node).id = std::exchange(first_free, number_of_record);
     ++free_count;
     watches.tell_removed(node);
@@ -247,7 +250,7 @@ void Tables::compact(NodeIndex node, ReferenceList& references)
             continue;
         }
         if (!is_constant(entry.target)) {
-            NodeRecord& child = record(entry.target);
+            NodeLinks& child = links(entry.target);
             if (child.parent == node && child.parent_slot == i) {
                 child.parent_slot = kept;
             }
@@ -276,8 +279,8 @@ bool Tables::remove_entry(NodeIndex node, const Entry& entry)
             continue;
         }
         const bool is_child = !is_constant(entry.target) && entry.is_forward() &&
-                              record(entry.target).parent == node &&
-                              record(entry.target).parent_slot == i;
+                              links(entry.target).parent == node &&
+                              links(entry.target).parent_slot == i;
         if (is_child) {
             continue;
         }

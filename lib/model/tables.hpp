@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -45,12 +46,15 @@ struct Tables {
     explicit Tables(const StaticNodes& nodes);
 
     static constexpr std::uint32_t block_size = 256;
-    using Block = std::unique_ptr<NodeRecord[]>;
+    struct Block {
+        std::array<NodeRecord, block_size> records;
+        std::array<NodeLinks, block_size> links;
+    };
 
     const StaticNodes* constants;
     std::uint32_t constant_count;
     NamespaceTable namespaces;
-    std::vector<Block> blocks;
+    std::vector<std::unique_ptr<Block>> blocks;
     std::uint32_t record_count{0};
     /// Each free record has the number of the next one as its id, so that none is freed in vain for
     /// want of memory.
@@ -85,17 +89,33 @@ struct Tables {
     }
     [[nodiscard]] const NodeRecord& at(std::uint32_t record) const
     {
-        return blocks[record / block_size][record % block_size];
+        return blocks[record / block_size]->records[record % block_size];
     }
     [[nodiscard]] NodeRecord& at(std::uint32_t record)
     {
-        return blocks[record / block_size][record % block_size];
+        return blocks[record / block_size]->records[record % block_size];
     }
     [[nodiscard]] const NodeRecord& record(NodeIndex node) const
     {
         return at(number(node) - constant_count);
     }
     [[nodiscard]] NodeRecord& record(NodeIndex node) { return at(number(node) - constant_count); }
+    [[nodiscard]] const NodeLinks& links_at(std::uint32_t record) const
+    {
+        return blocks[record / block_size]->links[record % block_size];
+    }
+    [[nodiscard]] NodeLinks& links_at(std::uint32_t record)
+    {
+        return blocks[record / block_size]->links[record % block_size];
+    }
+    [[nodiscard]] const NodeLinks& links(NodeIndex node) const
+    {
+        return links_at(number(node) - constant_count);
+    }
+    [[nodiscard]] NodeLinks& links(NodeIndex node)
+    {
+        return links_at(number(node) - constant_count);
+    }
     [[nodiscard]] NodeIndex index_of(std::uint32_t record_number) const
     {
         return NodeIndex{constant_count + record_number};
@@ -129,8 +149,10 @@ struct Tables {
     {
         const std::uint32_t found =
             by_name.find(name_hash(parent, name), [&](std::uint32_t candidate) {
+                const NodeLinks& child_links = links_at(candidate);
                 const NodeRecord& child = at(candidate);
-                return child.parent == parent && child.name() == name.name.view() &&
+                return child_links.parent == parent &&
+                       child.name(child_links) == name.name.view() &&
                        child.browse_namespace == name.namespace_index && match(index_of(candidate));
             });
         return found == IndexTable::none ? no_node : index_of(found);
@@ -176,7 +198,7 @@ private:
 
     void fetch_nodes(std::span<const NodeId* const> ids, std::span<Sought> sought) const;
     void share_access(const StaticNodes& nodes);
-    [[nodiscard]] bool is_node_version(const NodeRecord& child) const;
+    [[nodiscard]] bool is_node_version(NodeIndex child) const;
     std::uint32_t push(NodeIndex node, const Entry& entry);
     void compact(NodeIndex node, ReferenceList& list);
 };

@@ -138,8 +138,8 @@ bool fit_structures(const SpaceReader& space, const Variant& value, NodeIndex da
 NodeIndex SpaceReader::supertype(NodeIndex type) const
 {
     if (!tables_->is_constant(type)) {
-        const detail::NodeRecord& record = tables_->record(type);
-        return record.parent_reference == tables_->has_subtype ? record.parent : no_node;
+        const detail::NodeLinks& links = tables_->links(type);
+        return links.parent_reference == tables_->has_subtype ? links.parent : no_node;
     }
     ReferenceCursor cursor = references(type);
     while (const auto reference = cursor.next()) {

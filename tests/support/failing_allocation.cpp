@@ -1,5 +1,6 @@
 #include "failing_allocation.hpp"
 
+#include <cstddef>
 #include <cstdlib>
 #include <new>
 
@@ -11,19 +12,29 @@ std::size_t first_failing{0};
 std::size_t last_failing{0};
 std::size_t live{0};
 
+/// What aligned_alloc gives has a multiple of the alignment, so that a sanitizer would not see what
+/// lies behind the size.
+void* take(std::size_t size, std::size_t alignment)
+{
+    if (alignment <= alignof(std::max_align_t)) {
+        return std::malloc(size == 0 ? 1 : size);
+    }
+    return std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+}
+
 /// Null if it is one of those that fail.
-void* allocate(std::size_t size) noexcept
+void* allocate(std::size_t size, std::size_t alignment = alignof(std::max_align_t)) noexcept
 {
     if (is_counting && ++count >= first_failing && count <= last_failing) {
         return nullptr;
     }
     ++live;
-    return std::malloc(size == 0 ? 1 : size);
+    return take(size, alignment);
 }
 
-void* allocate_or_throw(std::size_t size)
+void* allocate_or_throw(std::size_t size, std::size_t alignment = alignof(std::max_align_t))
 {
-    void* const memory = allocate(size);
+    void* const memory = allocate(size, alignment);
     if (memory == nullptr) {
         throw std::bad_alloc{};
     }
@@ -75,14 +86,14 @@ busbar::test::Uncounted::~Uncounted()
     is_counting = was_counted_;
 }
 
-// The other forms call these. No type here asks for more than malloc aligns to.
+// The other forms call these.
 void* operator new(std::size_t size)
 {
     return allocate_or_throw(size);
 }
-void* operator new(std::size_t size, std::align_val_t)
+void* operator new(std::size_t size, std::align_val_t alignment)
 {
-    return allocate_or_throw(size);
+    return allocate_or_throw(size, static_cast<std::size_t>(alignment));
 }
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept
 {
