@@ -157,19 +157,25 @@ LocalizedText inverse_name(const Tables& tables, NodeIndex node)
             String::borrow(tables.text(tables.constants->texts[constant.details]))};
 }
 
-Variant definition(const Tables& tables, NodeIndex node)
+Result<Variant> definition(const Tables& tables, NodeIndex node)
 {
     if (!tables.is_constant(node)) {
         const Extra* const extra = tables.record(node).extra.get();
-        return extra == nullptr || extra->definition.is_null() ? Variant{}
-                                                               : Variant{extra->definition};
+        if (extra == nullptr || extra->definition.is_null()) {
+            return fail(status::Bad_AttributeIdInvalid);
+        }
+        return Variant{extra->definition};
     }
     const StaticNode& constant = tables.constant(node);
     if (constant.details == no_details) {
-        return {};
+        return fail(status::Bad_AttributeIdInvalid);
     }
     const StaticText& at = tables.constants->texts[constant.details];
-    return decoded(tables.constants->values.substr(at.offset, at.size), nullptr);
+    Variant value = decoded(tables.constants->values.substr(at.offset, at.size), nullptr);
+    if (value.is_null()) {
+        return fail(status::Bad_AttributeIdInvalid);
+    }
+    return value;
 }
 
 Array<std::uint32_t> dimensions(const VariableAttributes& attributes)
@@ -360,11 +366,8 @@ Result<Variant> SpaceReader::attribute(NodeIndex node, AttributeId id) const
     case AttributeId::Executable:
     case AttributeId::UserExecutable:
         return Variant{method(node).executable};
-    case AttributeId::DataTypeDefinition: {
-        Variant value = definition(*tables_, node);
-        return value.is_null() ? Result<Variant>{fail(status::Bad_AttributeIdInvalid)}
-                               : Result<Variant>{std::move(value)};
-    }
+    case AttributeId::DataTypeDefinition:
+        return definition(*tables_, node);
     default:
         return variable_attribute(node, id);
     }
