@@ -103,8 +103,8 @@ std::optional<SealedParts> sealed_parts(const SecurityPolicy& policy,
     const std::size_t block = plain_block_size(policy, key_size);
     const std::size_t sign_size = policy.symmetric_signature_size;
     const std::size_t rest = fields.rest().size();
-    if (!is_whole || fields.has_failed() || policy.is_none() || block == 0 ||
-        !std::ranges::equal(uri, std::as_bytes(std::span{policy.uri})) ||
+    if (!is_encrypted_secret(data) || !is_whole || fields.has_failed() || policy.is_none() ||
+        block == 0 || !std::ranges::equal(uri, std::as_bytes(std::span{policy.uri})) ||
         !std::ranges::equal(thumbprint, certificate.thumbprint()) ||
         parts.key_data.size() != (key_data_size(policy) + block - 1) / block * key_size ||
         rest <= sign_size || (rest - sign_size) % policy.block_size != 0) {

@@ -40,7 +40,7 @@ Result<NodeIndex> data_type_of(const SpaceReader& space, const NodeId& id, std::
     return found;
 }
 
-/// The NodeId of a Variable that is named after its links.
+/// The NodeId of a Variable that is named after its place.
 NodeId path_id(const NodeId& parent, const QualifiedName& name)
 {
     const bool continues =

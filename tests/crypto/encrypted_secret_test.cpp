@@ -149,11 +149,14 @@ TEST_CASE("what an encrypted secret says of itself is not believed", "[crypto][s
     SecretParts parts = right_parts();
     SECTION("other types")
     {
+        parts.is_long = GENERATE(false, true);
         parts.type = 17'546; // EccEncryptedSecret
         CHECK(is_refused(parts));
-        parts = right_parts();
+        parts.type = 17'545;
         parts.mask = 2;
         CHECK(is_refused(parts));
+        parts.mask = 1;
+        CHECK_FALSE(is_refused(parts));
     }
     SECTION("lengths")
     {

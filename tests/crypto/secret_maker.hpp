@@ -43,6 +43,8 @@ struct SecretParts {
     crypto::Bytes thumbprint;
     std::uint64_t type{17'545};
     std::uint8_t mask{1};
+    /// The NodeId with four bytes of a number.
+    bool is_long{false};
     /// Instead of what it is.
     std::optional<std::uint64_t> length{};
 };
@@ -101,7 +103,12 @@ make_secret(const crypto::SecurityPolicy& policy, const crypto::Certificate& cer
     body.raw(*key_data).raw(payload);
     const std::size_t whole = body.bytes.size() + policy.symmetric_signature_size;
     SecretText text;
-    text.number(1, 1).number(0, 1).number(parts.type, 2).number(parts.mask, 1);
+    if (parts.is_long) {
+        text.number(2, 1).number(0, 2).number(parts.type, 4);
+    } else {
+        text.number(1, 1).number(0, 1).number(parts.type, 2);
+    }
+    text.number(parts.mask, 1);
     text.number(parts.length.value_or(whole), 4).raw(body.bytes);
     crypto::Bytes signature(policy.symmetric_signature_size);
     if (!cipher->sign(text.bytes, signature)) {

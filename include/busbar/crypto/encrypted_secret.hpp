@@ -10,8 +10,8 @@
 /// RsaEncryptedSecret (Part 4, 7.40.2.3 and 7.40.2.4): a secret that is encrypted with keys of its
 /// own and signed with one, the keys being encrypted for the receiver. Unlike the legacy format
 /// (encrypt_secret) it may hold more than 64 bytes, and whoever changes a byte of it is noticed.
-/// Every failure is Bad_SecurityChecksFailed and takes as much work as success, but for what any
-/// peer can see. Any thread.
+/// Every failure is Bad_SecurityChecksFailed, and keys that do not decrypt take as much work as
+/// keys that are not those of the signature: which it was does not show. Any thread.
 namespace busbar::crypto {
 
 /// True if `data` begins as such a secret does. The legacy format begins with chance, which is the
