@@ -16,7 +16,7 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr std::uint32_t variable_count = 2;
-constexpr std::uint32_t longest_text = 80;
+constexpr std::uint32_t longest_text = 150'000;
 
 struct TextParts {
     TextParts()
@@ -28,11 +28,12 @@ struct TextParts {
         image = server::ProcessImage::create(std::move(layout));
         image_source.emplace(image);
     }
-    void scan(std::string_view text)
+    /// `first` is the first Variable's, unless it is empty.
+    void scan(std::string_view text, std::string_view first = {})
     {
         image->begin_scan();
         for (std::uint32_t i = 0; i < variable_count; ++i) {
-            REQUIRE(image->memory().set_text(i, text));
+            REQUIRE(image->memory().set_text(i, i == 0 && !first.empty() ? first : text));
         }
         image->publish(DateTime::from_unix_seconds(1'000));
     }
@@ -163,4 +164,24 @@ TEST_CASE("D3: the last value comes when a scan has found no memory")
     const double interval = GENERATE(0.0, 50.0); // each scan, or at times
     const std::size_t most = GENERATE(1U, 1'000'000U);
     check_failing_worlds("a scan", [&](std::size_t k) { return fail_once(interval, k, most); });
+}
+
+TEST_CASE("D3: a value that there is no memory for keeps those behind it from nothing")
+{
+    ScanWorld world{GENERATE(0.0, 50.0)};
+    const String last{"a second text that does not fit into a small string"};
+    const String large{std::string(longest_text, 'x').c_str()};
+    fail_large_allocations(longest_text);
+    world.scan(last.view(), large.view());
+    world.pass(100ms, world.client);
+    std::map<std::uint32_t, Variant> values = world.gather();
+    CHECK(values[2] == Variant{last});
+    CHECK(values[3] == Variant{last});
+    CHECK(values.find(0) == values.end());
+    fail_large_allocations(0);
+    world.pass(100ms, world.client);
+    values = world.gather();
+    CHECK(values[0] == Variant{large});
+    CHECK(values[1] == Variant{large});
+    CHECK(world.thrown == 0);
 }

@@ -11,6 +11,7 @@ std::size_t count{0};
 std::size_t first_failing{0};
 std::size_t last_failing{0};
 std::size_t live{0};
+std::size_t failing_size{0};
 
 /// What aligned_alloc gives has a multiple of the alignment, so that a sanitizer would not see what
 /// lies behind the size.
@@ -26,6 +27,9 @@ void* take(std::size_t size, std::size_t alignment)
 void* allocate(std::size_t size, std::size_t alignment = alignof(std::max_align_t)) noexcept
 {
     if (is_counting && ++count >= first_failing && count <= last_failing) {
+        return nullptr;
+    }
+    if (is_counting && failing_size != 0 && size >= failing_size) {
         return nullptr;
     }
     ++live;
@@ -54,6 +58,11 @@ void busbar::test::fail_allocation(std::size_t k, std::size_t most)
     count = 0;
     first_failing = k;
     last_failing = k == 0 ? 0 : k + most - 1;
+}
+
+void busbar::test::fail_large_allocations(std::size_t size)
+{
+    failing_size = size;
 }
 
 bool busbar::test::has_allocation_failed()

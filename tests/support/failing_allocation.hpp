@@ -10,7 +10,9 @@ namespace busbar::test {
 /// Counts anew: of what is allocated while a Counted lives, the `k`-th fails and, with a larger
 /// `most`, as many after it. None fails with 0.
 void fail_allocation(std::size_t k, std::size_t most = 1);
-/// Whether it has come to that.
+/// The same for every one of at least so many bytes, for as long as that is not 0.
+void fail_large_allocations(std::size_t size);
+/// Whether it has come to that, of those that are counted.
 [[nodiscard]] bool has_allocation_failed();
 /// What was allocated, counted or not, and not freed.
 [[nodiscard]] std::size_t live_allocations();

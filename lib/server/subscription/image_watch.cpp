@@ -3,6 +3,7 @@
 #include <array>
 #include <cstring>
 #include <span>
+#include <string>
 #include <utility>
 
 #include <busbar/core/detail/guarded.hpp>
@@ -75,7 +76,7 @@ std::uint32_t ImageWatch::add_variable(std::uint32_t handle)
 
 std::uint32_t ImageWatch::add(ValueItem& item, std::uint32_t handle)
 {
-    entries_.push_back({nullptr, 0, true, true});
+    entries_.push_back({nullptr, 0, true, true, false});
     busbar::detail::Undo undo{[&] { entries_.pop_back(); }};
     const std::uint32_t index = variable_of(handle);
     undo.keep();
@@ -166,11 +167,7 @@ void ImageWatch::sample(const Sample& sample)
         last_status_ = sample.status;
     }
     ++round_;
-    busbar::detail::Undo undo{[this] { // nobody knows any more what the rest have seen
-        for (Entry& entry : entries_) {
-            entry.is_always = true;
-        }
-    }};
+    bool is_whole = true;
     // A group at a time: items lie apart from each other, and all that have something new are on
     // their way from memory while the rest of the group is looked at.
     std::array<Entry*, 2 * busbar::detail::fetched_ahead> group;
@@ -181,7 +178,7 @@ void ImageWatch::sample(const Sample& sample)
             entry->item->fetch_queue();
         }
         for (Entry* const entry : those) {
-            report(*entry, sample);
+            is_whole = try_report(*entry, sample) && is_whole;
         }
     };
     for (Entry& entry : entries_) {
@@ -198,7 +195,28 @@ void ImageWatch::sample(const Sample& sample)
         }
     }
     report_group();
-    undo.keep();
+    if (!is_whole) {
+        report_left_out(sample);
+    }
+}
+
+bool ImageWatch::try_report(Entry& entry, const Sample& sample)
+{
+    std::string why;
+    entry.is_left_out = busbar::detail::caught(why, [&] { report(entry, sample); }).is_bad();
+    entry.is_always |= entry.is_left_out; // what it has not seen is new for it still
+    return !entry.is_left_out;
+}
+
+/// Once more, now that the others have theirs; whoever called learns what it throws.
+void ImageWatch::report_left_out(const Sample& sample)
+{
+    for (Entry& entry : entries_) {
+        if (entry.item != nullptr && entry.is_left_out) {
+            report(entry, sample);
+            entry.is_left_out = false;
+        }
+    }
 }
 
 } // namespace busbar::server::detail

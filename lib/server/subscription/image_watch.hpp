@@ -45,6 +45,7 @@ public:
         /// Only what was added since the last sample.
         bool is_only_new;
     };
+    /// Where there is no memory for an item, the others are sampled, and this throws.
     void sample(const Sample& sample);
     /// Scans were lost: what comes next tells of it (see ValueItem::note_loss).
     void note_loss();
@@ -68,12 +69,17 @@ private:
         std::uint32_t variable;
         bool is_always;
         bool is_new;
+        /// There was no memory for its value.
+        bool is_left_out;
     };
 
     [[nodiscard]] std::uint32_t variable_of(std::uint32_t handle);
     /// Nobody uses it yet.
     [[nodiscard]] std::uint32_t add_variable(std::uint32_t handle);
     void report(Entry& entry, const Sample& sample);
+    /// True if there was memory for it.
+    bool try_report(Entry& entry, const Sample& sample);
+    void report_left_out(const Sample& sample);
     [[nodiscard]] bool has_changed(Variable& variable, const Sample& sample);
 
     const ProcessImage* image_;

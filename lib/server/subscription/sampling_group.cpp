@@ -366,7 +366,8 @@ void SamplingGroup::expire(TimePoint now)
         // A source that has not answered is not asked again. What waits for the first value of new
         // items keeps the others from nothing.
         if (flights_.empty() || first_in_flight() > 0) {
-            sample(now);
+            // What finds no memory is sampled next time; timers behind this one go on.
+            busbar::detail::attempt([&] { sample(now); });
         }
         next_sample_ += interval_;
         if (next_sample_ <= now) { // what was missed is missed
