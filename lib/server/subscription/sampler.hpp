@@ -77,7 +77,7 @@ private:
 
     [[nodiscard]] SamplingGroup& group_of(const ValueItem& item);
     [[nodiscard]] SamplingGroup& follow(ProcessImage& image);
-    ImagePin take_scans(Followed& one, TimePoint now);
+    static ImagePin take_scans(Followed& one, TimePoint now);
     static void take_scan(Followed& one, const ImagePin& pin, TimePoint now);
     void drop_unfollowed();
 
