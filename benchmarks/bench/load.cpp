@@ -5,35 +5,13 @@
 #include <random>
 
 #include <busbar/client/response_limits.hpp>
-#include <busbar/core/attribute_id.hpp>
-#include <busbar/types/attribute.hpp>
 #include <busbar/types/discovery.hpp>
 
-#include "floor.hpp"
 #include "identity.hpp"
 
 namespace busbar::bench {
 
 namespace {
-
-constexpr std::size_t fewest_runs = 5;
-constexpr std::size_t most_runs = 5'000;
-/// What a chunk adds to a body, roughly; it hardly counts.
-constexpr std::size_t frame_size = 80;
-
-binary::DecodeLimits generous()
-{
-    binary::DecodeLimits limits = client::response_limits;
-    limits.max_array_length = 1'000'000;
-    return limits;
-}
-
-template <typename Structure>
-std::size_t wire_size(const Structure& structure)
-{
-    const auto bytes = binary::to_bytes(structure);
-    return frame_size + (bytes ? bytes->size() : 0);
-}
 
 MessageSecurityMode mode_of(const std::string& name)
 {
@@ -65,27 +43,11 @@ std::size_t most_values(const Options& options)
     return std::max({most(options.read_counts), most(options.write_counts), std::size_t{1}});
 }
 
-TimePoint clock_now()
+binary::DecodeLimits generous_limits()
 {
-    return std::chrono::time_point_cast<Duration>(std::chrono::steady_clock::now());
-}
-
-double elapsed_us(TimePoint since)
-{
-    return std::chrono::duration<double, std::micro>(clock_now() - since).count();
-}
-
-Row summarise(std::string load, std::vector<double> times_us)
-{
-    std::sort(times_us.begin(), times_us.end());
-    Row row;
-    row.load = std::move(load);
-    row.runs = times_us.size();
-    row.best_us = times_us.front();
-    row.median_us = times_us[times_us.size() / 2];
-    row.p99_us = times_us[times_us.size() * 99 / 100];
-    row.per_second = 1e6 / row.median_us;
-    return row;
+    binary::DecodeLimits limits = client::response_limits;
+    limits.max_array_length = 1'000'000;
+    return limits;
 }
 
 Load::Load(Options options)
@@ -113,7 +75,7 @@ Result<void> Load::open(net::ClientLoop& loop, bool wants_session,
     config.channel.endpoint_url = options_.url;
     config.channel.limits.max_message_size = 64U << 20U;
     config.application_uri = "urn:busbar:bench";
-    config.limits = generous();
+    config.limits = generous_limits();
     config.wants_session = wants_session;
     if (wants_session) {
         config.channel.security = security_;
@@ -168,170 +130,6 @@ Result<void> Load::prepare()
         }
     }
     return fail(status::Bad_SecurityPolicyRejected);
-}
-
-NodeId Load::node(std::size_t number) const
-{
-    std::string text = options_.node;
-    const std::size_t at = text.find("{}");
-    if (at != std::string::npos) {
-        text.replace(at, 2, std::to_string(numbers_[number]));
-    }
-    return NodeId::parse(text).value_or(NodeId{});
-}
-
-Result<Row> Load::connect_load()
-{
-    std::vector<double> times;
-    meter_.begin();
-    for (std::size_t i = 0; i < options_.connects; ++i) {
-        net::ClientLoop loop;
-        const TimePoint start = clock_now();
-        const auto opened = open(loop, true);
-        if (!opened) {
-            return fail(opened.error());
-        }
-        times.push_back(elapsed_us(start));
-        loop.close();
-    }
-    const auto cost = meter_.end(times.size());
-    Row row = summarise("connect and activate", std::move(times));
-    row.server = cost;
-    return row;
-}
-
-/// Runs `once` for the time the options give; it answers false on failure.
-template <typename Once>
-Result<std::vector<double>> repeat(double seconds, Once once)
-{
-    std::vector<double> times;
-    const TimePoint begin = clock_now();
-    while (times.size() < fewest_runs ||
-           (times.size() < most_runs && elapsed_us(begin) < seconds * 1e6)) {
-        const TimePoint start = clock_now();
-        const auto done = once();
-        if (!done) {
-            return fail(done.error());
-        }
-        times.push_back(elapsed_us(start));
-    }
-    return times;
-}
-
-template <typename Once>
-Result<Row> Load::measure(const std::string& load, std::size_t count, Once once)
-{
-    meter_.begin();
-    auto times = repeat(options_.seconds, once);
-    if (!times) {
-        return fail(times.error());
-    }
-    const auto cost = meter_.end(times->size());
-    Row row = summarise(load + " " + std::to_string(count), *std::move(times));
-    row.server = cost;
-    row.per_second *= static_cast<double>(count);
-    return row;
-}
-
-Result<Row> Load::read_load(net::ClientLoop& loop, std::size_t count)
-{
-    ReadRequest request;
-    request.timestamps_to_return = TimestampsToReturn::Neither;
-    request.nodes_to_read.reserve(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        ReadValueId& item = request.nodes_to_read.emplace_back();
-        item.node_id = node(i);
-        item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
-    }
-    std::size_t response_size = 0;
-    auto row = measure("read", count, [&]() -> Result<void> {
-        const auto event = loop.call(request);
-        const auto response =
-            event ? event->response<ReadResponse>(generous()) : fail(event.error());
-        if (!response) {
-            return fail(response.error());
-        }
-        response_size = event->body.size() + frame_size;
-        const auto& results = response->results;
-        const bool is_good = results.size() == count &&
-                             std::all_of(results.begin(), results.end(),
-                                         [](const DataValue& v) { return v.status.is_good(); });
-        return is_good ? Result<void>{}
-                       : fail(results.empty() ? status::Bad_NoData : results[0].status);
-    });
-    if (row) {
-        row->floor_us = floor_us(wire_size(request), response_size, security_);
-    }
-    return row;
-}
-
-Result<Row> Load::write_load(net::ClientLoop& loop, std::size_t count)
-{
-    WriteRequest request;
-    request.nodes_to_write.reserve(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        WriteValue& item = request.nodes_to_write.emplace_back();
-        item.node_id = node(i);
-        item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
-        item.value = DataValue{Variant{static_cast<std::int16_t>(i)}};
-    }
-    std::size_t response_size = 0;
-    auto row = measure("write", count, [&]() -> Result<void> {
-        const auto event = loop.call(request);
-        const auto response =
-            event ? event->response<WriteResponse>(generous()) : fail(event.error());
-        if (!response) {
-            return fail(response.error());
-        }
-        response_size = event->body.size() + frame_size;
-        const auto bad = std::find_if(response->results.begin(), response->results.end(),
-                                      [](StatusCode code) { return code.is_bad(); });
-        return bad == response->results.end() ? Result<void>{} : fail(*bad);
-    });
-    if (row) {
-        row->floor_us = floor_us(wire_size(request), response_size, security_);
-    }
-    return row;
-}
-
-Result<Row> Load::in_flight_load(net::ClientLoop& loop, std::size_t in_flight)
-{
-    ReadRequest request;
-    request.timestamps_to_return = TimestampsToReturn::Neither;
-    ReadValueId& item = request.nodes_to_read.emplace_back();
-    item.node_id = node(0);
-    item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
-    std::size_t answers = 0;
-    std::size_t open = 0;
-    meter_.begin();
-    const TimePoint begin = clock_now();
-    while (elapsed_us(begin) < options_.seconds * 1e6) {
-        for (; open < in_flight; ++open) {
-            const auto sent = loop.client().send(request);
-            if (!sent) {
-                return fail(sent.error());
-            }
-        }
-        const auto event = loop.wait();
-        if (!event || event->kind != client::ConnectionEvent::Kind::Response ||
-            event->status.is_bad()) {
-            return fail(event ? event->status : status::Bad_Timeout);
-        }
-        ++answers;
-        --open;
-    }
-    const double total = elapsed_us(begin);
-    const auto cost = meter_.end(answers);
-    for (; open != 0; --open) {
-        static_cast<void>(loop.wait());
-    }
-    Row row;
-    row.load = "one value, " + std::to_string(in_flight) + " in flight";
-    row.runs = answers;
-    row.median_us = total / static_cast<double>(answers);
-    row.per_second = 1e6 / row.median_us;
-    row.server = cost;
-    return row;
 }
 
 Result<std::vector<Row>> Load::run()

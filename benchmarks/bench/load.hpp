@@ -58,6 +58,8 @@ struct Row {
 [[nodiscard]] Row summarise(std::string load, std::vector<double> times_us);
 [[nodiscard]] double elapsed_us(TimePoint since);
 [[nodiscard]] TimePoint clock_now();
+/// What a client may be answered by the largest of the loads.
+[[nodiscard]] binary::DecodeLimits generous_limits();
 
 /// A server under test: finds the endpoint, connects and runs the loads.
 class Load {
