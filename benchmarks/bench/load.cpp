@@ -40,7 +40,8 @@ std::vector<std::size_t> order_of(const Options& options)
 
 std::size_t most_values(const Options& options)
 {
-    return std::max({most(options.read_counts), most(options.write_counts), std::size_t{1}});
+    return std::max({most(options.read_counts), most(options.write_counts),
+                     most(options.browse_counts), std::size_t{1}});
 }
 
 binary::DecodeLimits generous_limits()
@@ -147,32 +148,38 @@ Result<std::vector<Row>> Load::run()
     return rows;
 }
 
+bool Load::wants(const char* load) const
+{
+    const std::vector<std::string>& only = options_.only;
+    return only.empty() || std::find(only.begin(), only.end(), load) != only.end();
+}
+
 Result<void> Load::run_round(std::vector<Row>& rows)
 {
-    const auto keep = [&](Result<Row> row) -> Result<void> {
-        if (!row) {
-            return fail(row.error());
-        }
-        rows.push_back(*std::move(row));
-        return {};
-    };
     Result<void> done;
-    if (options_.connects != 0) {
-        done = keep(connect_load());
+    const auto keep = [&](Result<Row> row) {
+        if (row) {
+            rows.push_back(*std::move(row));
+        } else {
+            done = fail(row.error());
+        }
+    };
+    if (wants("connects") && options_.connects != 0) {
+        keep(connect_load());
     }
     net::ClientLoop loop;
     if (done) {
         done = open(loop, true);
     }
-    for (std::size_t i = 0; done && i < options_.read_counts.size(); ++i) {
-        done = keep(read_load(loop, options_.read_counts[i]));
-    }
-    for (std::size_t i = 0; done && i < options_.write_counts.size(); ++i) {
-        done = keep(write_load(loop, options_.write_counts[i]));
-    }
-    for (std::size_t i = 0; done && i < options_.in_flight.size(); ++i) {
-        done = keep(in_flight_load(loop, options_.in_flight[i]));
-    }
+    const auto each = [&](const char* name, const std::vector<std::size_t>& counts, auto load) {
+        for (std::size_t i = 0; wants(name) && done && i < counts.size(); ++i) {
+            keep((this->*load)(loop, counts[i]));
+        }
+    };
+    each("reads", options_.read_counts, &Load::read_load);
+    each("writes", options_.write_counts, &Load::write_load);
+    each("browses", options_.browse_counts, &Load::browse_load);
+    each("in-flight", options_.in_flight, &Load::in_flight_load);
     loop.close();
     return done;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <optional>
@@ -24,8 +25,12 @@ struct Options {
     std::string node{"ns=2;s=Bulk{}"};
     std::vector<std::size_t> read_counts{1, 100, 1'000, 10'000, 25'000};
     std::vector<std::size_t> write_counts{1, 100, 3'000};
+    /// Nodes per Browse: the same Variables, all of their references.
+    std::vector<std::size_t> browse_counts{1, 1'000};
     std::vector<std::size_t> in_flight{1, 64};
     std::size_t connects{20};
+    /// Of load_names; all of them where it is empty.
+    std::vector<std::string> only;
     /// Values of a Read or Write lie beside each other, or anywhere among as many as the largest
     /// asks for.
     bool is_sequential{false};
@@ -36,7 +41,9 @@ struct Options {
     bool json{false};
 };
 
-/// The values of the largest Read or Write.
+inline constexpr std::array load_names{"connects", "reads", "writes", "browses", "in-flight"};
+
+/// The nodes of the largest Read, Write or Browse.
 [[nodiscard]] std::size_t most_values(const Options& options);
 
 /// One line of the table; times in microseconds.
@@ -89,10 +96,12 @@ private:
     [[nodiscard]] Result<Row> connect_load();
     [[nodiscard]] Result<Row> read_load(net::ClientLoop& loop, std::size_t count);
     [[nodiscard]] Result<Row> write_load(net::ClientLoop& loop, std::size_t count);
+    [[nodiscard]] Result<Row> browse_load(net::ClientLoop& loop, std::size_t count);
     [[nodiscard]] Result<Row> in_flight_load(net::ClientLoop& loop, std::size_t in_flight);
     /// Runs a load of requests of `count` values each.
     template <typename Once>
     [[nodiscard]] Result<Row> measure(const std::string& load, std::size_t count, Once once);
+    [[nodiscard]] bool wants(const char* load) const;
     [[nodiscard]] NodeId node(std::size_t number) const;
     [[nodiscard]] channel::ChannelEnvironment environment();
 

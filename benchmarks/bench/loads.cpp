@@ -4,6 +4,8 @@
 
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/types/attribute.hpp>
+#include <busbar/types/ids.hpp>
+#include <busbar/types/view.hpp>
 
 #include "floor.hpp"
 
@@ -165,6 +167,44 @@ Result<Row> Load::write_load(net::ClientLoop& loop, std::size_t count)
         const auto bad = std::find_if(response->results.begin(), response->results.end(),
                                       [](StatusCode code) { return code.is_bad(); });
         return bad == response->results.end() ? Result<void>{} : fail(*bad);
+    });
+    if (row) {
+        row->floor_us = floor_us(wire_size(request), response_size, security_);
+    }
+    return row;
+}
+
+Result<Row> Load::browse_load(net::ClientLoop& loop, std::size_t count)
+{
+    BrowseRequest request;
+    request.nodes_to_browse.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        BrowseDescription& item = request.nodes_to_browse.emplace_back();
+        item.node_id = node(i);
+        item.browse_direction = BrowseDirection::Both;
+        item.reference_type_id = NodeId{0, id::References};
+        item.include_subtypes = true;
+        item.result_mask = static_cast<std::uint32_t>(BrowseResultMask::All);
+    }
+    std::size_t response_size = 0;
+    auto row = measure("browse", count, [&]() -> Result<void> {
+        const auto event = loop.call(request);
+        const auto response =
+            event ? event->response<BrowseResponse>(generous_limits()) : fail(event.error());
+        if (!response) {
+            return fail(response.error());
+        }
+        response_size = event->body.size() + frame_size;
+        const auto& results = response->results;
+        const auto empty =
+            std::find_if(results.begin(), results.end(),
+                         [](const BrowseResult& result) { return result.references.empty(); });
+        if (results.size() != count) {
+            return fail(status::Bad_NoData);
+        }
+        return empty == results.end()        ? Result<void>{}
+               : empty->status_code.is_bad() ? fail(empty->status_code)
+                                             : fail(status::Bad_NoData);
     });
     if (row) {
         row->floor_us = floor_us(wire_size(request), response_size, security_);

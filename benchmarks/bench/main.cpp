@@ -197,6 +197,13 @@ void add_loads(CLI::App& app, bench::Options& options)
     app.add_option("--write", options.write_counts, "values per Write")
         ->delimiter(',')
         ->check(positive);
+    app.add_option("--browse", options.browse_counts, "variables per Browse")
+        ->delimiter(',')
+        ->check(positive);
+    app.add_option("--only", options.only, "connects, reads, writes, browses, in-flight")
+        ->check(CLI::IsMember(
+            std::vector<std::string>{bench::load_names.begin(), bench::load_names.end()}))
+        ->delimiter(',');
     app.add_flag("--sequential", options.is_sequential,
                  "the values of a request lie beside each other, not anywhere");
     app.add_option("--rounds", options.rounds, "how often all of that is run, for --compare")
@@ -341,8 +348,8 @@ int run(int argc, char** argv)
     bench::SessionMemoryOptions memory_options;
     bench::StartupOptions startup_options;
     bench::SevenOptions seven_options;
-    CLI::App app{"Measures an OPC UA server: connect, read and write of N values, requests in "
-                 "flight."};
+    CLI::App app{"Measures an OPC UA server: connect, Read and Write of N values, Browse, "
+                 "requests in flight."};
     add_server(app, options);
     add_loads(app, options);
     std::vector<std::string> compared;

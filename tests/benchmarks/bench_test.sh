@@ -22,15 +22,19 @@ refuses() {
 }
 is_json() { "$cmake" -D FILE="$work/$1" -P "$source/tests/programs/check_json.cmake"; }
 
-"$bench" --connects 2 --read 1,10 --write 5 --in-flight 4 --seconds 0.1 --rounds 2 --json > loads.json
+"$bench" --connects 2 --read 1,10 --write 5 --browse 20 --in-flight 4 --seconds 0.1 --rounds 2 --json > loads.json
 is_json loads.json
-for load in "connect and activate" "read 1" "read 10" "write 5" "one value, 4 in flight"; do
+for load in "connect and activate" "read 1" "read 10" "write 5" "browse 20" "one value, 4 in flight"; do
     has "\"load\": \"$load\", \"round\": 1, .*\"server_us\": [0-9.]*, \"page_faults\": " loads.json
 done
-"$bench" --policy Basic256Sha256 --mode SignAndEncrypt --connects 0 --read 10 --write 5 --in-flight 1 \
+"$bench" --policy Basic256Sha256 --mode SignAndEncrypt --only connects,reads --connects 2 --read 10 \
     --seconds 0.1 --sequential > loads.txt
 has "SignAndEncrypt  sequential order" loads.txt
+has "^connect and activate " loads.txt
 has "^read 10 " loads.txt
+has "^load .* per second .* calls$" loads.txt
+[ "$(wc -l < loads.txt)" = 4 ] || { echo "not the two loads alone:"; cat loads.txt; exit 1; }
+refuses "$bench" --only nothing
 "$bench" --compare loads.json loads.json > compare.txt
 has "^read 10 *server_us .* 1.00 *1.00 1.00$" compare.txt
 refuses "$bench" --compare loads.json nothing.json
