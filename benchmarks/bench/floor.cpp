@@ -8,10 +8,14 @@
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <sys/socket.h>
+#include <time.h>
 #include <unistd.h>
 
+#include <busbar/crypto/asymmetric.hpp>
 #include <busbar/crypto/symmetric.hpp>
+#include <busbar/types/secure_channel.hpp>
 
+#include "identity.hpp"
 #include "load.hpp"
 
 namespace busbar::bench {
@@ -85,14 +89,24 @@ double median(std::vector<double> times)
     return times[times.size() / 2];
 }
 
-double echo_us(std::size_t request, std::size_t response)
+double thread_us()
+{
+    timespec time{};
+    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) * 1e6 + static_cast<double>(time.tv_nsec) / 1e3;
+}
+
+Floor echo(std::size_t request, std::size_t response)
 {
     Pair pair;
+    double peer_us = 0;
     std::thread peer{[&] {
         std::vector<std::byte> bytes(std::max(request, response));
+        const double begin = thread_us();
         while (receive_all(pair.ends[1], bytes, request) &&
                send_all(pair.ends[1], bytes, response)) {
         }
+        peer_us = thread_us() - begin;
     }};
     std::vector<std::byte> bytes(std::max(request, response));
     std::vector<double> times;
@@ -106,41 +120,104 @@ double echo_us(std::size_t request, std::size_t response)
     }
     ::shutdown(pair.ends[0], SHUT_RDWR);
     peer.join();
-    return times.empty() ? 0 : median(times);
+    return times.empty() ? Floor{} : Floor{median(times), peer_us / rounds};
 }
 
-/// Both sides: what one signs and encrypts the other decrypts and verifies.
-double cipher_us(std::size_t size, const channel::SecuritySetting& security)
+/// The median of what `work` takes.
+template <typename Work>
+double time_us(Work work)
+{
+    std::vector<double> times;
+    for (int i = 0; i < rounds; ++i) {
+        const TimePoint start = clock_now();
+        work();
+        times.push_back(elapsed_us(start));
+    }
+    return median(std::move(times));
+}
+
+/// What the sender of so many bytes takes to sign and encrypt them, and the receiver for the
+/// reverse.
+struct CipherTime {
+    double sender_us{0};
+    double receiver_us{0};
+};
+
+CipherTime cipher_time(std::size_t size, const channel::SecuritySetting& security)
 {
     if (security.mode == MessageSecurityMode::None) {
-        return 0;
+        return {};
     }
     const std::array<std::byte, 32> nonce{};
     const auto keys = crypto::derive_keys(*security.policy, nonce, nonce);
     auto cipher = crypto::SymmetricCipher::create(*security.policy, *keys);
     std::vector<std::byte> bytes((size + 15) / 16 * 16);
     std::array<std::byte, 32> signature{};
-    const bool is_encrypted = security.mode == MessageSecurityMode::SignAndEncrypt;
-    std::vector<double> times;
-    for (int i = 0; i < rounds; ++i) {
-        const TimePoint start = clock_now();
-        for (int side = 0; side < 2; ++side) {
-            static_cast<void>(cipher->sign(bytes, signature));
-            if (is_encrypted) {
-                static_cast<void>(side == 0 ? cipher->encrypt(bytes) : cipher->decrypt(bytes));
-            }
-        }
-        times.push_back(elapsed_us(start));
+    const double sign = time_us([&] { static_cast<void>(cipher->sign(bytes, signature)); });
+    if (security.mode == MessageSecurityMode::Sign) {
+        return {sign, sign};
     }
-    return median(times);
+    return {sign + time_us([&] { static_cast<void>(cipher->encrypt(bytes)); }),
+            sign + time_us([&] { static_cast<void>(cipher->decrypt(bytes)); })};
+}
+
+/// How often the text of an OpenSecureChannel is encrypted: a block each time. It has a header of
+/// the sequence, a request or response with its nonce, padding and a signature.
+std::size_t open_blocks(const crypto::SecurityPolicy& policy, std::size_t key_size)
+{
+    OpenSecureChannelRequest request;
+    const std::vector<std::byte> nonce(policy.nonce_size);
+    request.client_nonce = ByteString{nonce};
+    const auto body = binary::to_bytes(request);
+    const std::size_t text = 8 + (body ? body->size() : 0) + 1 + key_size;
+    const std::size_t block = crypto::plain_block_size(policy, key_size);
+    return block == 0 ? 0 : (text + block - 1) / block;
 }
 
 } // namespace
 
-double floor_us(std::size_t request, std::size_t response, const channel::SecuritySetting& security)
+Floor exchange_floor(std::size_t request, std::size_t response,
+                     const channel::SecuritySetting& security)
 {
-    return echo_us(request, response) + cipher_us(request, security) +
-           cipher_us(response, security);
+    Floor floor = echo(request, response);
+    const CipherTime there = cipher_time(request, security);
+    const CipherTime back = cipher_time(response, security);
+    floor.server_us += there.receiver_us + back.sender_us;
+    floor.both_us += there.sender_us + there.receiver_us + back.sender_us + back.receiver_us;
+    return floor;
+}
+
+Floor connect_floor(const channel::SecuritySetting& security, std::uint32_t key_bits, DateTime now)
+{
+    if (security.mode == MessageSecurityMode::None) {
+        return {};
+    }
+    const auto identity = make_identity(now, key_bits);
+    if (!identity) {
+        return {};
+    }
+    const crypto::SecurityPolicy& policy = *security.policy;
+    const crypto::Certificate& certificate = identity->certificates.front();
+    const std::vector<std::byte> text(crypto::plain_block_size(policy, certificate.key_size()));
+    const auto cipher = crypto::asymmetric_encrypt(policy, certificate, text);
+    const auto signature = crypto::asymmetric_sign(policy, identity->key, text);
+    if (!cipher || !signature) {
+        return {};
+    }
+    const double sign =
+        time_us([&] { static_cast<void>(crypto::asymmetric_sign(policy, identity->key, text)); });
+    const double verify = time_us([&] {
+        static_cast<void>(crypto::asymmetric_verify(policy, certificate, text, *signature));
+    });
+    const double encrypt =
+        time_us([&] { static_cast<void>(crypto::asymmetric_encrypt(policy, certificate, text)); });
+    const double decrypt = time_us(
+        [&] { static_cast<void>(crypto::asymmetric_decrypt(policy, identity->key, *cipher)); });
+    const auto blocks = static_cast<double>(open_blocks(policy, certificate.key_size()));
+    // Each side signs and verifies one OpenSecureChannel, encrypts one and decrypts the other; the
+    // server signs the client's nonce and the client the server's.
+    const double one = 2 * sign + 2 * verify + blocks * (encrypt + decrypt);
+    return {2 * one, one};
 }
 
 } // namespace busbar::bench

@@ -6,9 +6,9 @@
 
 namespace busbar::bench {
 
-Result<channel::ApplicationIdentity> make_identity(DateTime now)
+Result<channel::ApplicationIdentity> make_identity(DateTime now, std::uint32_t key_bits)
 {
-    auto key = crypto::PrivateKey::generate(2048);
+    auto key = crypto::PrivateKey::generate(key_bits);
     if (!key) {
         return fail(key.error());
     }

@@ -5,6 +5,7 @@
 namespace busbar::bench {
 
 /// A self-signed certificate of the moment, for peers that ask for one.
-[[nodiscard]] Result<channel::ApplicationIdentity> make_identity(DateTime now);
+[[nodiscard]] Result<channel::ApplicationIdentity> make_identity(DateTime now,
+                                                                 std::uint32_t key_bits = 2048);
 
 } // namespace busbar::bench

@@ -10,6 +10,7 @@
 #include <busbar/channel/client_channel.hpp>
 #include <busbar/net/client_loop.hpp>
 
+#include "floor.hpp"
 #include "server_meter.hpp"
 #include "subscribe.hpp"
 
@@ -54,8 +55,8 @@ struct Row {
     double median_us{0};
     double best_us{0};
     double p99_us{0};
-    /// What the same bytes cost without any OPC UA, 0 where there is no such thing.
-    double floor_us{0};
+    /// What the same bytes cost without any OPC UA, and a connect's RSA.
+    Floor floor;
     double per_second{0};
     /// None where it is not on this machine.
     std::optional<ServerCost> server;

@@ -7,8 +7,6 @@
 #include <busbar/types/ids.hpp>
 #include <busbar/types/view.hpp>
 
-#include "floor.hpp"
-
 namespace busbar::bench {
 
 namespace {
@@ -95,6 +93,8 @@ Result<Row> Load::connect_load()
     const auto cost = meter_.end(times.size());
     Row row = summarise("connect and activate", std::move(times));
     row.server = cost;
+    const std::uint32_t key_bits = server_certificate_ ? server_certificate_->key_bits() : 0;
+    row.floor = connect_floor(security_, key_bits, wall_clock_.now());
     return row;
 }
 
@@ -140,7 +140,7 @@ Result<Row> Load::read_load(net::ClientLoop& loop, std::size_t count)
                        : fail(results.empty() ? status::Bad_NoData : results[0].status);
     });
     if (row) {
-        row->floor_us = floor_us(wire_size(request), response_size, security_);
+        row->floor = exchange_floor(wire_size(request), response_size, security_);
     }
     return row;
 }
@@ -169,7 +169,7 @@ Result<Row> Load::write_load(net::ClientLoop& loop, std::size_t count)
         return bad == response->results.end() ? Result<void>{} : fail(*bad);
     });
     if (row) {
-        row->floor_us = floor_us(wire_size(request), response_size, security_);
+        row->floor = exchange_floor(wire_size(request), response_size, security_);
     }
     return row;
 }
@@ -207,7 +207,7 @@ Result<Row> Load::browse_load(net::ClientLoop& loop, std::size_t count)
                                              : fail(status::Bad_NoData);
     });
     if (row) {
-        row->floor_us = floor_us(wire_size(request), response_size, security_);
+        row->floor = exchange_floor(wire_size(request), response_size, security_);
     }
     return row;
 }

@@ -20,6 +20,11 @@ void print_figure(int width, int digits, double figure)
     }
 }
 
+void print_ratio(double figure, double floor)
+{
+    print_figure(7, 2, floor > 0 ? figure / floor : 0);
+}
+
 void print_head(const Options& options)
 {
     std::printf("%s  %s %s", options.url.c_str(), options.policy.c_str(), options.mode.c_str());
@@ -29,17 +34,20 @@ void print_table(const Options& options, const std::vector<Row>& rows)
 {
     print_head(options);
     std::printf("  %s order\n", options.is_sequential ? "sequential" : "random");
-    std::printf("%-26s %8s %10s %10s %10s %10s %7s %10s %10s %7s %7s\n", "load", "runs",
+    std::printf("%-26s %8s %10s %10s %10s %10s %7s %10s %10s %10s %7s %7s %7s\n", "load", "runs",
                 "median us", "best us", "p99 us", "floor us", "x floor", "per second", "server us",
-                "faults", "calls");
+                "floor us", "x floor", "faults", "calls");
     for (const Row& row : rows) {
         std::printf("%-26s %8zu", row.load.c_str(), row.runs);
-        for (const double figure : {row.median_us, row.best_us, row.p99_us, row.floor_us}) {
+        for (const double figure : {row.median_us, row.best_us, row.p99_us, row.floor.both_us}) {
             print_figure(10, 1, figure);
         }
-        print_figure(7, 2, row.floor_us > 0 ? row.median_us / row.floor_us : 0);
+        print_ratio(row.median_us, row.floor.both_us);
         print_figure(10, 0, row.per_second);
-        print_figure(10, 2, row.server ? row.server->processor_us : 0);
+        const double server_us = row.server ? row.server->processor_us : 0;
+        print_figure(10, 2, server_us);
+        print_figure(10, 2, row.floor.server_us);
+        print_ratio(server_us, row.floor.server_us);
         if (row.server) {
             std::printf(" %7.2f", row.server->page_faults);
         } else {
@@ -78,7 +86,8 @@ void print_json(const Options& options, const std::vector<Row>& rows)
         print_member("median_us", row.median_us);
         print_member("best_us", positive(row.best_us));
         print_member("p99_us", positive(row.p99_us));
-        print_member("floor_us", positive(row.floor_us));
+        print_member("floor_us", positive(row.floor.both_us));
+        print_member("server_floor_us", positive(row.floor.server_us));
         print_member("per_second", row.per_second);
         if (row.server) {
             print_member("server_us", row.server->processor_us);

@@ -24,9 +24,13 @@ is_json() { "$cmake" -D FILE="$work/$1" -P "$source/tests/programs/check_json.cm
 
 "$bench" --connects 2 --read 1,10 --write 5 --browse 20 --in-flight 4 --seconds 0.1 --rounds 2 --json > loads.json
 is_json loads.json
+has "\"load\": \"read 10\", .*\"floor_us\": [0-9.]*, \"server_floor_us\": [0-9]" loads.json
 for load in "connect and activate" "read 1" "read 10" "write 5" "browse 20" "one value, 4 in flight"; do
     has "\"load\": \"$load\", \"round\": 1, .*\"server_us\": [0-9.]*, \"page_faults\": " loads.json
 done
+"$bench" --policy Basic256Sha256 --mode SignAndEncrypt --only connects,reads --connects 2 --read 10 \
+    --seconds 0.1 --sequential --json > secure.json
+has "\"connect and activate\", .*\"server_floor_us\": [0-9]" secure.json
 "$bench" --policy Basic256Sha256 --mode SignAndEncrypt --only connects,reads --connects 2 --read 10 \
     --seconds 0.1 --sequential > loads.txt
 has "SignAndEncrypt  sequential order" loads.txt
