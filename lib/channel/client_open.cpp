@@ -63,12 +63,12 @@ Checked<void> ClientChannel::Impl::check_server(const AsymmetricHeader& header)
         return refuse_answer(status::Bad_CertificateInvalid,
                              "it is for another certificate than this application's");
     }
-    const auto chain = crypto::parse_chain(header.sender_certificate);
-    if (!chain || !(chain->front() == *config.server_certificate)) {
+    const crypto::Certificate& expected = *config.server_certificate;
+    const auto chain = crypto::parse_chain(header.sender_certificate, {&expected, 1});
+    if (!chain || !(chain->front() == expected)) {
         return refuse({status::Bad_CertificateInvalid, "server certificate",
                        "not the one that the server's endpoint showed", "Part 4, 5.5.1",
-                       std::string{read_again}, printable(config.server_certificate->subject()),
-                       config.server_certificate->thumbprint_text()});
+                       std::string{read_again}, printable(expected.subject()), expected.thumbprint_text()});
     }
     auto valid = validate_server(environment, *chain, *header.policy, config.expected_server_uri,
                                  config.endpoint_url);

@@ -175,7 +175,10 @@ Checked<OpenSender> read_open_sender(const AsymmetricHeader& header,
         return OpenSender{};
     }
     const crypto::Certificate& own = environment.identity->certificates.front();
-    auto chain = crypto::parse_chain(header.sender_certificate);
+    crypto::KnownCertificates* const known = context.config.known_certificates;
+    auto chain = crypto::parse_chain(header.sender_certificate,
+                                     known != nullptr ? known->certificates()
+                                                      : conversation.peer_certificates);
     if (!chain) {
         return refuse_certificate(chain.error(),
                                   "no X.509 certificate, or more than one and its issuers",
@@ -200,6 +203,9 @@ Checked<OpenSender> read_open_sender(const AsymmetricHeader& header,
                  .application_uri = {},
                  .purpose = crypto::CertificatePurpose::ClientApplication,
                  .source = context.config.source});
+    if (valid && known != nullptr) {
+        known->keep(*chain);
+    }
     OpenSender sender{*std::move(chain), {}};
     if (!valid) {
         sender.objection = std::move(valid).error();

@@ -57,7 +57,7 @@ Result<void> check_proof(const ConnectionConfig& config,
                          const CreateSessionResponse& response, const SessionData& session)
 {
     const crypto::Certificate& server = *config.channel.server_certificate;
-    const auto chain = crypto::parse_chain(response.server_certificate.span());
+    const auto chain = crypto::parse_chain(response.server_certificate.span(), {&server, 1});
     if (!chain || !(chain->front() == server)) {
         return refuse(environment, status::Bad_CertificateInvalid, "server certificate",
                       "CreateSession shows another than the channel");

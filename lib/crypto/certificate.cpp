@@ -1,5 +1,7 @@
 #include <busbar/crypto/certificate.hpp>
 
+#include <algorithm>
+
 #include <openssl/core_names.h>
 #include <openssl/err.h>
 #include <openssl/pem.h>
@@ -205,7 +207,21 @@ std::uint32_t Certificate::key_bits() const
     return static_cast<std::uint32_t>(EVP_PKEY_get_bits(key));
 }
 
-Result<CertificateChain> parse_chain(std::span<const std::byte> der)
+namespace {
+
+Result<Certificate> find_or_parse(std::span<const std::byte> der,
+                                  std::span<const Certificate> known)
+{
+    const auto same = std::ranges::find_if(known, [&](const Certificate& certificate) {
+        return std::ranges::equal(certificate.der(), der);
+    });
+    return same != known.end() ? *same : Certificate::parse(der);
+}
+
+} // namespace
+
+Result<CertificateChain> parse_chain(std::span<const std::byte> der,
+                                     std::span<const Certificate> known)
 {
     if (der.empty() || der.size() > max_chain_size) {
         return fail(status::Bad_CertificateInvalid);
@@ -216,7 +232,7 @@ Result<CertificateChain> parse_chain(std::span<const std::byte> der)
         if (size == 0 || chain.size() == max_chain_length) {
             return fail(status::Bad_CertificateInvalid);
         }
-        auto certificate = Certificate::parse(der.first(size));
+        auto certificate = find_or_parse(der.first(size), known);
         if (!certificate) {
             return fail(certificate.error());
         }
@@ -224,6 +240,25 @@ Result<CertificateChain> parse_chain(std::span<const std::byte> der)
         der = der.subspan(size);
     }
     return chain;
+}
+
+void KnownCertificates::keep(const CertificateChain& chain)
+{
+    certificates_.reserve(max_count);
+    for (const Certificate& certificate : chain) {
+        if (certificate.der().size() > max_size) {
+            continue;
+        }
+        const auto same = std::ranges::find(certificates_, certificate);
+        if (same != certificates_.end()) {
+            std::rotate(same, same + 1, certificates_.end());
+            continue;
+        }
+        if (certificates_.size() == max_count) {
+            certificates_.erase(certificates_.begin());
+        }
+        certificates_.push_back(certificate);
+    }
 }
 
 } // namespace busbar::crypto

@@ -241,3 +241,25 @@ TEST_CASE("whatever failed in security, the answer is the same bytes", "[channel
     CHECK(logged.find("Bad_CertificateUntrusted") != std::string::npos);
     CHECK(logged.find("Bad_NonceInvalid") != std::string::npos);
 }
+
+TEST_CASE("G6: who connects again with a trusted certificate is not parsed again",
+          "[channel][open]")
+{
+    crypto::KnownCertificates known;
+    const auto connect = [&](StatusCode judgement) {
+        ScriptedClient client{{secured()}, {}, nullptr, &known};
+        client.validator.answer = judgement;
+        client.feed(client.open_message(open_with(secured())));
+        return client.server.peer_certificates();
+    };
+    CHECK(connect(status::Bad_CertificateUntrusted).empty());
+    CHECK(known.certificates().empty());
+    const auto first = connect(status::Good);
+    REQUIRE(first.size() == 1);
+    const auto again = connect(status::Good);
+    REQUIRE(again.size() == 1);
+    CHECK(again.front().native() == first.front().native());
+    // What is known is judged all the same.
+    CHECK(connect(status::Bad_CertificateRevoked).empty());
+    CHECK(connect(status::Good).size() == 1);
+}

@@ -1,5 +1,7 @@
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+
 #include <busbar/crypto/certificate.hpp>
 #include <busbar/crypto/certificate_validator.hpp>
 
@@ -137,6 +139,55 @@ TEST_CASE("a chain is split where its certificates end", "[crypto][certificate]"
         const bool is_whole = size == signed_leaf.certificate.der().size();
         CHECK(parse_chain(std::span{der}.first(size)).has_value() == is_whole);
     }
+}
+
+TEST_CASE("G6: a certificate that is known is not parsed once more", "[crypto][certificate]")
+{
+    const Issued root = issue(authority("root"), key_number(2));
+    const Issued signed_leaf = issue({}, key_number(1), &root);
+    const auto der = joined({&signed_leaf.certificate, &root.certificate});
+    const auto chain = parse_chain(der, {&root.certificate, 1});
+    REQUIRE(chain);
+    CHECK(chain->front() == signed_leaf.certificate);
+    CHECK(chain->front().native() != signed_leaf.certificate.native());
+    CHECK(chain->back().native() == root.certificate.native());
+    for (std::size_t size = 1; size < der.size(); ++size) {
+        const bool is_whole = size == signed_leaf.certificate.der().size();
+        CHECK(parse_chain(std::span{der}.first(size), *chain).has_value() == is_whole);
+    }
+}
+
+TEST_CASE("the certificates that were kept last are known", "[crypto][certificate]")
+{
+    crypto::KnownCertificates known;
+    std::vector<Certificate> all;
+    for (std::size_t i = 0; i <= crypto::KnownCertificates::max_count; ++i) {
+        all.push_back(issue({}, key_number(1)).certificate);
+    }
+    const auto knows = [&](const Certificate& certificate) {
+        return std::ranges::count(known.certificates(), certificate) == 1;
+    };
+    const auto last = all.back();
+    all.pop_back();
+    known.keep(all);
+    CHECK(std::ranges::all_of(all, knows));
+    known.keep({all.front()}); // which is the newest now
+    CHECK(std::ranges::all_of(all, knows));
+    known.keep({last});
+    CHECK(known.certificates().size() == crypto::KnownCertificates::max_count);
+    CHECK((knows(last) && knows(all[0]) && !knows(all[1]) && knows(all[2])));
+}
+
+TEST_CASE("no large certificate is kept", "[crypto][certificate][hostile]")
+{
+    CertificateOptions options;
+    options.extra = std::string(crypto::KnownCertificates::max_size, 'x');
+    const Certificate large = issue(options, key_number(1)).certificate;
+    REQUIRE(large.der().size() > crypto::KnownCertificates::max_size);
+    crypto::KnownCertificates known;
+    known.keep({large, leaf().certificate});
+    REQUIRE(known.certificates().size() == 1);
+    CHECK(known.certificates().front() == leaf().certificate);
 }
 
 TEST_CASE("chains are limited in length and size", "[crypto][certificate][hostile]")

@@ -46,8 +46,9 @@ public:
 
     explicit ScriptedClient(std::vector<channel::SecuritySetting> allowed,
                             channel::TransportLimits limits = {},
-                            channel::SpareBuffers* spares = nullptr)
-        : server{config(std::move(allowed), limits, spares),
+                            channel::SpareBuffers* spares = nullptr,
+                            crypto::KnownCertificates* known = nullptr)
+        : server{config(std::move(allowed), limits, spares, known),
                  {.random = &random,
                   .wall_clock = &wall_clock,
                   .log = &log,
@@ -148,13 +149,14 @@ public:
 private:
     [[nodiscard]] static channel::ServerChannelConfig
     config(std::vector<channel::SecuritySetting> allowed, channel::TransportLimits limits,
-           channel::SpareBuffers* spares)
+           channel::SpareBuffers* spares, crypto::KnownCertificates* known)
     {
         channel::ServerChannelConfig config;
         config.limits = limits;
         config.allowed = std::move(allowed);
         config.channel_id = channel_id;
         config.spares = spares;
+        config.known_certificates = known;
         return config;
     }
 };

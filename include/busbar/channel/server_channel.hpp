@@ -32,6 +32,8 @@ struct ServerChannelConfig {
     /// Optional: what channels of one server share, for it must outlive them. Null where
     /// connections are few; each keeps buffers of its own then.
     SpareBuffers* spares{nullptr};
+    /// Optional, in the same way; null: whoever connects again is parsed again.
+    crypto::KnownCertificates* known_certificates{nullptr};
 };
 
 /// The server's end of one connection: UA TCP (Part 6, 7.1) and the SecureChannel (Part 6, 6.7).

@@ -66,7 +66,26 @@ inline constexpr std::size_t max_chain_size = 65'536; // bytes of DER
 
 /// Splits concatenated DER certificates. Bad_CertificateInvalid if there is none, if something else
 /// is among them, or if they are more than max_chain_length or larger than max_chain_size.
-[[nodiscard]] BUSBAR_API Result<CertificateChain> parse_chain(std::span<const std::byte> der);
+/// Those that are among `known` are taken from there and not parsed once more.
+[[nodiscard]] BUSBAR_API Result<CertificateChain>
+parse_chain(std::span<const std::byte> der, std::span<const Certificate> known = {});
+
+/// The certificates of peers that came last: who comes again is not parsed again, which takes
+/// OpenSSL as long as a private key takes for a signature. One thread.
+class BUSBAR_API KnownCertificates {
+public:
+    static constexpr std::size_t max_count = 16;
+    /// Larger ones are not kept. Bytes of DER.
+    static constexpr std::size_t max_size = 4'096;
+
+    [[nodiscard]] std::span<const Certificate> certificates() const { return certificates_; }
+    /// Keeps those of a chain, in the place of those that were kept first; what is there already
+    /// counts as new. Only what is trusted should be kept, or strangers displace it.
+    void keep(const CertificateChain& chain);
+
+private:
+    std::vector<Certificate> certificates_; // the oldest first
+};
 
 /// A thumbprint, or the beginning of one, as people write it, spelled as thumbprint_text() does.
 [[nodiscard]] BUSBAR_API std::string spelled_thumbprint(std::string_view text);

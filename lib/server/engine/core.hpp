@@ -81,6 +81,7 @@ struct Core : private SessionKeeper, private WriteObserver, private ModelObserve
     channel::AssemblyBudget assembly;
     /// Outlives the connections.
     channel::SpareBuffers spares;
+    crypto::KnownCertificates known_certificates;
     SessionTable sessions;
     LoginGuard logins;
     ChannelGuard channel_guard;

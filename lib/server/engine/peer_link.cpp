@@ -21,6 +21,7 @@ channel::ServerChannelConfig channel_config(Core& core, std::string_view address
     config.max_lifetime = core.limits().max_token_lifetime;
     config.source = network_of(address);
     config.spares = &core.spares;
+    config.known_certificates = &core.known_certificates;
     config.channel_id = core.next_channel_id++;
     if (core.next_channel_id == 0) {
         core.next_channel_id = 1;

@@ -67,19 +67,11 @@ Checked<void> use_nonce(SessionTable& sessions, const ByteString& nonce)
 }
 
 /// Whether `sent` is the leaf of `known`, alone or with issuers: those that the channel was opened
-/// with, or others, which nobody asks for again but have to be certificates. Those that are known
-/// are not parsed once more (G6).
+/// with, or others, which nobody asks for again but have to be certificates.
 bool begins_with(std::span<const std::byte> sent, const crypto::CertificateChain& known)
 {
-    std::size_t same = 0;
-    for (; same < known.size(); ++same) {
-        const auto der = known[same].der();
-        if (sent.size() < der.size() || !std::ranges::equal(sent.first(der.size()), der)) {
-            break;
-        }
-        sent = sent.subspan(der.size());
-    }
-    return same != 0 && (sent.empty() || crypto::parse_chain(sent).has_value());
+    const auto chain = crypto::parse_chain(sent, known); // which parses nothing twice (G6)
+    return chain && !known.empty() && chain->front() == known.front();
 }
 
 /// The client's certificate must be the one that its channel was opened with, and name the
@@ -88,7 +80,7 @@ Checked<void> check_certificate(const channel::ServerChannel& channel,
                                 const CreateSessionRequest& request)
 {
     const crypto::CertificateChain& known = channel.peer_certificates();
-    if (known.empty() || !begins_with(request.client_certificate.span(), known)) {
+    if (!begins_with(request.client_certificate.span(), known)) {
         return refuse({status::Bad_SecurityChecksFailed, "client certificate",
                        "not the one that the channel was opened with", "Part 4, 5.7.2.2",
                        "The client mixes up its certificates"});
