@@ -5,7 +5,7 @@
 
 #include "structures.hpp"
 
-// The vectors come from an independent stack; tests/vectors/README.md explains the notation.
+// The vectors come from an independent stack.
 namespace busbar::test {
 
 namespace {

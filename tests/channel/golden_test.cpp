@@ -24,7 +24,7 @@ std::string text_field(const std::string& line, const std::string& key)
     return line.substr(begin, line.find('"', begin) - begin);
 }
 
-/// The messages of an independent stack by id (tests/vectors/README.md).
+/// The messages of an independent stack by id.
 std::map<std::string, Bytes> golden_messages()
 {
     const char* const chosen = std::getenv("BUSBAR_VECTORS");
