@@ -4,11 +4,11 @@
 #include <span>
 #include <vector>
 
-#include <busbar/server/modules.hpp>
 #include <busbar/server/server.hpp>
 #include <busbar/types/registry.hpp>
 #include <busbar/types/session.hpp>
 
+#include "quick_modules.hpp"
 #include "support/channel_pair.hpp"
 
 namespace busbar::fuzz {
@@ -38,17 +38,6 @@ struct ServerSession {
         const server::ServerEnvironment environment{
             .random = &random, .wall_clock = &wall_clock, .log = &log, .users = users};
         return *server::Server::create(quick_modules(), config, environment);
-    }
-    /// All but what takes longest of making a server, and no request changes.
-    [[nodiscard]] static server::ModuleTable quick_modules()
-    {
-        static const auto modules = [] {
-            const server::ModuleTable all = server::full_modules();
-            std::vector<const server::Module*> quick{all.begin(), all.end()};
-            std::erase(quick, &server::modules::conformance);
-            return quick;
-        }();
-        return modules;
     }
     void run()
     {

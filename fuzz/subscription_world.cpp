@@ -5,6 +5,8 @@
 
 #include <busbar/types/ids.hpp>
 
+#include "quick_modules.hpp"
+
 namespace busbar::fuzz {
 
 namespace {
@@ -49,11 +51,12 @@ server::ServerConfig SubscriptionWorld::config()
 }
 
 SubscriptionWorld::SubscriptionWorld()
-    : server_{server::Server::create(config(), {.random = &random_,
-                                                .wall_clock = &wall_clock,
-                                                .log = &log_,
-                                                .users = &users,
-                                                .access = &access})
+    : server_{server::Server::create(quick_modules(), config(),
+                                     {.random = &random_,
+                                      .wall_clock = &wall_clock,
+                                      .log = &log_,
+                                      .users = &users,
+                                      .access = &access})
                   .value()}
 {
     const std::uint32_t source = server_.add_source(memory_);
