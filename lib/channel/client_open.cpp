@@ -68,7 +68,8 @@ Checked<void> ClientChannel::Impl::check_server(const AsymmetricHeader& header)
     if (!chain || !(chain->front() == expected)) {
         return refuse({status::Bad_CertificateInvalid, "server certificate",
                        "not the one that the server's endpoint showed", "Part 4, 5.5.1",
-                       std::string{read_again}, printable(expected.subject()), expected.thumbprint_text()});
+                       std::string{read_again}, printable(expected.subject()),
+                       expected.thumbprint_text()});
     }
     auto valid = validate_server(environment, *chain, *header.policy, config.expected_server_uri,
                                  config.endpoint_url);
