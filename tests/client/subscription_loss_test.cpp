@@ -168,6 +168,29 @@ TEST_CASE_METHOD(PuppetFixture, "Kept messages are fetched before more is asked 
     CHECK(heard.gaps.empty());
 }
 
+TEST_CASE_METHOD(PuppetFixture, "A connection is as patient as the one before it (F2)", "[client]")
+{
+    start();
+    publish(message(1));
+    publish(message(3)); // the second is missing
+    const auto leave_unanswered = [this] {
+        static_cast<void>(requester.take<RepublishRequest>());
+        refuse(status::Bad_Timeout);
+        pass(1s);
+    };
+    for (int i = 0; i < 3; ++i) {
+        leave_unanswered();
+    }
+    static_cast<void>(requester.take<ReadRequest>()); // does it answer anything?
+    subscriptions.session_lost();
+    subscriptions.session_started(Start::Resumed);
+    settle();
+    leave_unanswered();
+    republish(2);
+    CHECK(heard.take_values() == Values{1, 2, 3});
+    CHECK(heard.gaps.empty());
+}
+
 TEST_CASE_METHOD(PuppetFixture, "A Subscription that a new session may not have is made anew",
                  "[client]")
 {

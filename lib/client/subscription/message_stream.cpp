@@ -31,6 +31,7 @@ void MessageStream::lose(StatusCode reason)
 void MessageStream::begin_session()
 {
     republish_at = {};
+    republish_failures = 0; // the last connection may have been what failed
     probe_count = 0;
     is_catching_up = false;
 }
@@ -53,7 +54,6 @@ void MessageStream::restart()
     interrupt();
     begin_session();
     is_probing = false;
-    republish_failures = 0;
     heard_time = {};
     sequence.reset();
 }
