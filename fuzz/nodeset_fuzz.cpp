@@ -25,6 +25,18 @@ model::NodeSetSource source(const std::uint8_t* data, std::size_t size)
     return {"fuzz.xml", std::string{reinterpret_cast<const char*>(data), size}};
 }
 
+/// To look at all nodes takes longer than all else: among the many inputs of libFuzzer some are
+/// looked at so closely, and one that is tried by itself always is.
+bool is_looked_at()
+{
+#ifdef BUSBAR_LIBFUZZER
+    static unsigned inputs = 0;
+    return inputs++ % 64 == 0;
+#else
+    return true;
+#endif
+}
+
 } // namespace
 
 /// Any text as a NodeSet2 file: a file that is refused changes nothing, one that is loaded can be
@@ -33,10 +45,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 {
     model::AddressSpace space;
     static const std::uint64_t untouched = model::detail::space_hash(space);
+    static const std::size_t node_count = space.node_count();
     const auto loaded = model::load_nodesets(space, std::array{source(data, size)}, limits());
     if (!loaded) {
         if (loaded.error().empty() || space.namespace_count() != 1 ||
-            model::detail::space_hash(space) != untouched) {
+            space.node_count() != node_count ||
+            (is_looked_at() && model::detail::space_hash(space) != untouched)) {
             std::abort();
         }
         return 0;
