@@ -289,6 +289,38 @@ TEST_CASE("D3: a session that found no memory for its end is as it was")
     check_failing_worlds("CloseSession", [&](std::size_t k) { return fail_to_close(k, most); });
 }
 
+TEST_CASE("D3: a Subscription whose client could not be told of its end ends later")
+{
+    FailureFixture world{false, FailureFixture::config()};
+    world.client = world.log_in_as("operator");
+    const auto made =
+        world.client.call<CreateSubscriptionResponse>(FailureFixture::subscription_request());
+    REQUIRE(made);
+    const std::uint32_t subscription = made->subscription_id;
+    const Duration interval =
+        std::chrono::milliseconds{static_cast<std::int64_t>(made->revised_publishing_interval)};
+    const auto wait = [&](std::uint32_t intervals) {
+        for (std::uint32_t i = 0; i < intervals; ++i) {
+            world.pass(interval, world.client);
+        }
+    };
+    wait(made->revised_lifetime_count - 2);
+    fail_allocation(1, 1'000'000);
+    wait(6);
+    CHECK(world.server.subscription_count() == 1);
+    fail_allocation(0);
+    wait(20);
+    CHECK(world.server.subscription_count() == 0);
+    const auto response = world.client.call<PublishResponse>(PublishRequest{});
+    REQUIRE(response);
+    CHECK(response->subscription_id == subscription);
+    REQUIRE(response->notification_message.notification_data.size() == 1);
+    const auto* const change =
+        response->notification_message.notification_data[0].get_if<StatusChangeNotification>();
+    REQUIRE(change != nullptr);
+    CHECK(change->status == status::Bad_Timeout);
+}
+
 TEST_CASE("D3: a timer that expires can be set again whatever memory there is")
 {
     constexpr std::size_t most_others = 8;

@@ -277,15 +277,22 @@ void Subscription::return_keep_alive()
     last_served_ = all_.next_serial();
 }
 
+/// Without memory the client could not be told. One that ends goes on until its next publishing
+/// interval then, for nothing else would tell that it has ended.
 void Subscription::issue_status_change(StatusCode status)
 {
-    if (session_ != nullptr) {
-        busbar::detail::attempt([&] { // what has ended has ended, told or not
-            PublishPart::of(*session_).add_status_change(
-                all_.needs().limits.subscriptions.max_status_changes,
-                {id_,
-                 write_status_change(next_sequence_number(), all_.needs().wall_time(), status)});
-        });
+    if (session_ == nullptr) {
+        return;
+    }
+    const auto issue = [&] {
+        PublishPart::of(*session_).add_status_change(
+            all_.needs().limits.subscriptions.max_status_changes,
+            {id_, write_status_change(next_sequence_number(), all_.needs().wall_time(), status)});
+    };
+    if (status.is_bad()) {
+        issue();
+    } else { // who lost it to another session can ask for it in vain
+        busbar::detail::attempt(issue);
     }
 }
 
