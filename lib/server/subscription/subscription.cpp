@@ -371,8 +371,10 @@ void Subscription::update_share()
 
 void Subscription::give_way(TimePoint now)
 {
+    busbar::detail::Undo undo{[this, before = lifetime_counter_] { lifetime_counter_ = before; }};
     lifetime_counter_ = 1; // row 27
     handle(SubscriptionEvent::PublishingTimer, {.now = now});
+    undo.keep();
 }
 
 void Subscription::end()
