@@ -8,6 +8,14 @@
 
 namespace busbar::fuzz {
 
+/// Sign or SignAndEncrypt, as the next byte says.
+[[nodiscard]] inline channel::SecuritySetting secured(Script& script)
+{
+    return test::setting("Basic256Sha256", script.byte() % 2 == 0
+                                               ? MessageSecurityMode::Sign
+                                               : MessageSecurityMode::SignAndEncrypt);
+}
+
 template <typename Pair>
 void send(Pair& pair, Script& script)
 {

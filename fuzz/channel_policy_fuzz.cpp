@@ -8,9 +8,7 @@ using namespace busbar;
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
     fuzz::Script script{{data, size}};
-    const auto mode =
-        script.byte() % 2 == 0 ? MessageSecurityMode::Sign : MessageSecurityMode::SignAndEncrypt;
-    fuzz::PreparedPair pair{test::setting("Basic256Sha256", mode)};
+    fuzz::PreparedPair pair{fuzz::secured(script)};
     fuzz::play(pair, script);
     return 0;
 }

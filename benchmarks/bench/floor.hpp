@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include <busbar/channel/channel_types.hpp>
 #include <busbar/core/date_time.hpp>

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include <busbar/channel/channel_types.hpp>
 
 namespace busbar::bench {

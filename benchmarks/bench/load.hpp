@@ -102,6 +102,10 @@ private:
     /// Runs a load of requests of `count` values each.
     template <typename Once>
     [[nodiscard]] Result<Row> measure(const std::string& load, std::size_t count, Once once);
+    /// Sends the request again and again; `check` has what is wrong with as many results.
+    template <typename Response, typename Request, typename Check>
+    [[nodiscard]] Result<Row> exchange_load(const std::string& load, std::size_t count,
+                                            net::ClientLoop& loop, Request& request, Check check);
     [[nodiscard]] bool wants(const char* load) const;
     [[nodiscard]] NodeId node(std::size_t number) const;
     [[nodiscard]] channel::ChannelEnvironment environment();

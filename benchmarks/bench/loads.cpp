@@ -113,6 +113,29 @@ Result<Row> Load::measure(const std::string& load, std::size_t count, Once once)
     return row;
 }
 
+template <typename Response, typename Request, typename Check>
+Result<Row> Load::exchange_load(const std::string& load, std::size_t count, net::ClientLoop& loop,
+                                Request& request, Check check)
+{
+    std::size_t response_size = 0;
+    auto row = measure(load, count, [&]() -> Result<void> {
+        const auto event = loop.call(request);
+        const auto response =
+            event ? event->template response<Response>(generous_limits()) : fail(event.error());
+        if (!response) {
+            return fail(response.error());
+        }
+        response_size = event->body.size() + frame_size;
+        const StatusCode bad =
+            response->results.size() == count ? check(response->results) : status::Bad_NoData;
+        return bad.is_good() ? Result<void>{} : fail(bad);
+    });
+    if (row) {
+        row->floor = exchange_floor(wire_size(request), response_size, security_);
+    }
+    return row;
+}
+
 Result<Row> Load::read_load(net::ClientLoop& loop, std::size_t count)
 {
     ReadRequest request;
@@ -123,26 +146,12 @@ Result<Row> Load::read_load(net::ClientLoop& loop, std::size_t count)
         item.node_id = node(i);
         item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
     }
-    std::size_t response_size = 0;
-    auto row = measure("read", count, [&]() -> Result<void> {
-        const auto event = loop.call(request);
-        const auto response =
-            event ? event->response<ReadResponse>(generous_limits()) : fail(event.error());
-        if (!response) {
-            return fail(response.error());
-        }
-        response_size = event->body.size() + frame_size;
-        const auto& results = response->results;
-        const bool is_good = results.size() == count &&
-                             std::all_of(results.begin(), results.end(),
-                                         [](const DataValue& v) { return v.status.is_good(); });
-        return is_good ? Result<void>{}
-                       : fail(results.empty() ? status::Bad_NoData : results[0].status);
+    return exchange_load<ReadResponse>("read", count, loop, request, [](const auto& results) {
+        const auto bad = std::find_if(results.begin(), results.end(), [](const DataValue& value) {
+            return !value.status.is_good();
+        });
+        return bad == results.end() ? StatusCode{} : bad->status;
     });
-    if (row) {
-        row->floor = exchange_floor(wire_size(request), response_size, security_);
-    }
-    return row;
 }
 
 Result<Row> Load::write_load(net::ClientLoop& loop, std::size_t count)
@@ -155,23 +164,11 @@ Result<Row> Load::write_load(net::ClientLoop& loop, std::size_t count)
         item.attribute_id = static_cast<std::uint32_t>(AttributeId::Value);
         item.value = DataValue{Variant{static_cast<std::int16_t>(i)}};
     }
-    std::size_t response_size = 0;
-    auto row = measure("write", count, [&]() -> Result<void> {
-        const auto event = loop.call(request);
-        const auto response =
-            event ? event->response<WriteResponse>(generous_limits()) : fail(event.error());
-        if (!response) {
-            return fail(response.error());
-        }
-        response_size = event->body.size() + frame_size;
-        const auto bad = std::find_if(response->results.begin(), response->results.end(),
+    return exchange_load<WriteResponse>("write", count, loop, request, [](const auto& results) {
+        const auto bad = std::find_if(results.begin(), results.end(),
                                       [](StatusCode code) { return code.is_bad(); });
-        return bad == response->results.end() ? Result<void>{} : fail(*bad);
+        return bad == results.end() ? StatusCode{} : *bad;
     });
-    if (row) {
-        row->floor = exchange_floor(wire_size(request), response_size, security_);
-    }
-    return row;
 }
 
 Result<Row> Load::browse_load(net::ClientLoop& loop, std::size_t count)
@@ -186,30 +183,14 @@ Result<Row> Load::browse_load(net::ClientLoop& loop, std::size_t count)
         item.include_subtypes = true;
         item.result_mask = static_cast<std::uint32_t>(BrowseResultMask::All);
     }
-    std::size_t response_size = 0;
-    auto row = measure("browse", count, [&]() -> Result<void> {
-        const auto event = loop.call(request);
-        const auto response =
-            event ? event->response<BrowseResponse>(generous_limits()) : fail(event.error());
-        if (!response) {
-            return fail(response.error());
-        }
-        response_size = event->body.size() + frame_size;
-        const auto& results = response->results;
+    return exchange_load<BrowseResponse>("browse", count, loop, request, [](const auto& results) {
         const auto empty =
             std::find_if(results.begin(), results.end(),
                          [](const BrowseResult& result) { return result.references.empty(); });
-        if (results.size() != count) {
-            return fail(status::Bad_NoData);
-        }
-        return empty == results.end()        ? Result<void>{}
-               : empty->status_code.is_bad() ? fail(empty->status_code)
-                                             : fail(status::Bad_NoData);
+        return empty == results.end()        ? StatusCode{}
+               : empty->status_code.is_bad() ? empty->status_code
+                                             : StatusCode{status::Bad_NoData};
     });
-    if (row) {
-        row->floor = exchange_floor(wire_size(request), response_size, security_);
-    }
-    return row;
 }
 
 Result<Row> Load::in_flight_load(net::ClientLoop& loop, std::size_t in_flight)
