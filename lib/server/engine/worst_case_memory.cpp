@@ -179,7 +179,10 @@ void add_connections(Rows& rows, const ServerLimits& limits)
     rows.count("max_connections", limits.max_connections)
         .holds(all_connections(limits),
                sizeof(detail::PeerLink) + bytes_of_channel + bytes_of_chain,
-               "connections, the closed ones that still send included");
+               "connections, the closed ones that still send included")
+        .holds(crypto::KnownCertificates::max_count,
+               crypto::KnownCertificates::max_size * parsed_certificate,
+               "certificates of the peers that came last");
     rows.count("max_connections_per_address", limits.max_connections_per_address);
     rows.time("sessionless_timeout", limits.sessionless_timeout);
     rows.bytes("max_sessionless_message", limits.max_sessionless_message);
