@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include <busbar/core/extension_object.hpp>
 #include <busbar/server/image_structure.hpp>
 
 #include "image_fixture.hpp"
