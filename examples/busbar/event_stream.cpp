@@ -31,7 +31,7 @@ void follow_events(Context& context, Connection& connection, const EventStream& 
 {
     const std::size_t field_count = standard_event_fields.size() + events.choice.fields.size();
     Stream stream{context, connection, events.end};
-    auto handlers = stream.handlers([&](client::ItemHandle) { return events.node; });
+    auto handlers = stream.handlers();
     handlers.on_events = [&](std::span<const client::EventArrived> arrived) {
         for (const client::EventArrived& event : arrived) {
             stream.push([&, fields = event.fields] {

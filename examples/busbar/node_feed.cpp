@@ -41,7 +41,7 @@ void NodeFeed::subscribe(const FeedSettings& settings)
 {
     client::SubscriptionSettings wanted;
     wanted.publishing_interval = decltype(wanted.publishing_interval){settings.interval};
-    auto handlers = stream_->handlers([this](auto item) { return text_of_item(item); });
+    auto handlers = stream_->handlers();
     handlers.on_data = [this](std::span<const client::DataChange> changes) {
         for (const client::DataChange& change : changes) {
             stream_->push(
@@ -82,12 +82,6 @@ void NodeFeed::add_events(client::ItemSettings item,
     static_cast<void>(connection_->value(
         connection_->client().subscriptions().add_items(subscription_, {std::move(item)}),
         "the monitored item of events"));
-}
-
-std::string NodeFeed::text_of_item(client::ItemHandle item) const
-{
-    const auto found = node_of_.find(item);
-    return found == node_of_.end() ? "events" : nodes_[found->second].text;
 }
 
 void NodeFeed::take_status(client::ItemHandle item, StatusCode status)

@@ -53,7 +53,6 @@ public:
 
 private:
     void subscribe(const FeedSettings& settings);
-    [[nodiscard]] std::string text_of_item(client::ItemHandle item) const;
     void take_status(client::ItemHandle item, StatusCode status);
 
     Connection* connection_;

@@ -49,7 +49,7 @@ void StreamReporter::polling()
     report("the server has no subscriptions: values are read instead");
 }
 
-void StreamReporter::missed(const client::Gap& gap, const std::vector<std::string>& nodes)
+void StreamReporter::missed(const client::Gap& gap)
 {
     if (!context_->options.is_json) {
         report("something may be missing between " + time_of_day(gap.from) + " and " +
@@ -59,11 +59,7 @@ void StreamReporter::missed(const client::Gap& gap, const std::vector<std::strin
     JsonWriter json;
     json.open_object().key("gap").open_object();
     json.member("from", gap.from).member("to", gap.to).member("reason", gap.reason);
-    json.key("nodes").open_array();
-    for (const std::string& node : nodes) {
-        json.text(node);
-    }
-    context_->out.line(json.close_array().close_object().close_object().document());
+    context_->out.line(json.close_object().close_object().document());
 }
 
 void StreamReporter::report(const std::string& text)
@@ -149,16 +145,11 @@ void Stream::run(const std::function<void()>& tick)
     }
 }
 
-client::SubscriptionHandlers
-Stream::handlers(std::function<std::string(client::ItemHandle)> node_of)
+client::SubscriptionHandlers Stream::handlers()
 {
     client::SubscriptionHandlers handlers;
-    handlers.on_gap = [this, node_of = std::move(node_of)](const client::Gap& gap) {
-        std::vector<std::string> nodes;
-        for (const client::ItemHandle item : gap.items) {
-            nodes.push_back(node_of(item));
-        }
-        push([this, gap, nodes = std::move(nodes)] { listener_->missed(gap, nodes); });
+    handlers.on_gap = [this](const client::Gap& gap) {
+        push([this, gap] { listener_->missed(gap); });
     };
     handlers.on_status = [this](StatusCode status, client::DeliveryMode mode,
                                 const CreateSubscriptionResponse&) {

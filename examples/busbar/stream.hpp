@@ -29,8 +29,7 @@ public:
 
     virtual void lost(StatusCode why) = 0;
     virtual void back() = 0;
-    /// `nodes` are none for all.
-    virtual void missed(const client::Gap& gap, const std::vector<std::string>& nodes) = 0;
+    virtual void missed(const client::Gap& gap) = 0;
     /// The server has no subscriptions.
     virtual void polling() = 0;
 };
@@ -42,7 +41,7 @@ public:
 
     void lost(StatusCode why) override;
     void back() override;
-    void missed(const client::Gap& gap, const std::vector<std::string>& nodes) override;
+    void missed(const client::Gap& gap) override;
     void polling() override;
 
 private:
@@ -77,10 +76,8 @@ public:
     /// happened and now and then.
     void run(const std::function<void()>& tick = [] {});
 
-    /// Handlers that tell of gaps and failures; the others are the caller's. `node_of` names an
-    /// item.
-    [[nodiscard]] client::SubscriptionHandlers
-    handlers(std::function<std::string(client::ItemHandle)> node_of);
+    /// Handlers that tell of gaps and failures; the others are the caller's.
+    [[nodiscard]] client::SubscriptionHandlers handlers();
 
 private:
     void watch_connection();

@@ -53,7 +53,7 @@ public:
         view_->is_changed_ = true;
     }
     void back() override { view_->set_connected(); }
-    void missed(const client::Gap& gap, const std::vector<std::string>&) override
+    void missed(const client::Gap& gap) override
     {
         view_->model_.link().missed(gap.from, gap.to, gap.reason);
         view_->is_changed_ = true;

@@ -77,9 +77,8 @@ struct EventArrived {
 /// for, and what a filter calculates, as an AggregateFilter does, is not read: these wait for the
 /// next notification.
 struct Gap {
+    /// All of its items.
     SubscriptionHandle subscription;
-    /// Empty: all items of the subscription.
-    std::vector<ItemHandle> items;
     /// The last moment that notifications are complete for, and the first one again; the server's
     /// publish time or, without one, the time of its response. Null if there was none.
     DateTime from;

@@ -156,7 +156,7 @@ void WatchedSubscription::report_gap(DateTime until)
     if (!messages.loss) {
         return;
     }
-    const Gap gap{handle, {}, messages.loss->from, until, messages.loss->reason};
+    const Gap gap{handle, messages.loss->from, until, messages.loss->reason};
     messages.loss.reset();
     const auto told = handlers;
     if (told->on_gap) {
