@@ -93,7 +93,7 @@ NodeId RequestContent::node()
     case 4:
         return NodeId{0, one_of(standard_nodes)};
     default:
-        return NodeId{1, static_cast<std::uint32_t>(below(16))};
+        return NodeId{1, static_cast<std::uint32_t>(below(24))};
     }
 }
 

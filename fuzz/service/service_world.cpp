@@ -15,8 +15,6 @@ using binary::DynamicArray;
 using binary::DynamicType;
 using binary::DynamicValue;
 
-constexpr std::size_t kept_live = 8;
-
 /// The operations of a request are in the first array behind its header, where its response has a
 /// result for each.
 std::optional<std::size_t> operations_of(const DynamicValue& request, const DynamicType& response)
@@ -49,7 +47,21 @@ std::optional<std::size_t> operations_of(const DynamicValue& request, const Dyna
 bool leaves_traces(std::string_view request)
 {
     return request == "AddNodesRequest" || request == "AddReferencesRequest" ||
-           request == "DeleteNodesRequest" || request == "DeleteReferencesRequest";
+           request == "DeleteNodesRequest" || request == "DeleteReferencesRequest" ||
+           request == "WriteRequest";
+}
+
+/// The same of what is known of the request: values that are written are overwritten again.
+bool leaves_traces(const DynamicValue& request)
+{
+    const DynamicArray* const written = request.structures("NodesToWrite");
+    if (written == nullptr) {
+        return leaves_traces(request.type().name);
+    }
+    return std::any_of(written->values.begin(), written->values.end(), [](const auto& each) {
+        return *each.template get_if<std::uint32_t>("AttributeId") !=
+               static_cast<std::uint32_t>(AttributeId::Value);
+    });
 }
 
 } // namespace
@@ -80,6 +92,9 @@ ServiceWorld::ServiceWorld()
     users_.everybody.roles = {"ConfigureAdmin", "SecurityAdmin"};
     add_variables();
     add_method();
+    allow_writes();
+    add_image();
+    add_analog();
 }
 
 void ServiceWorld::add_variables()
@@ -111,6 +126,63 @@ void ServiceWorld::add_variables()
     }
 }
 
+void ServiceWorld::allow_writes()
+{
+    model::AddressSpace& space = server_.address_space();
+    model::NodeAccess access;
+    access.write_mask = UINT32_MAX;
+    for (std::uint32_t number = 1; number <= 14; ++number) {
+        const model::NodeIndex node = space.find(NodeId{1, number});
+        if (node != model::no_node) {
+            space.set_node_access(node, access);
+        }
+    }
+}
+
+void ServiceWorld::add_image()
+{
+    const std::uint32_t source = server_.add_source(image_.source());
+    model::AddressSpace& space = server_.address_space();
+    for (std::size_t i = 0; i < WorldImage::variable_count; ++i) {
+        const Variant value = image_.value(i);
+        model::NewNode node;
+        node.id = NodeId{1, static_cast<std::uint32_t>(16 + i)};
+        node.browse_name = QualifiedName{1, String{"image" + std::to_string(i)}};
+        node.parent = space.find(id::ObjectsFolder);
+        model::NewVariable variable;
+        variable.data_type = NodeId{0, static_cast<std::uint32_t>(value.type())};
+        variable.value_rank = value.is_scalar() ? -1 : value.dimensions().empty() ? 1 : 2;
+        variable.access_level = model::Access::ReadWrite;
+        variable.source = source;
+        variable.handle = image_.handle(i);
+        require(space.add_variable(node, variable).has_value());
+    }
+}
+
+void ServiceWorld::add_analog()
+{
+    model::AddressSpace& space = server_.address_space();
+    model::NewNode node;
+    node.id = NodeId{1, 20};
+    node.browse_name = QualifiedName{1, "analog"};
+    node.parent = space.find(id::ObjectsFolder);
+    model::NewVariable variable;
+    variable.data_type = NodeId{0, id::Double};
+    variable.value = 2.5;
+    variable.access_level = model::Access::ReadWrite;
+    const auto analog = space.add_variable(node, variable);
+    require(analog.has_value());
+    model::NewNode property;
+    property.id = NodeId{1, 21};
+    property.browse_name = QualifiedName{0, "EURange"};
+    property.parent = *analog;
+    model::NewVariable range;
+    range.data_type = NodeId{0, id::Range};
+    range.value = ExtensionObject::from(Range{0, 200});
+    range.access_level = model::Access::ReadWrite;
+    require(space.add_property(property, range).has_value());
+}
+
 void ServiceWorld::add_method()
 {
     model::AddressSpace& space = server_.address_space();
@@ -138,6 +210,7 @@ void ServiceWorld::set_values(std::int32_t number)
 void ServiceWorld::begin()
 {
     set_values(1);
+    image_.scan(1, wall_clock_.time);
     for (Session& session : sessions_) {
         auto connection = server_.connect("192.0.2.1", now_);
         require(connection.has_value());
@@ -160,8 +233,7 @@ void ServiceWorld::end()
         session.expected.clear();
     }
     calls_.clear();
-    subscriptions_.clear();
-    continuation_points_.clear();
+    ids_.clear();
     // Sessions and Subscriptions that the input has left end with their timeouts, which are counted
     // in publishing intervals: a late deadline counts one.
     constexpr int most_intervals = 3'000;
@@ -184,31 +256,11 @@ bool ServiceWorld::is_busy() const
 
 void ServiceWorld::bind(const Session& session, DynamicValue& request) const
 {
-    const auto live_subscription = [&](std::uint32_t number) {
-        return number < subscriptions_.size() ? subscriptions_[number] : number;
-    };
     DynamicValue header = *request.structure(0U);
     static_cast<void>(
         header.set("AuthenticationToken", Variant{session.client->authentication_token}));
     static_cast<void>(request.set(std::size_t{0}, std::move(header)));
-    if (const auto* const one = request.get_if<std::uint32_t>("SubscriptionId")) {
-        static_cast<void>(request.set("SubscriptionId", Variant{live_subscription(*one)}));
-    }
-    if (const Variant* const all = request.value("SubscriptionIds")) {
-        Array<std::uint32_t> ids = *all->array_if<std::uint32_t>();
-        std::transform(ids.begin(), ids.end(), ids.begin(), live_subscription);
-        static_cast<void>(request.set("SubscriptionIds", Variant{std::move(ids)}));
-    }
-    if (const Variant* const all = request.value("ContinuationPoints")) {
-        Array<ByteString> points = *all->array_if<ByteString>();
-        for (ByteString& point : points) {
-            if (point.size() == 1 && !continuation_points_.empty()) {
-                const auto number = std::to_integer<std::size_t>(point.span()[0]);
-                point = continuation_points_[number % continuation_points_.size()];
-            }
-        }
-        static_cast<void>(request.set("ContinuationPoints", Variant{std::move(points)}));
-    }
+    ids_.bind(request);
 }
 
 bool ServiceWorld::send(Session& session, Expected expected,
@@ -232,7 +284,7 @@ void ServiceWorld::send(std::size_t session, const RequestTypes::Entry& entry, D
 {
     Session& sender = sessions_[session];
     bind(sender, request);
-    is_used_up_ = is_used_up_ || leaves_traces(request.type().name);
+    is_used_up_ = is_used_up_ || leaves_traces(request);
     static_cast<void>(send(sender, {entry.response, operations_of(request, *entry.response)},
                            [&](binary::Writer& writer) {
                                encode(writer, request.type().encoding_id);
@@ -284,6 +336,9 @@ void ServiceWorld::act(std::uint8_t choice)
         event.message = LocalizedText{"en", "event"};
         event.severity = choice;
         static_cast<void>(server_.raise_event(event));
+    }
+    if ((choice & 16U) != 0) {
+        image_.scan(choice, wall_clock_.time);
     }
     server_.handle_completions(now_);
     look();
@@ -340,27 +395,7 @@ void ServiceWorld::check(const Expected& expected, std::span<const std::byte> bo
         require((structures != nullptr ? structures->values.size() : values->array_size()) ==
                 *expected.result_count);
     }
-    learn(*response);
-}
-
-void ServiceWorld::learn(const DynamicValue& response)
-{
-    if (response.type().name == "CreateSubscriptionResponse") {
-        subscriptions_.push_front(*response.get_if<std::uint32_t>("SubscriptionId"));
-        subscriptions_.resize(std::min(subscriptions_.size(), kept_live));
-    }
-    const auto* const results = response.structures("Results");
-    if (results == nullptr || results->values.empty() ||
-        results->values[0].type().name != "BrowseResult") {
-        return;
-    }
-    for (const DynamicValue& result : results->values) {
-        const auto* const point = result.get_if<ByteString>("ContinuationPoint");
-        if (point != nullptr && point->size() != 0) {
-            continuation_points_.push_front(*point);
-        }
-    }
-    continuation_points_.resize(std::min(continuation_points_.size(), kept_live));
+    ids_.learn(*response);
 }
 
 } // namespace busbar::fuzz

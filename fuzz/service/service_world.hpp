@@ -12,8 +12,10 @@
 #include <busbar/server/method_table.hpp>
 #include <busbar/server/server.hpp>
 
+#include "live_ids.hpp"
 #include "request_types.hpp"
 #include "support/server_fixture.hpp"
+#include "world_image.hpp"
 
 namespace busbar::fuzz {
 
@@ -48,7 +50,8 @@ public:
     /// The bytes as they are.
     void send_raw(std::size_t session, std::uint32_t encoding, std::span<const std::byte> body);
     void advance(Duration time);
-    /// Values change, Methods are answered, events are raised, whichever bits are set.
+    /// Values change, Methods are answered, events are raised, a task scans, whichever bits are
+    /// set.
     void act(std::uint8_t choice);
 
 private:
@@ -64,7 +67,12 @@ private:
 
     [[nodiscard]] static server::ServerConfig config();
     void add_variables();
+    void add_image();
+    /// A Variable with an EURange, both of the address space.
+    void add_analog();
     void add_method();
+    /// Of all attributes that can be written, of the Variables and the Method.
+    void allow_writes();
     void set_values(std::int32_t number);
     [[nodiscard]] bool send(Session& session, Expected expected,
                             FunctionRef<void(binary::Writer&)> body);
@@ -73,7 +81,6 @@ private:
     void look();
     void look(Session& session);
     void check(const Expected& expected, std::span<const std::byte> body);
-    void learn(const binary::DynamicValue& response);
 
     test::SeededRandom random_;
     test::FixedWallClock wall_clock_;
@@ -82,13 +89,13 @@ private:
     server::MethodTable methods_;
     std::deque<server::MethodCall> calls_;
     server::MemorySource memory_{wall_clock_};
+    WorldImage image_;
     TimePoint now_{};
     server::Server server_;
     std::vector<std::uint64_t> handles_;
     std::array<Session, session_count> sessions_;
-    /// Of this input, the newest first.
-    std::deque<std::uint32_t> subscriptions_;
-    std::deque<ByteString> continuation_points_;
+    /// Of this input.
+    LiveIds ids_;
     bool is_used_up_{false};
 };
 
