@@ -279,3 +279,92 @@ TEST_CASE("role set: own roles of the file have nodes, and a server without the 
     auto other = make(without);
     CHECK(other.address_space().find(add_identity) == model::no_node);
 }
+
+TEST_CASE_METHOD(Fixture, "role set: applications and endpoints are taken back, once")
+{
+    constexpr std::uint32_t remove_application = 16230;
+    constexpr std::uint32_t add_endpoint = 16232;
+    constexpr std::uint32_t remove_endpoint = 16234;
+    auto admin = log_in("admin");
+    EndpointType endpoint;
+    endpoint.endpoint_url = "opc.tcp://plc:4840";
+    const Variant structure{ExtensionObject::from(EndpointType{endpoint})};
+    const Variant uri{String{"urn:a"}};
+    CHECK(call_operator(admin, remove_application, uri) == "Bad_NotFound");
+    CHECK(call_operator(admin, remove_endpoint, structure) == "Bad_NotFound");
+    REQUIRE(call_operator(admin, add_application, uri) == "Good");
+    REQUIRE(call_operator(admin, add_endpoint, structure) == "Good");
+    CHECK(call_operator(admin, add_endpoint, structure) == "Bad_AlreadyExists");
+    CHECK(call_operator(admin, add_application, Variant{String{}}) == "Bad_InvalidArgument");
+    CHECK(call_operator(admin, remove_application, uri) == "Good");
+    CHECK(call_operator(admin, remove_endpoint, structure) == "Good");
+    CHECK(roles.find("Operator")->applications.empty());
+    CHECK(roles.find("Operator")->endpoints.empty());
+    CHECK(call_operator(admin, remove_endpoint, structure) == "Bad_NotFound");
+}
+
+TEST_CASE_METHOD(Fixture, "role set: who is excluded stays, where the medium or the role says so")
+{
+    constexpr std::uint32_t of_anonymous = 15412; // ApplicationsExclude
+    auto admin = log_in("admin");
+    storage.set_protected(true);
+    CHECK(write(admin, NodeId{0, applications_exclude}, Variant{false}) ==
+          status::Bad_ResourceUnavailable);
+    storage.set_protected(false);
+    CHECK(read(admin, NodeId{0, applications_exclude}).value == Variant{true});
+    CHECK(roles.find("Operator")->applications_exclude);
+    CHECK(write(admin, NodeId{0, of_anonymous}, Variant{false}).is_bad());
+    CHECK(roles.find("Anonymous")->applications_exclude);
+    auto pat = log_in("pat");
+    CHECK(write(pat, NodeId{0, applications_exclude}, Variant{false}).is_bad());
+}
+
+TEST_CASE_METHOD(Fixture, "role set: a role whose node is taken is not kept")
+{
+    auto admin = log_in("admin");
+    model::AddressSpace& space = server.address_space();
+    model::NewNode node;
+    node.id = NodeId{1, "RoleSet//Fitter"};
+    node.browse_name = QualifiedName{1, "taken"};
+    node.parent = space.find(id::ObjectsFolder);
+    REQUIRE(space.add_folder(node));
+    const NodeId set{0, id::Server_ServerCapabilities_RoleSet};
+    const NodeId add{0, id::Server_ServerCapabilities_RoleSet_AddRole};
+    CHECK(
+        call(admin, set, add, {Variant{String{"Fitter"}}, Variant{String{}}}).status_code.is_bad());
+    CHECK(roles.find("Fitter") == nullptr);
+    // A namespace that the server has is a part of the role's name.
+    const char* const uri = "http://opcfoundation.org/UA/";
+    const auto made = call(admin, set, add, {Variant{String{"Fitter"}}, Variant{String{uri}}});
+    REQUIRE(made.status_code == status::Good);
+    CHECK(made.output_arguments[0] ==
+          Variant{NodeId{1, String{"RoleSet/" + std::string{uri} + "/Fitter"}}});
+}
+
+TEST_CASE_METHOD(Fixture, "role set: one Call that removes a role twice removes it once")
+{
+    auto admin = log_in("admin");
+    REQUIRE(roles.add("Welder", ""));
+    const NodeId set{0, id::Server_ServerCapabilities_RoleSet};
+    const NodeId remove{0, id::Server_ServerCapabilities_RoleSet_RemoveRole};
+    // A role that only the program added has no node yet, and no client names it.
+    CHECK(call(admin, set, remove, {Variant{NodeId{1, "RoleSet//Welder"}}}).status_code ==
+          status::Bad_NotFound);
+    CHECK(roles.find("Welder") != nullptr);
+    REQUIRE(call(admin, set, NodeId{0, id::Server_ServerCapabilities_RoleSet_AddRole},
+                 {Variant{String{"Fitter"}}, Variant{String{}}})
+                .status_code == status::Good);
+    CallRequest request;
+    request.methods_to_call.resize(2);
+    for (CallMethodRequest& one : request.methods_to_call) {
+        one.object_id = set;
+        one.method_id = remove;
+        one.input_arguments = {Variant{NodeId{1, "RoleSet//Fitter"}}};
+    }
+    const auto response = admin.call<CallResponse>(request);
+    REQUIRE(response);
+    CHECK(name(response->results[0].status_code) == "Good");
+    CHECK(name(response->results[1].status_code) == "Bad_NotFound");
+    CHECK(roles.find("Fitter") == nullptr);
+    CHECK(server.address_space().find(NodeId{1, "RoleSet//Fitter"}) == model::no_node);
+}
