@@ -288,3 +288,42 @@ TEST_CASE_METHOD(Fixture,
     }
     CHECK(log_in("pat"));
 }
+
+TEST_CASE_METHOD(Fixture, "users: members of a user that are none are named")
+{
+    REQUIRE(add("pat"));
+    const std::string begin = R"({"version":1,"users":[{"name":"a","password_hash":")" +
+                              stored()[0].password_hash + "\",";
+    const auto problem = [&](const std::string& text) {
+        const std::string document = begin + text + "}]}";
+        REQUIRE(
+            storage.replace("users.json", std::as_bytes(std::span{document}), FileAccess::Owner));
+        const auto loaded = list.load();
+        CHECK(list.users().size() == 1);
+        return loaded ? "Good" : busbar::text(loaded.error());
+    };
+    const std::string place = "memory:users.json: users[0].";
+    for (const char* bits : {"-1", "1.5", "\"1\"", "4294967296", "4294967295"}) {
+        CHECK(problem(R"("configuration":)" + std::string{bits} +
+                      R"(,"description":"","roles":[])") ==
+              place + "configuration: found " + bits + ", expected bits of UserConfigurationMask");
+    }
+    CHECK(problem(R"("configuration":0,"description":7,"roles":[])") ==
+          place + "description: found 7, expected a text");
+    CHECK(problem(R"("configuration":0,"description":"")") ==
+          place + "roles: found nothing, expected a list of texts");
+    CHECK(problem(R"("configuration":0,"description":"","roles":["Operator",7])") ==
+          place + "roles: found a list, expected a list of texts");
+    CHECK(log_in("pat"));
+}
+
+TEST_CASE_METHOD(Fixture, "users: who is disabled changes no password")
+{
+    REQUIRE(add("pat", {}, user_bit::disabled));
+    CHECK(status_of(list.change_password("pat", good_password, "another horse 2", random)) ==
+          "Bad_IdentityTokenInvalid");
+    UserChange change;
+    change.configuration = 0;
+    REQUIRE(list.modify("pat", change, random));
+    CHECK(log_in("pat"));
+}

@@ -176,3 +176,29 @@ TEST_CASE_METHOD(Users, "user management: a medium that fails changes nothing")
     CHECK(add(admin, "pat", patience) == "Bad_ResourceUnavailable");
     CHECK(user_list.users().size() == 1);
 }
+
+TEST_CASE_METHOD(Users, "user management: what is not to be modified stays (Part 18, 5.2.6)")
+{
+    auto admin = log_in();
+    REQUIRE(add(admin, "pat", patience, administration::user_bit::no_delete) == "Good");
+    const auto modify = [&](const char* password, const char* description) {
+        return call_user(admin, id::UserManagement_ModifyUser,
+                         {Variant{String{"pat"}}, Variant{password != nullptr},
+                          Variant{String{password != nullptr ? password : "not looked at"}},
+                          Variant{false}, Variant{administration::user_bit::disabled},
+                          Variant{description != nullptr},
+                          Variant{String{description != nullptr ? description : "nor this"}}});
+    };
+    CHECK(modify(nullptr, nullptr) == "Good");
+    CHECK(user_list.users()[1].description == "of the night shift");
+    CHECK(modify(nullptr, "of the day shift") == "Good");
+    CHECK(user_list.users()[1].description == "of the day shift");
+    CHECK_FALSE(log_in("pat", patience).is_closed());
+    CHECK(modify("short", nullptr) == "Bad_OutOfRange");
+    CHECK(modify("something else", nullptr) == "Good");
+    CHECK(user_list.users()[1].configuration == administration::user_bit::no_delete);
+    CHECK_FALSE(log_in("pat", "something else").is_closed());
+    auto old = connect();
+    REQUIRE(old.create_session());
+    CHECK(old.activate(old.user("pat", patience)).is_bad());
+}
