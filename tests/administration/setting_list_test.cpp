@@ -264,3 +264,97 @@ TEST_CASE_METHOD(SettingFixture, "settings: a file with a mistake is named and n
         CHECK(list.changes().empty());
     }
 }
+
+namespace {
+
+/// Lists of what has no list among the settings above.
+struct ListFixture {
+    ListFixture() { REQUIRE(list.load()); }
+
+    std::string change(const char* name, Variant value)
+    {
+        const SettingChange set[] = {{name, std::move(value)}};
+        const auto changed = list.change(set, owner);
+        return changed ? "Good" : text(changed.error());
+    }
+    std::string load(const std::string& value_text)
+    {
+        const std::string document = R"({"version":1,"settings":{)" + value_text + "}}";
+        REQUIRE(storage.replace("settings.json", std::as_bytes(std::span{document}),
+                                FileAccess::Owner));
+        const auto loaded = list.load();
+        return loaded ? "Good" : text(loaded.error());
+    }
+
+    storage::MemoryStorage storage;
+    Owner owner;
+    SettingList list{storage,
+                     "settings.json",
+                     {{.name = "gains",
+                       .otherwise = Variant{Array<double>{1.0}},
+                       .range = Range{0.25, 4.5},
+                       .unit = "%"},
+                      {.name = "flags", .otherwise = Variant{Array<bool>{true}}}}};
+};
+
+} // namespace
+
+TEST_CASE_METHOD(ListFixture, "settings: lists of numbers and of flags are kept and checked")
+{
+    const Variant gains{Array<double>{0.25, 4.5}};
+    const Variant flags{Array<bool>{false, true}};
+    CHECK(change("gains", gains) == "Good");
+    CHECK(change("flags", flags) == "Good");
+    const auto known = list.settings();
+    SettingList again{storage, "settings.json", {known.begin(), known.end()}};
+    REQUIRE(again.load());
+    CHECK(again.changes() == SettingValues{{"gains", gains}, {"flags", flags}});
+    CHECK(change("gains", Variant{Array<double>{1.0, 4.75}}).find("expected 0.25 to 4.5 %") !=
+          std::string::npos);
+    CHECK(change("gains", Variant{Array<double>{1.0, std::nan("")}})
+              .find("expected a list of numbers") != std::string::npos);
+    CHECK(change("gains", Variant{1.0}).find("found 1, expected a list of numbers") !=
+          std::string::npos);
+    CHECK(change("flags", Variant{false}).find("found false, expected a list of true and false") !=
+          std::string::npos);
+    CHECK(list.changes() == again.changes());
+}
+
+TEST_CASE_METHOD(ListFixture, "settings: a file with a mistake in a list is named and not used")
+{
+    const std::string numbers = "expected a list of numbers";
+    for (const char* wrong : {"1", "\"1\"", "[true]", "[1,\"2\"]", "[1e999]", "[[1]]", "null"}) {
+        INFO(wrong);
+        CHECK(load(R"("gains":)" + std::string{wrong}).find(numbers) != std::string::npos);
+    }
+    CHECK(load(R"("gains":[5])").find("expected 0.25 to 4.5 %") != std::string::npos);
+    for (const char* wrong : {"true", "[1]", "[true,\"true\"]", "{}"}) {
+        INFO(wrong);
+        CHECK(load(R"("flags":)" + std::string{wrong}).find("a list of true and false") !=
+              std::string::npos);
+    }
+    CHECK(list.changes().empty());
+    CHECK(load(R"("gains":[],"flags":[])") == "Good");
+    CHECK(list.changes().size() == 2);
+}
+
+TEST_CASE_METHOD(SettingFixture, "settings: what cannot be forgotten stays in force")
+{
+    CHECK(change("limits.sessions", Variant{std::int64_t{7}}) == "Good");
+    storage.set_protected(true);
+    const auto forgotten = list.forget();
+    REQUIRE_FALSE(forgotten);
+    CHECK(forgotten.error().status == status::Bad_ResourceUnavailable);
+    CHECK(list.changes().size() == 1);
+    storage.set_protected(false);
+    CHECK(stored() == list.changes());
+    write(R"({"version":1,"settings":[]})");
+    const auto loaded = list.load();
+    REQUIRE_FALSE(loaded);
+    CHECK(text(loaded.error()).find("settings: found a list, expected an object") !=
+          std::string::npos);
+    REQUIRE(storage.remove("settings.json"));
+    REQUIRE(storage.make_folder("settings.json", FileAccess::Owner));
+    CHECK_FALSE(list.load());
+    CHECK(list.changes().size() == 1);
+}
