@@ -202,3 +202,12 @@ TEST_CASE("authorities: who only looks keeps no administrator out")
     auto admin = plant.log_in();
     CHECK(plant.replace_crls(admin, trusted_crls, true) == status::Good);
 }
+
+TEST_CASE("authorities: have two names")
+{
+    CHECK(administration::find_authorities("standard") == Authorities::Standard);
+    CHECK(administration::find_authorities("five levels") == Authorities::FiveLevels);
+    for (const char* other : {"", "Standard", "five", "five levels "}) {
+        CHECK_FALSE(administration::find_authorities(other));
+    }
+}

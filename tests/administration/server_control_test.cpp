@@ -143,3 +143,41 @@ TEST_CASE_METHOD(Replacing, "server control: who has another server take over en
     CHECK(request(admin, ServerState::Shutdown) == "Good");
     CHECK(stops == 1);
 }
+
+TEST_CASE_METHOD(Control, "server control: who gives no reason has the usual one told")
+{
+    auto admin = log_in();
+    CHECK(request(admin, ServerState::Suspended, 0, false, "") == "Good");
+    CHECK(log.text.find("an administrator changed the state of the server") != std::string::npos);
+    CHECK(request(admin, ServerState::Running, 0, false, "") == "Good");
+    CHECK(log.text.find("an administrator has the server go on") != std::string::npos);
+    CHECK(request(admin, ServerState::Shutdown, 10, false, "") == "Good");
+    CHECK(read(admin, id::Server_ServerStatus_ShutdownReason)
+              .value.value_or<LocalizedText>({})
+              .text.view() == "an administrator stops the server");
+}
+
+TEST_CASE_METHOD(Control, "server control: one Call that stops the server twice stops it once")
+{
+    auto admin = log_in();
+    CallRequest twice;
+    twice.methods_to_call.resize(2);
+    for (CallMethodRequest& one : twice.methods_to_call) {
+        one.object_id = NodeId{0, id::Server};
+        one.method_id = NodeId{0, id::Server_RequestServerStateChange};
+        one.input_arguments = {Variant{static_cast<std::int32_t>(ServerState::Shutdown)},
+                               Variant{DateTime{}}, Variant{std::uint32_t{10}},
+                               Variant{LocalizedText{}}, Variant{false}};
+    }
+    const auto sent = admin.send(twice);
+    complete();
+    const auto response = admin.take<CallResponse>(sent);
+    REQUIRE(response);
+    CHECK(name(response->results[0].status_code) == "Good");
+    CHECK(stops == 1);
+    CHECK(
+        read(admin, id::Server_ServerStatus_SecondsTillShutdown).value.value_or<std::uint32_t>(0) ==
+        10);
+    advance(10s);
+    CHECK(admin.is_closed());
+}

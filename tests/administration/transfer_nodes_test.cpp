@@ -304,3 +304,57 @@ TEST_CASE("transfer nodes: one that cannot work is refused")
           "transfer \"b\"");
     CHECK(problem({.name = "backup", .owner = &owner}, &random) == "transfer backup");
 }
+
+TEST_CASE_METHOD(TransferFixture, "transfer nodes: a handle that is void is refused by all Methods")
+{
+    auto client = log_in_as("eng");
+    const Made file = make(client, "GenerateFileForWrite");
+    const Made other = make(client, "GenerateFileForRead");
+    for (const Variant& handle : {Variant{std::uint32_t{0}}, other.handle}) {
+        const Made wrong{file.node, handle};
+        CHECK(text(client, wrong) == "Bad_InvalidArgument");
+        CHECK(write(client, wrong, "x") == "Bad_InvalidArgument");
+        CHECK(why(client, file.node, "GetPosition", {handle}) == "Bad_InvalidArgument");
+        CHECK(why(client, file.node, "SetPosition", {handle, Variant{std::uint64_t{0}}}) ==
+              "Bad_InvalidArgument");
+        CHECK(why(client, file.node, "Close", {handle}) == "Bad_InvalidArgument");
+    }
+    CHECK(text(client, other, -1) == "Bad_InvalidArgument");
+    CHECK(why(client, root, "GenerateFileForWrite", {Variant{}}) == "Bad_TooManyOperations");
+    CHECK(write(client, file, "x") == "Good");
+}
+
+TEST_CASE_METHOD(TransferFixture,
+                 "transfer nodes: a file says when it was written, and by how much")
+{
+    auto client = log_in_as("eng");
+    const Made file = make(client, "GenerateFileForWrite");
+    CHECK(value(client, file.node, "LastModifiedTime").value == Variant{wall_clock.time});
+    advance(1s);
+    REQUIRE(write(client, file, "x") == "Good");
+    CHECK(value(client, file.node, "LastModifiedTime").value == Variant{wall_clock.time});
+    CHECK(value(client, file.node, "Size").value == Variant{std::uint64_t{1}});
+    CHECK(value(client, file.node, "UserWritable").value == Variant{true});
+    CHECK(value(client, file.node, "MaxByteStringLength").value == Variant{std::uint32_t{65'536}});
+}
+
+TEST_CASE_METHOD(TransferFixture, "transfer nodes: one Call that closes a file and goes on with it")
+{
+    auto client = log_in_as("eng");
+    const Made file = make(client, "GenerateFileForWrite");
+    CallRequest request;
+    request.methods_to_call.resize(3);
+    for (CallMethodRequest& one : request.methods_to_call) {
+        one.object_id = file.node;
+        one.method_id = below(file.node, "Close");
+        one.input_arguments = {file.handle};
+    }
+    request.methods_to_call[1].method_id = below(file.node, "Write");
+    request.methods_to_call[1].input_arguments = {file.handle, Variant{byte_string("x")}};
+    const auto response = client.call<CallResponse>(request);
+    REQUIRE(response);
+    CHECK(name(response->results[0].status_code) == "Good");
+    CHECK(response->results[1].status_code.is_bad());
+    CHECK(response->results[2].status_code.is_bad());
+    CHECK(space_is_empty());
+}
