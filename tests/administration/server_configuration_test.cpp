@@ -200,3 +200,55 @@ TEST_CASE_METHOD(Configuration, "server configuration: whatever is added has som
     }
     CHECK(count > 50);
 }
+
+TEST_CASE_METHOD(Configuration, "server configuration: says what it is and what it takes")
+{
+    certificates.max_trust_list_size = 5'000;
+    auto admin = log_in();
+    const auto value = [&](std::uint32_t node) { return read(admin, node).value; };
+    CHECK(value(id::ServerConfiguration_ApplicationUri) ==
+          Variant{String{"urn:busbar:test:server"}});
+    CHECK(value(id::ServerConfiguration_ProductUri) ==
+          Variant{String{server.config().product_uri}});
+    CHECK(value(id::ServerConfiguration_ApplicationType) == Variant{std::int32_t{0}});
+    CHECK(value(id::ServerConfiguration_ServerCapabilities) == Variant{Array<String>{"NA"}});
+    CHECK(value(id::ServerConfiguration_SupportedPrivateKeyFormats) ==
+          Variant{Array<String>{"PEM"}});
+    CHECK(value(id::ServerConfiguration_MaxTrustListSize) == Variant{std::uint32_t{5'000}});
+    CHECK(value(id::ServerConfiguration_MulticastDnsEnabled) == Variant{false});
+    CHECK(value(id::ServerConfiguration_HasSecureElement) == Variant{false});
+}
+
+TEST_CASE_METHOD(Configuration, "server configuration: says when a transaction was, and of what")
+{
+    auto admin = log_in();
+    const auto of_last = [&](std::uint32_t node) { return read(admin, node); };
+    for (const std::uint32_t node :
+         {id::ServerConfiguration_TransactionDiagnostics_StartTime,
+          id::ServerConfiguration_TransactionDiagnostics_EndTime,
+          id::ServerConfiguration_TransactionDiagnostics_AffectedTrustLists,
+          id::ServerConfiguration_TransactionDiagnostics_AffectedCertificateGroups,
+          id::ServerConfiguration_TransactionDiagnostics_Errors}) {
+        CHECK(of_last(node).status == status::Bad_OutOfService);
+    }
+    const auto next = successor();
+    const auto pem = next.key.to_pem();
+    REQUIRE(pem);
+    REQUIRE(update(admin, next.certificates.front(), "PEM", pem->span()) == "Good");
+    const DateTime begun = wall_clock.time;
+    advance(1s);
+    CHECK(of_last(id::ServerConfiguration_TransactionDiagnostics_EndTime).value ==
+          Variant{DateTime{}});
+    CHECK(on_server(admin, id::ServerConfiguration_CancelChanges, {}).status_code == status::Good);
+    CHECK(of_last(id::ServerConfiguration_TransactionDiagnostics_StartTime).value ==
+          Variant{begun});
+    CHECK(of_last(id::ServerConfiguration_TransactionDiagnostics_EndTime).value ==
+          Variant{wall_clock.time});
+    CHECK(of_last(id::ServerConfiguration_TransactionDiagnostics_Result).value ==
+          Variant{StatusCode{status::Bad_RequestCancelledByClient}});
+    CHECK(of_last(id::ServerConfiguration_TransactionDiagnostics_AffectedTrustLists)
+              .value.array_size() == 0);
+    CHECK(of_last(id::ServerConfiguration_TransactionDiagnostics_AffectedCertificateGroups).value ==
+          Variant{Array<NodeId>{
+              NodeId{0, id::ServerConfiguration_CertificateGroups_DefaultApplicationGroup}}});
+}
