@@ -315,3 +315,45 @@ TEST_CASE("administration: an owner of transfers that overrides nothing has none
     CHECK(owner.may_take(request) == status::Bad_NotSupported);
     CHECK(owner.take(request, {}) == status::Bad_NotSupported);
 }
+
+TEST_CASE_METHOD(Parts, "administration: null where a Method expects something changes nothing")
+{
+    struct Case {
+        std::uint32_t object;
+        std::uint32_t method;
+        std::size_t inputs;
+    };
+    constexpr std::uint32_t add_identity = 15684; // of Operator
+    constexpr std::uint32_t add_endpoint = 16232;
+    constexpr std::uint32_t trust_list = 12642;
+    constexpr std::uint32_t add_certificate = 12668;
+    constexpr std::uint32_t remove_certificate = 12670;
+    constexpr Case cases[] = {
+        {id::WellKnownRole_Operator, add_identity, 1},
+        {id::WellKnownRole_Operator, add_endpoint, 1},
+        {id::Server_ServerCapabilities_RoleSet, id::Server_ServerCapabilities_RoleSet_AddRole, 2},
+        {id::Server_ServerCapabilities_RoleSet, id::Server_ServerCapabilities_RoleSet_RemoveRole,
+         1},
+        {id::UserManagement, id::UserManagement_AddUser, 4},
+        {id::UserManagement, id::UserManagement_ModifyUser, 7},
+        {id::UserManagement, id::UserManagement_RemoveUser, 1},
+        {id::UserManagement, id::UserManagement_ChangePassword, 2},
+        {id::ServerConfiguration, id::ServerConfiguration_UpdateCertificate, 6},
+        {id::ServerConfiguration, id::ServerConfiguration_CreateSigningRequest, 5},
+        {trust_list, add_certificate, 2},
+        {trust_list, remove_certificate, 2},
+    };
+    auto admin = log_in();
+    const auto files_before = storage.names();
+    for (const Case& each : cases) {
+        INFO(each.method);
+        const auto result = call(admin, NodeId{0, each.object}, NodeId{0, each.method},
+                                 std::vector<Variant>(each.inputs));
+        CHECK(result.status_code.is_bad());
+    }
+    CHECK(storage.names() == files_before);
+    CHECK(user_list.users().size() == 1);
+    CHECK(roles.roles().size() == 9);
+    CHECK(roles.find("Operator")->endpoints.empty());
+    CHECK_FALSE(admin.is_closed());
+}

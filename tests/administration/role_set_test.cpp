@@ -283,6 +283,7 @@ TEST_CASE("role set: own roles of the file have nodes, and a server without the 
 TEST_CASE_METHOD(Fixture, "role set: applications and endpoints are taken back, once")
 {
     constexpr std::uint32_t remove_application = 16230;
+    constexpr std::uint32_t applications = 16226;
     constexpr std::uint32_t add_endpoint = 16232;
     constexpr std::uint32_t remove_endpoint = 16234;
     auto admin = log_in("admin");
@@ -296,7 +297,9 @@ TEST_CASE_METHOD(Fixture, "role set: applications and endpoints are taken back, 
     REQUIRE(call_operator(admin, add_endpoint, structure) == "Good");
     CHECK(call_operator(admin, add_endpoint, structure) == "Bad_AlreadyExists");
     CHECK(call_operator(admin, add_application, Variant{String{}}) == "Bad_InvalidArgument");
+    CHECK(read(admin, NodeId{0, applications}).value == Variant{Array<String>{"urn:a"}});
     CHECK(call_operator(admin, remove_application, uri) == "Good");
+    CHECK(read(admin, NodeId{0, applications}).value.array_size() == 0);
     CHECK(call_operator(admin, remove_endpoint, structure) == "Good");
     CHECK(roles.find("Operator")->applications.empty());
     CHECK(roles.find("Operator")->endpoints.empty());

@@ -148,3 +148,21 @@ TEST_CASE_METHOD(Settings, "settings: who may see them, and over which channel")
     auto signed_only = log_in("admin", "admin-secret!", MessageSecurityMode::Sign);
     CHECK(get(signed_only, "limits.sessions").status == status::Bad_SecurityModeInsufficient);
 }
+
+TEST_CASE_METHOD(Settings, "settings: lists of names and values that do not match set nothing")
+{
+    auto admin = log_in();
+    const auto set = [&](Variant names, Variant values) {
+        return name(
+            call(admin, node(""), node("Set"), {std::move(names), std::move(values)}).status_code);
+    };
+    const Variant two{Array<String>{"limits.sessions", "server.port"}};
+    const Variant one_value{Array<Variant>{Variant{std::int64_t{7}}}};
+    CHECK(set(two, one_value) == "Bad_InvalidArgument");
+    CHECK(set(two, Variant{}) == "Bad_InvalidArgument");
+    CHECK(set(Variant{}, one_value) == "Bad_InvalidArgument");
+    CHECK(set(Variant{String{"limits.sessions"}}, one_value) == "Bad_InvalidArgument");
+    CHECK(settings.changes().empty());
+    CHECK(set(Variant{Array<String>{"limits.sessions"}}, one_value) == "Good");
+    CHECK(settings.changes().size() == 1);
+}
