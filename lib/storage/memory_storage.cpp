@@ -149,6 +149,13 @@ void MemoryStorage::touch(Item& item)
     item.version = ++versions_;
 }
 
+void MemoryStorage::touch_folder_of(std::string_view name)
+{
+    if (const auto found = items_.find(folder_of(name)); found != items_.end()) {
+        touch(found->second);
+    }
+}
+
 Stored<StorageEntry> MemoryStorage::entry(std::string_view name)
 {
     if (const auto refused = refusal(name)) {
@@ -201,6 +208,7 @@ Stored<void> MemoryStorage::replace(std::string_view name, std::span<const std::
     item.access = access;
     item.bytes.assign(bytes.begin(), bytes.end());
     touch(item);
+    touch_folder_of(name);
     return {};
 }
 
@@ -216,6 +224,7 @@ Stored<void> MemoryStorage::append(std::string_view name, std::span<const std::b
             return made;
         }
         found = items_.emplace(std::string{name}, Item{false, access, {}, {}, 0}).first;
+        touch_folder_of(name);
     }
     if (found->second.is_folder) {
         return not_stored(StorageError::Failed);
@@ -256,6 +265,8 @@ Stored<void> MemoryStorage::move(std::string_view from, std::string_view to, Whe
     items_.erase(found);
     item.version = ++versions_;
     items_[std::string{to}] = std::move(item);
+    touch_folder_of(from);
+    touch_folder_of(to);
     return {};
 }
 
@@ -272,6 +283,7 @@ Stored<void> MemoryStorage::remove(std::string_view name)
         return taken;
     }
     items_.erase(found);
+    touch_folder_of(name);
     return {};
 }
 
@@ -323,6 +335,7 @@ Stored<void> MemoryStorage::make_folder(std::string_view name, FileAccess access
         Item item{true, at == name.size() ? access : FileAccess::Everyone, {}, {}, 0};
         touch(item);
         items_.emplace(std::string{part}, std::move(item));
+        touch_folder_of(part);
     }
     return {};
 }

@@ -55,3 +55,30 @@ TEST_CASE("memory storage: one change fails and the next does not")
     CHECK(files.names().empty());
     CHECK(put(files, "a", "x"));
 }
+
+TEST_CASE("memory storage: a folder changes when a name in it comes or goes")
+{
+    MemoryStorage files;
+    std::int64_t second = 0;
+    // Whether the folder changes when `work` is done.
+    const auto changes = [&](const char* folder, const auto& work) {
+        const DateTime now = DateTime::from_unix_seconds(++second);
+        const auto before = files.entry(folder);
+        files.set_time(now);
+        REQUIRE(work());
+        const auto after = files.entry(folder);
+        REQUIRE((before && after));
+        CHECK((after->modified == now) == !(after->version == before->version));
+        return after->modified == now;
+    };
+    REQUIRE(files.make_folder("a", FileAccess::Owner));
+    REQUIRE(files.make_folder("b", FileAccess::Owner));
+    CHECK(changes("a", [&] { return put(files, "a/x", "1"); }));
+    CHECK(changes("a", [&] { return add(files, "a/y", "1"); }));
+    CHECK_FALSE(changes("a", [&] { return add(files, "a/y", "2"); }));
+    CHECK_FALSE(changes("a", [&] { return put(files, "b/x", "1"); }));
+    CHECK(changes("a", [&] { return files.move("a/x", "b/x", WhenThere::Replace); }));
+    CHECK(changes("b", [&] { return files.move("a/y", "b/y", WhenThere::Refuse); }));
+    CHECK(changes("b", [&] { return files.remove("b/x"); }));
+    CHECK(changes("b", [&] { return files.make_folder("b/c", FileAccess::Owner); }));
+}

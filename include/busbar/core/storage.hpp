@@ -59,7 +59,7 @@ struct StorageEntry {
     std::string name; // without its folder
     Kind kind{Kind::File};
     std::uint64_t size{0}; // bytes of a file
-    DateTime modified;     // its contents
+    DateTime modified;     // its contents; those of a folder are names
     /// Contents, name or rights, whichever was last. What was touched a moment ago can be touched
     /// again without a difference in `version`, since the clocks of media go in steps.
     DateTime touched;

@@ -80,6 +80,8 @@ private:
     [[nodiscard]] Stored<void> take_step();
     [[nodiscard]] StorageEntry entry_of(std::string_view name, const Item& item) const;
     void touch(Item& item);
+    /// A name has come into its folder, or gone.
+    void touch_folder_of(std::string_view name);
 
     Items items_;
     DateTime now_;
