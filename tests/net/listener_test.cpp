@@ -130,7 +130,97 @@ TEST_CASE("a listener without descriptors says so once and goes on when there ar
     CHECK(log.lines.size() == 2);
     listener->close();
 }
+
+TEST_CASE("a listener whose trouble comes and goes does not fill the log", "[net]")
+{
+    asio::io_context context;
+    Lines log;
+    const auto listener = std::make_shared<net::detail::Listener>(context.get_executor(), log);
+    const std::uint16_t port = *listener->open("127.0.0.1", 0);
+    asio::io_context outside;
+    std::vector<tcp::socket> peers;
+    std::size_t accepted = 0;
+    listener->start([&](const tcp::socket&) { ++accepted; });
+    for (int times = 1; times <= 3; ++times) {
+        peers.push_back(connect(outside, port));
+        {
+            const NoDescriptors none;
+            context.run_one(); // to accept, and then it pauses
+            CHECK(accepted < peers.size());
+        }
+        while (accepted < peers.size()) {
+            context.run_one();
+        }
+    }
+    CHECK(log.lines.size() == 2);
+    // One that is closed while it pauses does not go on.
+    peers.push_back(connect(outside, port));
+    {
+        const NoDescriptors none;
+        context.run_one();
+    }
+    listener->close();
+    context.run();
+    CHECK(accepted == 3);
+}
+
+TEST_CASE("a listener that finds no descriptor for its port says so", "[net]")
+{
+    asio::io_context context;
+    Lines log;
+    const auto listener = std::make_shared<net::detail::Listener>(context.get_executor(), log);
+    {
+        const NoDescriptors none;
+        CHECK(listener->open("", 0).error() == status::Bad_CommunicationError);
+    }
+    CHECK(log.lines == std::vector<std::string>{"cannot listen on :0: Too many open files"});
+}
 #endif
+
+TEST_CASE("the log says why an address cannot be listened on", "[net]")
+{
+    asio::io_context context;
+    const tcp::acceptor other{context, {asio::ip::address_v4::loopback(), 0}};
+    const std::string taken = std::to_string(other.local_endpoint().port());
+    Lines log;
+    const auto open = [&](std::string_view address, std::uint16_t port) {
+        return std::make_shared<net::detail::Listener>(context.get_executor(), log)
+            ->open(address, port);
+    };
+    const auto error = status::Bad_CommunicationError;
+    CHECK(open("127.0.0.1", other.local_endpoint().port()).error() == error);
+    CHECK(open("plant", 0).error() == error);
+    CHECK(open("192.0.2.1", 0).error() == error); // of documents, and of no machine
+    CHECK(log.lines == std::vector<std::string>{
+                           "cannot listen on 127.0.0.1:" + taken + ": Address already in use",
+                           "cannot listen on plant:0: Invalid argument",
+                           "cannot listen on 192.0.2.1:0: Cannot assign requested address"});
+}
+
+TEST_CASE("a listener without an address takes peers at every one of the machine", "[net]")
+{
+    asio::io_context context;
+    Lines log;
+    const auto listener = std::make_shared<net::detail::Listener>(context.get_executor(), log);
+    const std::uint16_t port = *listener->open("", 0);
+    std::vector<tcp::socket> accepted;
+    listener->start([&](tcp::socket socket) { accepted.push_back(std::move(socket)); });
+    listener->resume(); // which waits already
+    asio::io_context outside;
+    const tcp::socket first = connect(outside, port);
+    tcp::socket second{outside};
+    std::error_code error;
+    second.connect({asio::ip::address_v6::loopback(), port}, error);
+    // A machine may have no IPv6.
+    const std::size_t expected = error ? 1 : 2;
+    while (accepted.size() < expected) {
+        context.run_one();
+    }
+    listener->close();
+    context.run();
+    CHECK(accepted.size() == expected);
+    CHECK(log.lines.empty());
+}
 
 TEST_CASE("a peer that there is no place for gets an Error message (C7)", "[net]")
 {
