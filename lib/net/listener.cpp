@@ -21,6 +21,31 @@ constexpr std::chrono::minutes quiet_time{1};
 
 } // namespace
 
+/// Part of a handler that is waited with: without memory for the socket of a peer Asio destroys it
+/// instead of calling it.
+class Listener::Waiting {
+public:
+    explicit Waiting(std::shared_ptr<Listener> listener) : listener_{std::move(listener)}
+    {
+        listener_->is_waiting_ = true;
+    }
+    Waiting(Waiting&&) noexcept = default;
+    Waiting& operator=(Waiting&&) = delete;
+    ~Waiting() { static_cast<void>(end()); }
+
+    /// It waits no more. Null if it did not.
+    std::shared_ptr<Listener> end()
+    {
+        if (listener_) {
+            listener_->is_waiting_ = false;
+        }
+        return std::exchange(listener_, nullptr);
+    }
+
+private:
+    std::shared_ptr<Listener> listener_;
+};
+
 Result<std::uint16_t> Listener::open(std::string_view address, std::uint16_t port)
 {
     auto error = bind(address, port);
@@ -80,11 +105,10 @@ void Listener::accept()
     if (!handler_ || is_waiting_) {
         return;
     }
-    acceptor_.async_accept([self = shared_from_this()](std::error_code error, tcp::socket socket) {
-        self->is_waiting_ = false;
-        self->accepted(error, std::move(socket));
-    });
-    is_waiting_ = true;
+    acceptor_.async_accept(
+        [waiting = Waiting{shared_from_this()}](std::error_code error, tcp::socket socket) mutable {
+            waiting.end()->accepted(error, std::move(socket));
+        });
 }
 
 void Listener::resume()
@@ -119,13 +143,12 @@ void Listener::back_off(std::error_code error)
     // The peer still waits: asking again at once would only burn time.
     pause_.expires_after(next_pause_);
     next_pause_ = std::min(2 * next_pause_, longest_pause);
-    pause_.async_wait([self = shared_from_this()](std::error_code cancelled) {
-        self->is_waiting_ = false;
+    pause_.async_wait([waiting = Waiting{shared_from_this()}](std::error_code cancelled) mutable {
+        const auto self = waiting.end();
         if (!cancelled) {
             self->accept();
         }
     });
-    is_waiting_ = true;
 }
 
 void Listener::tell(std::error_code error)

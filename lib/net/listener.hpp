@@ -37,6 +37,8 @@ public:
     void resume();
 
 private:
+    class Waiting;
+
     [[nodiscard]] std::error_code bind(std::string_view address, std::uint16_t port);
     void accept();
     void accepted(std::error_code error, asio::ip::tcp::socket socket);
