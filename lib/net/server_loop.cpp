@@ -35,6 +35,9 @@ constexpr std::size_t most_turned_away = 16;
 
 constexpr std::chrono::hours longest_delay{24};
 
+/// Between attempts to find memory for what is to be waited for.
+constexpr std::chrono::milliseconds retry_pause{100};
+
 } // namespace
 
 struct ServerLoop::Impl {
@@ -85,7 +88,9 @@ struct ServerLoop::Impl {
     void await_deadline();
     void look_at_memory(TimePoint now);
     void begin_stop();
-    void resume();
+    void tell_to_stop();
+    [[nodiscard]] bool resume();
+    void run();
     void await_wake();
     void await_hangup();
     [[nodiscard]] bool has_stopped() const;
@@ -107,7 +112,9 @@ struct ServerLoop::Impl {
     /// The last one serves, those before end. None before run().
     std::vector<std::unique_ptr<ServedServer>> served;
     std::uint64_t last_connection{0};
+    bool awaits_hangup{false};
     bool is_stopping{false};
+    bool is_told_to_stop{false}; // everything is
 };
 
 /// The connection's id, unless it is refused or gone already.
@@ -155,14 +162,39 @@ void ServerLoop::Impl::retire()
     }
 }
 
-/// After an exception that may have kept anything from waiting for what comes next.
-void ServerLoop::Impl::resume()
+/// After an exception that may have kept anything from waiting for what comes next. False if it may
+/// still be so.
+bool ServerLoop::Impl::resume()
 {
-    busbar::detail::guarded(log, "resuming", [this] {
+    const StatusCode thrown = busbar::detail::guarded(log, "resuming", [this] {
         asio::post(context, [this] { after_activity(); });
         listeners.resume();
         await_wake();
+        await_hangup();
+        if (is_stopping && !is_told_to_stop) {
+            tell_to_stop();
+        }
     });
+    return thrown.is_good();
+}
+
+/// Until everything has stopped. What throws is put right again, now or when there is memory.
+void ServerLoop::Impl::run()
+{
+    bool is_behind = false;
+    while (is_behind ? !has_stopped() : !context.stopped()) {
+        const StatusCode thrown = busbar::detail::guarded(log, "what the network called", [&] {
+            if (is_behind) {
+                context.restart(); // nothing may be waited for any more
+                context.run_for(retry_pause);
+            } else {
+                context.run();
+            }
+        });
+        if (is_behind || thrown.is_bad()) {
+            is_behind = !resume();
+        }
+    }
 }
 
 void ServerLoop::Impl::await_wake()
@@ -219,9 +251,14 @@ void ServerLoop::Impl::serve(server::Server& server)
 
 void ServerLoop::Impl::begin_stop()
 {
-    if (std::exchange(is_stopping, true)) {
-        return;
+    if (!std::exchange(is_stopping, true)) {
+        tell_to_stop();
     }
+}
+
+/// May throw, and is called once more then.
+void ServerLoop::Impl::tell_to_stop()
+{
     listeners.close();
     for (const auto& dialer : dialers) {
         dialer->stop();
@@ -230,6 +267,7 @@ void ServerLoop::Impl::begin_stop()
         registration->stop([this] { after_activity(); });
     }
     served.back()->server().begin_shutdown(detail::now(), "the server is being stopped");
+    is_told_to_stop = true;
     after_activity();
 }
 
@@ -310,12 +348,18 @@ void ServerLoop::on_hangup(std::function<void()> handler)
 
 void ServerLoop::Impl::await_hangup()
 {
+    if (awaits_hangup || !on_hangup) {
+        return;
+    }
     hangup.async_wait([this](std::error_code error, int) {
+        awaits_hangup = false;
         if (!error) {
+            busbar::detail::guarded(log, "on_hangup handler", [this] { on_hangup(); });
             await_hangup();
-            guard("on_hangup handler", [this] { on_hangup(); });
+            after_activity();
         }
     });
+    awaits_hangup = true;
 }
 
 Configured<void> ServerLoop::Impl::check(const server::Server& next, const Handover& handover) const
@@ -384,13 +428,7 @@ void ServerLoop::run(server::Server& server)
     }
     impl_->await_wake();
     impl_->await_deadline();
-    while (!impl_->context.stopped()) {
-        const StatusCode thrown = busbar::detail::guarded(impl_->log, "what the network called",
-                                                          [this] { impl_->context.run(); });
-        if (thrown.is_bad()) {
-            impl_->resume();
-        }
-    }
+    impl_->run();
     impl_->for_each([](detail::ServedServer& each) { each.drop_all(); });
     impl_->served.clear();
     impl_->registrations.clear();

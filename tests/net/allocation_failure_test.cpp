@@ -243,6 +243,19 @@ TEST_CASE("D3: a loop that nothing else happens to takes peers again", "[net]")
     }
 }
 
+TEST_CASE("D3: a loop that is told to stop without memory stops once there is some", "[net]")
+{
+    const std::size_t most = GENERATE(1U, 4U, 16U);
+    for (std::size_t k = 1; k <= 8; ++k) {
+        Loop loop;
+        const Knocker knocker{loop.port()};
+        loop.run_until_signal([] {}, [&] { test::fail_allocation(k, most); });
+        test::fail_allocation(0);
+        INFO("with " << most << " that fail, the first of them no. " << k);
+        REQUIRE(loop.has_stopped());
+    }
+}
+
 TEST_CASE("D3: a loop takes peers again after an allocation that fails", "[net]")
 {
     const std::size_t most = GENERATE(1U, 2U, 5U, 20U, 100U);
