@@ -56,12 +56,7 @@ void ServerApp::Impl::open(ApplicationSettings settings)
 
 void ServerApp::Impl::listen()
 {
-    const auto url = channel::EndpointUrl::parse(endpoint_url);
-    if (!url) {
-        return fail_with(
-            {url.error(), "endpoint_url",
-             "\"" + printable(endpoint_url) + "\" is none. Write opc.tcp://host:port"});
-    }
+    const auto url = channel::EndpointUrl::parse(endpoint_url); // else there were no server
     if (const auto listening = loop.listen("", url->port); !listening) {
         fail_with({listening.error(), "port " + std::to_string(url->port),
                    "cannot be listened on. Choose another, or stop who has it"});
