@@ -41,6 +41,22 @@ namespace busbar::model {
            supertype + "</Reference></References>" + content + "</" + element + ">\n";
 }
 
+/// A field of a DataType's Definition.
+[[nodiscard]] inline std::string field_text(const std::string& name, const std::string& type,
+                                            const std::string& attributes = {})
+{
+    return "<Field Name=\"" + name + "\" DataType=\"" + type + "\" " + attributes + "/>";
+}
+
+/// A DataType with the Definition "T".
+[[nodiscard]] inline std::string structure_text(const std::string& id, const std::string& supertype,
+                                                const std::string& fields,
+                                                const std::string& attributes = {})
+{
+    return type_text("UADataType", id, supertype,
+                     "<Definition Name=\"T\" " + attributes + ">" + fields + "</Definition>");
+}
+
 /// An Object with the Default Binary encoding of a DataType.
 [[nodiscard]] inline std::string encoding_text(const std::string& id, const std::string& type)
 {

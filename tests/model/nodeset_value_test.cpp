@@ -10,8 +10,19 @@ namespace {
 
 constexpr const char* any = "DataType=\"i=24\" ValueRank=\"-2\"";
 
+/// Fields of the type Byte.
+std::string numbered_fields(int count)
+{
+    std::string fields;
+    for (int i = 0; i < count; ++i) {
+        fields += "<Field Name=\"F" + std::to_string(i) + "\" DataType=\"i=3\"/>";
+    }
+    return fields;
+}
+
 /// Types of values: an enumeration (i=10), a structure with optional fields (i=20), a union (i=30),
-/// one that nests them all (i=40) and one with subtyped fields (i=50).
+/// one that nests them all (i=40), one with subtyped fields (i=50), an option set (i=60), one of
+/// many fields (i=70) and one whose fields are all left out (i=80).
 std::string types()
 {
     return type_text("UADataType", "i=10", "i=29",
@@ -41,7 +52,21 @@ std::string types()
                      "<Definition Name=\"1:Sub\"><Field Name=\"Opt\" DataType=\"ns=1;i=20\" "
                      "AllowSubTypes=\"true\"/><Field Name=\"Number\" DataType=\"i=6\" "
                      "AllowSubTypes=\"true\"/></Definition>") +
-           encoding_text("i=51", "i=50");
+           encoding_text("i=51", "i=50") +
+           type_text("UADataType", "i=60", "i=12755",
+                     "<Definition Name=\"1:Bits\" IsOptionSet=\"true\">"
+                     "<Field Name=\"Low\" Value=\"0\"/><Field Name=\"High\" Value=\"1\"/>"
+                     "</Definition>") +
+           type_text("UADataType", "i=70", "i=22",
+                     "<Definition Name=\"1:Long\">" + numbered_fields(20) + "</Definition>") +
+           type_text("UADataType", "i=80", "i=22",
+                     "<Definition Name=\"1:Zeros\"><Field Name=\"Flag\" DataType=\"i=1\"/>"
+                     "<Field Name=\"When\" DataType=\"i=13\"/>"
+                     "<Field Name=\"Guid\" DataType=\"i=14\"/>"
+                     "<Field Name=\"Real\" DataType=\"i=11\"/>"
+                     "<Field Name=\"State\" DataType=\"ns=1;i=10\"/>"
+                     "<Field Name=\"Any\" DataType=\"i=26\"/>"
+                     "<Field Name=\"List\" DataType=\"i=3\" ValueRank=\"1\"/></Definition>");
 }
 
 std::string object(const std::string& type_id, const std::string& body)
@@ -168,9 +193,13 @@ TEST_CASE_METHOD(ValueFixture, "Matrices have their dimensions")
     };
     CHECK(read(sizes("2", "1") + elements) ==
           Variant::matrix(Array<std::int32_t>{1, 2}, Array<std::uint32_t>{2, 1}));
-    CHECK_FALSE(error_of(variable_text("s=V", any, sizes("2", "2") + elements)).empty());
-    CHECK_FALSE(
-        error_of(variable_text("s=V", any, sizes("4294967295", "4294967295") + elements)).empty());
+    const auto error = [&](const std::string& xml) {
+        return NodeSetFixture{}.error_of(variable_text("s=V", any, xml));
+    };
+    const std::string count = "t.xml:3: ns=1;s=V: found <Matrix> \"\", expected as many <Elements> "
+                              "as the two or more <Dimensions> say";
+    CHECK(error(sizes("2", "2") + elements) == count);
+    CHECK(error(sizes("4294967295", "4294967295") + elements) == count);
 }
 
 TEST_CASE_METHOD(ValueFixture, "Structures are encoded by their definitions")
@@ -212,6 +241,74 @@ TEST_CASE_METHOD(ValueFixture, "Structures in structures are encoded")
     // Everything left out: nulls and zeros.
     CHECK(body(object("ns=1;i=41", "<Nest/>")) ==
           bytes(-1, 0U, -1, NodeId{}, Variant{}, ExtensionObject{}));
+}
+
+TEST_CASE_METHOD(ValueFixture, "What a value leaves out is null or zero")
+{
+    const std::string nil = " xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\" "
+                            "xsi:nil=\"true\"";
+    CHECK(read("<ByteString" + nil + "/>") == Variant{ByteString{}});
+    CHECK(read("<String" + nil + "/>") == Variant{String{}});
+    CHECK(read("<XmlElement" + nil + "/>") == Variant{XmlElement{}});
+    CHECK(read("<ListOfInt32" + nil + "/>") == Variant{Array<std::int32_t>{}});
+    CHECK(read("<Null/>").is_null());
+    CHECK(read("<Variant/>").is_null());
+    CHECK(read("<Variant><Value/></Variant>").is_null());
+    CHECK(read("<Double>+INF</Double>") == Variant{std::numeric_limits<double>::infinity()});
+    CHECK(read("<Guid>72962B91-FA75-4AE6-8D28-B404DC7DAF63</Guid>") ==
+          Variant{*Guid::parse("72962B91-FA75-4AE6-8D28-B404DC7DAF63")});
+    CHECK(read("<NodeId/>") == Variant{NodeId{}});
+    CHECK(read("<ExpandedNodeId><Identifier/></ExpandedNodeId>") == Variant{ExpandedNodeId{}});
+    CHECK(read("<LocalizedText><Text>t</Text></LocalizedText>") ==
+          Variant{LocalizedText{String{}, String{"t"}}});
+    CHECK(read("<LocalizedText><Locale>en</Locale></LocalizedText>") ==
+          Variant{LocalizedText{String{"en"}, String{}}});
+    CHECK(read("<QualifiedName/>") == Variant{QualifiedName{}});
+    const auto zeros = bytes(false, DateTime{}, Guid{}, 0.0, 0, Variant{}, -1);
+    CHECK(body(object("ns=1;i=80", "<Zeros/>")) == zeros);
+    CHECK(body(object("ns=1;i=80", "<Zeros><Flag" + nil + "/><When/><Guid/><Real/><State/>" +
+                                       "<List" + nil + "/></Zeros>")) == zeros);
+    CHECK(body(object("ns=1;i=80", "<Zeros><Flag>1</Flag><State>On</State>"
+                                   "<List><![CDATA[]]></List></Zeros>")) ==
+          bytes(true, DateTime{}, Guid{}, 0.0, 7, Variant{}, 0));
+}
+
+TEST_CASE_METHOD(ValueFixture, "Option sets and structures of many fields are encoded")
+{
+    CHECK(
+        body(object("ns=1;i=60", "<Bits><Value>AQ==</Value><ValidBits>Aw==</ValidBits></Bits>")) ==
+        bytes(ByteString{std::as_bytes(std::span{"\1", 1})},
+              ByteString{std::as_bytes(std::span{"\3", 1})}));
+    CHECK(encoding == NodeId{2, 60U});
+    CHECK(body(object("ns=1;i=60", "<Bits/>")) == bytes(ByteString{}, ByteString{}));
+    // In any order.
+    std::string fields;
+    std::vector<std::byte> expected;
+    for (int i = 0; i < 20; ++i) {
+        const std::string name = "F" + std::to_string(19 - i);
+        fields += i == 3 ? "" : "<" + name + ">" + std::to_string(19 - i) + "</" + name + ">";
+        expected.push_back(static_cast<std::byte>(i == 16 ? 0 : i));
+    }
+    CHECK(body(object("ns=1;i=70", "<Long>" + fields + "</Long>")) == expected);
+}
+
+TEST_CASE_METHOD(ValueFixture, "Structures without a TypeId are known by their name")
+{
+    CHECK(body("<ExtensionObject><Body><T20><A>5</A></T20></Body></ExtensionObject>") ==
+          bytes(0U, 5));
+    CHECK(encoding == NodeId{2, 21U});
+    CHECK(body(object("", "<T20><A>6</A></T20>")) == bytes(0U, 6));
+    const Variant unknown = read("<ExtensionObject><Body><Opts>1</Opts></Body></ExtensionObject>");
+    REQUIRE(unknown.get_if<ExtensionObject>() != nullptr);
+    CHECK(unknown.get_if<ExtensionObject>()->xml().view() == "<Opts>1</Opts>");
+    // An id of a DataType that is no structure makes none either.
+    const Variant number = read(object("ns=1;i=10", "<State>7</State>"));
+    REQUIRE(number.get_if<ExtensionObject>() != nullptr);
+    CHECK(number.get_if<ExtensionObject>()->encoding_id() == NodeId{2, 10U});
+    CHECK(number.get_if<ExtensionObject>()->xml().view() == "<State>7</State>");
+    const Variant bare = read("<ExtensionObject><TypeId><Identifier>ns=1;i=21</Identifier>"
+                              "</TypeId></ExtensionObject>");
+    CHECK(bare == Variant{ExtensionObject::from_id(NodeId{2, 21U})});
 }
 
 TEST_CASE_METHOD(ValueFixture, "What is not known is kept as it is")
