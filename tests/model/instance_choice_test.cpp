@@ -73,6 +73,138 @@ TEST_CASE_METHOD(InstanceFixture, "What fails leaves nothing")
     CHECK(find("Tank") == no_node);
 }
 
+TEST_CASE_METHOD(InstanceFixture, "Little memory anywhere leaves nothing")
+{
+    const NodeIndex interface_type = add_type("IPart", space.find(id::BaseInterfaceType));
+    declare_variable("IPart.Maker", interface_type, mandatory);
+    const NodeIndex type = add_type("PressType");
+    REQUIRE(space.add_reference(type, NodeId{0, id::HasInterface}, interface_type));
+    const NodeIndex first = declare_variable("PressType.Force", type, mandatory);
+    const NodeIndex second =
+        declare_object("PressType.Ram", type, mandatory, NodeId{0, id::BaseObjectType});
+    REQUIRE(space.add_reference(second, NodeId{0, id::HasEffect}, first));
+    NewMethod method;
+    Argument argument;
+    argument.name = "Stroke";
+    argument.data_type = NodeId{0, id::Int32};
+    argument.value_rank = -1;
+    method.input_arguments = {argument};
+    set_rule(space.add_method(declared("PressType.Press", type), method).value(), mandatory);
+    InstanceOptions options;
+    options.methods = InstanceMethods::Copied;
+    const std::size_t nodes = space.node_count();
+    const std::size_t references = reference_count(space);
+    std::size_t refused = 0;
+    for (options.limits.max_memory = 0;; options.limits.max_memory += 16) {
+        const auto made = instantiate(space, named("Press", objects), type, options);
+        if (made) {
+            break;
+        }
+        ++refused;
+        REQUIRE(made.error() == status::Bad_TooManyOperations);
+        REQUIRE(space.node_count() == nodes);
+        REQUIRE(reference_count(space) == references);
+    }
+    CHECK(refused > 40);
+    CHECK(sorted_children(find("Press")) == Names{"Force", "Maker", "Press", "Ram"});
+    CHECK(children(find("Press/Press")) == Names{"InputArguments"});
+}
+
+TEST_CASE_METHOD(InstanceFixture, "Members have the texts and rights of their declarations")
+{
+    const NodeIndex type = add_type("PumpType");
+    NewNode node = declared("PumpType.Motor", type);
+    node.display_name = LocalizedText{"en", "Motor"};
+    node.description = LocalizedText{"en", "Turns"};
+    const NodeIndex motor =
+        space.add_object(node, {NodeId{0, id::BaseObjectType}, std::uint8_t{1}}).value();
+    set_rule(motor, mandatory);
+    REQUIRE(
+        space.set_text(motor, AttributeId::DisplayName, Variant{LocalizedText{"de", "Antrieb"}}));
+    REQUIRE(space.set_text(motor, AttributeId::Description, Variant{LocalizedText{"de", "Dreht"}}));
+    NodeAccess access;
+    access.write_mask = 5;
+    access.restrictions = std::uint16_t{3};
+    space.set_node_access(motor, access);
+    create("Pump", type);
+    const NodeIndex made = find("Pump/Motor");
+    REQUIRE(made != no_node);
+    CHECK(space.texts(made, AttributeId::DisplayName) ==
+          std::vector<LocalizedText>{{"en", "Motor"}, {"de", "Antrieb"}});
+    CHECK(space.texts(made, AttributeId::Description) ==
+          std::vector<LocalizedText>{{"en", "Turns"}, {"de", "Dreht"}});
+    REQUIRE(space.node_access(made) != nullptr);
+    CHECK(space.node_access(made)->write_mask == 5);
+    CHECK(space.node_access(made)->restrictions == 3);
+    CHECK(space.attribute(made, AttributeId::EventNotifier).value() == Variant{std::uint8_t{1}});
+    // Further texts count as memory.
+    CHECK(memory_of(space, made) > memory_of(space, create("Bare", add_type("BareType"))));
+}
+
+TEST_CASE_METHOD(InstanceFixture, "An instance of a VariableType is as narrow as that or narrower")
+{
+    int count = 0;
+    const auto status_with = [&](std::int32_t type_rank, std::int32_t rank,
+                                 std::uint32_t data_type = id::Int32) {
+        NewVariableType declared_type;
+        declared_type.data_type = NodeId{0, id::Number};
+        declared_type.value_rank = type_rank;
+        const NewNode node =
+            named("VT" + std::to_string(++count), space.find(id::BaseDataVariableType));
+        const NodeIndex type = space.add_variable_type(node, declared_type).value();
+        InstanceOptions options;
+        NewVariable& variable = options.variable.emplace();
+        variable.data_type = NodeId{0, data_type};
+        variable.value_rank = rank;
+        const auto made = instantiate(space, named("V", objects), type, options);
+        const StatusCode status = status_of(made);
+        CHECK((find("V") != no_node) == made.has_value());
+        if (made) {
+            REQUIRE(space.remove(*made));
+        }
+        return status;
+    };
+    const StatusCode refused = status::Bad_NodeAttributesInvalid;
+    CHECK(status_with(-2, 3) == status::Good);
+    CHECK(status_with(-3, -1) == status::Good);
+    CHECK(status_with(-3, 1) == status::Good);
+    CHECK(status_with(-3, -3) == status::Good);
+    CHECK(status_with(-3, 2) == refused);
+    CHECK(status_with(-3, -2) == refused);
+    CHECK(status_with(0, 0) == status::Good);
+    CHECK(status_with(0, 2) == status::Good);
+    CHECK(status_with(0, -1) == refused);
+    CHECK(status_with(1, 1) == status::Good);
+    CHECK(status_with(1, 2) == refused);
+    CHECK(status_with(-1, -1, id::Number) == status::Good);
+    CHECK(status_with(-1, -1, id::String) == refused);
+    CHECK(status_with(-1, -1, id::BaseDataType) == refused);
+}
+
+TEST_CASE_METHOD(InstanceFixture, "An instance needs a parent and a type that can have one")
+{
+    const NodeIndex type = add_type("Type");
+    const NodeIndex abstract = add_type("AbstractType", space.find(id::BaseObjectType), true);
+    const auto made = [&](NodeIndex parent, NodeIndex of) {
+        return status_of(instantiate(space, named("X", parent), of));
+    };
+    CHECK(made(no_node, type) == status::Bad_ParentNodeIdInvalid);
+    CHECK(made(objects, no_node) == status::Bad_TypeDefinitionInvalid);
+    CHECK(made(objects, abstract) == status::Bad_TypeDefinitionInvalid);
+    CHECK(made(objects, objects) == status::Bad_TypeDefinitionInvalid);
+    CHECK(made(objects, space.find(id::Int32)) == status::Bad_TypeDefinitionInvalid);
+    CHECK(status_of(add_add_in(space, no_node, type)) == status::Bad_ParentNodeIdInvalid);
+    CHECK(status_of(add_add_in(space, objects, no_node)) == status::Bad_TypeDefinitionInvalid);
+    CHECK(status_of(add_add_in(space, objects, type)) == status::Bad_BrowseNameInvalid);
+    const NodeIndex object = create("Object", type);
+    CHECK(status_of(add_interface(space, no_node, type)) == status::Bad_TypeDefinitionInvalid);
+    CHECK(status_of(add_interface(space, object, no_node)) == status::Bad_TypeDefinitionInvalid);
+    CHECK(status_of(add_interface(space, object, type)) == status::Bad_TypeDefinitionInvalid);
+    CHECK(status_of(add_optional(space, no_node, {})) == status::Bad_TypeDefinitionInvalid);
+    CHECK(find("X") == no_node);
+    CHECK(children(object).empty());
+}
+
 TEST_CASE_METHOD(InstanceFixture, "NodeIds are paths or numbers of the instance's namespace")
 {
     const NodeIndex type = add_type("Type");
