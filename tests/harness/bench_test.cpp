@@ -1,0 +1,236 @@
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+
+#include <busbar/harness/catch.hpp>
+#include <busbar/server/memory_source.hpp>
+#include <busbar/types/ids.hpp>
+
+using namespace busbar;
+using namespace busbar::harness;
+using namespace std::chrono_literals;
+
+namespace {
+
+/// Two variables in a server, and a client that looks at them.
+class LevelBench : public BenchFixture {
+public:
+    server::MemorySource& memory{make_source<server::MemorySource>(world().clock())};
+    NodeId level{add_variable("Level", memory.variable(1.5)).value()};
+    NodeId limit{add_variable("Limit", memory.variable(9.0)).value()};
+};
+
+/// Counts how often the server's code runs.
+struct CountingWatch final : EngineWatch {
+    void enter() override
+    {
+        ++depth;
+        most = std::max(most, depth);
+        ++count;
+    }
+    void leave() override { --depth; }
+
+    int depth{0};
+    int most{0};
+    int count{0};
+};
+
+const NodeId server_object{0, id::Server};
+const NodeId get_monitored_items{0, id::Server_GetMonitoredItems};
+
+} // namespace
+
+TEST_CASE_METHOD(LevelBench, "a bench reads, writes and calls", "[harness]")
+{
+    const auto values = read(std::vector{level, limit, NodeId{1, "Nothing"}});
+    REQUIRE(values);
+    REQUIRE(values->size() == 3);
+    CHECK_THAT((*values)[0], holds(1.5));
+    CHECK_THAT((*values)[1], holds(9.0));
+    CHECK_THAT((*values)[2], has_status(status::Bad_NodeIdUnknown));
+    CHECK(read(std::vector<NodeId>{}).error() == status::Bad_NothingToDo);
+    CHECK(write(level, Variant{"high"}) == status::Bad_TypeMismatch);
+    CHECK(write(level, 2.5) == status::Good);
+    CHECK_THAT(read(level), holds(2.5));
+    const auto called = call(server_object, get_monitored_items, {Variant{std::uint32_t{7}}});
+    REQUIRE(called);
+    CHECK(called->status_code == status::Bad_SubscriptionIdInvalid);
+    CHECK(call(server_object, level).value().status_code == status::Bad_MethodInvalid);
+    CHECK(add_variable("Level", memory.variable(1.0)).error() == status::Bad_NodeIdExists);
+}
+
+TEST_CASE_METHOD(LevelBench, "a bench without a server says so with every verb", "[harness]")
+{
+    world().network().refuse();
+    CHECK_THAT(read(level), has_status(status::Bad_ConnectionRejected));
+    CHECK(write(level, 2.5) == status::Bad_ConnectionRejected);
+    CHECK(call(server_object, get_monitored_items).error() == status::Bad_ConnectionRejected);
+    CHECK(subscribe(level) == status::Bad_ConnectionRejected);
+    CHECK(values(level).empty());
+    world().network().refuse(false);
+    CHECK_THAT(read(level), holds(1.5));
+}
+
+TEST_CASE_METHOD(LevelBench, "a bench gives the status of a service that fails", "[harness]")
+{
+    const auto fail_next = [&](const char* request) {
+        world().network().play(fault::answer(status::Bad_OutOfMemory).at(Message{request}));
+    };
+    fail_next("ReadRequest");
+    CHECK_THAT(read(level), has_status(status::Bad_OutOfMemory));
+    fail_next("WriteRequest");
+    CHECK(write(level, 2.5) == status::Bad_OutOfMemory);
+    fail_next("CallRequest");
+    CHECK(call(server_object, get_monitored_items).error() == status::Bad_OutOfMemory);
+    fail_next("CreateSubscriptionRequest");
+    CHECK(subscribe(level) == status::Bad_OutOfMemory);
+    fail_next("CreateMonitoredItemsRequest");
+    CHECK(subscribe(level) == status::Bad_OutOfMemory);
+    CHECK(world().network().pending_faults() == "");
+    CHECK_THAT(read(level), holds(1.5));
+}
+
+TEST_CASE_METHOD(LevelBench, "a bench watches values at the intervals that it can", "[harness]")
+{
+    CHECK(subscribe(level, 0ms) == status::Bad_InvalidArgument);
+    CHECK(subscribe(level, -1s) == status::Bad_InvalidArgument);
+    CHECK(subscribe(level, BenchOptions{}.client.request_timeout / 2) ==
+          status::Bad_InvalidArgument);
+    CHECK(subscribe(NodeId{1, "Nothing"}) == status::Bad_NodeIdUnknown);
+    CHECK(subscribe(level) == status::Good);
+    CHECK(subscribe(limit) == status::Good); // the same Subscription
+    CHECK(subscribe(limit, 500ms) == status::Good);
+    CHECK(server().subscription_count() == 2);
+    run_for(1s);
+    CHECK(write(level, 2.5) == status::Good);
+    run_for(1s);
+    const auto seen = values(level);
+    REQUIRE(seen.size() == 2);
+    CHECK_THAT(seen[0], holds(1.5));
+    CHECK_THAT(seen[1], holds(2.5));
+    CHECK(values(level).empty());
+    // That of both Subscriptions.
+    CHECK(values(limit).size() == 2);
+    CHECK(values(NodeId{1, "Nothing"}).empty());
+}
+
+TEST_CASE_METHOD(LevelBench, "a bench that lost its connection watches nothing", "[harness]")
+{
+    REQUIRE(subscribe(level) == status::Good);
+    run_for(1s);
+    CHECK(values(level).size() == 1);
+    world().network().cut();
+    run_for(1s);
+    CHECK(write(level, 2.5) == status::Good);
+    run_for(1s);
+    CHECK(values(level).empty());
+    REQUIRE(subscribe(level) == status::Good);
+    run_for(1s);
+    REQUIRE(values(level).size() == 1);
+}
+
+TEST_CASE("a server host says why it has no server", "[harness]")
+{
+    World world;
+    server::ServerConfig config = open_server_config();
+    config.endpoint_url = "no URL";
+    ServerHost host{world, config};
+    CHECK_FALSE(host.is_running());
+    REQUIRE(host.problem());
+    CHECK(host.problem()->where == "endpoint_url");
+    CHECK(ConnectionHost{world}.open().error() == status::Bad_ConnectionRejected);
+    const ServerHost sound{world};
+    CHECK_FALSE(sound.problem());
+    CHECK(ConnectionHost{world}.open().has_value());
+}
+
+TEST_CASE("a server host takes as many connections as its server", "[harness]")
+{
+    World world;
+    server::ServerConfig config = open_server_config();
+    config.limits.max_connections = 1;
+    config.limits.max_connections_per_address = 1;
+    ServerHost host{world, config};
+    ConnectionHost first{world};
+    REQUIRE(first.open());
+    ConnectionHost second{world};
+    CHECK_FALSE(second.open());
+    CHECK(first.is_ready());
+    CHECK(host.server().connection_count() == 1);
+}
+
+TEST_CASE("a watch knows when the server's own code runs", "[harness]")
+{
+    CountingWatch watch;
+    BenchOptions options;
+    options.server_parts.watch = &watch;
+    {
+        BenchFixture bench{options};
+        REQUIRE(bench.connect());
+        const int before = watch.count;
+        CHECK(watch.depth == 0);
+        CHECK(bench.read(server_object).status == status::Bad_AttributeIdInvalid);
+        CHECK(watch.count > before);
+    }
+    CHECK(watch.depth == 0);
+    CHECK(watch.most == 1);
+}
+
+TEST_CASE("completions wake a server late, if they are to", "[harness]")
+{
+    BenchOptions options;
+    options.server_parts.wake_delay = 10ms;
+    options.server_parts.rare_wake_delay = 2s;
+    BenchFixture bench{options};
+    auto& memory = bench.make_source<server::MemorySource>(bench.world().clock());
+    const NodeId level = bench.add_variable("Level", memory.variable(1)).value();
+    REQUIRE(bench.subscribe(level, 50ms) == status::Good);
+    for (int i = 2; i < 20; ++i) {
+        CHECK(bench.write(level, i) == status::Good);
+        bench.run_for(3s);
+    }
+    const auto seen = bench.values(level);
+    REQUIRE(seen.size() == 19);
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+        CHECK_THAT(seen[i], holds(static_cast<std::int32_t>(i + 1)));
+    }
+}
+
+TEST_CASE("the environment gives the seed", "[harness]")
+{
+    const char* const known = std::getenv("BUSBAR_SEED");
+    const std::string before = known == nullptr ? "" : known;
+    ::setenv("BUSBAR_SEED", "77", 1);
+    CHECK(World::seed_from_environment() == 77);
+    CHECK(World{}.seed() == 77);
+    ::setenv("BUSBAR_SEED", "x", 1);
+    CHECK(World::seed_from_environment() == 1);
+    ::unsetenv("BUSBAR_SEED");
+    CHECK(World::seed_from_environment() == 1);
+    if (known != nullptr) {
+        ::setenv("BUSBAR_SEED", before.c_str(), 1);
+    }
+}
+
+TEST_CASE("matchers say what they want", "[harness]")
+{
+    CHECK(holds(7).describe() == "holds Int32 7");
+    CHECK(holds(String{"a"}).describe() == "holds String \"a\"");
+    CHECK_FALSE(holds(7).match(DataValue{Variant{8}}));
+    CHECK_FALSE(holds(7).match(DataValue{Variant{7}, status::Uncertain}));
+    CHECK(has_status(status::Bad_Timeout).describe() == "has Bad_Timeout");
+    CHECK(has_status(status::Bad_Timeout).match(DataValue{StatusCode{0x800A0401}}));
+    CHECK_FALSE(has_status(status::Bad_Timeout).match(DataValue{Variant{7}}));
+    CHECK(succeeds<int>().describe() == "is a value");
+    CHECK(succeeds<int>().match(Result<int>{7}));
+    CHECK_FALSE(succeeds<int>().match(fail(status::Bad_Timeout)));
+    using Catch::Detail::stringify;
+    CHECK(stringify(StatusCode{status::Bad_Timeout}) == "Bad_Timeout");
+    CHECK(stringify(Variant{7}) == "Int32 7");
+    CHECK(stringify(DataValue{Variant{7}}) == "Int32 7");
+    CHECK(stringify(Result<int>{7}) == "7");
+    CHECK(stringify(Result<int>{fail(status::Bad_Timeout)}) == "Bad_Timeout");
+    CHECK(stringify(Result<void>{}) == "a value");
+}
