@@ -146,6 +146,37 @@ TEST_CASE("a recorder stops at its limits and says so", "[harness]")
     CHECK(recorder->recording().stream(1, Side::Client).size() <= 100);
 }
 
+TEST_CASE("a recorder and a replay take what they are made for", "[harness]")
+{
+    World world;
+    ServerHost server{world};
+    RecordingLimits limits;
+    limits.max_connections = 1;
+    const auto recorder = std::make_shared<Recorder>(world.seed(), limits);
+    world.network().set_observer(recorder);
+    ConnectionHost client{world};
+    REQUIRE(client.open());
+    CHECK(recorder->recording().is_complete);
+    const std::size_t first = recorder->recording().stream(1, Side::Client).size();
+    ConnectionHost another{world};
+    REQUIRE(another.open());
+    CHECK_FALSE(recorder->recording().is_complete);
+    CHECK(recorder->recording().stream(1, Side::Client).size() == first);
+    CHECK(recorder->recording().stream(2, Side::Client).empty());
+
+    // Nobody is there, or comes to one that plays a client.
+    const Recording recording = small_recording();
+    Replay replay{world, recording, Side::Client};
+    CHECK(replay.run("opc.tcp://nobody:1").error() == status::Bad_ConnectionRejected);
+    REQUIRE(world.network().listen("opc.tcp://replay:1", replay));
+    client::ConnectionConfig config = open_connection_config();
+    config.channel.endpoint_url = "opc.tcp://replay:1";
+    CHECK(ConnectionHost{world, config}.open().error() == status::Bad_ConnectionRejected);
+    // Its server has another answer than the one byte that was recorded.
+    REQUIRE(replay.run(url));
+    CHECK_FALSE(replay.is_over());
+}
+
 TEST_CASE("a replayed client gets byte for byte what the recorded one got", "[harness]")
 {
     RecordedBench recorded;

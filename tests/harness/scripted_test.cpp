@@ -142,6 +142,59 @@ TEST_CASE("a scripted client speaks to a server out of turn", "[harness]")
     CHECK(server.server().connection_count() == 0);
 }
 
+TEST_CASE("a scripted client learns why there is no channel", "[harness]")
+{
+    World world;
+    ScriptedClient client{world, channel_config()};
+    CHECK(client.open().error() == status::Bad_ConnectionRejected);
+    CHECK(client.send(GetEndpointsRequest{}).error() == status::Bad_NotConnected);
+    ServerHost server{world};
+    world.network().play(fault::hold());
+    CHECK(client.open(1s).error() == status::Bad_Timeout);
+    world.network().play(fault::hold().at(Message{"HEL"}));
+    const auto late = client.open(1h);
+    REQUIRE_FALSE(late);
+    CHECK(world.now() < TimePoint{10min});
+    world.network().play(fault::cut().at(Message{"ACK"}));
+    CHECK(client.open().error() == status::Bad_ConnectionClosed);
+    CHECK(client.open().has_value());
+}
+
+TEST_CASE("a scripted client reports the end, whether it was expected or not", "[harness]")
+{
+    World world;
+    ServerHost server{world};
+    {
+        ScriptedClient client{world, channel_config()};
+        REQUIRE(client.open());
+        REQUIRE(client.open()); // leaves the first connection without notice
+        world.run_for(1s);
+        CHECK(server.server().connection_count() == 1);
+        CHECK(client.expect_close(1s).error() == status::Bad_Timeout);
+        CHECK(client.report() == "expected the end, which did not come\n");
+        world.network().cut();
+        CHECK(client.expect<ReadResponse>().error() == status::Bad_ConnectionClosed);
+        CHECK_THAT(client.report(), Catch::Contains("expected ReadResponse, came the end Good\n"));
+        CHECK(client.expect_close().value() == status::Good);
+        CHECK(client.send(GetEndpointsRequest{}).error() == status::Bad_NotConnected);
+        client.send_bytes(std::array<std::byte, 1>{});
+        REQUIRE(client.open());
+        // What came before the end is still there.
+        REQUIRE(client.send(GetEndpointsRequest{}));
+        world.run_for(1s);
+        world.network().cut();
+        world.run_for(1s);
+        CHECK(client.expect<GetEndpointsResponse>().has_value());
+        REQUIRE(client.open());
+        REQUIRE(client.send(GetEndpointsRequest{}));
+        CHECK(client.expect<ReadResponse>().error() == status::Bad_UnknownResponse);
+        CHECK_THAT(client.report(), Catch::Contains("expected ReadResponse, came "
+                                                    "GetEndpointsResponse Bad_UnknownResponse\n"));
+    }
+    world.run_for(1s);
+    CHECK(server.server().connection_count() == 0);
+}
+
 TEST_CASE("users of a test log in by their password", "[harness]")
 {
     TestUsers users;
@@ -170,5 +223,18 @@ TEST_CASE("values are shown as a test wants to read them", "[harness]")
     CHECK(text_of(DataValue{Variant{std::uint8_t{3}}, status::Uncertain_LastUsableValue,
                             DateTime::from_unix_seconds(0)}) ==
           "Byte 3, Uncertain_LastUsableValue, source 1970-01-01T00:00:00Z");
+    CHECK(text_of(StatusCode{0x80FF0000}) == "0x80ff0000");
+    CHECK(text_of(Variant{false}) == "Boolean false");
+    CHECK(text_of(Variant{String{}}) == "String null");
+    CHECK(text_of(Variant{ByteString{std::as_bytes(std::span{"ab", 2})}}) == "ByteString 2 bytes");
+    CHECK(text_of(Variant{LocalizedText{"en", "a\t"}}) == "LocalizedText \"a\\x09\"");
+    CHECK(text_of(Variant{StatusCode{status::Bad_Timeout}}) == "StatusCode Bad_Timeout");
+    CHECK(text_of(Variant{NodeId{1, 5U}}) == "NodeId ns=1;i=5");
+    CHECK(text_of(Variant{ExtensionObject::from_id(NodeId{1, 5U})}) == "ExtensionObject ...");
+    CHECK(text_of(Variant{Array<std::uint8_t>{std::vector<std::uint8_t>(17, 1)}}) ==
+          "Byte[17] {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, ...}");
+    DataValue timed{Variant{std::uint8_t{3}}};
+    timed.server_timestamp = DateTime::from_unix_seconds(0);
+    CHECK(text_of(timed) == "Byte 3, server 1970-01-01T00:00:00Z");
     CHECK(Catch::Detail::stringify(NodeId{1, "Level"}) == "ns=1;s=Level");
 }
