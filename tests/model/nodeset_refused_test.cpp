@@ -216,6 +216,82 @@ TEST_CASE_METHOD(NodeSetFixture, "Types and instances of files fit those that ar
     CHECK(space.type_definition(find("i=2")) == find("i=1"));
 }
 
+TEST_CASE_METHOD(NodeSetFixture, "UTF-16 may have any character, and halves of one")
+{
+    const bool is_little = GENERATE(true, false);
+    // A euro sign, a face, a half without its other one, two first halves, and one at the end.
+    const std::u16string value =
+        u"\u20AC\U0001F600" + std::u16string{0xDE00, u'x', 0xD83D, 0xD83D, u'y'};
+    const std::string text = nodeset_text(variable_text("s=V", "", "<String>?</String>"));
+    std::string bytes = is_little ? "\xFF\xFE" : "\xFE\xFF";
+    const auto put = [&](char16_t unit) {
+        const char low = static_cast<char>(unit & 0xFFU);
+        const char high = static_cast<char>(unit >> 8U);
+        bytes += is_little ? low : high;
+        bytes += is_little ? high : low;
+    };
+    for (const char c : text) {
+        if (c != '?') {
+            put(static_cast<unsigned char>(c));
+            continue;
+        }
+        for (const char16_t unit : value) {
+            put(unit);
+        }
+    }
+    load({{"t.xml", bytes}});
+    CHECK(this->value("s=V") == Variant{"\xE2\x82\xAC\xF0\x9F\x98\x80\xEF\xBF\xBDx\xEF\xBF\xBD"
+                                        "\xEF\xBF\xBDy"});
+    put(0xD83D); // behind the end of the XML
+    bytes += '\0';
+    CHECK_FALSE(error_of({{"u.xml", bytes}}).empty());
+}
+
+TEST_CASE_METHOD(NodeSetFixture, "Comments and elements that are not known are left alone")
+{
+    load(
+        "<UADataType NodeId=\"ns=1;i=1\" BrowseName=\"1:T\"><!-- a --><References><!-- b "
+        "--><Other/>"
+        "<Reference ReferenceType=\"HasSubtype\" IsForward=\"false\">i=22</Reference></References>"
+        "<Definition Name=\"T\"><!-- c --><Other/><Field Name=\"A\" DataType=\"i=3\"/></Definition>"
+        "</UADataType>"
+        "<UAVariable NodeId=\"ns=1;s=V\" BrowseName=\"1:V\" DataType=\"i=22\"><References>"
+        "<Reference ReferenceType=\"i=40\">i=63</Reference></References><RolePermissions>"
+        "<!-- d --><Other/><RolePermission Permissions=\"3\">i=15644</RolePermission>"
+        "</RolePermissions><Value><!-- e --><ExtensionObject><!-- f --><TypeId><Identifier>"
+        "ns=1;i=1</Identifier></TypeId><Body><T><!-- g --><A>4</A></T></Body></ExtensionObject>"
+        "</Value></UAVariable>");
+    const NodeAccess* const access = space.node_access(find("s=V"));
+    REQUIRE(access != nullptr);
+    REQUIRE(access->role_permissions.size() == 1);
+    CHECK(static_cast<std::uint32_t>(access->role_permissions[0].permissions) == 3);
+    const Variant loaded = value("s=V");
+    REQUIRE(loaded.get_if<ExtensionObject>() != nullptr);
+    const std::byte body{4};
+    CHECK(loaded ==
+          Variant{ExtensionObject::from_binary(NodeId{1, 1U}, ByteString{std::span{&body, 1}})});
+}
+
+TEST_CASE_METHOD(NodeSetFixture, "Nodes of which there are no instances have no type definition")
+{
+    const auto error = [&](const std::string& element) {
+        return error_of("<" + element +
+                        " NodeId=\"ns=1;i=1\" BrowseName=\"1:A\"><References>"
+                        "<Reference ReferenceType=\"i=40\">i=58</Reference></References></" +
+                        element + ">");
+    };
+    const std::string text = "t.xml:3: ns=1;i=1: found a HasTypeDefinition reference from a ";
+    CHECK(error("UAMethod") == text + "Method");
+    CHECK(error("UAView") == text + "View");
+    CHECK(error("UADataType") == text + "DataType");
+    CHECK(error("UAReferenceType") == text + "ReferenceType");
+    CHECK(error("UAVariableType") == text + "VariableType");
+    CHECK(error_of(variable_text("s=V", "DataType=\"i=85\"", "")) ==
+          "t.xml:3: ns=1;s=V: found the DataType i=85, which is an Object");
+    CHECK(error_of(variable_text("s=V", "DataType=\"i=2259\"", "")) ==
+          "t.xml:3: ns=1;s=V: found the DataType i=2259, which is a Variable");
+}
+
 TEST_CASE_METHOD(NodeSetFixture, "Nodes of namespace 0 that are there are not loaded again")
 {
     const NodeSetSummary summary =
