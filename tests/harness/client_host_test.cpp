@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include <memory>
+#include <optional>
 
 #include <busbar/harness/catch.hpp>
 #include <busbar/harness/client_host.hpp>
@@ -99,4 +100,30 @@ TEST_CASE("a Client that a handler closed is told that it is refused now", "[har
     const auto connected = host.connect(1min);
     REQUIRE_FALSE(connected);
     CHECK(connected.error() == status::Bad_ConnectionRejected);
+}
+
+TEST_CASE("a connection that is not there answers at once", "[harness]")
+{
+    World world;
+    ServerHost server{world};
+    ConnectionHost host{world};
+    CHECK(host.call<ReadResponse>(read_state()).error() == status::Bad_NotConnected);
+    world.network().play(fault::hold());
+    CHECK(host.open(1s).error() == status::Bad_Timeout);
+    host.drop();
+    CHECK_FALSE(host.is_ready());
+    CHECK(host.call<ReadResponse>(read_state()).error() == status::Bad_NotConnected);
+    REQUIRE(host.open());
+    CHECK(host.call<ReadResponse>(read_state()).has_value());
+    // What is under way when the connection goes is answered, too.
+    std::optional<StatusCode> answer;
+    host.send<ReadResponse>(read_state(), [&](Result<ReadResponse> response) {
+        answer = response ? StatusCode{} : response.error();
+    });
+    host.drop();
+    CHECK(answer == StatusCode{status::Bad_ConnectionClosed});
+    CHECK(host.closed_by() == status::Bad_ConnectionClosed);
+    host.close();
+    host.drop();
+    CHECK(host.open().has_value());
 }
