@@ -205,6 +205,27 @@ TEST_CASE_METHOD(InstanceFixture, "An instance needs a parent and a type that ca
     CHECK(children(object).empty());
 }
 
+TEST_CASE_METHOD(InstanceFixture, "An Interface that an Object has already is added once")
+{
+    const NodeIndex interface_type = add_type("IPart", space.find(id::BaseInterfaceType), true);
+    declare_variable("IPart.Maker", interface_type, mandatory);
+    declare_variable("IPart.Year", interface_type, optional);
+    const NodeIndex object = create("Object", add_type("Type"));
+    REQUIRE(add_interface(space, object, interface_type));
+    CHECK(children(object) == Names{"Maker"});
+    const std::size_t references = reference_count(space);
+    REQUIRE(add_interface(space, object, interface_type));
+    CHECK(reference_count(space) == references);
+    // With what is chosen now.
+    InstanceOptions options;
+    options.optional = {"Year"};
+    REQUIRE(add_interface(space, object, interface_type, options));
+    CHECK(children(object) == Names{"Maker", "Year"});
+    options.optional = {"Month"};
+    CHECK(status_of(add_interface(space, object, interface_type, options)) == status::Bad_NotFound);
+    CHECK(children(object) == Names{"Maker", "Year"});
+}
+
 TEST_CASE_METHOD(InstanceFixture, "NodeIds are paths or numbers of the instance's namespace")
 {
     const NodeIndex type = add_type("Type");
