@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include <limits>
 #include <set>
 
 #include <busbar/model/data_access.hpp>
@@ -256,6 +257,54 @@ TEST_CASE_METHOD(DataAccessFixture, "Array items know their axes",
         CHECK(status_of(add_array_item(space, named("Image", objects), item)) ==
               status::Bad_NodeAttributesInvalid);
     }
+}
+
+TEST_CASE_METHOD(DataAccessFixture, "Array items that make no sense are refused whole")
+{
+    AxisInformation axis;
+    axis.eu_range = Range{0, 1000};
+    ArrayItem item;
+    item.variable.data_type = NodeId{0, id::Float};
+    item.eu_range = Range{0, 90};
+    item.instrument_range = Range{-1, 100};
+    item.axes = {axis};
+    const ArrayItem sound = item;
+    StatusCode expected = status::Bad_NodeAttributesInvalid;
+    SECTION("a range upside down")
+    {
+        item.eu_range = Range{2, 1};
+    }
+    SECTION("an instrument's range upside down")
+    {
+        item.instrument_range = Range{2, 1};
+    }
+    SECTION("an axis upside down")
+    {
+        item.axes[0].eu_range = Range{2, 1};
+    }
+    SECTION("a range without end")
+    {
+        item.axes[0].eu_range.high = std::numeric_limits<double>::quiet_NaN();
+    }
+    SECTION("no axis of any number")
+    {
+        item.axes = Array<AxisInformation>{};
+        item.type = NodeId{0, id::NDimensionArrayItemType};
+    }
+    SECTION("no type of arrays")
+    {
+        item.type = NodeId{0, id::DataItemType};
+    }
+    SECTION("a value of another type")
+    {
+        item.variable.value = Variant{Array<std::int32_t>{1}};
+        expected = status::Bad_TypeMismatch;
+    }
+    const std::size_t before = space.node_count();
+    CHECK(status_of(add_array_item(space, named("Item", objects), item)) == expected);
+    CHECK(space.node_count() == before);
+    const NodeIndex node = add_array_item(space, named("Item", objects), sound).value();
+    CHECK(structure<Range>(node, "InstrumentRange") == Range{-1, 100});
 }
 
 } // namespace busbar::model
