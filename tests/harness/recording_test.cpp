@@ -227,6 +227,42 @@ TEST_CASE("a replayed server hears byte for byte what the recorded one heard", "
     CHECK_FALSE(replay.is_over());
 }
 
+TEST_CASE("a replay plays the connection that it is told to", "[harness]")
+{
+    World world;
+    ServerHost server{world};
+    const auto recorder = std::make_shared<Recorder>(world.seed());
+    world.network().set_observer(recorder);
+    ConnectionHost first{world};
+    REQUIRE(first.open());
+    ConnectionHost second{world};
+    REQUIRE(second.open());
+    world.network().set_observer(nullptr);
+    first.drop();
+    second.drop();
+    const Recording recording = recorder->recording();
+
+    // Each end in a world of its own: what the other sends of another connection does not fit.
+    World again{recording.seed};
+    Replay played{again, recording, Side::Server, 2};
+    REQUIRE(again.network().listen(url, played));
+    Replay same{again, recording, Side::Client, 2};
+    REQUIRE(same.run(url));
+    CHECK(same.difference() == "");
+    CHECK(same.is_over());
+    CHECK(played.difference() == "");
+    CHECK(played.is_over());
+    World third{recording.seed};
+    Replay other{third, recording, Side::Server, 1};
+    REQUIRE(third.network().listen(url, other));
+    Replay wrong{third, recording, Side::Client, 2};
+    REQUIRE(wrong.run(url));
+    CHECK_THAT(wrong.difference(), Catch::StartsWith("another byte at frame "));
+    // A second client is not let in while there is one.
+    Replay late{again, recording, Side::Client, 2};
+    CHECK(late.run(url).error() == status::Bad_ConnectionRejected);
+}
+
 TEST_CASE("tshark decodes a capture as OPC UA", "[harness]")
 {
     RecordedBench bench;
