@@ -1,5 +1,7 @@
 #include <catch2/catch.hpp>
 
+#include <limits>
+
 #include <busbar/types/filter.hpp>
 
 #include "puppet_fixture.hpp"
@@ -148,4 +150,95 @@ TEST_CASE_METHOD(PollingFixture, "Polling ends when a session has Subscriptions"
     CHECK(heard.gaps[0].to == time_of(9));
     pass(10s);
     CHECK(requester.count<ReadRequest>() == 0);
+}
+
+TEST_CASE_METHOD(PollingFixture, "A Read with too few values is made again in smaller parts",
+                 "[client]")
+{
+    start_polling({wish(1, 100ms), wish(2, 100ms)});
+    CHECK(read({DataValue{1}}).nodes_to_read.size() == 2);
+    CHECK(heard.data.empty()); // whose value is it?
+    pass(100ms);
+    read({DataValue{1}});
+    read({DataValue{2}});
+    CHECK(heard.take_values() == Values{1, 2});
+}
+
+TEST_CASE_METHOD(PollingFixture, "Intervals that make no sense are polled at others", "[client]")
+{
+    std::vector<client::ItemSettings> wishes(4, wish(1, 100ms));
+    using Milliseconds = std::chrono::duration<double, std::milli>;
+    wishes[0].sampling_interval = Milliseconds{std::numeric_limits<double>::quiet_NaN()};
+    wishes[1].sampling_interval = Milliseconds{-1};
+    wishes[2].sampling_interval = Milliseconds{0};
+    wishes[3].sampling_interval = Milliseconds{1e300};
+    start_polling(wishes);
+    REQUIRE(heard.items.size() == 4);
+    CHECK(heard.items[0].second.revised_sampling_interval == 500); // of the Subscription
+    CHECK(heard.items[1].second.revised_sampling_interval == 500);
+    CHECK(heard.items[2].second.revised_sampling_interval == 50);
+    CHECK(heard.items[3].second.revised_sampling_interval == 86'400'000);
+}
+
+TEST_CASE_METHOD(PollingFixture, "What is polled and removed is not read any more", "[client]")
+{
+    auto handlers = heard.handlers();
+    SECTION("by who is told of it")
+    {
+        handlers.on_data = [this](std::span<const client::DataChange>) {
+            REQUIRE(subscriptions.remove(subscription));
+        };
+        requester.info.operation_limits.max_nodes_per_read = 1;
+    }
+    SECTION("while it is read")
+    {
+        handlers.on_data = nullptr;
+    }
+    subscription = subscriptions.create({}, handlers).value();
+    items = subscriptions.add_items(subscription, {wish(1, 100ms), wish(2, 100ms)}).value();
+    settle();
+    static_cast<void>(requester.take<CreateSubscriptionRequest>());
+    refuse(status::Bad_NotImplemented);
+    const auto request = requester.take<ReadRequest>();
+    if (!handlers.on_data) {
+        REQUIRE(subscriptions.remove_items(items));
+    }
+    ReadResponse response;
+    response.results = Array<DataValue>(request.nodes_to_read.size());
+    reply(response);
+    pass(10s);
+    CHECK(requester.open_count() == 0); // no DeleteMonitoredItems either
+    CHECK(subscriptions.next_deadline() == no_deadline);
+}
+
+TEST_CASE_METHOD(PollingFixture, "A polled item is told of what its filter is for", "[client]")
+{
+    const auto filtered = [](std::uint32_t node, DataChangeTrigger trigger, double deadband) {
+        DataChangeFilter filter;
+        filter.trigger = trigger;
+        filter.deadband_type = static_cast<std::uint32_t>(DeadbandType::Absolute);
+        filter.deadband_value = deadband;
+        auto settings = wish(node, 100ms);
+        settings.filter = ExtensionObject::from(filter);
+        return settings;
+    };
+    start_polling({filtered(1, DataChangeTrigger::Status, 0),
+                   filtered(2, DataChangeTrigger::StatusValueTimestamp, 0),
+                   filtered(3, DataChangeTrigger::StatusValue, -1)});
+    const auto told = [&](const DataValue& value) {
+        pass(100ms);
+        read({value, value, value});
+        std::vector<ItemHandle> handles;
+        for (const client::DataChange& change : std::exchange(heard.data, {})) {
+            handles.push_back(change.item);
+        }
+        return handles;
+    };
+    read(std::vector<DataValue>(3, DataValue{1}));
+    heard.data.clear();
+    using Handles = std::vector<ItemHandle>;
+    CHECK(told(DataValue{2}) == Handles{items[1], items[2]});
+    CHECK(told(DataValue{2}).empty());
+    CHECK(told(DataValue{Variant{2}, {}, time_of(5)}) == Handles{items[1]});
+    CHECK(told(DataValue{Variant{2}, status::Uncertain_LastUsableValue, time_of(5)}) == items);
 }
