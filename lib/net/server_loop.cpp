@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <asio/executor_work_guard.hpp>
 #include <asio/io_context.hpp>
 #include <asio/post.hpp>
 #include <asio/signal_set.hpp>
@@ -181,15 +182,11 @@ bool ServerLoop::Impl::resume()
 /// Until everything has stopped. What throws is put right again, now or when there is memory.
 void ServerLoop::Impl::run()
 {
+    const auto work = asio::make_work_guard(context); // nothing may be waited for any more
     bool is_behind = false;
-    while (is_behind ? !has_stopped() : !context.stopped()) {
+    while (!context.stopped()) {
         const StatusCode thrown = busbar::detail::guarded(log, "what the network called", [&] {
-            if (is_behind) {
-                context.restart(); // nothing may be waited for any more
-                context.run_for(retry_pause);
-            } else {
-                context.run();
-            }
+            is_behind ? context.run_for(retry_pause) : context.run();
         });
         if (is_behind || thrown.is_bad()) {
             is_behind = !resume();
