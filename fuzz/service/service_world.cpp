@@ -104,26 +104,36 @@ void ServiceWorld::add_variables()
         Variant{std::int32_t{1}}, Variant{Array<std::int32_t>{1, 2, 3}}, Variant{"text"},
         Variant{2.5},
         Variant::matrix(Array<std::int32_t>{1, 2, 3, 4, 5, 6}, Array<std::uint32_t>{3, 2})};
-    model::AddressSpace& space = server_.address_space();
-    for (std::size_t i = 0; i < 2 * values.size(); ++i) {
-        const Variant& value = values[i % values.size()];
-        model::NewNode node;
-        node.id = NodeId{1, static_cast<std::uint32_t>(i + 1)};
-        node.browse_name = QualifiedName{1, String{std::to_string(i)}};
-        node.parent = space.find(id::ObjectsFolder);
-        model::NewVariable variable;
-        variable.data_type = NodeId{0, static_cast<std::uint32_t>(value.type())};
-        variable.value_rank = value.is_scalar() ? -1 : value.dimensions().empty() ? 1 : 2;
-        variable.access_level = model::Access::ReadWrite;
-        if (i < values.size()) { // the others are kept by the address space
-            handles_.push_back(memory_.add(value));
-            variable.source = source;
-            variable.handle = handles_.back();
-        } else {
-            variable.value = value;
-        }
-        require(space.add_variable(node, variable).has_value());
+    std::uint32_t number = 1;
+    for (const Variant& value : values) {
+        handles_.push_back(memory_.add(value));
+        add_variable(number++, value, source, handles_.back());
     }
+    for (const Variant& value : values) { // kept by the address space
+        add_variable(number++, value);
+    }
+}
+
+model::NodeIndex ServiceWorld::add_variable(std::uint32_t number, const Variant& value,
+                                            std::uint32_t source, std::uint64_t handle)
+{
+    model::AddressSpace& space = server_.address_space();
+    model::NewNode node;
+    node.id = NodeId{1, number};
+    node.browse_name = QualifiedName{1, String{std::to_string(number - 1)}};
+    node.parent = space.find(id::ObjectsFolder);
+    model::NewVariable variable;
+    variable.data_type = NodeId{0, static_cast<std::uint32_t>(value.type())};
+    variable.value_rank = value.is_scalar() ? -1 : value.dimensions().empty() ? 1 : 2;
+    variable.access_level = model::Access::ReadWrite;
+    variable.source = source;
+    variable.handle = handle;
+    if (source == model::no_source) {
+        variable.value = value;
+    }
+    const auto made = space.add_variable(node, variable);
+    require(made.has_value());
+    return *made;
 }
 
 void ServiceWorld::allow_writes()
@@ -142,45 +152,22 @@ void ServiceWorld::allow_writes()
 void ServiceWorld::add_image()
 {
     const std::uint32_t source = server_.add_source(image_.source());
-    model::AddressSpace& space = server_.address_space();
-    for (std::size_t i = 0; i < WorldImage::variable_count; ++i) {
-        const Variant value = image_.value(i);
-        model::NewNode node;
-        node.id = NodeId{1, static_cast<std::uint32_t>(16 + i)};
-        node.browse_name = QualifiedName{1, String{"image" + std::to_string(i)}};
-        node.parent = space.find(id::ObjectsFolder);
-        model::NewVariable variable;
-        variable.data_type = NodeId{0, static_cast<std::uint32_t>(value.type())};
-        variable.value_rank = value.is_scalar() ? -1 : value.dimensions().empty() ? 1 : 2;
-        variable.access_level = model::Access::ReadWrite;
-        variable.source = source;
-        variable.handle = image_.handle(i);
-        require(space.add_variable(node, variable).has_value());
+    for (std::uint32_t i = 0; i < WorldImage::variable_count; ++i) {
+        add_variable(16 + i, image_.value(i), source, image_.handle(i));
     }
 }
 
 void ServiceWorld::add_analog()
 {
-    model::AddressSpace& space = server_.address_space();
-    model::NewNode node;
-    node.id = NodeId{1, 20};
-    node.browse_name = QualifiedName{1, "analog"};
-    node.parent = space.find(id::ObjectsFolder);
-    model::NewVariable variable;
-    variable.data_type = NodeId{0, id::Double};
-    variable.value = 2.5;
-    variable.access_level = model::Access::ReadWrite;
-    const auto analog = space.add_variable(node, variable);
-    require(analog.has_value());
     model::NewNode property;
     property.id = NodeId{1, 21};
     property.browse_name = QualifiedName{0, "EURange"};
-    property.parent = *analog;
+    property.parent = add_variable(20, Variant{2.5});
     model::NewVariable range;
     range.data_type = NodeId{0, id::Range};
     range.value = ExtensionObject::from(Range{0, 200});
     range.access_level = model::Access::ReadWrite;
-    require(space.add_property(property, range).has_value());
+    require(server_.address_space().add_property(property, range).has_value());
 }
 
 void ServiceWorld::add_method()

@@ -67,6 +67,10 @@ private:
 
     [[nodiscard]] static server::ServerConfig config();
     void add_variables();
+    /// With that number as its NodeId.
+    model::NodeIndex add_variable(std::uint32_t number, const Variant& value,
+                                  std::uint32_t source = model::no_source,
+                                  std::uint64_t handle = 0);
     void add_image();
     /// A Variable with an EURange, both of the address space.
     void add_analog();
