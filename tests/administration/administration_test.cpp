@@ -80,14 +80,7 @@ struct Parts : ManagedFixture {
     }
     [[nodiscard]] TestClient log_in_to(server::Server& bare)
     {
-        TestClient client{bare.connect("192.0.2.1", now).value(),
-                          setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt),
-                          channel::ChannelEnvironment{.random = &random,
-                                                      .wall_clock = &wall_clock,
-                                                      .log = &log,
-                                                      .validator = &any,
-                                                      .identity = &client_identity()},
-                          now};
+        TestClient client = connect_to(bare);
         REQUIRE(client.create_session());
         REQUIRE(client.activate(client.user("admin", "admin-secret!")) == status::Good);
         return client;

@@ -181,7 +181,15 @@ struct ManagedFixture {
     connect(MessageSecurityMode mode = MessageSecurityMode::SignAndEncrypt,
             const channel::ApplicationIdentity& identity = client_identity())
     {
-        return {server.connect("192.0.2.1", now).value(), setting("Basic256Sha256", mode),
+        return connect_to(server, mode, identity);
+    }
+    /// Another server than the fixture's own.
+    [[nodiscard]] TestClient
+    connect_to(server::Server& other,
+               MessageSecurityMode mode = MessageSecurityMode::SignAndEncrypt,
+               const channel::ApplicationIdentity& identity = client_identity())
+    {
+        return {other.connect("192.0.2.1", now).value(), setting("Basic256Sha256", mode),
                 channel::ChannelEnvironment{.random = &random,
                                             .wall_clock = &wall_clock,
                                             .log = &log,

@@ -50,16 +50,9 @@ struct CertifiedUsers : ManagedFixture {
         }
         return config;
     }
-    [[nodiscard]] TestClient connect_to()
+    [[nodiscard]] TestClient visit()
     {
-        TestClient client{open_server.connect("192.0.2.1", ManagedFixture::now).value(),
-                          setting("Basic256Sha256", MessageSecurityMode::SignAndEncrypt),
-                          channel::ChannelEnvironment{.random = &random,
-                                                      .wall_clock = &wall_clock,
-                                                      .log = &log,
-                                                      .validator = &any,
-                                                      .identity = &client_identity()},
-                          ManagedFixture::now};
+        TestClient client = connect_to(open_server);
         REQUIRE(client.create_session());
         return client;
     }
@@ -97,17 +90,17 @@ struct CertifiedUsers : ManagedFixture {
 
 TEST_CASE_METHOD(CertifiedUsers, "user certificates: who is taken out is out, others stay")
 {
-    auto admin = connect_to();
+    auto admin = visit();
     REQUIRE(admin.activate(admin.user("admin", "admin-secret!")) == status::Good);
-    auto maria = connect_to();
+    auto maria = visit();
     REQUIRE(activate(maria, user_certificate()) == status::Good);
-    auto tom = connect_to();
+    auto tom = visit();
     REQUIRE(activate(tom, other_user()) == status::Good);
     CHECK(remove(admin, user_certificate()) == "Good");
     CHECK(use(maria).is_bad());
     CHECK(use(tom) == status::Good);
     CHECK(use(admin) == status::Good);
-    auto again = connect_to();
+    auto again = visit();
     CHECK(activate(again, user_certificate()).is_bad());
     // Nobody is logged out by one who comes in.
     CHECK(name(call(admin, NodeId{0, user_trust_list}, NodeId{0, add_certificate},
@@ -119,12 +112,12 @@ TEST_CASE_METHOD(CertifiedUsers, "user certificates: who is taken out is out, ot
 
 TEST_CASE_METHOD(CertifiedUsers, "user certificates: have no password that they could change")
 {
-    auto maria = connect_to();
+    auto maria = visit();
     REQUIRE(activate(maria, user_certificate()) == status::Good);
     const auto changed =
         call(maria, NodeId{0, id::UserManagement}, NodeId{0, id::UserManagement_ChangePassword},
              {Variant{String{"admin-secret!"}}, Variant{String{"another secret!"}}});
     CHECK(name(changed.status_code) == "Bad_InvalidState");
-    auto admin = connect_to();
+    auto admin = visit();
     CHECK(admin.activate(admin.user("admin", "admin-secret!")) == status::Good);
 }
