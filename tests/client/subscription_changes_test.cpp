@@ -84,6 +84,23 @@ TEST_CASE_METHOD(ChangeFixture, "A change of items that keeps failing is told at
     CHECK(requester.count<ModifyMonitoredItemsRequest>() == 0);
 }
 
+TEST_CASE_METHOD(ChangeFixture, "A change that went well leaves later ones all of their tries",
+                 "[client]")
+{
+    start_quietly(1);
+    modify(items);
+    refuse_all_but_one<ModifyMonitoredItemsRequest>(status::Bad_UserAccessDenied);
+    static_cast<void>(requester.take<ModifyMonitoredItemsRequest>());
+    ModifyMonitoredItemsResponse response;
+    response.results.push_back({status::Good, 5'000, 1, {}});
+    reply(response);
+    CHECK(told(status::Good) == items);
+
+    modify(items, 6s);
+    refuse_all_but_one<ModifyMonitoredItemsRequest>(status::Bad_UserAccessDenied);
+    CHECK(requester.count<ModifyMonitoredItemsRequest>() == 1);
+}
+
 TEST_CASE_METHOD(ChangeFixture, "What the server says of changed items is told, of each its own",
                  "[client]")
 {

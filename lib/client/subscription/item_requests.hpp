@@ -67,6 +67,7 @@ void ItemRequests::change(WatchedSubscription& subscription, Request request, st
             }
             changed->is_busy = false;
             const auto again = std::exchange(changed->redo, {});
+            changed->failures = response ? 0 : changed->failures;
             if (!response && change_failed(*changed, response.error(), count)) {
                 again(*changed);
             } else if (subscriptions_.find(handle, incarnation) != nullptr) {
