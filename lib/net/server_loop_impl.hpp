@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include <asio/io_context.hpp>
+#include <asio/ip/tcp.hpp>
+#include <asio/signal_set.hpp>
+
+#include <busbar/core/detail/guarded.hpp>
+#include <busbar/net/server_loop.hpp>
+
+#include "discovery_registration.hpp"
+#include "listeners.hpp"
+#include "memory_return.hpp"
+#include "pipe_waker.hpp"
+#include "reverse_dialer.hpp"
+#include "served_server.hpp"
+#include "turn_away.hpp"
+
+namespace busbar::net {
+
+/// What a loop waits for, and whom it serves. All on the thread of run(), but for the waker.
+struct ServerLoop::Impl {
+    using ServedServer = detail::ServedServer;
+    using Socket = asio::ip::tcp::socket;
+
+    explicit Impl(LogSink& l);
+
+    std::optional<std::uint64_t> adopt(Socket socket, ServedServer::Direction direction,
+                                       std::uint32_t listener = 0);
+    /// Calls `work`, which may throw, and looks after what it gave others to do.
+    template <typename Work>
+    void guard(std::string_view name, Work work)
+    {
+        busbar::detail::guarded(log, name, work);
+        after_activity();
+    }
+    /// Calls `work` with each server. There may be more of them afterwards.
+    template <typename Work>
+    void for_each(Work work)
+    {
+        for (std::size_t i = 0; i < served.size(); ++i) {
+            work(*served[i]);
+        }
+    }
+    void serve(server::Server& server);
+    [[nodiscard]] Configured<void> check(const server::Server& next,
+                                         const Handover& handover) const;
+    [[nodiscard]] Configured<void> check_next(const server::Server& next) const;
+    void retire();
+    void after_activity();
+    void await_deadline();
+    void look_at_memory(TimePoint now);
+    void begin_stop();
+    void tell_to_stop();
+    [[nodiscard]] bool resume();
+    void run();
+    void await_wake();
+    void await_hangup();
+    [[nodiscard]] bool has_stopped() const;
+
+    busbar::detail::SafeLog log;
+    asio::io_context context;
+    detail::PipeWaker waker;
+    detail::DeadlineTimer timer;
+    detail::MemoryReturn memory_return;
+    asio::signal_set signals;
+    asio::signal_set hangup;
+    std::function<void()> on_hangup;
+    /// Peers that are being told that there is no place for them.
+    detail::TurnAway turn_away{16};
+    detail::Listeners listeners{context.get_executor(), log};
+    ReverseConnectConfig reverse_connect;
+    std::vector<std::unique_ptr<detail::ReverseDialer>> dialers;
+    std::vector<std::unique_ptr<detail::DiscoveryRegistration>> registrations;
+    detail::ServedEvents events;
+    /// The last one serves, those before end. None before run().
+    std::vector<std::unique_ptr<ServedServer>> served;
+    std::uint64_t last_connection{0};
+    bool awaits_hangup{false};
+    bool is_stopping{false};
+    bool is_told_to_stop{false}; // everything is
+};
+
+} // namespace busbar::net

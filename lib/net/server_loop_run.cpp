@@ -1,0 +1,206 @@
+#include "server_loop_impl.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include <asio/executor_work_guard.hpp>
+#include <asio/post.hpp>
+
+#include <busbar/net/system.hpp>
+#include <busbar/server/running_server.hpp>
+
+namespace busbar::net {
+
+namespace {
+
+/// Between attempts to find memory for what is to be waited for.
+constexpr std::chrono::milliseconds retry_pause{100};
+
+} // namespace
+
+ServerLoop::Impl::Impl(LogSink& l)
+    : log{l}, waker{context}, timer{context.get_executor()}, signals{context}, hangup{context}
+{
+    events.on_activity = [this] {
+        memory_return.note_activity(detail::now());
+        after_activity();
+    };
+    events.on_opened = [this](std::uint64_t id) {
+        for (const auto& dialer : dialers) {
+            dialer->opened(id);
+        }
+    };
+    events.on_ended = [this](std::uint64_t id) {
+        for (const auto& dialer : dialers) {
+            dialer->ended(id);
+        }
+    };
+}
+
+/// The connection's id, unless it is refused or gone already.
+std::optional<std::uint64_t>
+ServerLoop::Impl::adopt(Socket socket, ServedServer::Direction direction, std::uint32_t listener)
+{
+    const std::uint64_t id = ++last_connection;
+    const auto adopted = served.back()->adopt(socket, {direction, listener}, id);
+    if (adopted) {
+        return id;
+    }
+    if (direction == ServedServer::Direction::FromClient &&
+        adopted.error() != status::Bad_CommunicationError) {
+        turn_away(std::move(socket), adopted.error(), "no place for a connection");
+    }
+    return std::nullopt;
+}
+
+/// What one connection did may have given others something to send.
+void ServerLoop::Impl::after_activity()
+{
+    for_each([](ServedServer& each) { each.pump(); });
+    retire();
+    if (has_stopped()) {
+        context.stop();
+        return;
+    }
+    await_deadline();
+}
+
+/// Lets go of servers that went and have nobody any more; nothing of theirs is being called then.
+void ServerLoop::Impl::retire()
+{
+    for (std::size_t i = 0; i + 1 < served.size();) {
+        if (!served[i]->is_over()) {
+            ++i;
+            continue;
+        }
+        const auto released = std::move(served[i]->released);
+        served.erase(served.begin() + static_cast<std::ptrdiff_t>(i));
+        if (released) {
+            busbar::detail::guarded(log, "Handover::released", released);
+        }
+    }
+}
+
+/// After an exception that may have kept anything from waiting for what comes next. False if it may
+/// still be so.
+bool ServerLoop::Impl::resume()
+{
+    const StatusCode thrown = busbar::detail::guarded(log, "resuming", [this] {
+        asio::post(context, [this] { after_activity(); });
+        listeners.resume();
+        await_wake();
+        await_hangup();
+        if (is_stopping && !is_told_to_stop) {
+            tell_to_stop();
+        }
+    });
+    return thrown.is_good();
+}
+
+/// Until everything has stopped. What throws is put right again, now or when there is memory.
+void ServerLoop::Impl::run()
+{
+    const auto work = asio::make_work_guard(context); // nothing may be waited for any more
+    bool is_behind = false;
+    while (!context.stopped()) {
+        const StatusCode thrown = busbar::detail::guarded(log, "what the network called", [&] {
+            is_behind ? context.run_for(retry_pause) : context.run();
+        });
+        if (is_behind || thrown.is_bad()) {
+            is_behind = !resume();
+        }
+    }
+}
+
+void ServerLoop::Impl::await_wake()
+{
+    waker.wait([this] {
+        for_each([this](ServedServer& each) {
+            busbar::detail::guarded(log, "Server::handle_completions",
+                                    [&each] { each.server().handle_completions(detail::now()); });
+        });
+        after_activity();
+    });
+}
+
+/// Clients of servers that went were told; nobody waits for them longer than for those of this one.
+bool ServerLoop::Impl::has_stopped() const
+{
+    return is_stopping && served.back()->is_over() &&
+           std::ranges::all_of(registrations, [](const auto& one) { return one->is_stopped(); });
+}
+
+void ServerLoop::Impl::await_deadline()
+{
+    TimePoint deadline = memory_return.next_deadline();
+    for_each(
+        [&](ServedServer& each) { deadline = std::min(deadline, each.server().next_deadline()); });
+    timer.await(deadline, [this] {
+        const TimePoint now = detail::now();
+        for_each([this, now](ServedServer& each) {
+            if (each.server().next_deadline() <= now) {
+                busbar::detail::guarded(log, "Server::handle_deadline",
+                                        [&] { each.server().handle_deadline(now); });
+            }
+        });
+        if (memory_return.next_deadline() <= now) {
+            look_at_memory(now);
+        }
+        after_activity();
+    });
+}
+
+void ServerLoop::Impl::look_at_memory(TimePoint now)
+{
+    if (memory_return.handle_deadline(now, detail::process_memory())) {
+        detail::return_free_memory();
+        memory_return.returned(detail::process_memory());
+    }
+}
+
+void ServerLoop::Impl::serve(server::Server& server)
+{
+    served.push_back(std::make_unique<ServedServer>(server, context.get_executor(), events));
+    server.start(detail::now());
+}
+
+void ServerLoop::Impl::begin_stop()
+{
+    if (!std::exchange(is_stopping, true)) {
+        tell_to_stop();
+    }
+}
+
+/// May throw, and is called once more then.
+void ServerLoop::Impl::tell_to_stop()
+{
+    listeners.close();
+    for (const auto& dialer : dialers) {
+        dialer->stop();
+    }
+    for (const auto& registration : registrations) {
+        registration->stop([this] { after_activity(); });
+    }
+    served.back()->server().begin_shutdown(detail::now(), "the server is being stopped");
+    is_told_to_stop = true;
+    after_activity();
+}
+
+void ServerLoop::Impl::await_hangup()
+{
+    if (awaits_hangup || !on_hangup) {
+        return;
+    }
+    hangup.async_wait([this](std::error_code error, int) {
+        awaits_hangup = false;
+        if (!error) {
+            busbar::detail::guarded(log, "on_hangup handler", [this] { on_hangup(); });
+            await_hangup();
+            after_activity();
+        }
+    });
+    awaits_hangup = true;
+}
+
+} // namespace busbar::net
