@@ -49,7 +49,6 @@ struct Fixture : Backend, fuzz::ServerSession {
                 table.add([this](server::MethodCall call) { calls.push_back(std::move(call)); });
             static_cast<void>(space.add_method(node, method));
         }
-        log_in();
     }
     /// Answers the oldest call with what it was given, or as the script says.
     void answer(std::uint8_t how)
@@ -97,24 +96,16 @@ void send_call(Fixture& fixture, fuzz::Script& script)
     fixture.send_body(sink.take(writer.written()));
 }
 
-} // namespace
-
-/// Calls with any arguments to a server's own Methods and a backend's, answers of the backend,
-/// time and the end of the session in any order.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+void play(Fixture& fixture, fuzz::Script& script)
 {
-    fuzz::Script script{{data, size}};
-    Fixture fixture;
+    fixture.log_in();
     for (int step = 0; step < 24 && !script.is_over(); ++step) {
         switch (script.byte() % 8) {
         case 0:
             fixture.answer(script.byte());
             break;
         case 1:
-            fixture.now += std::chrono::seconds{script.byte() % 8};
-            fixture.server.handle_deadline(fixture.now);
-            fixture.connection.handle_deadline(fixture.now);
-            fixture.run();
+            fixture.pass(std::chrono::seconds{script.byte() % 8});
             break;
         case 2:
             if (script.byte() % 8 == 0) {
@@ -126,5 +117,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         }
         fixture.responses.clear();
     }
+}
+
+} // namespace
+
+/// Calls with any arguments to a server's own Methods and a backend's, answers of the backend,
+/// time and the end of the session in any order.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+{
+    static fuzz::KeptServer<Fixture> kept;
+    fuzz::Script script{{data, size}};
+    Fixture& fixture = kept.begin();
+    play(fixture, script);
+    fixture.calls.clear();
+    kept.end();
     return 0;
 }

@@ -28,35 +28,38 @@ void send_request(Fixture& fixture, fuzz::Script& script)
     fixture.send_body(sink.take(writer.written()));
 }
 
-} // namespace
-
-/// A whole server connection: raw bytes, message bodies and requests of a session, and time.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+void play(Fixture& fixture, fuzz::Script& script)
 {
-    fuzz::Script script{{data, size}};
-    Fixture fixture;
     if (script.byte() % 4 != 0) {
         fixture.log_in();
     }
     for (int step = 0; step < 24 && !script.is_over(); ++step) {
         switch (script.byte() % 8) {
         case 0:
-            static_cast<void>(fixture.connection.feed(script.bytes(script.byte()), fixture.now));
+            static_cast<void>(fixture.connection->feed(script.bytes(script.byte()), fixture.now));
             fixture.run();
             break;
         case 1:
             fixture.send_body(script.bytes(script.byte()));
             break;
         case 2:
-            fixture.now += std::chrono::seconds{script.byte()};
-            fixture.server.handle_deadline(fixture.now);
-            fixture.connection.handle_deadline(fixture.now);
-            fixture.run();
+            fixture.pass(std::chrono::seconds{script.byte()});
             break;
         default:
             send_request(fixture, script);
         }
         fixture.responses.clear();
     }
+}
+
+} // namespace
+
+/// A whole server connection: raw bytes, message bodies and requests of a session, and time.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+{
+    static fuzz::KeptServer<Fixture> kept;
+    fuzz::Script script{{data, size}};
+    play(kept.begin(), script);
+    kept.end();
     return 0;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -16,9 +17,14 @@ namespace busbar::fuzz {
 /// A server without security, and a client channel that speaks to it.
 struct ServerSession {
     explicit ServerSession(server::UserStore* users = nullptr, bool has_node_management = false)
-        : server{make_server(users, has_node_management)}, connection{
-                                                               *server.connect("127.0.0.1", now)}
+        : server{make_server(users, has_node_management)}
     {
+        connect();
+    }
+
+    void connect()
+    {
+        connection.emplace(*server.connect("127.0.0.1", now));
         channel::ClientChannelConfig config;
         config.endpoint_url = "opc.tcp://localhost:4840";
         client.emplace(
@@ -39,10 +45,38 @@ struct ServerSession {
             .random = &random, .wall_clock = &wall_clock, .log = &log, .users = users};
         return *server::Server::create(quick_modules(), config, environment);
     }
+    /// Ends the session and the connection, and lets the time pass until all that they made has
+    /// ended, too. False if that takes long: this is the end of the server then.
+    [[nodiscard]] bool disconnect()
+    {
+        CloseSessionRequest close;
+        close.delete_subscriptions = true;
+        send(std::move(close));
+        token = {};
+        responses.clear();
+        client.reset();
+        connection.reset();
+        for (int i = 0; i < 100 && is_busy(); ++i) { // Subscriptions count late deadlines once
+            now += std::chrono::minutes{3};
+            server.handle_deadline(now);
+        }
+        return !is_busy();
+    }
+    [[nodiscard]] bool is_busy() const
+    {
+        return server.session_count() + server.subscription_count() != 0;
+    }
+    void pass(Duration time)
+    {
+        now += time;
+        server.handle_deadline(now);
+        connection->handle_deadline(now);
+        run();
+    }
     void run()
     {
-        while (test::carry(*client, connection, now) || test::carry(connection, *client, now)) {
-            while (connection.next_event()) {
+        while (test::carry(*client, *connection, now) || test::carry(*connection, *client, now)) {
+            while (connection->next_event()) {
             }
             while (auto event = client->next_event()) {
                 if (event->kind == channel::ChannelEvent::Kind::Message) {
@@ -97,10 +131,36 @@ struct ServerSession {
     NullLog log;
     TimePoint now{};
     server::Server server;
-    server::Connection connection;
+    std::optional<server::Connection> connection;
     std::optional<channel::ClientChannel> client;
     NodeId token;
     std::vector<std::vector<std::byte>> responses;
+};
+
+/// One ServerSession for many inputs: most of the time of each would go into making a server.
+template <typename Session>
+class KeptServer {
+public:
+    /// With a connection that is new, and no session yet.
+    [[nodiscard]] Session& begin()
+    {
+        if (!session_ || ++inputs_ % 4'096 == 0) {
+            session_ = std::make_unique<Session>();
+        } else {
+            session_->connect();
+        }
+        return *session_;
+    }
+    void end()
+    {
+        if (!session_->disconnect()) {
+            session_.reset();
+        }
+    }
+
+private:
+    std::unique_ptr<Session> session_;
+    int inputs_{0};
 };
 
 } // namespace busbar::fuzz

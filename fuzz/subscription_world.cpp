@@ -59,20 +59,41 @@ SubscriptionWorld::SubscriptionWorld()
                                       .access = &access})
                   .value()}
 {
-    const std::uint32_t source = server_.add_source(memory_);
+    source_ = server_.add_source(memory_);
+    for (std::uint64_t& handle : handles_) {
+        handle = memory_.add({});
+    }
+}
+
+void SubscriptionWorld::add_variable(std::size_t index)
+{
+    model::NewVariable variable;
+    variable.source = source_;
+    variable.handle = handles_[index];
+    variable.data_type = NodeId{0, id::BaseDataType};
+    variable.value_rank = -2; // any
+    model::NewNode node;
+    node.id = this->variable(index);
+    node.browse_name = QualifiedName{1, "variable " + std::to_string(index)};
+    node.parent = space().find(id::ObjectsFolder);
+    require(space().add_variable(node, variable).has_value());
+}
+
+void SubscriptionWorld::begin()
+{
+    subscriptions = {0};
+    items = {0};
+    sequence_.clear();
+    users.valid_until = {};
+    access.blind.clear();
+    access.shut_out.clear();
     const std::array values{Variant{1}, Variant{Array<double>{1, 2, 3}}, Variant{"text"}};
     for (std::size_t i = 0; i < variable_count; ++i) {
-        handles_[i] = memory_.add(values[i]);
-        model::NewVariable variable;
-        variable.source = source;
-        variable.handle = handles_[i];
-        variable.data_type = NodeId{0, id::BaseDataType};
-        variable.value_rank = -2; // any
-        model::NewNode node;
-        node.id = this->variable(i);
-        node.browse_name = QualifiedName{1, "variable " + std::to_string(i)};
-        node.parent = space().find(id::ObjectsFolder);
-        require(space().add_variable(node, variable).has_value());
+        memory_.set(handles_[i], values[i]);
+        if (const model::NodeIndex node = space().find(variable(i)); node != model::no_node) {
+            static_cast<void>(space().remove(node));
+        }
+        add_variable(i);
     }
     for (std::size_t i = 0; i < client_count; ++i) {
         connect(i);
@@ -188,12 +209,21 @@ void SubscriptionWorld::finish()
         static_cast<void>(client->send(close));
     }
     // Sessions of connections that died live 10 s, and what they left behind 15 s more.
-    for (int i = 0; i < 300; ++i) {
+    for (int i = 0; i < 300 && is_busy(); ++i) {
         advance(milliseconds{100});
     }
-    require(server_.subscription_count() == 0);
-    require(server_.monitored_item_count() == 0);
-    require(server_.session_count() == 0);
+    require(!is_busy());
+    for (auto& client : clients_) {
+        client.reset();
+    }
+    require(server_.connection_count() == 0);
+}
+
+bool SubscriptionWorld::is_busy() const
+{
+    return server_.session_count() + server_.subscription_count() +
+               server_.monitored_item_count() !=
+           0;
 }
 
 } // namespace busbar::fuzz

@@ -62,6 +62,8 @@ public:
     static constexpr std::size_t variable_count = 3;
 
     SubscriptionWorld();
+    /// All as it was at first, with clients that have just logged in.
+    void begin();
     /// Ends all sessions and lets the time pass; requires that nothing is left.
     void finish();
 
@@ -80,8 +82,9 @@ public:
 
     /// Looks at all that has come, and at what the server tells of itself.
     void check();
-    /// Subscriptions that were there once.
-    std::vector<std::uint32_t> subscriptions{0};
+    /// Ids of this input, in the order in which they were given, behind 0.
+    std::vector<std::uint32_t> subscriptions;
+    std::vector<std::uint32_t> items;
 
     AnyUser users;
     AllButOne access;
@@ -90,7 +93,9 @@ public:
 
 private:
     [[nodiscard]] static server::ServerConfig config();
+    void add_variable(std::size_t index);
     void connect(std::size_t index);
+    [[nodiscard]] bool is_busy() const;
     void check_message(const PublishResponse& response);
     void check_counts() const;
 
@@ -102,6 +107,7 @@ private:
     std::array<std::optional<test::TestClient>, client_count> clients_;
     /// The last sequence number of each Subscription; none when a connection died with messages.
     std::map<std::uint32_t, std::uint32_t> sequence_;
+    std::uint32_t source_{0};
 };
 
 } // namespace busbar::fuzz
