@@ -11,19 +11,12 @@
 #include <busbar/types/monitored_item.hpp>
 #include <busbar/types/subscription.hpp>
 
+#include "require.hpp"
 #include "support/server_fixture.hpp"
 
 /// A server whose limits are small and clients that subscribe to it, for a script that does
 /// anything; what comes out is checked.
 namespace busbar::fuzz {
-
-/// Ends the run, and the fuzzer has found something.
-inline void require(bool condition)
-{
-    if (!condition) {
-        __builtin_trap();
-    }
-}
 
 /// Everybody is let in, by the name that he has.
 class AnyUser final : public server::UserStore {
