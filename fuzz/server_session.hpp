@@ -41,6 +41,7 @@ struct ServerSession {
         config.endpoints = {{}};
         config.endpoints[0].allows_anonymous = true;
         config.endpoints[0].allows_user_name = false;
+        config.limits.events.max_raised_events = 16; // whose places are written for each server
         const server::ServerEnvironment environment{
             .random = &random, .wall_clock = &wall_clock, .log = &log, .users = users};
         return *server::Server::create(quick_modules(), config, environment);
