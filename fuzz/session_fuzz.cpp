@@ -278,6 +278,7 @@ void change_users(Chooser& choose)
     users.is_broken = choice % 8 == 7;
     users.must_change = (choice & 8U) != 0;
     users.everybody = (choice & 16U) != 0 ? server::UserIdentity{} : server::anonymous_reader();
+    users.used_worker = (choice & 64U) != 0 ? &choose.world.jobs : nullptr;
     if ((choice & 32U) != 0) {
         users.rights = fail(status::Bad_UserAccessDenied);
     } else {
@@ -286,11 +287,16 @@ void change_users(Chooser& choose)
     choose.world.change_access();
 }
 
+void check_password(Chooser& choose)
+{
+    choose.world.work();
+}
+
 constexpr std::array steps{
     create_session, activate_session, create_session, activate_session,
     create_session, activate_session, read,           close_session,
     cancel,         find_servers,     get_endpoints,  subscribe,
-    drop,           let_time_pass,    change_users,   let_time_pass,
+    drop,           let_time_pass,    change_users,   check_password,
 };
 
 } // namespace

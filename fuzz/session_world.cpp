@@ -48,7 +48,7 @@ server::ServerConfig SessionWorld::config()
     config.identity = test::server_identity();
     config.application_uri = "urn:busbar:test:server";
     config.host_names = {"plc.example"};
-    config.endpoints.resize(2);
+    config.endpoints = {{}, {}};
     config.endpoints[0].password_policy = &crypto::policy_none();
     config.endpoints[0].allows_plain_passwords = true;
     config.endpoints[0].certificate_policy = crypto::find_policy_by_name("Basic256Sha256");
@@ -67,10 +67,12 @@ SessionWorld::SessionWorld()
                                       .wall_clock = &wall_clock_,
                                       .log = &log_,
                                       .validator = &validator_,
-                                      .users = &users})
+                                      .users = &users,
+                                      .waker = &waker_})
                   .value()}
 {
     users.validator = &validator_;
+    jobs.most = 3;
 }
 
 void SessionWorld::begin()
@@ -80,6 +82,7 @@ void SessionWorld::begin()
     users.is_broken = false;
     users.everybody = server::anonymous_reader();
     users.rights = server::UserRights{};
+    users.used_worker = nullptr;
 }
 
 test::TestClient& SessionWorld::client(std::size_t index)
@@ -122,6 +125,12 @@ void SessionWorld::change_access()
     server_.announce_access_change(now_);
 }
 
+void SessionWorld::work()
+{
+    jobs.work_once();
+    server_.handle_completions(now_);
+}
+
 void SessionWorld::check()
 {
     require(server_.session_count() <= limits().max_sessions);
@@ -149,6 +158,9 @@ bool SessionWorld::is_busy() const
 void SessionWorld::end()
 {
     users.is_broken = false;
+    while (!jobs.jobs.empty()) {
+        work();
+    }
     for (auto& client : clients_) {
         client.reset();
     }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "support/job_list.hpp"
 #include "support/server_fixture.hpp"
 
 /// A server with few places for sessions, and clients of which one has a secure channel, for a
@@ -34,6 +35,8 @@ public:
     void advance(Duration time);
     /// Ends logins of users who may not come in any more.
     void change_access();
+    /// Does the oldest job.
+    void work();
     /// Requires that the limits hold, and that answers that have come late can be read.
     void check();
 
@@ -41,6 +44,8 @@ public:
     /// Sessions of this input, those that have ended too, behind one that never was.
     std::vector<Ticket> tickets;
     test::PlainUsers users;
+    /// For passwords, if the users say so.
+    test::JobList jobs;
 
 private:
     [[nodiscard]] static server::ServerConfig config();
@@ -50,6 +55,7 @@ private:
     test::FixedWallClock wall_clock_;
     NullLog log_;
     crypto::InsecureAcceptAnyCertificate validator_;
+    test::SilentWaker waker_;
     TimePoint now_{};
     server::Server server_;
     std::array<std::optional<test::TestClient>, client_count> clients_;
