@@ -1,5 +1,6 @@
 #include <cstdint>
 
+#include <busbar/types/data_types.hpp>
 #include <busbar/types/ids.hpp>
 #include <busbar/types/node_management.hpp>
 #include <busbar/types/view.hpp>
@@ -115,6 +116,37 @@ void translate(Fixture& fixture, fuzz::Script& script)
     fixture.send(std::move(request));
 }
 
+/// Of each type that an Attribute has.
+Variant attribute_value(fuzz::Script& script)
+{
+    const std::uint8_t choice = script.byte();
+    switch (choice % 10) {
+    case 0:
+        return Variant{std::int32_t{script.byte()} - 4};
+    case 1:
+        return Variant{LocalizedText{"en", "text"}};
+    case 2:
+        return Variant{choice < 128};
+    case 3:
+        return Variant{Array<std::uint32_t>(script.byte() % 4U)};
+    case 4:
+        return Variant{script.byte()};
+    case 5:
+        return Variant{std::uint32_t{script.byte()}};
+    case 6:
+        return Variant{script.byte() - 4.0};
+    case 7:
+        return Variant{node(script)};
+    case 8: {
+        EnumDefinition definition;
+        definition.fields.resize(script.byte() % 3U);
+        return Variant{ExtensionObject::from(std::move(definition))};
+    }
+    default:
+        return {};
+    }
+}
+
 void add_node(Fixture& fixture, fuzz::Script& script)
 {
     AddNodesRequest request;
@@ -128,7 +160,10 @@ void add_node(Fixture& fixture, fuzz::Script& script)
     const std::uint8_t choice = script.byte();
     if (choice % 3 == 0) {
         GenericAttributes attributes;
-        attributes.attribute_values = {{choice / 3U % 32U, Variant{std::int32_t{script.byte()}}}};
+        for (unsigned left = 1 + choice / 3U % 4U; left > 0; --left) {
+            const std::uint32_t attribute = script.byte() % 32U;
+            attributes.attribute_values.push_back({attribute, attribute_value(script)});
+        }
         item.node_attributes = ExtensionObject::from(std::move(attributes));
     } else if (choice % 3 == 1) {
         const std::uint32_t encoding = ObjectAttributes::binary_encoding_id + choice / 3U % 8U * 3U;
