@@ -206,6 +206,18 @@ void cancel(Chooser& choose)
     static_cast<void>(client.status_of<CancelResponse>(request));
 }
 
+/// What changes with sessions, and one that is not there.
+constexpr std::array<std::uint32_t, 8> read_nodes{
+    id::Server_ServerStatus,
+    id::Server_NamespaceArray,
+    id::Server_ServerDiagnostics_SubscriptionDiagnosticsArray,
+    1,
+    id::Server_ServerDiagnostics_ServerDiagnosticsSummary,
+    id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionDiagnosticsArray,
+    id::Server_ServerDiagnostics_SessionsDiagnosticsSummary_SessionSecurityDiagnosticsArray,
+    id::Server_ServerDiagnostics_EnabledFlag,
+};
+
 /// A request whose answers may have diagnostics, and which may wait.
 void read(Chooser& choose)
 {
@@ -216,10 +228,7 @@ void read(Chooser& choose)
     request.timestamps_to_return = static_cast<TimestampsToReturn>(choose.script.byte() % 5);
     request.nodes_to_read.resize(choose.script.byte() % 4U);
     for (ReadValueId& each : request.nodes_to_read) {
-        each.node_id =
-            NodeId{0, choose.one_of(std::array{std::uint32_t{id::Server_ServerStatus},
-                                               std::uint32_t{id::Server_NamespaceArray},
-                                               std::uint32_t{id::Server_ServerDiagnostics}, 1U})};
+        each.node_id = NodeId{0, choose.one_of(read_nodes)};
         each.attribute_id = choose.script.byte() % 30U;
         each.index_range = choose.one_of(std::array{"", "0", "x", "0:1"});
     }

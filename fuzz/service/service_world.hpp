@@ -14,18 +14,11 @@
 
 #include "live_ids.hpp"
 #include "request_types.hpp"
+#include "require.hpp"
 #include "support/server_fixture.hpp"
 #include "world_image.hpp"
 
 namespace busbar::fuzz {
-
-/// Ends the run, and the fuzzer has found something.
-inline void require(bool condition)
-{
-    if (!condition) {
-        __builtin_trap();
-    }
-}
 
 /// A server of which anything can be asked, with Variables, a Method, events and history of
 /// nothing, and two sessions whose user may do everything. Each answer is looked at: it belongs to
