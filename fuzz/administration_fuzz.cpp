@@ -167,18 +167,18 @@ struct Fixture : Backend, fuzz::ServerSession {
     void follow_transfers()
     {
         auto& space = server.address_space();
-        std::vector<model::NodeIndex> files;
+        std::vector<model::NodeIndex> transferred;
         const model::NodeIndex type = space.find(id::FileType);
         space.for_each_below(space.find(NodeId{1, "Transfers/backup/files"}),
                              [&](model::NodeIndex node) {
                                  if (space.type_definition(node) == type) {
-                                     files.push_back(node);
+                                     transferred.push_back(node);
                                  }
                                  return true;
                              });
         targets.erase(targets.begin() + static_cast<std::ptrdiff_t>(lasting_targets),
                       targets.end());
-        for (const model::NodeIndex file : files) {
+        for (const model::NodeIndex file : transferred) {
             for (const char* method : file_methods) {
                 add(file, method);
             }
