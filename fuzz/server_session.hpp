@@ -1,6 +1,5 @@
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -9,6 +8,7 @@
 #include <busbar/types/registry.hpp>
 #include <busbar/types/session.hpp>
 
+#include "kept_world.hpp"
 #include "quick_modules.hpp"
 #include "support/channel_pair.hpp"
 
@@ -138,16 +138,15 @@ struct ServerSession {
     std::vector<std::vector<std::byte>> responses;
 };
 
-/// One ServerSession for many inputs: most of the time of each would go into making a server.
+/// One ServerSession for many inputs.
 template <typename Session>
 class KeptServer {
 public:
     /// With a connection that is new, and no session yet.
     [[nodiscard]] Session& begin()
     {
-        if (!session_ || ++inputs_ % 4'096 == 0) {
-            session_ = std::make_unique<Session>();
-        } else {
+        session_ = &kept_.next();
+        if (!session_->connection) {
             session_->connect();
         }
         return *session_;
@@ -155,13 +154,13 @@ public:
     void end()
     {
         if (!session_->disconnect()) {
-            session_.reset();
+            kept_.drop();
         }
     }
 
 private:
-    std::unique_ptr<Session> session_;
-    int inputs_{0};
+    KeptWorld<Session> kept_;
+    Session* session_{nullptr};
 };
 
 } // namespace busbar::fuzz

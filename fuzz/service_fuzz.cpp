@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <memory>
 #include <utility>
 #include <vector>
 
+#include "kept_world.hpp"
 #include "service/request_content.hpp"
 #include "service/service_world.hpp"
 #include "service/steps.hpp"
@@ -64,17 +64,16 @@ void play(ServiceWorld& world, const Step& step)
 /// One request or a few, of the whole table of services, in two sessions.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
-    // Half an input's time would go into making a server.
-    static std::unique_ptr<ServiceWorld> world;
-    static int inputs = 0;
-    if (!world || world->is_used_up() || ++inputs % 4'096 == 0) {
-        world = std::make_unique<ServiceWorld>();
-    }
-    world->begin();
+    static fuzz::KeptWorld<ServiceWorld> kept;
+    ServiceWorld& world = kept.next();
+    world.begin();
     for (const Step& step : fuzz::read_steps({data, size})) {
-        play(*world, step);
+        play(world, step);
     }
-    world->end();
+    world.end();
+    if (world.is_used_up()) {
+        kept.drop();
+    }
     return 0;
 }
 

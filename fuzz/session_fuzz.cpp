@@ -1,7 +1,6 @@
 #include <array>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <string>
 
 #include <busbar/types/attribute.hpp>
@@ -10,6 +9,7 @@
 #include <busbar/types/subscription.hpp>
 
 #include "fuzz_script.hpp"
+#include "kept_world.hpp"
 #include "require.hpp"
 #include "session_world.hpp"
 
@@ -313,19 +313,15 @@ constexpr std::array steps{
 /// The services of sessions and discovery: who comes in, who stays, and who has to go.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
-    // Most of an input's time would go into making a server.
-    static std::unique_ptr<SessionWorld> world;
-    static int inputs = 0;
-    if (!world || ++inputs % 4'096 == 0) {
-        world = std::make_unique<SessionWorld>();
-    }
-    world->begin();
+    static KeptWorld<SessionWorld> kept;
+    SessionWorld& world = kept.next();
+    world.begin();
     Script script{{data, size}};
-    Chooser choose{*world, script};
+    Chooser choose{world, script};
     for (int i = 0; i < 32 && !script.is_over(); ++i) {
         steps[script.byte() % steps.size()](choose);
-        world->check();
+        world.check();
     }
-    world->end();
+    world.end();
     return 0;
 }

@@ -1,11 +1,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <memory>
 
 #include <busbar/types/ids.hpp>
 
 #include "fuzz_script.hpp"
+#include "kept_world.hpp"
 #include "subscription_world.hpp"
 
 using namespace busbar;
@@ -369,21 +369,17 @@ constexpr std::array steps{
 /// The services of Subscriptions and MonitoredItems, against a server that goes on running.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
-    // Most of an input's time would go into making a server.
-    static std::unique_ptr<SubscriptionWorld> world;
-    static int inputs = 0;
-    if (!world || ++inputs % 4'096 == 0) {
-        world = std::make_unique<SubscriptionWorld>();
-    }
-    world->begin();
+    static KeptWorld<SubscriptionWorld> kept;
+    SubscriptionWorld& world = kept.next();
+    world.begin();
     Script script{{data, size}};
-    Chooser choose{*world, script};
+    Chooser choose{world, script};
     // So that few bytes come far.
     create_subscription(choose);
     for (int i = 0; i < 60 && !script.is_over(); ++i) {
         steps[script.byte() % steps.size()](choose);
-        world->check();
+        world.check();
     }
-    world->finish();
+    world.finish();
     return 0;
 }
