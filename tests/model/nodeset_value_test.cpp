@@ -271,6 +271,9 @@ TEST_CASE_METHOD(ValueFixture, "What a value leaves out is null or zero")
     CHECK(body(object("ns=1;i=80", "<Zeros><Flag>1</Flag><State>On</State>"
                                    "<List><![CDATA[]]></List></Zeros>")) ==
           bytes(true, DateTime{}, Guid{}, 0.0, 7, Variant{}, 0));
+    // A list without elements is empty and not null, in a structure as elsewhere.
+    CHECK(body(object("ns=1;i=80", "<Zeros><List/></Zeros>")) ==
+          bytes(false, DateTime{}, Guid{}, 0.0, 0, Variant{}, 0));
 }
 
 TEST_CASE_METHOD(ValueFixture, "Option sets and structures of many fields are encoded")

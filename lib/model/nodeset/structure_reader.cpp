@@ -215,7 +215,7 @@ void XmlValueReader::encode_field(binary::Writer& writer, const Element* found, 
         }
         return;
     }
-    if (found == nullptr || found->is_nil) {
+    if (found == nullptr || found->says_nil) {
         writer.number(std::int32_t{-1});
         return;
     }

@@ -185,9 +185,6 @@ void ValueWriter::field(binary::Reader& reader, const Field& field)
         return;
     }
     out_.begin(field.name);
-    if (count == 0) {
-        out_.text("");
-    }
     for (std::int32_t i = 0; i < count && reader.ok(); ++i) {
         scalar(reader, element_name, field);
     }
