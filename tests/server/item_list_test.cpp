@@ -6,6 +6,7 @@
 
 #include "bare_subscription.hpp"
 #include "server/subscription/item_list.hpp"
+#include "support/allocation_count.hpp"
 
 using namespace busbar;
 using namespace busbar::server::detail;
@@ -76,6 +77,32 @@ TEST_CASE_METHOD(ListFixture, "items are found by their ids until they are remov
     }
     CHECK(add() == 101);
     CHECK(ids() == Ids{101});
+}
+
+TEST_CASE_METHOD(ListFixture, "few items have no memory of the many that there were")
+{
+    constexpr std::uint32_t many = 10'000;
+    for (std::uint32_t id = 1; id <= 10; ++id) {
+        add();
+    }
+    const std::size_t before = held_bytes();
+    for (std::uint32_t id = 11; id <= many; ++id) {
+        add();
+    }
+    SECTION("removed as they came")
+    {
+        for (std::uint32_t id = 11; id <= many; ++id) {
+            REQUIRE(list.remove(id));
+        }
+    }
+    SECTION("removed from the end")
+    {
+        while (list.size() > 10) {
+            list.remove_last();
+        }
+    }
+    CHECK(held_bytes() < before + 10'000);
+    CHECK(ids() == Ids{1, 2, 3, 4, 5, 6, 7, 8, 9, 10});
 }
 
 TEST_CASE_METHOD(ListFixture, "the last items are removed first, whatever holes there are")

@@ -5,6 +5,13 @@
 
 namespace busbar::server::detail {
 
+namespace {
+
+/// Whose memory is not worth giving back.
+constexpr std::size_t small_list = 64;
+
+} // namespace
+
 std::size_t ItemList::place(std::uint32_t id) const
 {
     const auto found =
@@ -67,6 +74,8 @@ void ItemList::close_up() noexcept
     }
     if (entries_.empty()) {
         entries_ = std::vector<Entry>{}; // which gives the memory back
+    } else if (entries_.capacity() / 4 > entries_.size() + small_list) {
+        entries_.shrink_to_fit(); // which leaves it as it is where there is no memory
     }
 }
 
