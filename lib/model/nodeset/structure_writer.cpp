@@ -35,9 +35,17 @@ NodeId xml_type_id(const DataType& type)
     return type.id;
 }
 
-/// The bytes of the body, whatever form it has.
+bool is_binary(const ExtensionObject& value)
+{
+    return value.body() == ExtensionObject::Body::Binary || value.type() != nullptr;
+}
+
+/// The bytes of a body that can have some, whatever form it has; else null.
 ByteString binary_body(const ExtensionObject& value)
 {
+    if (!is_binary(value)) {
+        return {};
+    }
     if (value.type() == nullptr) {
         return value.binary();
     }
@@ -53,9 +61,8 @@ ByteString binary_body(const ExtensionObject& value)
 void ValueWriter::body(const ExtensionObject& value)
 {
     const DataType* const type = types_.find_encoded(value.encoding_id());
-    const bool is_binary = value.body() == ExtensionObject::Body::Binary || value.type() != nullptr;
-    const ByteString bytes = is_binary ? binary_body(value) : ByteString{};
-    if (is_binary && type != nullptr && structure_body(*type, bytes)) {
+    const ByteString bytes = binary_body(value);
+    if (is_binary(value) && type != nullptr && structure_body(*type, bytes)) {
         return;
     }
     out_.begin("TypeId");
@@ -65,7 +72,7 @@ void ValueWriter::body(const ExtensionObject& value)
         return;
     }
     out_.begin("Body");
-    if (is_binary) {
+    if (is_binary(value)) {
         element("ByteString", bytes);
     } else {
         contents(value.xml());
