@@ -75,7 +75,7 @@ void ItemList::close_up() noexcept
     if (entries_.empty()) {
         entries_ = std::vector<Entry>{}; // which gives the memory back
     } else if (entries_.capacity() / 4 > entries_.size() + small_list) {
-        entries_.shrink_to_fit(); // which leaves it as it is where there is no memory
+        entries_.shrink_to_fit(); // or leaves it as it is: no memory, or no exceptions
     }
 }
 

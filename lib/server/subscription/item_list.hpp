@@ -10,8 +10,8 @@
 namespace busbar::server::detail {
 
 /// The items of a Subscription by their ids, which it gives them. What is removed leaves a hole;
-/// they close up when they are the half, so that to remove an item is cheap in any order, and most
-/// of the memory of many items is given back when few are left.
+/// they close up when they are the half, so that to remove an item is cheap in any order. Compiled
+/// with exceptions, most of the memory of many items is given back when few are left.
 class ItemList {
 public:
     /// The next id is the one after `last_id`.
