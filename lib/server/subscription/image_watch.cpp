@@ -55,10 +55,10 @@ std::uint32_t ImageWatch::variable_of(std::uint32_t handle)
 
 std::uint32_t ImageWatch::add_variable(std::uint32_t handle)
 {
-    const std::size_t size = image_->place(handle).bytes();
+    const std::uint32_t size = image_->place(handle).bytes();
     const std::size_t cost = size + sizeof(Variable) + 8 * sizeof(void*);
     const bool is_kept = account_->charge(cost);
-    const Variable added{handle, 0, seen_.size(), is_kept, true, false, 0};
+    const Variable added{handle, 0, seen_.size(), size, is_kept, true, false, 0};
     const auto index = static_cast<std::uint32_t>(variables_.size());
     busbar::detail::Undo undo{[&] {
         account_->release(is_kept ? cost : 0);
@@ -82,7 +82,7 @@ std::uint32_t ImageWatch::add(ValueItem& item, std::uint32_t handle)
     undo.keep();
     Variable& variable = variables_[index];
     if (variable.users++ == 0 && variable.is_kept) {
-        unused_bytes_ -= image_->place(handle).bytes();
+        unused_bytes_ -= variable.bytes;
     }
     entries_.back().item = &item;
     entries_.back().variable = index;
@@ -96,7 +96,7 @@ void ImageWatch::remove(std::size_t place)
     ++holes_;
     const Variable& variable = variables_[entry.variable];
     if (--variables_[entry.variable].users == 0 && variable.is_kept) {
-        unused_bytes_ += image_->place(variable.handle).bytes();
+        unused_bytes_ += variable.bytes;
     }
 }
 
@@ -123,12 +123,11 @@ bool ImageWatch::has_changed(Variable& variable, const Sample& sample)
         return variable.has_changed = true;
     }
     variable.is_fresh = false;
-    const std::size_t size = image_->place(variable.handle).bytes();
     const std::byte* const now = sample.pin.bytes(variable.handle);
     if (now == nullptr) { // it was added after the scan
         return variable.has_changed = true;
     }
-    return variable.has_changed = take_new(seen_.data() + variable.seen, now, size);
+    return variable.has_changed = take_new(seen_.data() + variable.seen, now, variable.bytes);
 }
 
 void ImageWatch::report(Entry& entry, const Sample& sample)

@@ -56,6 +56,7 @@ private:
         std::uint32_t users;
         /// Where its bytes lie in seen_, if they are kept.
         std::size_t seen;
+        std::uint32_t bytes;
         bool is_kept;
         /// No sample has looked at it yet.
         bool is_fresh;
