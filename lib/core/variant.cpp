@@ -127,8 +127,15 @@ Variant::Variant(const Variant& other)
 
 Variant& Variant::operator=(const Variant& other)
 {
-    if (this != &other) {
-        *this = Variant{other};
+    if (this == &other) {
+        return *this;
+    }
+    if (owns_memory() || other.owns_memory()) {
+        *this = Variant{other}; // as a copy may fail
+    } else {
+        std::memcpy(storage_, other.storage_, sizeof storage_);
+        type_ = other.type_;
+        kind_ = other.kind_;
     }
     return *this;
 }

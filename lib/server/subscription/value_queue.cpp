@@ -113,49 +113,45 @@ std::uint32_t ValueQueue::next_place() const
     return newest_ + 1 == capacity_ ? 0 : newest_ + 1;
 }
 
-std::uint32_t ValueQueue::make_place(bool& is_overflow)
+bool ValueQueue::take_place(std::uint32_t place)
 {
-    is_overflow = size_ == capacity_ && capacity_ > 1;
-    const std::uint32_t place = next_place();
+    const bool is_overflow = size_ == capacity_ && capacity_ > 1;
     if (is_overflow && discards_oldest_) { // this was the oldest; the next one tells of the loss
         DataValue& next = at(place + 1 == capacity_ ? 0 : place + 1);
         next.status = with_bits(next.status, overflow_bits);
-        is_overflow = false;
         --size_;
     }
-    return place;
-}
-
-void ValueQueue::set(DataValue& to, const DataValue& data, Variant value, std::size_t size,
-                     MemoryAccount& account)
-{
-    account.release(held_bytes(to.value));
-    to.value = Variant{};
-    if (account.charge(size)) {
-        to.value = std::move(value);
-    } else {
-        to.status = status::Bad_OutOfMemory;
-    }
-    to.source_timestamp = data.source_timestamp;
-    to.source_picoseconds = data.source_picoseconds;
+    newest_ = place;
+    has_newest_ = true;
+    const bool tells_of_loss = is_overflow && !discards_oldest_;
+    size_ += size_ < capacity_ && !tells_of_loss ? 1 : 0;
+    return tells_of_loss;
 }
 
 bool ValueQueue::push(const DataValue& data, const Variant& value, StatusCode status,
                       DateTime server_timestamp, MemoryAccount& account)
 {
     const bool has_lost = size_ == capacity_ && capacity_ > 1;
-    bool is_overflow = false;
-    // First, as it may fail; but not if it cannot be paid for.
+    const std::uint32_t place = next_place();
+    DataValue& to = at(place);
     const std::size_t size = held_bytes(value);
-    const bool is_paid = size == 0 || size <= account.left() + held_bytes(at(next_place()).value);
-    Variant copy = is_paid ? value : Variant{};
-    newest_ = make_place(is_overflow);
-    DataValue& to = at(newest_);
-    to.status = with_bits(status, is_overflow ? overflow_bits : 0);
-    set(to, data, std::move(copy), size, account);
+    const std::size_t held = held_bytes(to.value);
+    bool is_paid = true;
+    if (size == 0 && held == 0) { // most are flat: nothing to pay for, and nothing that may fail
+        to.value = value;
+    } else {
+        is_paid = size <= account.left() + held;
+        Variant copy = is_paid ? value : Variant{}; // before anything changes, as it may fail
+        account.release(held);
+        is_paid = is_paid && account.charge(size);
+        to.value = is_paid ? std::move(copy) : Variant{};
+    }
+    const bool tells_of_loss = take_place(place);
+    to.status =
+        is_paid ? with_bits(status, tells_of_loss ? overflow_bits : 0) : status::Bad_OutOfMemory;
+    to.source_timestamp = data.source_timestamp;
+    to.source_picoseconds = data.source_picoseconds;
     to.server_timestamp = server_timestamp;
-    size_ += size_ < capacity_ && !is_overflow ? 1 : 0;
-    has_newest_ = true;
     return has_lost;
 }
 

@@ -128,11 +128,11 @@ private:
         const std::uint32_t back = size_ - 1;
         return newest_ >= back ? newest_ - back : newest_ + capacity_ - back;
     }
-    /// Where the next value goes; flags what is lost.
-    [[nodiscard]] std::uint32_t make_place(bool& is_overflow);
+    /// Where the next value goes.
     [[nodiscard]] std::uint32_t next_place() const;
-    static void set(DataValue& to, const DataValue& data, Variant value, std::size_t size,
-                    MemoryAccount& account);
+    /// The newest value is there from now on; flags what is lost. True if it is the newest itself
+    /// that has to tell of a loss.
+    [[nodiscard]] bool take_place(std::uint32_t place);
     /// Leaves `most` of the values that wait.
     void discard(std::vector<DataValue>& values, std::size_t most, MemoryAccount& account) const;
     void move_to(std::unique_ptr<DataValue[]> ring, std::uint32_t capacity, MemoryAccount& account);
