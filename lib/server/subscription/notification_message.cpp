@@ -29,7 +29,7 @@ public:
     void write_part(std::uint32_t encoding_id, ReadyList& list, bool has_diagnostics,
                     const MessageLimits& limits)
     {
-        if (list.empty() || is_full(list, limits)) {
+        if (list.empty() || is_full(list.front().notification_size(), limits)) {
             return;
         }
         std::string why;
@@ -83,25 +83,28 @@ private:
     void write_notifications(ReadyList& list, const MessageLimits& limits)
     {
         MonitoredItem* item = nullptr;
-        do {
-            std::string why;
-            const std::size_t end = written();
-            const StatusCode thrown = busbar::detail::caught(why, [&] {
-                make_room(list.front().notification_size() + frame);
+        std::size_t end = written();
+        std::string why;
+        const StatusCode thrown = busbar::detail::caught(why, [&] {
+            std::size_t size = list.front().notification_size();
+            do {
+                make_room(size + frame);
                 item = &list.take_notification(*writer_, room(limits));
-            });
-            if (thrown.is_bad()) {
-                cut(end);
-                lack(thrown);
-                break;
-            }
-            ++notifications_;
-        } while (!list.empty() && !is_full(list, limits));
+                ++notifications_;
+                end = written();
+                size = list.empty() ? 0 : list.front().notification_size();
+            } while (!list.empty() && !is_full(size, limits));
+        });
+        if (thrown.is_bad()) {
+            cut(end);
+            lack(thrown);
+        }
         if (item != nullptr) {
             list.end_turn(*item);
         }
     }
-    [[nodiscard]] bool is_full(const ReadyList& list, const MessageLimits& limits) const
+    /// Whether there is none left for a Notification of so many bytes.
+    [[nodiscard]] bool is_full(std::size_t size, const MessageLimits& limits) const
     {
         if (lack_.is_bad()) {
             return true;
@@ -109,8 +112,7 @@ private:
         if (notifications_ == 0) {
             return false;
         }
-        return !writer_->ok() ||
-               written() + frame + list.front().notification_size() > limits.bytes ||
+        return !writer_->ok() || written() + frame + size > limits.bytes ||
                (limits.notifications != 0 && notifications_ >= limits.notifications);
     }
     /// Bytes that one more Notification may have.

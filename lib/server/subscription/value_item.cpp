@@ -45,6 +45,14 @@ bool is_past_the_end(const NumericRange& range, std::span<const std::uint32_t> d
     return false;
 }
 
+/// Of a Notification with this value, at most.
+std::size_t size_with(const Variant& value)
+{
+    // Handle, mask, status, timestamps and a scalar.
+    constexpr std::size_t most_flat = 64;
+    return held_bytes(value) == 0 ? most_flat : most_flat + binary::encoded_size(value);
+}
+
 /// Of the Variable whose value is monitored; for all else there is none.
 double minimum_sampling_interval(const model::AddressSpace& space, const ReadTarget& target)
 {
@@ -373,17 +381,14 @@ void ValueItem::clear()
 
 std::size_t ValueItem::notification_size() const
 {
-    // Handle, mask, status, timestamps and a scalar.
-    constexpr std::size_t most_flat = 64;
-    const Variant& value = queue_.oldest().value;
-    return held_bytes(value) == 0 ? most_flat : most_flat + binary::encoded_size(value);
+    return size_with(queue_.oldest().value);
 }
 
 void ValueItem::take_notification(binary::Writer& writer, std::size_t most)
 {
     const DataValue& oldest = queue_.oldest();
     writer.number(client_handle());
-    if (notification_size() <= most) {
+    if (size_with(oldest.value) <= most) {
         encode_data_value(writer, oldest, oldest.value, {timestamps_, oldest.server_timestamp});
     } else {
         DataValue reason{status::Bad_EncodingLimitsExceeded};
