@@ -22,7 +22,7 @@ namespace busbar::bench {
 
 namespace {
 
-constexpr int rounds = 51;
+constexpr int echoes = 51;
 
 /// A connected pair of loopback TCP sockets.
 struct Pair {
@@ -82,7 +82,7 @@ bool receive_all(int socket, std::vector<std::byte>& bytes, std::size_t size)
     return true;
 }
 
-double median(std::vector<double> times)
+double middle_of(std::vector<double> times)
 {
     std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2),
                      times.end());
@@ -110,7 +110,7 @@ Floor echo(std::size_t request, std::size_t response)
     }};
     std::vector<std::byte> bytes(std::max(request, response));
     std::vector<double> times;
-    for (int i = 0; i < rounds; ++i) {
+    for (int i = 0; i < echoes; ++i) {
         const TimePoint start = clock_now();
         if (!send_all(pair.ends[0], bytes, request) ||
             !receive_all(pair.ends[0], bytes, response)) {
@@ -120,7 +120,7 @@ Floor echo(std::size_t request, std::size_t response)
     }
     ::shutdown(pair.ends[0], SHUT_RDWR);
     peer.join();
-    return times.empty() ? Floor{} : Floor{median(times), peer_us / rounds};
+    return times.empty() ? Floor{} : Floor{middle_of(times), peer_us / echoes};
 }
 
 /// The median of what `work` takes.
@@ -128,12 +128,12 @@ template <typename Work>
 double time_us(Work work)
 {
     std::vector<double> times;
-    for (int i = 0; i < rounds; ++i) {
+    for (int i = 0; i < echoes; ++i) {
         const TimePoint start = clock_now();
         work();
         times.push_back(elapsed_us(start));
     }
-    return median(std::move(times));
+    return middle_of(std::move(times));
 }
 
 /// What the sender of so many bytes takes to sign and encrypt them, and the receiver for the

@@ -275,7 +275,7 @@ Result<Series> variables_together(const GrowthOptions& options)
     return variables(options, "variables, each of 1000 in a Read", values_per_read);
 }
 
-std::size_t most(const std::vector<std::size_t>& counts)
+std::size_t last_of(const std::vector<std::size_t>& counts)
 {
     return counts.empty() ? 0 : counts.back();
 }
@@ -286,8 +286,8 @@ void take_memory(const GrowthOptions& options)
 {
     constexpr std::size_t block = 1U << 20U;
     const std::size_t bytes =
-        std::max({most(options.sessions) * 200'000, most(options.items) * 2'000,
-                  most(options.variables) * 400});
+        std::max({last_of(options.sessions) * 200'000, last_of(options.items) * 2'000,
+                  last_of(options.variables) * 400});
     ::mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
     std::vector<std::vector<std::byte>> blocks;
     for (std::size_t taken = 0; taken < bytes; taken += block) {

@@ -8,7 +8,7 @@
 namespace busbar::bench {
 
 /// The text as a JSON string: a URL comes from whoever asks.
-[[nodiscard]] inline std::string quoted(std::string_view text)
+[[nodiscard]] inline std::string json_text(std::string_view text)
 {
     busbar::detail::JsonWriter json;
     json.string(text);

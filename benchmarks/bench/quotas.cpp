@@ -19,7 +19,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::chrono::milliseconds patience{10'000};
+constexpr std::chrono::milliseconds quota_patience{10'000};
 /// Between two attempts of one that is refused.
 constexpr std::chrono::milliseconds pause{1};
 /// Connections that one attacker keeps, so that 20 want all that a server has by far.
@@ -47,7 +47,7 @@ void keep_open(Tally& tally, Open open)
 std::unique_ptr<net::ClientLoop> session_of(Load& load)
 {
     auto loop = std::make_unique<net::ClientLoop>();
-    return load.open(*loop, true, patience) ? std::move(loop) : nullptr;
+    return load.open(*loop, true, quota_patience) ? std::move(loop) : nullptr;
 }
 
 /// Sessions whose connections end without CloseSession.

@@ -69,8 +69,8 @@ void print_member(const char* name, const std::optional<double>& figure)
 void print_json_head(const Options& options)
 {
     std::printf("{\"url\": %s, \"policy\": %s, \"mode\": %s, \"rows\": [",
-                quoted(options.url).c_str(), quoted(options.policy).c_str(),
-                quoted(options.mode).c_str());
+                json_text(options.url).c_str(), json_text(options.policy).c_str(),
+                json_text(options.mode).c_str());
 }
 
 void print_json(const Options& options, const std::vector<Row>& rows)
@@ -82,7 +82,7 @@ void print_json(const Options& options, const std::vector<Row>& rows)
     };
     for (const Row& row : rows) {
         std::printf("%s\n  {\"load\": %s, \"round\": %zu, \"runs\": %zu", separator,
-                    quoted(row.load).c_str(), row.round, row.runs);
+                    json_text(row.load).c_str(), row.round, row.runs);
         print_member("median_us", row.median_us);
         print_member("best_us", positive(row.best_us));
         print_member("p99_us", positive(row.p99_us));
@@ -175,7 +175,7 @@ void print_json(const std::vector<HostileRow>& rows, bool has_memory)
                     "\"failed\": %zu, \"median_us\": %.2f, \"p90_us\": %.2f, \"p99_us\": %.2f, "
                     "\"worst_us\": %.2f, \"publishes\": %zu, \"longest_gap_ms\": %.2f, "
                     "\"logins\": %zu, \"failed_logins\": %zu, \"worst_login_ms\": %.2f",
-                    separator, quoted(row.attack).c_str(), row.answered, row.refused, row.reads,
+                    separator, json_text(row.attack).c_str(), row.answered, row.refused, row.reads,
                     row.failed, row.median_us, row.p90_us, row.p99_us, row.worst_us, row.publishes,
                     row.longest_gap_ms, row.logins, row.failed_logins, row.worst_login_ms);
         if (has_memory) {

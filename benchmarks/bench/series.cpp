@@ -57,7 +57,7 @@ void print_json(const std::vector<Series>& all)
     for (const Series& series : all) {
         for (const Point& point : series.points) {
             std::printf("%s\n  {\"of\": %s, \"count\": %zu, \"create_us\": %.3f, \"read_us\": %.3f",
-                        separator, quoted(series.of).c_str(), point.count, point.create_us,
+                        separator, json_text(series.of).c_str(), point.count, point.create_us,
                         point.read_us);
             if (point.delete_us > 0) {
                 std::printf(", \"delete_us\": %.3f", point.delete_us);
@@ -71,7 +71,7 @@ void print_json(const std::vector<Series>& all)
     for (const Step& step : find_steps(all)) {
         std::printf("%s\n  {\"of\": %s, \"cost\": %s, \"from\": %zu, \"to\": %zu, "
                     "\"growth\": %.2f}",
-                    separator, quoted(step.of).c_str(), quoted(step.cost).c_str(), step.from,
+                    separator, json_text(step.of).c_str(), json_text(step.cost).c_str(), step.from,
                     step.to, step.growth);
         separator = ",";
     }

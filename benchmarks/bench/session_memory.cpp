@@ -29,7 +29,7 @@ constexpr auto publishing_interval = 1s;
 /// memory back to the system.
 constexpr auto settling_time = 500ms;
 constexpr auto return_time = 12s;
-constexpr std::chrono::minutes patience{30};
+constexpr std::chrono::minutes session_patience{30};
 
 ReadValueId variable()
 {
@@ -42,7 +42,7 @@ ReadValueId variable()
 /// One session over a connection of its own.
 class Member {
 public:
-    [[nodiscard]] Result<void> open(Load& load) { return load.open(loop_, true, patience); }
+    [[nodiscard]] Result<void> open(Load& load) { return load.open(loop_, true, session_patience); }
 
     /// A Subscription of so many items, whose first values come with its first cycle; the Publish
     /// requests behind that wait.
