@@ -1,6 +1,8 @@
 #include <busbar/core/variant.hpp>
 
 #include <array>
+#include <cmath>
+#include <cstring>
 
 #include <busbar/core/types.hpp>
 
@@ -12,7 +14,7 @@ template <typename T>
 bool equal_values(const T& a, const T& b)
 {
     if constexpr (std::is_floating_point_v<T>) {
-        return a == b || (a != a && b != b);
+        return a == b || (std::isnan(a) && std::isnan(b));
     } else {
         return a == b;
     }
