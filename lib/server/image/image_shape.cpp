@@ -25,7 +25,7 @@ std::uint64_t stride_of(const ImageVariable& variable)
             using T = typename decltype(tag)::type;
             if constexpr (is_image_text<T>) {
                 constexpr std::uint64_t unit = alignof(ImageText);
-                const std::uint64_t bytes = sizeof(ImageText) + variable.capacity;
+                const std::uint64_t bytes = std::uint64_t{sizeof(ImageText)} + variable.capacity;
                 return (bytes + unit - 1) / unit * unit;
             } else {
                 return sizeof(T);
