@@ -51,7 +51,7 @@ TEST_CASE("memory of Subscriptions and their items")
                 after_first = growth.now();
             }
         }
-        CHECK(after_first >= 100'000);
+        CHECK(after_first >= 12'500 * sizeof(void*)); // most of an item are pointers, or as large
         CHECK(growth.now() <= after_first + after_first / 4);
     }
 }
