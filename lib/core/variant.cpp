@@ -135,9 +135,7 @@ Variant& Variant::operator=(const Variant& other)
     if (owns_memory() || other.owns_memory()) {
         *this = Variant{other}; // as a copy may fail
     } else {
-        std::memcpy(storage_, other.storage_, sizeof storage_);
-        type_ = other.type_;
-        kind_ = other.kind_;
+        copy(other);
     }
     return *this;
 }
