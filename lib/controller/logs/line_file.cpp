@@ -112,13 +112,19 @@ void LineFile::scan_bytes(std::string_view bytes)
     }
 }
 
-/// On another medium something else is there.
+/// On another medium something else is there. What was found is not looked for again, also if the
+/// file cannot be mended yet.
 void LineFile::find_failed(std::string_view tail)
 {
-    if (!failed_.empty() && size_ >= failed_at_ &&
-        std::string_view{failed_}.substr(0, tail.size()) == tail) {
-        found_ = static_cast<std::size_t>(std::count(tail.begin(), tail.end(), '\n'));
+    if (failed_.empty() || size_ < failed_at_ ||
+        std::string_view{failed_}.substr(0, tail.size()) != tail) {
+        return;
     }
+    const std::size_t whole = tail.rfind('\n') + 1; // npos + 1: none
+    found_ += static_cast<std::size_t>(
+        std::count(failed_.begin(), failed_.begin() + static_cast<std::ptrdiff_t>(whole), '\n'));
+    failed_.erase(0, whole);
+    failed_at_ += whole;
 }
 
 Stored<void> LineFile::mend()

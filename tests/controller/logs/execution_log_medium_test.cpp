@@ -54,6 +54,30 @@ TEST_CASE("Whatever fails on the medium, each record is saved once (7-1-1)", "[p
     }
 }
 
+TEST_CASE("Whatever fails again while it is mended, each record is saved once (7-1-1)",
+          "[power_cut][logs]")
+{
+    bool is_through = false;
+    for (std::size_t steps = 0; !is_through; steps += 7) {
+        LogWorld world;
+        world.happen(0, 98);
+        REQUIRE(world.log->write_pending());
+        world.medium.fail_once_after(steps, StorageError::Failed);
+        world.happen(98, 4);
+        is_through = world.log->write_pending().has_value();
+        world.medium.restore_power();
+        world.medium.set_protected(true);
+        for (int i = 0; i < 3; ++i) {
+            static_cast<void>(world.log->write_pending());
+        }
+        world.medium.set_protected(false);
+        REQUIRE(world.log->write_pending());
+        INFO("fails after " << steps << " steps");
+        REQUIRE(world.all_lines() == expected_lines(102));
+        REQUIRE(world.log->lost() == 0);
+    }
+}
+
 TEST_CASE_METHOD(LogWorld,
                  "A line that was cut is cut off, or ended where there is no room (7-1-5)")
 {
