@@ -78,6 +78,9 @@ Stored<void> FileTransaction::replace(std::string_view name, std::span<const std
         there && there->kind == StorageEntry::Kind::Folder) {
         return not_stored(StorageError::Failed);
     }
+    if (auto finished = finish_earlier(); !finished) {
+        return finished;
+    }
     if (auto made = storage_->make_folder(folder_, FileAccess::Owner); !made) {
         return made;
     }
@@ -104,6 +107,9 @@ Stored<void> FileTransaction::commit()
     if (steps_.empty()) {
         return {};
     }
+    if (auto finished = finish_earlier(); !finished) {
+        return finished;
+    }
     detail::JsonWriter json;
     json.begin_list();
     for (const Step& step : steps_) {
@@ -127,6 +133,7 @@ Stored<void> FileTransaction::commit()
         return decided;
     }
     is_decided_ = true;
+    is_first_ = false;
     return carry_out(std::exchange(steps_, {}));
 }
 
@@ -177,17 +184,27 @@ Stored<std::vector<FileTransaction::Step>> FileTransaction::read_journal() const
 Stored<void> FileTransaction::recover()
 {
     steps_.clear();
+    is_first_ = false;
+    return finish_earlier();
+}
+
+/// Its files in the folder have the names that this one's would have.
+Stored<void> FileTransaction::finish_earlier()
+{
+    if (is_first_) {
+        return {};
+    }
     auto steps = read_journal();
     if (!steps && steps.error() != StorageError::NotFound) {
         return not_stored(steps.error());
     }
     if (steps) {
-        is_decided_ = true;
         if (auto done = carry_out(*steps); !done) {
             return done;
         }
     }
     is_decided_ = false;
+    is_first_ = true;
     forget_staged();
     return {};
 }

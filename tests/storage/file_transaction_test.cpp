@@ -192,6 +192,52 @@ TEST_CASE("file transaction: and a second cut, while the first is mended", "[pow
     }
 }
 
+TEST_CASE("file transaction: what is decided stays, whatever fails in the next one", "[power]")
+{
+    std::size_t all_steps = 0;
+    {
+        MemoryStorage storage;
+        fill(storage);
+        const std::size_t begin = storage.steps();
+        REQUIRE(run(storage));
+        all_steps = storage.steps() - begin;
+    }
+    // Each byte is a step; of those after the decision each moves or removes a file.
+    constexpr std::size_t last_steps = 12;
+    REQUIRE(all_steps > last_steps);
+    std::size_t decided = 0;
+    for (std::size_t first = all_steps - last_steps; first < all_steps; ++first) {
+        for (std::size_t second = 0; second < all_steps; ++second) {
+            MemoryStorage storage;
+            fill(storage);
+            storage.fail_once_after(first, StorageError::Failed);
+            bool is_decided = false;
+            {
+                FileTransaction change{storage, "transaction"};
+                is_decided = prepare(change) && (change.commit() || change.is_decided());
+            }
+            storage.restore_power();
+            storage.fail_once_after(second, StorageError::Failed);
+            bool is_next_decided = false;
+            {
+                FileTransaction next{storage, "transaction"};
+                const auto staged = next.replace("a", bytes_of("newest"), FileAccess::Everyone);
+                is_next_decided = (staged && next.commit()) || next.is_decided();
+            }
+            storage.restore_power();
+            restart(storage);
+            Files expected = is_decided ? after : before;
+            if (is_next_decided) {
+                expected["a"] = "newest";
+            }
+            INFO("faults after " << first << " and " << second << " steps");
+            REQUIRE(files_of(storage) == expected);
+            decided += is_decided ? 1U : 0U;
+        }
+    }
+    CHECK(decided > 0);
+}
+
 TEST_CASE("file transaction: a power cut on a disk", "[power]")
 {
     failing_disk::Steps steps;

@@ -23,7 +23,8 @@ namespace busbar {
 /// one step, which decides. Files then get their names and lose them, for which a medium needs no
 /// more space. Who reads meanwhile may see some of it: readers are to be on the same thread.
 ///
-/// One for each folder at a time, one thread.
+/// One for each folder at a time, one thread. Those that change the same files have one folder:
+/// what an earlier one decided and could not do is done before the next one begins.
 class BUSBAR_API FileTransaction {
 public:
     /// `folder` is the transaction's own and is made when it is needed.
@@ -33,9 +34,10 @@ public:
     /// Forgets what was not committed, as cancel() does.
     ~FileTransaction();
 
-    /// Finishes a transaction that was committed when the power went, and forgets one that was not.
-    /// To be called before anything reads those files. Fails as commit() does, or with Failed if
-    /// the journal makes no sense, and can be called again.
+    /// Finishes a transaction that was committed when the power went or the medium failed, and
+    /// forgets one that was not. To be called before anything reads those files; replace() and
+    /// commit() do it where it was not. Fails as commit() does, or with Failed if the journal makes
+    /// no sense, and can be called again.
     [[nodiscard]] Stored<void> recover();
 
     /// The file will have these bytes. A second call for a name counts instead of the first; its
@@ -61,6 +63,7 @@ private:
     };
 
     [[nodiscard]] std::string journal() const { return storage_path(folder_, "journal.json"); }
+    [[nodiscard]] Stored<void> finish_earlier();
     void set(std::string_view name, std::string staged);
     [[nodiscard]] Stored<std::vector<Step>> read_journal() const;
     [[nodiscard]] Stored<void> carry_out(const std::vector<Step>& steps);
@@ -70,6 +73,7 @@ private:
     std::string folder_;
     std::vector<Step> steps_;
     std::size_t next_number_{0};
+    bool is_first_{false}; // nothing of an earlier one is in the folder
     bool is_decided_{false};
 };
 

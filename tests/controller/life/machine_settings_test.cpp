@@ -253,6 +253,35 @@ TEST_CASE("Settings are the old or the new ones after a power cut (9-2-2, 35D000
     CHECK(step > 100);
 }
 
+TEST_CASE("What was transferred stays, whatever fails in this transfer and the next (3-2-6)",
+          "[power_cut][settings]")
+{
+    ServerSettings next;
+    next.port = 6'000;
+    bool is_first_undisturbed = false;
+    for (std::size_t first = 0; !is_first_undisturbed; ++first) {
+        bool is_next_undisturbed = false;
+        for (std::size_t second = 0; !is_next_undisturbed; second += 1 + second / 4) {
+            SettingsWorld world;
+            REQUIRE(world.settings.transfer(ServerSettings{}, MachineMode::Program));
+            const std::size_t begin = world.storage.steps();
+            world.storage.fail_once_after(first, StorageError::Away);
+            static_cast<void>(world.settings.transfer(machine_server(), MachineMode::Program));
+            is_first_undisturbed = world.storage.steps() - begin < first;
+            world.storage.restore_power();
+            const std::size_t middle = world.storage.steps();
+            world.storage.fail_once_after(second, StorageError::Failed);
+            static_cast<void>(world.settings.transfer(next, MachineMode::Program));
+            is_next_undisturbed = world.storage.steps() - middle < second;
+            world.storage.restore_power();
+            MachineSettings later = world.restarted();
+            REQUIRE(later.load());
+            INFO("faults after " << first << " and " << second << " steps");
+            REQUIRE(later.server() == world.settings.server());
+        }
+    }
+}
+
 TEST_CASE("A medium that is full, protected or away refuses a transfer whole (9-2-2, 35D00000)",
           "[power_cut][settings]")
 {
