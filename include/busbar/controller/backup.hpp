@@ -141,13 +141,15 @@ struct VerifiedItem {
 /// One thread, on which nobody else reads or writes these files meanwhile.
 class BUSBAR_API MachineMemory {
 public:
-    /// `storage` and `log` must outlive this object. `transaction` is a folder of its own. Without
-    /// items it is the memory of a controller without OPC UA server.
+    /// `storage` and `log` must outlive this object. `transaction` is the folder of a
+    /// FileTransaction, the same for all that changes these files by one: an order among those that
+    /// were decided and wait for the medium is only in one folder. Without items it is the memory
+    /// of a controller without OPC UA server.
     MachineMemory(Storage& storage, std::string transaction, std::vector<MemoryItem> items,
                   LogSink& log, const MemoryLimits& limits = {});
 
     /// Finishes what the power cut. Once, before anything reads those files.
-    [[nodiscard]] Configured<void> recover();
+    [[nodiscard]] Configured<void> recover() const;
 
     /// The backup file's bytes. The server goes on meanwhile (seed 000, 4-1-4). The problem names a
     /// file that cannot be read, has a name that is no text, or is too large.

@@ -81,8 +81,8 @@ read_security_settings(std::string_view document, const std::string& place);
 /// Both sets, each in a file of a Storage. One thread.
 class BUSBAR_API MachineSettings {
 public:
-    /// `storage` must outlive this object. The files' folders must be there; `transaction` is a
-    /// folder of this object's own.
+    /// `storage` must outlive this object. The files' folders must be there; `transaction` is the
+    /// folder of a FileTransaction, the same as that of a MachineMemory with these files.
     MachineSettings(Storage& storage, std::string server_file, std::string security_file,
                     std::string transaction)
         : storage_{&storage}, server_file_{std::move(server_file)},

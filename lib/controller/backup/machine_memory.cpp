@@ -81,7 +81,7 @@ MachineMemory::MachineMemory(Storage& storage, std::string transaction,
 {
 }
 
-Configured<void> MachineMemory::recover()
+Configured<void> MachineMemory::recover() const
 {
     if (const auto done = FileTransaction{*storage_, transaction_}.recover(); !done) {
         return detail::storage_problem(*storage_, transaction_, done.error());
@@ -92,6 +92,10 @@ Configured<void> MachineMemory::recover()
 Configured<std::vector<std::byte>> MachineMemory::backup(const BackupLabel& label,
                                                          const BackupChoice& choice) const
 {
+    // What was decided and waits for the medium counts.
+    if (auto recovered = recover(); !recovered) {
+        return tl::unexpected{std::move(recovered.error())};
+    }
     SavedMemory memory{label, !items_.empty(), {}};
     for (const MemoryItem& item : items_) {
         if (item.group == MemoryGroup::ServerCertificate ||
@@ -180,6 +184,9 @@ Configured<std::vector<VerifiedItem>> MachineMemory::verify(std::span<const std:
     if (!memory->has_opc_ua) {
         return misconfigured("backup", "is of a controller without OPC UA server: there is nothing "
                                        "to compare");
+    }
+    if (auto recovered = recover(); !recovered) {
+        return tl::unexpected{std::move(recovered.error())};
     }
     std::vector<VerifiedItem> verified;
     for (const SavedItem& saved : memory->items) {

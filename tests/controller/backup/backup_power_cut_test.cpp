@@ -167,3 +167,30 @@ TEST_CASE("A step that fails once leaves nothing half done (8-2-2)", "[power_cut
     }
     CHECK(failed > 50);
 }
+
+TEST_CASE("A backup has what was transferred, whatever failed then (3-2-9)", "[power_cut][restore]")
+{
+    bool is_undisturbed = false;
+    std::size_t transferred = 0;
+    for (std::size_t step = 0; !is_undisturbed; ++step) {
+        MemoryFixture machine;
+        machine.put_all(test::second_machine());
+        MachineSettings settings{machine.storage, "server.json", "security.json", "restore"};
+        machine.put("security.json", document_of(SecuritySettings{}));
+        REQUIRE(settings.load());
+        ServerSettings wanted = settings.server();
+        wanted.port = 5'500;
+        const std::size_t begin = machine.storage.steps();
+        machine.storage.fail_once_after(step, StorageError::Away);
+        transferred += settings.transfer(wanted, MachineMode::Program) ? 1U : 0U;
+        is_undisturbed = machine.storage.steps() - begin < step;
+        machine.storage.restore_power();
+        const auto backup = machine.memory.backup({"press 4"});
+        REQUIRE(backup);
+        MemoryFixture another;
+        REQUIRE(another.memory.restore(*backup, {}));
+        INFO("fails after " << step << " steps");
+        REQUIRE(another.files()["server.json"] == document_of(settings.server()));
+    }
+    CHECK(transferred > 2);
+}

@@ -96,7 +96,7 @@ Day::Day()
     const auto client = certificate_of("Line 4", at_time(hours{12} - hours{24 * 100}), 100);
     REQUIRE(memory.make_folder("trusted/certs", FileAccess::Everyone));
     REQUIRE(memory.replace("trusted/certs/line4.der", client.der(), FileAccess::Everyone));
-    MachineSettings settings{memory, "server.json", "security.json", "settings"};
+    MachineSettings settings{memory, "server.json", "security.json", "transaction"};
     REQUIRE(settings.transfer(settings_with(4'840), MachineMode::Program));
 }
 

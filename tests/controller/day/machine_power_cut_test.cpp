@@ -49,9 +49,9 @@ const std::vector<std::byte>& backup_to_restore()
     static const std::vector<std::byte> backup = [] {
         storage::MemoryStorage storage;
         NullLog log;
-        MachineSettings settings{storage, "server.json", "security.json", "settings"};
+        MachineSettings settings{storage, "server.json", "security.json", "transaction"};
         REQUIRE(settings.transfer(used_at(ports_in_turn[2]), MachineMode::Program));
-        const MachineMemory data{storage, "restore", virtual_machine_items(), log};
+        const MachineMemory data{storage, "transaction", virtual_machine_items(), log};
         return data.backup({"another"}).value();
     }();
     return backup;
@@ -67,7 +67,7 @@ struct Acknowledged {
 struct PowerCut {
     explicit PowerCut(SetClock& its_clock) : clock{its_clock}
     {
-        MachineSettings settings{medium, "server.json", "security.json", "settings"};
+        MachineSettings settings{medium, "server.json", "security.json", "transaction"};
         REQUIRE(settings.transfer(used_at(ports_in_turn[0]), MachineMode::Program));
         machine = switched_on();
         REQUIRE(machine->scan(1));

@@ -55,8 +55,8 @@ VirtualMachine::VirtualMachine(storage::MemoryStorage& memory, storage::MemorySt
     : event_log{MachineEventLog::create(memory, clock, lines).value()},
       execution_log{ExecutionLog::create(card, clock, *event_log, small_log()).value()},
       life{*this, clock, *execution_log}, settings{memory, "server.json", "security.json",
-                                                   "settings"},
-      data{memory, "restore", virtual_machine_items(), *execution_log}, memory_{&memory},
+                                                   "transaction"},
+      data{memory, "transaction", virtual_machine_items(), *execution_log}, memory_{&memory},
       clock_{&clock}, later_{std::move(later)}, own_store_{memory}, watch_{*execution_log},
       clients_watch_{*execution_log, "trusted"}
 {
@@ -66,7 +66,9 @@ void VirtualMachine::download(Program new_program, const ServerSettings& new_set
 {
     life.download_begins();
     const auto transferred = settings.transfer(new_settings, life.mode());
-    program = transferred ? std::move(new_program) : std::move(program);
+    if (transferred) {
+        program = std::move(new_program);
+    }
     life.download_done(transferred ? Configured<ServerSettings>{settings.server()}
                                    : tl::unexpected{transferred.error()});
 }
