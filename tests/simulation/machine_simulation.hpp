@@ -1,0 +1,100 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "controller/day/virtual_machine.hpp"
+#include "disk_weather.hpp"
+#include "machine_checks.hpp"
+
+namespace busbar::test {
+
+/// A controller whose media fail and whose power goes while people work with it, in virtual time.
+/// The same seed makes the same things happen.
+class MachineSimulation {
+public:
+    static constexpr std::size_t records_of_file = 100; // as the controller's log has them
+    /// How the names of the simulation's own records begin.
+    static constexpr std::string_view record_name{"Told"};
+
+    explicit MachineSimulation(std::uint64_t seed);
+
+    void run(std::chrono::hours time);
+    /// The media are good again, and the controller starts: all has to be as it was saved.
+    void finish();
+
+    /// How often something happened.
+    struct Counts {
+        std::size_t downloads{0};
+        std::size_t refused_downloads{0};
+        std::size_t restores{0};
+        std::size_t refused_restores{0};
+        std::size_t power_cuts{0};
+        std::size_t failed_starts{0};
+        std::size_t scans{0};
+        std::size_t failed_scans{0};
+        std::size_t readings{0}; // of the execution log
+    };
+    [[nodiscard]] const Counts& counts() const { return counts_; }
+    [[nodiscard]] const Trace& trace() const { return trace_; }
+
+private:
+    // The power.
+    void switch_on();
+    void switch_off();
+    void cut_power();
+
+    // What people do.
+    void act();
+    void download();
+    void restore();
+    void back_up();
+    void edit_online();
+    void take_card_out();
+    void put_card_in();
+    void clear_log();
+
+    // What the controller does each second.
+    void tick();
+    void scan();
+    void tell_record();
+    void check_saved();
+    void check_log();
+    [[nodiscard]] bool is_running() const;
+    /// How often an attempt succeeded and failed.
+    void count(bool is_done, std::size_t& done, std::size_t& failed);
+
+    Scheduler scheduler_;
+    JumpingClock clock_{scheduler_};
+    Trace trace_{scheduler_};
+    Chance chance_;
+    storage::MemoryStorage memory_;
+    storage::MemoryStorage card_;
+    DiskWeather memory_weather_;
+    DiskWeather card_weather_;
+    std::optional<VirtualMachine> machine_;
+    /// What of an earlier one still waits in the scheduler is not done.
+    std::uint64_t machine_number_{0};
+    controller::Program program_;
+    bool is_cut_{false}; // the power is about to go
+    bool has_started_{false};
+    std::uint64_t last_name_{0};
+    std::vector<std::byte> backup_;
+    std::uint32_t backup_port_{0};
+    std::int16_t saved_counter_{0};
+    std::int16_t last_counter_{0};
+    SavedValue<std::uint32_t> port_{4'840};
+    SavedRecords records_{trace_};
+    SavedEvents events_{trace_};
+    Counts counts_;
+    Alarm tick_{scheduler_, [this] { tick(); }};
+    Alarm act_{scheduler_, [this] { act(); }};
+    Alarm off_{scheduler_, [this] { switch_off(); }};
+    Alarm on_{scheduler_, [this] { switch_on(); }};
+    Alarm card_in_{scheduler_, [this] { put_card_in(); }};
+};
+
+} // namespace busbar::test
