@@ -21,10 +21,17 @@ bool is_number_of_namespace0(const NodeId& id)
 
 } // namespace
 
+/// With what lies beside the records, which a Browse goes on to.
 void Tables::fetch_nodes(std::span<const NodeId* const> ids) const
 {
     std::array<Sought, SpaceReader::fetched_together> all;
-    fetch_nodes(ids, std::span{all}.first(std::min(ids.size(), all.size())));
+    const auto sought = std::span{all}.first(std::min(ids.size(), all.size()));
+    fetch_nodes(ids, sought);
+    for (const Sought& each : sought) {
+        if (each.record != IndexTable::none) {
+            busbar::detail::fetch(&links_at(each.record));
+        }
+    }
 }
 
 void Tables::find_nodes(std::span<const NodeId* const> ids, std::span<NodeIndex> found) const
