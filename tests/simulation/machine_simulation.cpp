@@ -72,6 +72,8 @@ void MachineSimulation::finish()
     card_in_.cancel();
     put_card_in();
     switch_off();
+    memory_.restore_power(); // no fault waits any more
+    card_.restore_power();
     scheduler_.run_for(10min);
     if (!is_running() || !machine_->is_open) {
         trace_.violation(3, "does not run on good media");
