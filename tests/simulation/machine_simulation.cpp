@@ -176,7 +176,8 @@ void MachineSimulation::act()
 
 void MachineSimulation::download()
 {
-    const auto port = static_cast<std::uint32_t>(4'840 + chance_.below(1'000));
+    // None that a controller has which could not read its settings.
+    const auto port = static_cast<std::uint32_t>(ServerSettings{}.port + 1 + chance_.below(1'000));
     const bool is_cut = is_cut_;
     machine_->download(counting_program(chance_.pick<std::size_t>({0, 1, 5, 60})),
                        settings_at(port));
