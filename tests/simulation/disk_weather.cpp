@@ -37,7 +37,6 @@ void DiskWeather::begin()
 {
     using enum Kind;
     kind_ = chance_.pick({Full, Protected, Away, Failing, Failing});
-    ++spells_;
     trace_->note(number_, "the medium is bad", static_cast<std::uint64_t>(kind_));
     switch (kind_) {
     case Full:

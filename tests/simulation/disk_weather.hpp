@@ -21,10 +21,8 @@ public:
     /// Ends a spell, too.
     void stop();
 
-    [[nodiscard]] bool is_good() const { return kind_ == Kind::Good; }
     /// Spells in which there was no room.
     [[nodiscard]] std::size_t full_spells() const { return full_spells_; }
-    [[nodiscard]] std::size_t spells() const { return spells_; }
 
 private:
     enum class Kind : std::uint8_t { Good, Full, Protected, Away, Failing };
@@ -41,7 +39,6 @@ private:
     Chance chance_;
     Kind kind_{Kind::Good};
     std::size_t full_spells_{0};
-    std::size_t spells_{0};
     Alarm change_;
     Alarm fail_;
 };

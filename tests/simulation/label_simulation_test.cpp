@@ -1,20 +1,12 @@
 #include <catch2/catch.hpp>
 
-#include <cstdlib>
-#include <string>
-
+#include "environment.hpp"
 #include "label_simulation.hpp"
 
 using namespace busbar::test;
 using namespace std::chrono_literals;
 
 namespace {
-
-std::uint64_t seed_from_environment()
-{
-    const char* const text = std::getenv("BUSBAR_SIMULATION_SEED");
-    return text != nullptr ? std::stoull(text) : 1;
-}
 
 std::uint64_t replay(std::uint64_t seed)
 {
@@ -28,7 +20,7 @@ std::uint64_t replay(std::uint64_t seed)
 
 TEST_CASE("a seed replays a simulation of labels that change")
 {
-    const std::uint64_t seed = seed_from_environment();
+    const std::uint64_t seed = simulation_seed();
     CAPTURE(seed);
     CHECK(replay(seed) == replay(seed));
     CHECK(replay(seed) != replay(seed + 1));
@@ -36,7 +28,7 @@ TEST_CASE("a seed replays a simulation of labels that change")
 
 TEST_CASE("50 clients see no wrong value while labels change (seed 001, 8.3 and 10.3)")
 {
-    const std::uint64_t seed = seed_from_environment();
+    const std::uint64_t seed = simulation_seed();
     const auto sampling =
         GENERATE(SamplingMode::Standard, SamplingMode::MonitoredItems, SamplingMode::AllVariables);
     CAPTURE(seed, static_cast<int>(sampling));

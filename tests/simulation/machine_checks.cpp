@@ -4,8 +4,6 @@
 #include <charconv>
 #include <string>
 
-#include "machine_simulation.hpp"
-
 namespace busbar::test {
 
 using controller::ExecutionLogContents;
@@ -15,7 +13,22 @@ using controller::MachineEvent;
 namespace {
 
 /// Files go when they are full, and the oldest one only when there are so many.
-constexpr std::size_t always_kept = 2 * MachineSimulation::records_of_file;
+constexpr std::size_t always_kept = 2 * SavedRecords::records_of_file;
+
+/// In the order in which they stand.
+std::vector<std::uint64_t> numbers_of(const std::vector<ExecutionLogEntry>& entries)
+{
+    std::vector<std::uint64_t> numbers;
+    for (const ExecutionLogEntry& entry : entries) {
+        std::string_view details{entry.details};
+        if (details.starts_with(SavedRecords::name)) {
+            details.remove_prefix(SavedRecords::name.size());
+            std::from_chars(details.data(), details.data() + details.size(),
+                            numbers.emplace_back());
+        }
+    }
+    return numbers;
+}
 
 } // namespace
 
@@ -24,21 +37,6 @@ void SavedRecords::saved()
     for (; first_unsaved_ <= told_; ++first_unsaved_) {
         saved_.insert(first_unsaved_);
     }
-}
-
-/// In the order in which they stand.
-std::vector<std::uint64_t> SavedRecords::numbers_of(const std::vector<ExecutionLogEntry>& entries)
-{
-    std::vector<std::uint64_t> numbers;
-    for (const ExecutionLogEntry& entry : entries) {
-        std::string_view details{entry.details};
-        if (details.starts_with(MachineSimulation::record_name)) {
-            details.remove_prefix(MachineSimulation::record_name.size());
-            std::from_chars(details.data(), details.data() + details.size(),
-                            numbers.emplace_back());
-        }
-    }
-    return numbers;
 }
 
 void SavedRecords::check(const ExecutionLogContents& contents, std::size_t damaged_lines)

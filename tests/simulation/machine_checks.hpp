@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <set>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <busbar/controller/execution_log_reader.hpp>
@@ -15,6 +17,10 @@ namespace busbar::test {
 /// the simulation's own has a number in its name; the rest is what else happened.
 class SavedRecords {
 public:
+    static constexpr std::size_t records_of_file = 100; // as the controller's log has them
+    /// How the names of the simulation's own records begin.
+    static constexpr std::string_view name{"Told"};
+
     explicit SavedRecords(Trace& trace) : trace_{&trace} {}
 
     /// The number of the next record.
@@ -30,9 +36,6 @@ public:
     void check(const controller::ExecutionLogContents& contents, std::size_t damaged_lines);
 
 private:
-    [[nodiscard]] std::vector<std::uint64_t>
-    numbers_of(const std::vector<controller::ExecutionLogEntry>& entries);
-
     Trace* trace_;
     std::uint64_t told_{0};
     std::uint64_t first_unsaved_{1};
@@ -52,22 +55,6 @@ public:
 private:
     Trace* trace_;
     std::vector<controller::MachineEvent> events_;
-};
-
-/// A value that a controller keeps: what it said that it has saved, and what it may have instead
-/// because it was told to save that.
-template <typename T>
-class SavedValue {
-public:
-    SavedValue(T value) : possible_{value} {}
-
-    void saved(T value) { possible_ = {value}; }
-    /// It was on the way when the power went.
-    void may_be(T value) { possible_.insert(value); }
-    [[nodiscard]] bool can_be(T value) const { return possible_.contains(value); }
-
-private:
-    std::set<T> possible_;
 };
 
 } // namespace busbar::test

@@ -30,9 +30,8 @@ Program counting_program(std::size_t others)
 
 ServerSettings settings_at(std::uint32_t port)
 {
-    return {.is_used = true,
-            .port = port,
-            .execution_log = {true, 3, MachineSimulation::records_of_file}};
+    return {
+        .is_used = true, .port = port, .execution_log = {true, 3, SavedRecords::records_of_file}};
 }
 
 } // namespace
@@ -42,12 +41,8 @@ MachineSimulation::MachineSimulation(std::uint64_t seed)
       card_weather_{scheduler_, trace_, card_, 2, Chance{seed, 3}}, program_{counting_program(2)}
 {
     MachineSettings settings{memory_, "server.json", "security.json", "transaction"};
-    REQUIRE(settings.transfer(settings_at(4'840), MachineMode::Program));
-}
-
-void MachineSimulation::count(bool is_done, std::size_t& done, std::size_t& failed)
-{
-    ++(is_done ? done : failed);
+    ports_ = {ServerSettings{}.port};
+    REQUIRE(settings.transfer(settings_at(*ports_.begin()), MachineMode::Program));
 }
 
 bool MachineSimulation::is_running() const
@@ -178,31 +173,26 @@ void MachineSimulation::download()
 {
     // None that a controller has which could not read its settings.
     const auto port = static_cast<std::uint32_t>(ServerSettings{}.port + 1 + chance_.below(1'000));
-    const bool is_cut = is_cut_;
     machine_->download(counting_program(chance_.pick<std::size_t>({0, 1, 5, 60})),
                        settings_at(port));
-    const bool is_done = machine_->settings.server().port == port;
-    count(is_done, counts_.downloads, counts_.refused_downloads);
-    trace_.note(3, is_done ? "downloaded" : "not downloaded", port);
-    if (is_done) {
-        port_.saved(port);
-    } else if (is_cut) {
-        port_.may_be(port);
-    }
+    port_given(port, machine_->settings.server().port == port, counts_.downloads);
 }
 
 void MachineSimulation::restore()
 {
-    if (backup_.empty()) {
-        return;
+    if (!backup_.empty()) {
+        port_given(backup_port_, machine_->restore(backup_).has_value(), counts_.restores);
     }
-    const auto restored = machine_->restore(backup_);
-    count(restored.has_value(), counts_.restores, counts_.refused_restores);
-    trace_.note(3, restored ? "restored" : "not restored", backup_port_);
-    if (restored) {
-        port_.saved(backup_port_);
+}
+
+void MachineSimulation::port_given(std::uint32_t port, bool is_done, Attempts& attempts)
+{
+    attempts.count(is_done);
+    trace_.note(3, is_done ? "has a port" : "gets no port", port);
+    if (is_done) {
+        ports_ = {port};
     } else if (is_cut_) {
-        port_.may_be(backup_port_);
+        ports_.insert(port);
     }
 }
 
@@ -276,10 +266,11 @@ void MachineSimulation::tick()
 
 void MachineSimulation::scan()
 {
-    if (!port_.can_be(machine_->settings.server().port)) {
-        trace_.violation(3, "has port " + std::to_string(machine_->settings.server().port));
+    const std::uint32_t port = machine_->settings.server().port;
+    if (!ports_.contains(port)) {
+        trace_.violation(3, "has port " + std::to_string(port));
     }
-    port_.saved(machine_->settings.server().port);
+    ports_ = {port};
     // It is told when values cannot be read, and those of the program count then.
     const bool is_told = !machine_->restored.problems.empty();
     const std::int16_t counter = machine_->counter();
@@ -292,7 +283,7 @@ void MachineSimulation::scan()
     }
     const auto next = static_cast<std::int16_t>(counter + 1);
     const bool is_saved = machine_->scan(next).has_value();
-    count(is_saved, counts_.scans, counts_.failed_scans);
+    counts_.scans.count(is_saved);
     saved_counter_ = is_saved ? next : std::min(saved_counter_, next);
     last_counter_ = is_saved ? next : std::max(last_counter_, next);
 }
@@ -300,7 +291,7 @@ void MachineSimulation::scan()
 void MachineSimulation::tell_record()
 {
     const auto record =
-        published(std::string{record_name} + std::to_string(records_.tell()), 2, 1, 0);
+        published(std::string{SavedRecords::name} + std::to_string(records_.tell()), 2, 1, 0);
     busbar::tell(*machine_->execution_log, record.record());
 }
 

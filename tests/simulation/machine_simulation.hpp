@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
-#include <string_view>
+#include <set>
 #include <vector>
 
 #include "controller/day/virtual_machine.hpp"
@@ -16,26 +16,25 @@ namespace busbar::test {
 /// The same seed makes the same things happen.
 class MachineSimulation {
 public:
-    static constexpr std::size_t records_of_file = 100; // as the controller's log has them
-    /// How the names of the simulation's own records begin.
-    static constexpr std::string_view record_name{"Told"};
-
     explicit MachineSimulation(std::uint64_t seed);
 
     void run(std::chrono::hours time);
     /// The media are good again, and the controller starts: all has to be as it was saved.
     void finish();
 
+    struct Attempts {
+        std::size_t done{0};
+        std::size_t failed{0};
+
+        void count(bool is_done) { ++(is_done ? done : failed); }
+    };
     /// How often something happened.
     struct Counts {
-        std::size_t downloads{0};
-        std::size_t refused_downloads{0};
-        std::size_t restores{0};
-        std::size_t refused_restores{0};
+        Attempts downloads;
+        Attempts restores;
+        Attempts scans; // whose values were to be saved
         std::size_t power_cuts{0};
         std::size_t failed_starts{0};
-        std::size_t scans{0};
-        std::size_t failed_scans{0};
         std::size_t readings{0}; // of the execution log
     };
     [[nodiscard]] const Counts& counts() const { return counts_; }
@@ -64,8 +63,8 @@ private:
     void check_saved();
     void check_log();
     [[nodiscard]] bool is_running() const;
-    /// How often an attempt succeeded and failed.
-    void count(bool is_done, std::size_t& done, std::size_t& failed);
+    /// The settings were to get this port.
+    void port_given(std::uint32_t port, bool is_done, Attempts& attempts);
 
     Scheduler scheduler_;
     JumpingClock clock_{scheduler_};
@@ -86,7 +85,8 @@ private:
     std::uint32_t backup_port_{0};
     std::int16_t saved_counter_{0};
     std::int16_t last_counter_{0};
-    SavedValue<std::uint32_t> port_{4'840};
+    /// That which is saved, and those that were on the way when the power went.
+    std::set<std::uint32_t> ports_;
     SavedRecords records_{trace_};
     SavedEvents events_{trace_};
     Counts counts_;

@@ -1,19 +1,11 @@
 #include <catch2/catch.hpp>
 
-#include <cstdlib>
-#include <string>
-
+#include "environment.hpp"
 #include "machine_simulation.hpp"
 
 using namespace busbar::test;
 
 namespace {
-
-std::uint64_t number_from(const char* variable, std::uint64_t otherwise)
-{
-    const char* const text = std::getenv(variable);
-    return text != nullptr ? std::stoull(text) : otherwise;
-}
 
 std::uint64_t replay(std::uint64_t seed)
 {
@@ -27,7 +19,7 @@ std::uint64_t replay(std::uint64_t seed)
 
 TEST_CASE("a seed replays a controller whose media fail")
 {
-    const std::uint64_t seed = number_from("BUSBAR_SIMULATION_SEED", 1);
+    const std::uint64_t seed = simulation_seed();
     CAPTURE(seed);
     CHECK(replay(seed) == replay(seed));
     CHECK(replay(seed) != replay(seed + 1));
@@ -36,7 +28,7 @@ TEST_CASE("a seed replays a controller whose media fail")
 TEST_CASE("a controller keeps what it has saved while its media fail and its power goes "
           "(seed 000, 7-4 and 9-2-2)")
 {
-    const std::uint64_t seed = number_from("BUSBAR_SIMULATION_SEED", 1);
+    const std::uint64_t seed = simulation_seed();
     const std::uint64_t hours = number_from("BUSBAR_SIMULATION_HOURS", BUSBAR_SIMULATION_HOURS);
     CAPTURE(seed, hours);
     MachineSimulation simulation{seed};
@@ -47,15 +39,15 @@ TEST_CASE("a controller keeps what it has saved while its media fail and its pow
 
     // What is to be seen was there to be seen.
     const MachineSimulation::Counts& counts = simulation.counts();
-    CHECK(counts.downloads > hours);
-    CHECK(counts.restores > 0);
+    CHECK(counts.downloads.done > hours);
+    CHECK(counts.restores.done > 0);
     CHECK(counts.power_cuts > hours);
-    CHECK(counts.scans > 30 * hours);
+    CHECK(counts.scans.done > 30 * hours);
     CHECK(counts.readings > 5 * hours);
     if (hours >= 24) {
-        CHECK(counts.refused_downloads > 0);
-        CHECK(counts.refused_restores > 0);
+        CHECK(counts.downloads.failed > 0);
+        CHECK(counts.restores.failed > 0);
         CHECK(counts.failed_starts > 0);
-        CHECK(counts.failed_scans > 0);
+        CHECK(counts.scans.failed > 0);
     }
 }

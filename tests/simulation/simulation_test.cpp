@@ -1,19 +1,11 @@
 #include <catch2/catch.hpp>
 
-#include <cstdlib>
-#include <string>
-
+#include "environment.hpp"
 #include "simulation.hpp"
 
 using namespace busbar::test;
 
 namespace {
-
-std::uint64_t number_from(const char* variable, std::uint64_t otherwise)
-{
-    const char* const text = std::getenv(variable);
-    return text != nullptr ? std::stoull(text) : otherwise;
-}
 
 /// The hash of what happened.
 std::uint64_t replay(std::uint64_t seed)
@@ -27,7 +19,7 @@ std::uint64_t replay(std::uint64_t seed)
 
 TEST_CASE("a simulation's seed replays it")
 {
-    const std::uint64_t seed = number_from("BUSBAR_SIMULATION_SEED", 1);
+    const std::uint64_t seed = simulation_seed();
     CAPTURE(seed);
     CHECK(replay(seed) == replay(seed));
     CHECK(replay(seed) != replay(seed + 1));
@@ -35,7 +27,7 @@ TEST_CASE("a simulation's seed replays it")
 
 TEST_CASE("no notification is lost in a day of 50 clients over links that break, and nothing grows")
 {
-    const std::uint64_t seed = number_from("BUSBAR_SIMULATION_SEED", 1);
+    const std::uint64_t seed = simulation_seed();
     const std::uint64_t hours = number_from("BUSBAR_SIMULATION_HOURS", BUSBAR_SIMULATION_HOURS);
     CAPTURE(seed, hours);
     Simulation simulation{{seed, 50}};

@@ -148,7 +148,7 @@ public:
     MachineMemory(Storage& storage, std::string transaction, std::vector<MemoryItem> items,
                   LogSink& log, const MemoryLimits& limits = {});
 
-    /// Finishes what the power cut. Once, before anything reads those files.
+    /// Finishes what the power cut. Before anything reads those files; what is below does it, too.
     [[nodiscard]] Configured<void> recover() const;
 
     /// The backup file's bytes. The server goes on meanwhile (seed 000, 4-1-4). The problem names a
