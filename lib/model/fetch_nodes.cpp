@@ -51,6 +51,15 @@ void Tables::find_nodes(std::span<const NodeId* const> ids, std::span<NodeIndex>
     }
 }
 
+void Tables::fetch_nodes(std::span<const NodeHandle> handles) const
+{
+    for (const NodeHandle& handle : handles) {
+        if (!is_constant(handle.index) && number(handle.index) - constant_count < record_count) {
+            busbar::detail::fetch_object(record(handle.index));
+        }
+    }
+}
+
 void Tables::fetch_nodes(std::span<const NodeId* const> ids, std::span<Sought> sought) const
 {
     for (std::size_t i = 0; i < sought.size(); ++i) {

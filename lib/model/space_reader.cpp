@@ -1,5 +1,7 @@
 #include <busbar/model/space_reader.hpp>
 
+#include <algorithm>
+
 #include "tables.hpp"
 
 namespace busbar::model {
@@ -52,6 +54,19 @@ NodeHandle SpaceReader::handle(NodeIndex node) const
 NodeIndex SpaceReader::resolve(NodeHandle handle) const
 {
     return exists(handle.index) && this->handle(handle.index) == handle ? handle.index : no_node;
+}
+
+void SpaceReader::resolve_nodes(std::span<const NodeHandle> handles,
+                                std::span<NodeIndex> found) const
+{
+    for (std::size_t first = 0; first < handles.size(); first += fetched_together) {
+        const auto group =
+            handles.subspan(first, std::min(fetched_together, handles.size() - first));
+        tables_->fetch_nodes(group);
+        for (std::size_t i = 0; i < group.size(); ++i) {
+            found[first + i] = resolve(group[i]);
+        }
+    }
 }
 
 bool SpaceReader::exists(NodeIndex node) const

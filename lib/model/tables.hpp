@@ -142,6 +142,8 @@ struct Tables {
     /// See SpaceReader.
     void fetch_nodes(std::span<const NodeId* const> ids) const;
     void find_nodes(std::span<const NodeId* const> ids, std::span<NodeIndex> found) const;
+    /// What a Read needs of these nodes, of which none need exist.
+    void fetch_nodes(std::span<const NodeHandle> handles) const;
     /// The first child of that name which was added below `parent` and for which `match` is true.
     template <typename Match>
     [[nodiscard]] NodeIndex find_child(NodeIndex parent, const QualifiedName& name,

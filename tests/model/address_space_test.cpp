@@ -412,6 +412,20 @@ TEST_CASE_METHOD(ModelFixture, "Nodes are found together as one by one")
     std::vector<NodeIndex> together(sought.size());
     space.find_nodes(sought, together);
     CHECK(together == one_by_one);
+    // By handles too; what has gone since, and what never was, are nothing.
+    std::vector<NodeHandle> handles;
+    for (std::size_t i = 0; i < one_by_one.size(); ++i) {
+        handles.push_back(one_by_one[i] != no_node ? space.handle(one_by_one[i]) : NodeHandle{});
+        if (one_by_one[i] != no_node && !space.is_constant(one_by_one[i]) && i % 7 == 0) {
+            REQUIRE(space.remove(one_by_one[i]));
+            one_by_one[i] = no_node;
+        }
+    }
+    handles.push_back({NodeIndex{1'000'000}, 1});
+    one_by_one.push_back(no_node);
+    together.resize(handles.size());
+    space.resolve_nodes(handles, together);
+    CHECK(together == one_by_one);
 }
 
 } // namespace busbar::model

@@ -82,6 +82,8 @@ public:
     [[nodiscard]] NodeHandle handle(NodeIndex node) const;
     /// The node of the handle, no_node if it was removed.
     [[nodiscard]] NodeIndex resolve(NodeHandle handle) const;
+    /// Puts into `found`, which has a place for each, what resolve() says, faster than one by one.
+    void resolve_nodes(std::span<const NodeHandle> handles, std::span<NodeIndex> found) const;
     /// True for the index of an existing node; takes any number.
     [[nodiscard]] bool exists(NodeIndex node) const;
     /// True for a node of the constant ones, which are used where they lie.
