@@ -324,7 +324,8 @@ TEST_CASE_METHOD(ViewFixture, "Browse paths that branch or go round are bounded"
     CHECK(PathWalk{}.go_on(view, path).value().status_code == status::Bad_QueryTooComplex);
 }
 
-TEST_CASE_METHOD(ViewFixture, "Registered nodes keep their NodeIds and take no memory",
+TEST_CASE_METHOD(ViewFixture,
+                 "Nodes that have no use for an alias keep their NodeIds and take no memory",
                  "[unit:View RegisterNodes]")
 {
     ViewContext view = context();
@@ -342,6 +343,7 @@ TEST_CASE_METHOD(ViewFixture, "Registered nodes keep their NodeIds and take no m
     CHECK(unregister_nodes(view, end) == status::Bad_NothingToDo);
     end.nodes_to_unregister = {node("folder"), node("never registered")};
     CHECK(unregister_nodes(view, end) == status::Good);
+    CHECK(session.registered == nullptr);
 }
 
 } // namespace busbar::server::detail

@@ -40,6 +40,9 @@ public:
                            std::string{record.actor.user} + " " + std::string{record.actor.address};
         for (const RecordField& field : record.fields) {
             line += " " + std::string{field.name};
+            if (const auto* const id = field.value.get_if<NodeId>()) {
+                node_ids.push_back(to_string(*id));
+            }
         }
         line += record.actor.audit_entry_id.empty()
                     ? ""
@@ -55,6 +58,8 @@ public:
     /// "SessionCreated Good test/operator 192.0.2.1 RevisedSessionTimeout by audit 7": session,
     /// user, address, names of fields, AuditEntryId.
     std::vector<std::string> records;
+    /// The NodeIds in their fields.
+    std::vector<std::string> node_ids;
 };
 
 /// A key and a self-signed certificate, valid for a year around `today`. Made anew by each test

@@ -27,7 +27,8 @@ bool ReadOperation::plan(ServiceContext& context)
                            rights_of(*context.session, needs_.space, needs_.access),
                            live_value,
                            needs_.wall_clock.now(),
-                           context.session->locale_ids};
+                           context.session->locale_ids,
+                           context.session->registered.get()};
     if (!job_->is_outdated(needs_.space)) {
         return job_->plan(what, context.peer.turn());
     }

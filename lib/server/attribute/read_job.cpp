@@ -50,7 +50,7 @@ bool ReadJob::plan(const ReadContext& context, Turn& turn)
     timestamps_ = {request_.timestamps_to_return, context.server_time};
     rebindings_ = context.space.journal().rebindings();
     const auto ids = request_.nodes_to_read.span();
-    NodesAhead nodes{context.space};
+    NodesAhead nodes{context.space, context.registered};
     do {
         const model::NodeIndex node = nodes.find(
             ids, planned_, [](const ReadValueId& id) -> const NodeId& { return id.node_id; });

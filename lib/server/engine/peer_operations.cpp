@@ -112,7 +112,12 @@ void PeerLink::start(std::unique_ptr<ServiceOperation> operation, std::vector<st
     operations_.push_back(std::move(operation));
     ServiceOperation& started = *operations_.back();
     started.open(question, context);
-    serve(started, [&] { started.start(context); });
+    serve(started, [&] {
+        if (!started.replace_aliases()) {
+            return started.fault(status::Bad_TooManyOperations);
+        }
+        started.start(context);
+    });
     if (core_.guards.request().is_noted()) {
         started.fault(status::Bad_InternalError);
     }

@@ -7,6 +7,8 @@
 
 #include <busbar/model/space_reader.hpp>
 
+#include "registered_nodes.hpp"
+
 namespace busbar::server::detail {
 
 /// The NodeIds that the next items of a request name, of as many as are looked up together.
@@ -36,7 +38,12 @@ private:
 /// one turn: nodes may come and go between two.
 class NodesAhead {
 public:
-    explicit NodesAhead(const model::SpaceReader& space) : space_{&space} {}
+    /// `registered` may be null: then no id is an alias.
+    explicit NodesAhead(const model::SpaceReader& space,
+                        const RegisteredNodes* registered = nullptr)
+        : space_{&space}, registered_{registered}
+    {
+    }
 
     /// The node of item `index`, no_node if there is none. `id_of` is as for IdsAhead.
     template <typename Item, typename IdOf>
@@ -46,7 +53,9 @@ public:
             const IdsAhead ids{items, index, id_of};
             first_ = index;
             count_ = ids.span().size();
-            if (count_ == 1) {
+            if (registered_ != nullptr) {
+                registered_->find_nodes(ids.span(), found_);
+            } else if (count_ == 1) {
                 found_[0] = space_->find(*ids.span()[0]);
             } else {
                 space_->find_nodes(ids.span(), found_);
@@ -57,6 +66,7 @@ public:
 
 private:
     const model::SpaceReader* space_;
+    const RegisteredNodes* registered_;
     std::size_t first_{0};
     std::size_t count_{0};
     std::array<model::NodeIndex, model::SpaceReader::fetched_together> found_;

@@ -10,6 +10,7 @@
 #include <busbar/types/attribute.hpp>
 
 #include "node_rights.hpp"
+#include "registered_nodes.hpp"
 #include "server/data/data_sources.hpp"
 
 namespace busbar::server::detail {
@@ -25,6 +26,8 @@ struct ReadContext {
     DateTime server_time;
     /// What the reader would have texts in, the best first.
     std::span<const std::string> locales{};
+    /// The aliases that NodeIds of the request may be; may be null.
+    const RegisteredNodes* registered{nullptr};
 };
 
 /// Where the value of one attribute comes from.

@@ -68,6 +68,23 @@ bool ServiceOperation::charge(std::size_t bytes)
     return true;
 }
 
+bool ServiceOperation::replace_aliases()
+{
+    if (session_ == nullptr || session_->registered == nullptr) {
+        return true;
+    }
+    return visit_node_ids([&](NodeId& id) {
+        const auto canonical = session_->registered->canonical(id);
+        if (canonical && !charge(binary::encoded_size(*canonical))) {
+            return false;
+        }
+        if (canonical) {
+            id = *canonical; // a copy owns
+        }
+        return true;
+    });
+}
+
 StatusCode ServiceOperation::decode(std::vector<std::byte> message, std::size_t offset,
                                     const binary::TypeRegistry& types,
                                     const binary::DecodeLimits& limits)

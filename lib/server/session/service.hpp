@@ -10,6 +10,7 @@
 #include <busbar/core/function_ref.hpp>
 #include <busbar/types/common.hpp>
 
+#include "named_nodes.hpp"
 #include "operand_text.hpp"
 #include "peer.hpp"
 #include "return_diagnostics.hpp"
@@ -85,6 +86,10 @@ public:
                                     const binary::DecodeLimits& limits);
     /// It is to be answered there; before start().
     void open(const Question& question, ServiceContext& context);
+    /// Puts the NodeIds of nodes in place of aliases of the session: records and whatever is kept
+    /// have these (Part 4, 5.9.5.1). False if the session cannot pay for them. Once, before
+    /// start().
+    [[nodiscard]] bool replace_aliases();
     /// Charges the session with the message and what it was decoded to; what has not answered
     /// behind start() needs both still.
     [[nodiscard]] bool charge_message() { return charge(message_.capacity() + decoded_); }
@@ -131,6 +136,8 @@ protected:
 
 private:
     virtual void decode_request(binary::Reader& reader) = 0;
+    /// Calls `visit` for each NodeId that may be an alias until it returns false, and gives that.
+    [[nodiscard]] virtual bool visit_node_ids(FunctionRef<bool(NodeId&)> visit) = 0;
     void respond(std::uint32_t encoding_id, FunctionRef<void(binary::Writer&)> encode,
                  const ReturnDiagnostics* diagnostics, StatusCode result = {});
     /// Lets go of peer and session; the peer it had.
@@ -170,6 +177,10 @@ protected:
 
 private:
     void decode_request(binary::Reader& reader) final { decode_parameters(reader, request_); }
+    [[nodiscard]] bool visit_node_ids(FunctionRef<bool(NodeId&)> visit) final
+    {
+        return detail::visit_node_ids(request_, visit);
+    }
 
     Request request_;
 };

@@ -15,6 +15,8 @@
 #include <busbar/types/data_types.hpp>
 #include <busbar/types/discovery.hpp>
 
+#include "server/rights/registered_nodes.hpp"
+
 namespace busbar::server::detail {
 
 class Peer;
@@ -114,8 +116,10 @@ public:
     /// When it ends whatever comes.
     TimePoint ends_at{no_deadline};
 
-    /// Continuation points and registered nodes, of the View services.
+    /// Continuation points of the View services.
     std::unique_ptr<SessionPart> view;
+    /// Null until it registers a node.
+    std::unique_ptr<RegisteredNodes> registered;
     /// Subscriptions, and Publish requests that wait.
     std::unique_ptr<SessionPart> publishing;
 
