@@ -49,6 +49,8 @@ void add_loads(CLI::App& app, Options& options)
         ->delimiter(',');
     app.add_flag("--sequential", options.is_sequential,
                  "the values of a request lie beside each other, not anywhere");
+    app.add_flag("--registered", options.is_registered,
+                 "they are named by the NodeIds that RegisterNodes gives");
     app.add_option("--rounds", options.rounds, "how often all of that is run, for --compare")
         ->check(positive)
         ->capture_default_str();

@@ -171,6 +171,9 @@ Result<void> Load::run_round(std::vector<Row>& rows)
     if (done) {
         done = open(loop, true);
     }
+    if (done && options_.is_registered) {
+        done = register_nodes(loop);
+    }
     const auto each = [&](const char* name, const std::vector<std::size_t>& counts, auto load) {
         for (std::size_t i = 0; wants(name) && done && i < counts.size(); ++i) {
             keep((this->*load)(loop, counts[i]));

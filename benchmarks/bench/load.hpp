@@ -35,6 +35,8 @@ struct Options {
     /// Values of a Read or Write lie beside each other, or anywhere among as many as the largest
     /// asks for.
     bool is_sequential{false};
+    /// They are named by what RegisterNodes gives for them.
+    bool is_registered{false};
     double seconds{1.0};
     /// How often all loads are run.
     std::size_t rounds{1};
@@ -95,6 +97,8 @@ public:
 private:
     [[nodiscard]] Result<void> run_round(std::vector<Row>& rows);
     [[nodiscard]] Result<Row> connect_load();
+    /// Has the session name all nodes by registered NodeIds.
+    [[nodiscard]] Result<void> register_nodes(net::ClientLoop& loop);
     [[nodiscard]] Result<Row> read_load(net::ClientLoop& loop, std::size_t count);
     [[nodiscard]] Result<Row> write_load(net::ClientLoop& loop, std::size_t count);
     [[nodiscard]] Result<Row> browse_load(net::ClientLoop& loop, std::size_t count);
@@ -120,6 +124,8 @@ private:
     channel::SecuritySetting security_;
     /// The numbers of the variables in the order in which they are asked for.
     std::vector<std::size_t> numbers_;
+    /// As they are registered in the session of the round; empty if they are not.
+    std::vector<NodeId> aliases_;
     ServerMeter meter_;
 };
 

@@ -68,12 +68,41 @@ Row summarise(std::string load, std::vector<double> times_us)
 
 NodeId Load::node(std::size_t number) const
 {
+    if (!aliases_.empty()) {
+        return aliases_[number];
+    }
     std::string text = options_.node;
     const std::size_t at = text.find("{}");
     if (at != std::string::npos) {
         text.replace(at, 2, std::to_string(numbers_[number]));
     }
     return NodeId::parse(text).value_or(NodeId{});
+}
+
+Result<void> Load::register_nodes(net::ClientLoop& loop)
+{
+    constexpr std::size_t at_once = 1'000;
+    aliases_.clear();
+    std::vector<NodeId> all;
+    for (std::size_t first = 0; first < numbers_.size(); first += at_once) {
+        RegisterNodesRequest request;
+        for (std::size_t i = first; i < std::min(first + at_once, numbers_.size()); ++i) {
+            request.nodes_to_register.push_back(node(i));
+        }
+        const auto event = loop.call(request);
+        const auto response =
+            event ? event->response<RegisterNodesResponse>(generous_limits()) : fail(event.error());
+        if (!response) {
+            return fail(response.error());
+        }
+        all.insert(all.end(), response->registered_node_ids.begin(),
+                   response->registered_node_ids.end());
+    }
+    if (all.size() != numbers_.size()) {
+        return fail(status::Bad_NoData);
+    }
+    aliases_ = std::move(all);
+    return {};
 }
 
 Result<Row> Load::connect_load()
