@@ -232,6 +232,8 @@ TEST_CASE_METHOD(AliasFixture, "an alias is read and written as its node, until 
     REQUIRE(RegisteredNodes::is_alias(alias));
     CHECK(read(client, alias).value == Variant{std::int32_t{7}});
     CHECK(read(client, alias, AttributeId::NodeId).value == Variant{node});
+    CHECK(write(client, alias, 9) == status::Good);
+    CHECK(read(client, node).value == Variant{std::int32_t{9}});
     log.keeps_records = true;
     CHECK(write(client, alias, 8) == status::Good);
     // Part 4, 5.9.5.1: records have the NodeId of the node.
@@ -248,6 +250,32 @@ TEST_CASE_METHOD(AliasFixture, "an alias is read and written as its node, until 
     CHECK(read(client, alias).status == status::Bad_NodeIdUnknown);
     CHECK(write(client, alias, 9) == status::Bad_NodeIdUnknown);
     CHECK(read(client, node).value == Variant{std::int32_t{8}});
+}
+
+TEST_CASE_METHOD(AliasFixture, "what a Write by alias means is told as by NodeId")
+{
+    model::NewNode property;
+    property.id = NodeId{1, "range"};
+    property.browse_name = QualifiedName{0, "EURange"};
+    property.parent = server.address_space().find(node);
+    property.reference_type = NodeId{0, id::HasProperty};
+    model::NewVariable range;
+    range.data_type = NodeId{0, id::Int32};
+    range.value = Variant{std::int32_t{100}};
+    range.access_level = model::Access::ReadWrite;
+    REQUIRE(server.address_space().add_variable(property, range));
+    const NodeId alias_of_range = register_nodes(client, property.id)[0];
+    REQUIRE(RegisteredNodes::is_alias(alias_of_range));
+    const std::uint32_t subscription = subscribe(client);
+    REQUIRE(monitor(client, subscription, item_request(node)).status_code == status::Good);
+    CHECK(write(client, alias_of_range, 200) == status::Good);
+    const auto waiting = publish(client);
+    advance(std::chrono::milliseconds{100}, client);
+    const auto published = take(client, waiting);
+    REQUIRE(published);
+    const auto values = data(published->notification_message);
+    REQUIRE(values.size() == 1);
+    CHECK(values[0].value.status == StatusCode{0x4000}); // SemanticsChanged
 }
 
 TEST_CASE_METHOD(AliasFixture, "an alias of a node that was removed is of no node")

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,10 +29,12 @@ public:
 
     /// Values that the address space keeps may have been replaced.
     virtual void kept_values_written() = 0;
-    /// The request was carried out; `result` is what became of an item. The session may be null,
-    /// if it has gone meanwhile.
+    /// The NodeIds of a request must be those of the nodes, as they get into records.
+    [[nodiscard]] virtual bool wants_node_ids() const = 0;
+    /// The request was carried out; `nodes` has a place for each item, no_node where there was
+    /// none, and `result` is what became of it. The session may be null, if it has gone meanwhile.
     virtual void written(const Session* session, std::string_view audit_entry_id,
-                         const WriteRequest& request,
+                         const WriteRequest& request, std::span<const model::NodeHandle> nodes,
                          FunctionRef<StatusCode(std::size_t)> result) = 0;
 
 protected:

@@ -23,6 +23,7 @@ public:
 
 private:
     void call_completed() override;
+    [[nodiscard]] bool takes_aliases() const override { return true; }
     /// Looks nodes up; true if none is left.
     [[nodiscard]] bool plan(ServiceContext& context);
     /// Has the session pay for what is held while something is waited for; false if it cannot.

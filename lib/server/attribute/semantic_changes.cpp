@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <string_view>
+#include <vector>
 
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/types/ids.hpp>
@@ -50,12 +51,15 @@ void add_owners(const model::AddressSpace& space, model::NodeIndex property,
 
 std::unordered_set<NodeId> find_semantic_changes(const model::AddressSpace& space,
                                                  const WriteRequest& request,
+                                                 std::span<const model::NodeHandle> nodes,
                                                  FunctionRef<StatusCode(std::size_t)> result)
 {
     std::unordered_set<NodeId> owners;
+    std::vector<model::NodeIndex> found(nodes.size());
+    space.resolve_nodes(nodes, found);
     for (std::size_t i = 0; i < request.nodes_to_write.size(); ++i) {
         const WriteValue& written = request.nodes_to_write[i];
-        const model::NodeIndex node = space.find(written.node_id);
+        const model::NodeIndex node = found[i];
         if (!result(i).is_bad() && node != model::no_node &&
             written.attribute_id == static_cast<std::uint32_t>(AttributeId::Value) &&
             space.node_class(node) == NodeClass::Variable && is_semantic(space, node)) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <unordered_set>
 
 #include <busbar/core/function_ref.hpp>
@@ -12,10 +13,11 @@
 namespace busbar::server::detail {
 
 /// The Variables whose values mean something else now: those with Properties, EURange say, into
-/// which a client wrote with success (Part 8, 5.2; Part 3, 8.57). `result` is what became of an
-/// item of the request.
+/// which a client wrote with success (Part 8, 5.2; Part 3, 8.57). `nodes` and `result`
+/// are as for WriteObserver.
 [[nodiscard]] std::unordered_set<NodeId>
 find_semantic_changes(const model::AddressSpace& space, const WriteRequest& request,
+                      std::span<const model::NodeHandle> nodes,
                       FunctionRef<StatusCode(std::size_t)> result);
 
 } // namespace busbar::server::detail

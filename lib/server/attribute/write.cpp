@@ -34,7 +34,8 @@ bool WriteOperation::plan(ServiceContext& context)
                             rights_of(*context.session, needs_.space, needs_.access),
                             *needs_.definitions,
                             needs_.wall_clock.now(),
-                            needs_.locale_ids};
+                            needs_.locale_ids,
+                            context.session->registered.get()};
     if (!job_->is_outdated(needs_.space)) {
         return job_->plan(what, context.peer.turn());
     }
@@ -71,7 +72,7 @@ void WriteOperation::handle_deadline(TimePoint now)
 
 void WriteOperation::call_completed()
 {
-    needs_.observer.written(session(), audit_entry_id_, request(),
+    needs_.observer.written(session(), audit_entry_id_, request(), job_->nodes(),
                             [this](std::size_t index) { return job_->result(index); });
     if (const StatusCode refusal = job_->service_result(); refusal.is_bad()) {
         return fault(refusal);

@@ -28,6 +28,7 @@ public:
 
 private:
     void call_completed() override;
+    [[nodiscard]] bool takes_aliases() const override { return !needs_.observer.wants_node_ids(); }
     /// Checks values; true if none is left.
     [[nodiscard]] bool plan(ServiceContext& context);
 

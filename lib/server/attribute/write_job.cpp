@@ -145,17 +145,19 @@ WriteJob::WriteJob(DataSources& sources, const WriteRequest& request)
     : request_{request}, call_{sources, request.nodes_to_write.size()},
       memory_{std::make_shared<Memory>()}
 {
+    nodes_.reserve(call_.size());
 }
 
 bool WriteJob::plan(const WriteContext& context, Turn& turn)
 {
     rebindings_ = context.space.journal().rebindings();
     const auto values = request_.nodes_to_write.span();
-    NodesAhead nodes{context.space};
+    NodesAhead nodes{context.space, context.registered};
     do {
         const model::NodeIndex node =
             nodes.find(values, planned_,
                        [](const WriteValue& value) -> const NodeId& { return value.node_id; });
+        nodes_.push_back(node != model::no_node ? context.space.handle(node) : model::NodeHandle{});
         if (const auto answer = plan_one(context, planned_, node)) {
             call_.answer(planned_) = *answer;
         }

@@ -15,6 +15,7 @@
 #include "definition_checks.hpp"
 #include "server/data/data_call.hpp"
 #include "server/rights/node_rights.hpp"
+#include "server/rights/registered_nodes.hpp"
 #include "server/session/turn.hpp"
 
 namespace busbar::server::detail {
@@ -29,6 +30,8 @@ struct WriteContext {
     DateTime now;
     /// Of texts that may be written, besides those that the address space has.
     std::span<const std::string> locales{};
+    /// The aliases that NodeIds of the request may be; may be null.
+    const RegisteredNodes* registered{nullptr};
 };
 
 /// Good, or why the whole request is refused (Part 4, 5.11.4.3).
@@ -61,6 +64,8 @@ public:
     [[nodiscard]] bool handle_deadline(TimePoint now) { return call_.handle_deadline(now); }
     /// What became of an item, once the results are there.
     [[nodiscard]] StatusCode result(std::size_t index) const { return call_.result(index); }
+    /// The nodes of the items that were looked at, no_node where there was none.
+    [[nodiscard]] std::span<const model::NodeHandle> nodes() const { return nodes_; }
     /// Writes `results` and `diagnostic_infos` of the WriteResponse.
     void encode_results(binary::Writer& writer, const Array<DiagnosticInfo>& infos = {}) const;
 
@@ -92,6 +97,7 @@ private:
 
     const WriteRequest& request_;
     std::size_t planned_{0};
+    std::vector<model::NodeHandle> nodes_;
     /// Bytes of the last kept value that a range was of.
     std::size_t copied_{0};
     std::uint64_t rebindings_{0};

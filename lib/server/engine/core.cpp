@@ -202,14 +202,20 @@ void Core::kept_values_written()
 }
 
 /// Goes once through all items, however many were written.
+bool Core::wants_node_ids() const
+{
+    return rationed_log.wants(RecordKind::AttributeWritten);
+}
+
 void Core::written(const Session* session, std::string_view audit_entry_id,
-                   const WriteRequest& request, FunctionRef<StatusCode(std::size_t)> result)
+                   const WriteRequest& request, std::span<const model::NodeHandle> nodes,
+                   FunctionRef<StatusCode(std::size_t)> result)
 {
     record_write(rationed_log, session, audit_entry_id, request, result);
     if (subscriptions.item_count() == 0) {
         return;
     }
-    const auto variables = find_semantic_changes(address_space, request, result);
+    const auto variables = find_semantic_changes(address_space, request, nodes, result);
     if (variables.empty()) {
         return;
     }

@@ -6,8 +6,8 @@
 namespace busbar::server::detail {
 
 /// Calls `visit` for each NodeId in the request, whatever the service, that may be one of a
-/// Variable which RegisterNodes gave an alias, until it returns false; gives that. Not for a Read,
-/// which looks aliases up as they are.
+/// Variable which RegisterNodes gave an alias, until it returns false; gives that. Of services that
+/// take aliases as they are, those with NodeIds in records are here too.
 template <typename Request>
 bool visit_node_ids([[maybe_unused]] Request& request,
                     [[maybe_unused]] FunctionRef<bool(NodeId&)> visit)
@@ -25,10 +25,6 @@ bool visit_node_ids([[maybe_unused]] Request& request,
     } else if constexpr (requires { request.items_to_create; }) {
         return each(request.items_to_create,
                     [&](auto& item) { return visit(item.item_to_monitor.node_id); });
-    } else if constexpr (requires { request.nodes_to_browse; }) {
-        return each(request.nodes_to_browse, [&](auto& item) { return visit(item.node_id); });
-    } else if constexpr (requires { request.browse_paths; }) {
-        return each(request.browse_paths, [&](auto& item) { return visit(item.starting_node); });
     } else if constexpr (requires { request.nodes_to_add; }) {
         return each(request.nodes_to_add,
                     [&](auto& item) { return visit(item.parent_node_id.node_id); });

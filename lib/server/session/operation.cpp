@@ -70,7 +70,7 @@ bool ServiceOperation::charge(std::size_t bytes)
 
 bool ServiceOperation::replace_aliases()
 {
-    if (session_ == nullptr || session_->registered == nullptr) {
+    if (session_ == nullptr || session_->registered == nullptr || takes_aliases()) {
         return true;
     }
     return visit_node_ids([&](NodeId& id) {

@@ -69,6 +69,8 @@ public:
     }
 
 private:
+    [[nodiscard]] bool takes_aliases() const override { return true; }
+
     const ViewNeeds& needs_;
     Work work_;
     Response response_;
@@ -86,6 +88,7 @@ public:
     explicit TranslateOperation(const ViewNeeds& needs) : needs_{needs} {}
 
 private:
+    [[nodiscard]] bool takes_aliases() const override { return true; }
     [[nodiscard]] std::size_t size() const override { return request().browse_paths.size(); }
     [[nodiscard]] StatusCode begin(ServiceContext& context) override
     {
