@@ -1,3 +1,6 @@
+#include <memory>
+#include <utility>
+
 #include <busbar/binary/codec.hpp>
 
 namespace busbar {
@@ -56,37 +59,45 @@ void encode_node_id(binary::Writer& writer, const NodeId& value, std::uint16_t i
     }
 }
 
+/// Makes `value` anew: a NodeId on the way would be moved and destroyed for each item of a request.
 template <typename T>
-NodeId decode_identifier(binary::Reader& reader)
+void make(NodeId& value, std::uint16_t index, T identifier)
+{
+    std::destroy_at(&value);
+    std::construct_at(&value, index, std::move(identifier));
+}
+
+template <typename T>
+void decode_identifier(binary::Reader& reader, NodeId& value)
 {
     const auto index = reader.number<std::uint16_t>();
     T identifier;
     decode(reader, identifier);
-    return NodeId{index, std::move(identifier)};
+    make(value, index, std::move(identifier));
 }
 
-NodeId decode_node_id(binary::Reader& reader, unsigned form)
+void decode_node_id(binary::Reader& reader, unsigned form, NodeId& value)
 {
     switch (static_cast<Form>(form)) {
     case Form::TwoByte:
-        return NodeId{0, reader.number<std::uint8_t>()};
+        return make(value, 0, std::uint32_t{reader.number<std::uint8_t>()});
     case Form::FourByte: {
         const auto index = reader.number<std::uint8_t>();
-        return NodeId{index, reader.number<std::uint16_t>()};
+        return make(value, index, std::uint32_t{reader.number<std::uint16_t>()});
     }
     case Form::Numeric: {
         const auto index = reader.number<std::uint16_t>();
-        return NodeId{index, reader.number<std::uint32_t>()};
+        return make(value, index, reader.number<std::uint32_t>());
     }
     case Form::String:
-        return decode_identifier<String>(reader);
+        return decode_identifier<String>(reader, value);
     case Form::Guid:
-        return decode_identifier<Guid>(reader);
+        return decode_identifier<Guid>(reader, value);
     case Form::ByteString:
-        return decode_identifier<ByteString>(reader);
+        return decode_identifier<ByteString>(reader, value);
     }
     reader.fail(status::Bad_DecodingError);
-    return {};
+    make(value, 0, 0U);
 }
 
 } // namespace
@@ -114,13 +125,13 @@ void encode(binary::Writer& writer, const ExpandedNodeId& value)
 
 void decode(binary::Reader& reader, NodeId& value)
 {
-    value = decode_node_id(reader, reader.number<std::uint8_t>());
+    decode_node_id(reader, reader.number<std::uint8_t>(), value);
 }
 
 void decode(binary::Reader& reader, ExpandedNodeId& value)
 {
     const unsigned form = reader.number<std::uint8_t>();
-    value.node_id = decode_node_id(reader, form & ~(namespace_uri_flag | server_index_flag));
+    decode_node_id(reader, form & ~(namespace_uri_flag | server_index_flag), value.node_id);
     value.namespace_uri.reset();
     if ((form & namespace_uri_flag) != 0) {
         decode(reader, value.namespace_uri);

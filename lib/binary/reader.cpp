@@ -51,22 +51,14 @@ std::int32_t Reader::array_length(std::size_t min_element_size, std::size_t obje
     return -1;
 }
 
-std::int32_t Reader::text_length(std::uint32_t limit)
+std::int32_t Reader::refuse_text(std::int32_t length, std::uint32_t limit)
 {
-    const auto length = number<std::int32_t>();
     if (length < 0) {
-        if (length != -1) {
-            fail(status::Bad_DecodingError); // Part 6, 5.2.2.4: only -1 is null
-        }
-        return -1;
-    }
-    const auto size = static_cast<std::size_t>(length);
-    if (size > limit) {
+        fail(status::Bad_DecodingError); // Part 6, 5.2.2.4: only -1 is null
+    } else if (static_cast<std::size_t>(length) > limit) {
         fail(status::Bad_EncodingLimitsExceeded);
-    } else if (size > remaining()) {
-        fail(status::Bad_DecodingError);
     } else {
-        return length;
+        fail(status::Bad_DecodingError); // more than is left
     }
     return -1;
 }

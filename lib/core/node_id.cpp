@@ -5,11 +5,6 @@
 
 namespace busbar {
 
-NodeId::NodeId(std::uint16_t namespace_index, String identifier)
-    : namespace_index_{namespace_index}, type_{IdType::String}, string_{std::move(identifier)}
-{
-}
-
 NodeId::NodeId(std::uint16_t namespace_index, const Guid& identifier)
     : namespace_index_{namespace_index}, type_{IdType::Guid}, guid_{identifier}
 {
@@ -64,15 +59,6 @@ bool NodeId::is_null() const
         return opaque_.empty();
     }
     return false;
-}
-
-void NodeId::destroy()
-{
-    if (type_ == IdType::String) {
-        std::destroy_at(&string_);
-    } else if (type_ == IdType::Opaque) {
-        std::destroy_at(&opaque_);
-    }
 }
 
 void NodeId::copy(const NodeId& other)

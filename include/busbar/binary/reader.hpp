@@ -105,7 +105,13 @@ public:
     /// the limits before anything is allocated.
     [[nodiscard]] std::int32_t array_length(std::size_t min_element_size, std::size_t object_size);
     /// The length of a String or ByteString within `limit` and the bytes left: -1 for null.
-    [[nodiscard]] std::int32_t text_length(std::uint32_t limit);
+    [[nodiscard]] std::int32_t text_length(std::uint32_t limit)
+    {
+        const auto length = number<std::int32_t>();
+        const auto size = static_cast<std::size_t>(length);
+        const bool is_fine = length >= 0 && size <= limit && size <= remaining();
+        return is_fine || length == -1 ? length : refuse_text(length, limit);
+    }
     /// Charges `bytes` of C++ objects to the message. False, with Bad_EncodingLimitsExceeded, if
     /// the message is too small for them.
     [[nodiscard]] bool charge(std::uint64_t bytes);
@@ -125,6 +131,9 @@ public:
     void close_window(const std::byte* outer_end);
 
 private:
+    /// Says what is wrong with the length; -1.
+    std::int32_t refuse_text(std::int32_t length, std::uint32_t limit);
+
     const std::byte* begin_;
     const std::byte* position_;
     const std::byte* end_;

@@ -3,8 +3,10 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <busbar/core/api.hpp>
 #include <busbar/core/guid.hpp>
@@ -24,7 +26,10 @@ public:
         : namespace_index_{namespace_index}, numeric_{identifier}
     {
     }
-    NodeId(std::uint16_t namespace_index, String identifier);
+    NodeId(std::uint16_t namespace_index, String identifier)
+        : namespace_index_{namespace_index}, type_{IdType::String}, string_{std::move(identifier)}
+    {
+    }
     NodeId(std::uint16_t namespace_index, const char* identifier)
         : NodeId{namespace_index, String{identifier}}
     {
@@ -65,7 +70,15 @@ public:
     friend BUSBAR_API std::strong_ordering operator<=>(const NodeId& a, const NodeId& b);
 
 private:
-    void destroy();
+    /// Here, as every item of every request has one.
+    void destroy()
+    {
+        if (type_ == IdType::String) {
+            std::destroy_at(&string_);
+        } else if (type_ == IdType::Opaque) {
+            std::destroy_at(&opaque_);
+        }
+    }
     void copy(const NodeId& other);
     void take(NodeId& other) noexcept;
 
