@@ -76,6 +76,29 @@ test("arrays are written whole and read in part", () =>
     assert.equal(beyond.statusCode, StatusCodes.BadIndexRangeNoData);
   }));
 
+test("registered Variables are read, written and browsed by their aliases", () =>
+  withSession(controller, modes.SignAndEncrypt, named(user), async (session) => {
+    const names = ["Level", "Counter", "Nothing"];
+    const aliases = await session.registerNodes(names.map(id));
+    assert.equal(aliases.length, names.length);
+    const known = aliases.map((alias, i) => alias.toString() === NodeId.resolveNodeId(id(names[i])).toString());
+    assert.deepEqual(known, [false, false, true], "what there is not stays as it is");
+    const [level] = aliases;
+    const status = await session.write({
+      nodeId: level, attributeId: AttributeIds.Value, value: { value: { dataType: DataType.Double, value: 17.5 } },
+    });
+    assert.equal(status, StatusCodes.Good);
+    const read = await session.read(aliases.map((nodeId) => ({ nodeId, attributeId: AttributeIds.Value })));
+    assert.equal(read[0].value.value, 17.5);
+    assert.deepEqual(read.map((each) => each.statusCode.isGood()), [true, true, false]);
+    const browsed = await session.browse({ nodeId: level, browseDirection: BrowseDirection.Both, resultMask: 63 });
+    assert.ok(browsed.references.length > 0);
+    await session.unregisterNodes(aliases);
+    const after = await session.read({ nodeId: level, attributeId: AttributeIds.Value });
+    assert.equal(after.statusCode, StatusCodes.BadNodeIdUnknown);
+    assert.equal((await session.read(valueOf("Level"))).value.value, 17.5);
+  }));
+
 /** Attributes every node of a class has (Part 3, 5). */
 const mandatory = {
   Object: [AttributeIds.EventNotifier],
