@@ -126,6 +126,7 @@ TEST_CASE_METHOD(ViewFixture, "RegisterNodes has aliases for Variables that the 
                                  node("v2")};
     RegisterNodesResponse response;
     const auto& ids = response.registered_node_ids;
+    view.turn = server::detail::Turn{20}; // two nodes
     REQUIRE(register_nodes(view, request, response) == status::Good);
     REQUIRE(ids.size() == 6);
     for (std::size_t i = 1; i < 5; ++i) {
@@ -146,6 +147,25 @@ TEST_CASE_METHOD(ViewFixture, "RegisterNodes has aliases for Variables that the 
     CHECK(unregister_nodes(view, end) == status::Good);
     CHECK(session.registered->find(ids[0]) == model::no_node);
     CHECK(session.registered->find(ids[5]) == find("v2"));
+}
+
+TEST_CASE_METHOD(ViewFixture, "a RegisterNodes that fails on its way leaves no alias")
+{
+    add_children(5);
+    RegisterNodesRequest request;
+    for (int i = 0; i < 5; ++i) {
+        request.nodes_to_register.push_back(node("v" + std::to_string(i)));
+    }
+    RegisterNodesResponse response;
+    server::detail::ViewContext view = context();
+    view.turn = server::detail::Turn{20};
+    REQUIRE(server::detail::RegisterWork::begin(view, request, response) == status::Good);
+    CHECK_FALSE(server::detail::RegisterWork::go_on(view, request, response));
+    REQUIRE(response.registered_node_ids.size() == 2);
+    CHECK(session.registered->find(response.registered_node_ids[1]) == find("v1"));
+    server::detail::RegisterWork::undo(session, response);
+    CHECK(session.registered->find(response.registered_node_ids[1]) == model::no_node);
+    CHECK(session.registered->missing(2) == 0);
 }
 
 TEST_CASE_METHOD(ViewFixture, "who cannot pay for aliases uses NodeIds")

@@ -52,6 +52,12 @@ inline StatusCode browse(ViewContext& context, const BrowseRequest& request,
 {
     return run_turns<BrowseWork>(context, request, response);
 }
+inline StatusCode register_nodes(ViewContext& context, const RegisterNodesRequest& request,
+                                 RegisterNodesResponse& response)
+{
+    response = {};
+    return run_turns<RegisterWork>(context, request, response);
+}
 inline StatusCode browse_next(ViewContext& context, const BrowseNextRequest& request,
                               BrowseNextResponse& response)
 {

@@ -49,8 +49,7 @@ constexpr std::array base_node_rows{
     operation<BrowseNextRequest, make_browse_next, &Core::view_needs>(Need::Activated),
     operation<TranslateBrowsePathsToNodeIdsRequest, make_translate_browse_paths, &Core::view_needs>(
         Need::Activated),
-    function<RegisterNodesRequest, RegisterNodesResponse, &Core::view_needs, register_nodes>(
-        Need::Activated),
+    operation<RegisterNodesRequest, make_register_nodes, &Core::view_needs>(Need::Activated),
     function<UnregisterNodesRequest, UnregisterNodesResponse, &Core::view_needs, unregister_nodes>(
         Need::Activated),
     operation<ReadRequest, make_operation<ReadOperation, const AttributeNeeds>, attribute_needs>(

@@ -112,8 +112,19 @@ private:
     std::vector<model::NodeHandle> to_;
 };
 
-[[nodiscard]] StatusCode register_nodes(ViewContext& context, const RegisterNodesRequest& request,
-                                        RegisterNodesResponse& response);
+/// A RegisterNodes (Part 4, 5.9.5) that goes on where its turn ended.
+class RegisterWork {
+public:
+    /// What is wrong with all of the request, if something is. To be called first, once.
+    [[nodiscard]] static StatusCode begin(ViewContext& context, const RegisterNodesRequest& request,
+                                          RegisterNodesResponse& response);
+    /// True once the response is complete; false if the turn is over before.
+    [[nodiscard]] static bool go_on(ViewContext& context, const RegisterNodesRequest& request,
+                                    RegisterNodesResponse& response);
+    /// Gives back the aliases that the response has so far.
+    static void undo(Session& session, const RegisterNodesResponse& response);
+};
+
 [[nodiscard]] StatusCode unregister_nodes(ViewContext& context,
                                           const UnregisterNodesRequest& request);
 

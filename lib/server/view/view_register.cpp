@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <memory>
 
 #include <busbar/core/detail/guarded.hpp>
@@ -38,12 +37,12 @@ bool deserves_alias(const ViewContext& context, model::NodeIndex node)
            context.space.variable(node).source != live_values_source && context.may_see(node);
 }
 
-/// Has places for `count` aliases if the session can pay for them; null if it has none.
-RegisteredNodes* places_for(ViewContext& context, std::size_t count)
+/// Has a free place for one alias more if the session can pay for it, else is null.
+RegisteredNodes* place_for_one(ViewContext& context)
 {
     auto& registered = context.session.registered;
     const bool is_first = registered == nullptr;
-    const std::size_t missing = is_first ? count : registered->missing(count);
+    const std::size_t missing = is_first ? 1 : registered->missing(1);
     const std::size_t cost =
         missing * RegisteredNodes::place_memory + (is_first ? sizeof(RegisteredNodes) : 0);
     RegisteredNodes::Lot lot;
@@ -65,34 +64,43 @@ RegisteredNodes* places_for(ViewContext& context, std::size_t count)
 
 } // namespace
 
-// A node that has no use for an alias keeps its NodeId, and so does one that there is none for or
-// that the user must not see: the answer does not tell them apart (Part 4, 5.9.5.1).
-StatusCode register_nodes(ViewContext& context, const RegisterNodesRequest& request,
-                          RegisterNodesResponse& response)
+StatusCode RegisterWork::begin(ViewContext& context, const RegisterNodesRequest& request,
+                               RegisterNodesResponse& response)
 {
     const StatusCode status = check(context, request.nodes_to_register);
-    if (status.is_bad()) {
-        return status;
-    }
-    response.registered_node_ids = request.nodes_to_register;
-    const auto ids = request.nodes_to_register.span();
-    std::vector<model::NodeIndex> nodes;
-    nodes.reserve(ids.size());
-    NodesAhead ahead{context.space};
-    const auto itself = [](const NodeId& id) -> const NodeId& { return id; };
-    for (std::size_t i = 0; i < ids.size(); ++i) {
-        const model::NodeIndex node = ahead.find(ids, i, itself);
-        nodes.push_back(deserves_alias(context, node) ? node : model::no_node);
-    }
-    const auto count = ids.size() - static_cast<std::size_t>(
-                                        std::count(nodes.begin(), nodes.end(), model::no_node));
-    RegisteredNodes* const registered = count != 0 ? places_for(context, count) : nullptr;
-    for (std::size_t i = 0; registered != nullptr && i < ids.size(); ++i) {
-        if (nodes[i] != model::no_node) {
-            response.registered_node_ids[i] = registered->add(nodes[i]);
-        }
+    if (status.is_good()) {
+        response.registered_node_ids.reserve(request.nodes_to_register.size());
     }
     return status;
+}
+
+// A node that has no use for an alias keeps its NodeId, and so does one that there is none for or
+// that the user must not see: the answer does not tell them apart (Part 4, 5.9.5.1).
+bool RegisterWork::go_on(ViewContext& context, const RegisterNodesRequest& request,
+                         RegisterNodesResponse& response)
+{
+    const auto ids = request.nodes_to_register.span();
+    auto& given = response.registered_node_ids;
+    NodesAhead nodes{context.space};
+    do {
+        const NodeId& id = ids[given.size()];
+        const model::NodeIndex node = nodes.find(
+            ids, given.size(), [](const NodeId& itself) -> const NodeId& { return itself; });
+        RegisteredNodes* const place =
+            deserves_alias(context, node) ? place_for_one(context) : nullptr;
+        given.push_back(place != nullptr ? place->add(node) : id);
+        context.turn.spend(Turn::units_of_value);
+    } while (given.size() < ids.size() && !context.turn.is_over());
+    return given.size() == ids.size();
+}
+
+void RegisterWork::undo(Session& session, const RegisterNodesResponse& response)
+{
+    for (const NodeId& id : response.registered_node_ids) {
+        if (session.registered != nullptr) {
+            session.registered->remove(id);
+        }
+    }
 }
 
 StatusCode unregister_nodes(ViewContext& context, const UnregisterNodesRequest& request)

@@ -141,6 +141,45 @@ private:
     std::size_t owed_{0};
 };
 
+class RegisterOperation final : public OperationOf<RegisterNodesRequest> {
+public:
+    explicit RegisterOperation(const ViewNeeds& needs) : needs_{needs} {}
+
+    void start(ServiceContext& context) override
+    {
+        ViewContext view = view_context(needs_, context);
+        StatusCode status = RegisterWork::begin(view, request(), response_);
+        if (status.is_good() && !charge(request().nodes_to_register.size() * sizeof(NodeId))) {
+            status = status::Bad_TooManyOperations;
+        }
+        if (status.is_bad()) {
+            return fault(status);
+        }
+        take_turn(context);
+    }
+    [[nodiscard]] bool wants_turn() const override { return !is_finished(); }
+    void take_turn(ServiceContext& context) override
+    {
+        ViewContext view = view_context(needs_, context);
+        view.turn = context.peer.turn();
+        busbar::detail::Undo undo{[&] { RegisterWork::undo(*context.session, response_); }};
+        const bool is_complete = RegisterWork::go_on(view, request(), response_);
+        context.peer.turn() = view.turn;
+        if (context.peer.has_thrown()) {
+            return fault(status::Bad_InternalError);
+        }
+        undo.keep();
+        if (is_complete) {
+            respond<RegisterNodesResponse>(
+                [&](binary::Writer& writer) { encode(writer, response_.registered_node_ids); });
+        }
+    }
+
+private:
+    const ViewNeeds& needs_;
+    RegisterNodesResponse response_;
+};
+
 } // namespace
 
 std::unique_ptr<ServiceOperation> make_browse(const ViewNeeds& needs)
@@ -159,11 +198,9 @@ std::unique_ptr<ServiceOperation> make_translate_browse_paths(const ViewNeeds& n
     return std::make_unique<TranslateOperation>(needs);
 }
 
-StatusCode register_nodes(const ViewNeeds& needs, ServiceContext& context,
-                          const RegisterNodesRequest& request, RegisterNodesResponse& response)
+std::unique_ptr<ServiceOperation> make_register_nodes(const ViewNeeds& needs)
 {
-    ViewContext view = view_context(needs, context);
-    return register_nodes(view, request, response);
+    return std::make_unique<RegisterOperation>(needs);
 }
 
 StatusCode unregister_nodes(const ViewNeeds& needs, ServiceContext& context,

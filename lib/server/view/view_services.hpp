@@ -12,9 +12,7 @@ namespace busbar::server::detail {
 [[nodiscard]] std::unique_ptr<ServiceOperation> make_browse(const ViewNeeds& needs);
 [[nodiscard]] std::unique_ptr<ServiceOperation> make_browse_next(const ViewNeeds& needs);
 [[nodiscard]] std::unique_ptr<ServiceOperation> make_translate_browse_paths(const ViewNeeds& needs);
-[[nodiscard]] StatusCode register_nodes(const ViewNeeds& needs, ServiceContext& context,
-                                        const RegisterNodesRequest& request,
-                                        RegisterNodesResponse& response);
+[[nodiscard]] std::unique_ptr<ServiceOperation> make_register_nodes(const ViewNeeds& needs);
 [[nodiscard]] StatusCode unregister_nodes(const ViewNeeds& needs, ServiceContext& context,
                                           const UnregisterNodesRequest& request,
                                           UnregisterNodesResponse& response);
