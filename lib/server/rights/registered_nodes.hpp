@@ -21,7 +21,7 @@ namespace busbar::server::detail {
 /// no node rather than a wrong one. As long as the space.
 class BUSBAR_API RegisteredNodes {
 public:
-    /// NamespaceIndices from here on are of aliases.
+    /// NamespaceIndices from here on are of aliases; for spaces that have fewer namespaces.
     static constexpr std::uint16_t first_namespace = 0x8000;
     /// Bytes of a place.
     static constexpr std::size_t place_memory = 16;

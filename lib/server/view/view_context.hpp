@@ -58,10 +58,11 @@ struct ViewContext {
     /// The node, if there is one that the user may see; else why there is none for him.
     [[nodiscard]] Result<model::NodeIndex> find(const NodeId& id) const
     {
-        const RegisteredNodes* const registered = session.registered.get();
-        const model::NodeIndex node = registered != nullptr && RegisteredNodes::is_alias(id)
-                                          ? registered->find(id)
-                                          : space.find(id);
+        model::NodeIndex node =
+            session.registered != nullptr ? session.registered->find(id) : model::no_node;
+        if (node == model::no_node) {
+            node = space.find(id);
+        }
         if (node == model::no_node || !rights.may_see(node)) {
             return fail(why_not_found(id));
         }

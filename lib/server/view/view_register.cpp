@@ -31,7 +31,9 @@ StatusCode check(const ViewContext& context, const Array<NodeId>& ids)
 /// value behind its node.
 bool deserves_alias(const ViewContext& context, model::NodeIndex node)
 {
-    return node != model::no_node && !context.space.is_constant(node) &&
+    // What has so many namespaces needs the indices of aliases by itself.
+    return context.space.namespace_count() <= RegisteredNodes::first_namespace &&
+           node != model::no_node && !context.space.is_constant(node) &&
            context.space.node_class(node) == NodeClass::Variable &&
            context.space.node_id(node).namespace_index() != 0 &&
            context.space.variable(node).source != live_values_source && context.may_see(node);
