@@ -86,9 +86,9 @@ public:
                                     const binary::DecodeLimits& limits);
     /// It is to be answered there; before start().
     void open(const Question& question, ServiceContext& context);
-    /// Puts the NodeIds of nodes in place of aliases of the session, unless the service takes those:
-    /// records and whatever is kept have NodeIds (Part 4, 5.9.5.1). False if the session cannot pay
-    /// for them. Once, before start().
+    /// Puts the NodeIds of nodes in place of aliases of the session, unless the service takes
+    /// those: records and whatever is kept have NodeIds (Part 4, 5.9.5.1). False if the session
+    /// cannot pay for them. Once, before start().
     [[nodiscard]] bool replace_aliases();
     /// Charges the session with the message and what it was decoded to; what has not answered
     /// behind start() needs both still.
