@@ -53,13 +53,9 @@ std::int32_t Reader::array_length(std::size_t min_element_size, std::size_t obje
 
 std::int32_t Reader::refuse_text(std::int32_t length, std::uint32_t limit)
 {
-    if (length < 0) {
-        fail(status::Bad_DecodingError); // Part 6, 5.2.2.4: only -1 is null
-    } else if (static_cast<std::size_t>(length) > limit) {
-        fail(status::Bad_EncodingLimitsExceeded);
-    } else {
-        fail(status::Bad_DecodingError); // more than is left
-    }
+    // Part 6, 5.2.2.4: only -1 is null. What is not too long is more than there is left.
+    const bool is_too_long = length >= 0 && static_cast<std::size_t>(length) > limit;
+    fail(is_too_long ? status::Bad_EncodingLimitsExceeded : status::Bad_DecodingError);
     return -1;
 }
 

@@ -5,6 +5,11 @@
 
 namespace busbar {
 
+NodeId::NodeId(std::uint16_t namespace_index, String identifier)
+    : namespace_index_{namespace_index}, type_{IdType::String}, string_{std::move(identifier)}
+{
+}
+
 NodeId::NodeId(std::uint16_t namespace_index, const Guid& identifier)
     : namespace_index_{namespace_index}, type_{IdType::Guid}, guid_{identifier}
 {

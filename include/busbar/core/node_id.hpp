@@ -26,10 +26,7 @@ public:
         : namespace_index_{namespace_index}, numeric_{identifier}
     {
     }
-    NodeId(std::uint16_t namespace_index, String identifier)
-        : namespace_index_{namespace_index}, type_{IdType::String}, string_{std::move(identifier)}
-    {
-    }
+    NodeId(std::uint16_t namespace_index, String identifier);
     NodeId(std::uint16_t namespace_index, const char* identifier)
         : NodeId{namespace_index, String{identifier}}
     {
