@@ -4,6 +4,8 @@
 
 #include "tank_source.hpp"
 
+namespace tank_source_test {
+
 using namespace busbar;
 using namespace busbar::harness;
 using namespace std::chrono_literals;
@@ -60,3 +62,5 @@ TEST_CASE_METHOD(TankFixture, "a write whose answer is lost has been done")
     CHECK_THAT(read(set_point), holds(20.0)); // over a new connection
     CHECK(world().network().pending_faults() == "");
 }
+
+} // namespace tank_source_test

@@ -5,6 +5,8 @@
 
 #include "managed_fixture.hpp"
 
+namespace administration_test {
+
 // What an Administration refuses before anybody connects: parts that do not go together, and nodes
 // that a program's own model took.
 
@@ -350,3 +352,5 @@ TEST_CASE_METHOD(Parts, "administration: null where a Method expects something c
     CHECK(roles.find("Operator")->endpoints.empty());
     CHECK_FALSE(admin.is_closed());
 }
+
+} // namespace administration_test

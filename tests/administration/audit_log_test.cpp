@@ -14,6 +14,8 @@
 
 #include "support/server_fixture.hpp"
 
+namespace audit_log_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using administration::AuditLog;
@@ -246,3 +248,5 @@ TEST_CASE("audit: each kind of record is an event of its type, or none")
     }
     CHECK(queue->dropped() == 6);
 }
+
+} // namespace audit_log_test

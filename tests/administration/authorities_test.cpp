@@ -4,6 +4,8 @@
 
 #include "authority_plant.hpp"
 
+namespace authorities_test {
+
 // Seed 000, 8-1: what five authorities may do, function by function, each by the service that it
 // is in OPC UA.
 
@@ -211,3 +213,5 @@ TEST_CASE("authorities: have two names")
         CHECK_FALSE(administration::find_authorities(other));
     }
 }
+
+} // namespace authorities_test

@@ -32,7 +32,7 @@ inline constexpr std::uint32_t close_and_update = 12666;
 inline constexpr std::uint32_t add_certificate = 12668;
 inline constexpr std::uint32_t remove_certificate = 12670;
 inline constexpr std::uint32_t open_count = 12646;
-inline constexpr std::uint32_t rsa = id::RsaSha256ApplicationCertificateType;
+inline constexpr std::uint32_t rsa_type = id::RsaSha256ApplicationCertificateType;
 
 // Masks of lists (Part 12, 7.8.2.9).
 inline constexpr std::uint32_t trusted_certificates = 1;
@@ -199,13 +199,13 @@ struct Plant : ManagedFixture {
     {
         const StatusCode removed =
             on_server(client, NodeId{1, "ServerConfiguration/DeleteCertificate"},
-                      {Variant{NodeId{}}, Variant{NodeId{0, rsa}}});
+                      {Variant{NodeId{}}, Variant{NodeId{0, rsa_type}}});
         if (removed.is_bad()) {
             return removed;
         }
         const StatusCode made =
             on_server(client, NodeId{1, "ServerConfiguration/CreateSelfSignedCertificate"},
-                      {Variant{NodeId{}}, Variant{NodeId{0, rsa}}, Variant{String{"CN=Press 4"}},
+                      {Variant{NodeId{}}, Variant{NodeId{0, rsa_type}}, Variant{String{"CN=Press 4"}},
                        Variant{Array<String>{"plc.example"}}, Variant{Array<String>{}},
                        Variant{std::uint16_t{365}}, Variant{std::uint16_t{2'048}}});
         on_server(client, NodeId{0, id::ServerConfiguration_CancelChanges}, {});

@@ -2,6 +2,8 @@
 
 #include "files_fixture.hpp"
 
+namespace file_faults_test {
+
 // Part 20, 4.2 and 4.3: Methods of files and directories that are called wrongly, beyond their
 // limits or while a medium fails.
 
@@ -240,3 +242,5 @@ TEST_CASE_METHOD(FileFaults, "file faults: what others change the kind of, or hi
     CHECK(value(client, "press/b", "Size").status == status::Bad_NodeIdUnknown);
     CHECK(names(client, "a").empty());
 }
+
+} // namespace file_faults_test

@@ -6,6 +6,8 @@
 
 #include "files_fixture.hpp"
 
+namespace file_nodes_test {
+
 // Part 20, 4.2 and 4.3: files and directories as clients see them.
 
 using namespace busbar;
@@ -221,3 +223,5 @@ TEST_CASE_METHOD(FilesFixture, "file nodes: a medium that is away or protected l
     storage.set_away(false);
     CHECK(text(client, "a") == "first");
 }
+
+} // namespace file_nodes_test

@@ -10,6 +10,8 @@
 
 #include "administration/open_files.hpp"
 
+namespace open_files_test {
+
 // Part 20, 4.2: what a FileType does, without a server.
 
 using namespace busbar;
@@ -205,3 +207,5 @@ TEST_CASE_METHOD(Files, "files: what cannot be kept can be tried again")
     storage.set_away(true);
     CHECK(why_not("a", read) == "Bad_ResourceUnavailable");
 }
+
+} // namespace open_files_test

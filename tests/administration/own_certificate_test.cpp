@@ -1,5 +1,7 @@
 #include "configuration_fixture.hpp"
 
+namespace own_certificate_test {
+
 // Part 12, 7.10.5 to 7.10.10: Methods of the server's own certificate that are called wrongly, by
 // two sessions or at a bad moment.
 
@@ -289,3 +291,5 @@ TEST_CASE("own certificate: a worker that is busy is no state that lasts")
     REQUIRE(response);
     CHECK(name(response->results[0].status_code) == "Good");
 }
+
+} // namespace own_certificate_test

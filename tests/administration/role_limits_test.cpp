@@ -9,6 +9,8 @@
 #include <busbar/core/status_codes.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
+namespace role_limits_test {
+
 // What a RoleList refuses: rules and files beyond its limits, or that make no sense.
 
 using namespace busbar;
@@ -167,3 +169,5 @@ TEST_CASE_METHOD(Limited, "roles: endpoints beyond the limits, or that make no s
     CHECK(status_of(list.set_endpoints_exclude("Fitter", false)) == "Bad_NotFound");
     CHECK(status_of(list.set_endpoints_exclude("Anonymous", false)) == "Bad_RequestNotAllowed");
 }
+
+} // namespace role_limits_test

@@ -6,6 +6,8 @@
 #include <busbar/core/storage_gate.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
+namespace role_list_test {
+
 using namespace busbar;
 using administration::RoleList;
 using administration::RoleRules;
@@ -307,3 +309,5 @@ TEST_CASE_METHOD(Fixture,
     REQUIRE(list.load());
     CHECK(list.roles().size() == 9);
 }
+
+} // namespace role_list_test

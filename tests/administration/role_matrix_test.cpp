@@ -17,6 +17,8 @@
 
 #include "support/server_fixture.hpp"
 
+namespace role_matrix_test {
+
 // Every service that a permission decides about, for every well-known role and every bit: a session
 // with the role may what its bits say and nothing else, whatever another role may.
 
@@ -391,3 +393,5 @@ TEST_CASE("role matrix: a role may what its permissions say, by every bit and se
     }
     CHECK(cells == roles.size() * bits * services().size() * 2);
 }
+
+} // namespace role_matrix_test

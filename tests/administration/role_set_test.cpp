@@ -11,6 +11,8 @@
 
 #include "support/server_fixture.hpp"
 
+namespace role_set_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -371,3 +373,5 @@ TEST_CASE_METHOD(Fixture, "role set: one Call that removes a role twice removes 
     CHECK(roles.find("Fitter") == nullptr);
     CHECK(server.address_space().find(NodeId{1, "RoleSet//Fitter"}) == model::no_node);
 }
+
+} // namespace role_set_test

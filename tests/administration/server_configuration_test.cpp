@@ -3,6 +3,8 @@
 
 #include "configuration_fixture.hpp"
 
+namespace server_configuration_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -252,3 +254,5 @@ TEST_CASE_METHOD(Configuration, "server configuration: says when a transaction w
           Variant{Array<NodeId>{
               NodeId{0, id::ServerConfiguration_CertificateGroups_DefaultApplicationGroup}}});
 }
+
+} // namespace server_configuration_test

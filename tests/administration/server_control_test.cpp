@@ -4,6 +4,8 @@
 
 #include "managed_fixture.hpp"
 
+namespace server_control_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -181,3 +183,5 @@ TEST_CASE_METHOD(Control, "server control: one Call that stops the server twice 
     advance(10s);
     CHECK(admin.is_closed());
 }
+
+} // namespace server_control_test

@@ -4,6 +4,8 @@
 
 #include "managed_fixture.hpp"
 
+namespace server_reset_test {
+
 // Part 12, 7.10.13.
 
 using namespace busbar;
@@ -105,3 +107,5 @@ TEST_CASE("reset: a power cut leaves all of it or nothing")
     CHECK(whole > 1);
     CHECK(nothing > 1);
 }
+
+} // namespace server_reset_test

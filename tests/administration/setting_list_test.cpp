@@ -9,6 +9,8 @@
 #include <busbar/core/storage_gate.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
+namespace setting_list_test {
+
 using namespace busbar;
 using administration::Setting;
 using administration::SettingChange;
@@ -358,3 +360,5 @@ TEST_CASE_METHOD(SettingFixture, "settings: what cannot be forgotten stays in fo
     CHECK_FALSE(list.load());
     CHECK(list.changes().size() == 1);
 }
+
+} // namespace setting_list_test

@@ -3,6 +3,8 @@
 
 #include "managed_fixture.hpp"
 
+namespace setting_nodes_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -166,3 +168,5 @@ TEST_CASE_METHOD(Settings, "settings: lists of names and values that do not matc
     CHECK(set(Variant{Array<String>{"limits.sessions"}}, one_value) == "Good");
     CHECK(settings.changes().size() == 1);
 }
+
+} // namespace setting_nodes_test

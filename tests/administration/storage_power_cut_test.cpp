@@ -9,6 +9,8 @@
 #include <busbar/crypto/random.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
+namespace storage_power_cut_test {
+
 // Every persisted change, cut at every byte and call, and on a medium that is full, protected or
 // away: there is the state before it or the one after it, in the file and in what counts.
 
@@ -194,3 +196,5 @@ TEST_CASE("a medium that is full, protected or away refuses the change and nothi
         }
     }
 }
+
+} // namespace storage_power_cut_test

@@ -2,6 +2,8 @@
 
 #include "administration/subject_name.hpp"
 
+namespace subject_name_test {
+
 using namespace busbar;
 using administration::detail::with_names;
 
@@ -32,3 +34,5 @@ TEST_CASE("subject name: anything else is refused")
         CHECK(made.error().status == status::Bad_InvalidArgument);
     }
 }
+
+} // namespace subject_name_test

@@ -2,6 +2,8 @@
 
 #include "managed_fixture.hpp"
 
+namespace transaction_test {
+
 // A transaction of Part 12, 7.10.2 on a medium whose power goes: a trust list, that of users and
 // the own certificate are all old or all new. FileTransaction, by which they are written, has a
 // test that cuts it at every byte; this one takes some of them.
@@ -271,3 +273,5 @@ TEST_CASE("transaction: files that cannot be removed together all stay")
     CHECK(remove("users.json", "rejected/certs") == "Good");
     CHECK_FALSE(storage.entry("users.json"));
 }
+
+} // namespace transaction_test

@@ -8,6 +8,8 @@
 #include "administration/open_files.hpp"
 #include "administration/transfer_files.hpp"
 
+namespace transfer_files_test {
+
 // Part 20, 4.4: temporary files, without a server.
 
 using namespace busbar;
@@ -159,3 +161,5 @@ TEST_CASE("transfer files: go when their time is over, or their session")
     CHECK(transfers.expire() == Names{"a"});
     CHECK(transfers.expire().empty());
 }
+
+} // namespace transfer_files_test

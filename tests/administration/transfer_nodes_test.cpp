@@ -9,6 +9,8 @@
 
 #include "managed_fixture.hpp"
 
+namespace transfer_nodes_test {
+
 // Part 20, 4.4: temporary files as clients see them.
 
 using namespace busbar;
@@ -358,3 +360,5 @@ TEST_CASE_METHOD(TransferFixture, "transfer nodes: one Call that closes a file a
     CHECK(response->results[2].status_code.is_bad());
     CHECK(space_is_empty());
 }
+
+} // namespace transfer_nodes_test

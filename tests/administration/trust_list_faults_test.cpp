@@ -1,6 +1,8 @@
 #include "crypto/revoking.hpp"
 #include "trust_list_fixture.hpp"
 
+namespace trust_list_faults_test {
+
 // Part 12, 7.8.2: trust lists whose Methods are called wrongly, beyond their limits or while a
 // medium fails.
 
@@ -135,3 +137,5 @@ TEST_CASE_METHOD(Lists, "trust list: a certificate that cannot be removed stays"
     CHECK(status_of(admin, read_method, {Variant{reader}, Variant{std::int32_t{9}}}) ==
           "Bad_InvalidState");
 }
+
+} // namespace trust_list_faults_test

@@ -1,5 +1,7 @@
 #include "trust_list_fixture.hpp"
 
+namespace trust_list_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -255,3 +257,5 @@ TEST_CASE_METHOD(Lists, "trust list: is nobody's business but SecurityAdmin's")
     CHECK(status_of(pat, open_method, {Variant{reading}}) == "Bad_NodeIdUnknown");
     CHECK(read(pat, open_count).status.is_bad());
 }
+
+} // namespace trust_list_test

@@ -3,6 +3,8 @@
 #include "managed_fixture.hpp"
 #include "server/user_fixture.hpp"
 
+namespace user_certificates_test {
+
 // DefaultUserTokenGroup (Part 12, 7.8.3.4): the users that log in with certificates, while an
 // administrator changes who they are.
 
@@ -121,3 +123,5 @@ TEST_CASE_METHOD(CertifiedUsers, "user certificates: have no password that they 
     auto admin = visit();
     CHECK(admin.activate(admin.user("admin", "admin-secret!")) == status::Good);
 }
+
+} // namespace user_certificates_test

@@ -8,6 +8,8 @@
 #include <busbar/crypto/random.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
+namespace user_list_test {
+
 using namespace busbar;
 using administration::User;
 using administration::UserChange;
@@ -327,3 +329,5 @@ TEST_CASE_METHOD(Fixture, "users: who is disabled changes no password")
     REQUIRE(list.modify("pat", change, random));
     CHECK(log_in("pat"));
 }
+
+} // namespace user_list_test

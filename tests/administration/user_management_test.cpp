@@ -2,6 +2,8 @@
 
 #include "managed_fixture.hpp"
 
+namespace user_management_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -202,3 +204,5 @@ TEST_CASE_METHOD(Users, "user management: what is not to be modified stays (Part
     REQUIRE(old.create_session());
     CHECK(old.activate(old.user("pat", patience)).is_bad());
 }
+
+} // namespace user_management_test

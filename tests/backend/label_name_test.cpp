@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace label_name_test {
+
 using namespace busbar;
 using namespace busbar::backend;
 
@@ -191,3 +193,5 @@ TEST_CASE("the mapping column takes no other symbol (appendix 6, note 1)")
     REQUIRE(found);
     CHECK(found->where == "column 2");
 }
+
+} // namespace label_name_test

@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace label_test {
+
 using namespace busbar::backend;
 
 TEST_CASE("the memory that a label takes follows from its type")
@@ -33,3 +35,5 @@ TEST_CASE("the memory that a label takes follows from its type")
     CHECK(size_of(row.kind) == row.bytes);
     CHECK(words_of(row.kind) == row.words);
 }
+
+} // namespace label_test

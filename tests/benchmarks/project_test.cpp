@@ -2,6 +2,8 @@
 
 #include "model/project.hpp"
 
+namespace project_test {
+
 using namespace busbar::bench;
 
 TEST_CASE("what a project costs for each node grows by 1 where it is linear")
@@ -14,3 +16,5 @@ TEST_CASE("what a project costs for each node grows by 1 where it is linear")
     CHECK_FALSE(project_growth(points, 1, 1)); // it cost nothing before
     CHECK(project_growth(points, 1, 2).value() == Approx(10));
 }
+
+} // namespace project_test

@@ -2,6 +2,8 @@
 
 #include "bench/series.hpp"
 
+namespace series_test {
+
 using namespace busbar::bench;
 
 TEST_CASE("a step is where a cost grows by more than half from one size to the next")
@@ -29,3 +31,5 @@ TEST_CASE("figures without a step have none")
     CHECK(find_steps({{"variables", {{1'000, 1, 2}}}}).empty());
     CHECK(find_steps({{"variables", {{1'000, 1, 2}, {10'000, 1.5, 1}}}}).empty());
 }
+
+} // namespace series_test

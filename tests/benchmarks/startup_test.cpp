@@ -2,6 +2,8 @@
 
 #include "bench/startup.hpp"
 
+namespace startup_test {
+
 using namespace busbar::bench;
 
 TEST_CASE("what costs each variable the same grows by 1 from one size to the next")
@@ -19,3 +21,5 @@ TEST_CASE("what costs each variable the same grows by 1 from one size to the nex
     CHECK(phase_growth(points, 1, 0).value() == Approx(1));
     CHECK(phase_growth(points, 2, 0).value() == Approx(5));
 }
+
+} // namespace startup_test

@@ -7,6 +7,8 @@
 #include "support/allocation_count.hpp"
 #include "support/random_dynamic.hpp"
 
+namespace dynamic_check_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using binary::check_dynamic;
@@ -229,3 +231,5 @@ TEST_CASE("fields may limit texts and dimensions (Part 3, 8.51)", "[binary][dyna
     CHECK(check("Matrix", matrix(3, 1)) == status::Bad_OutOfRange);
     CHECK(check("Numbers", Variant{Array<std::int32_t>{1, 2, 3, 4, 5}}) == status::Good);
 }
+
+} // namespace dynamic_check_test

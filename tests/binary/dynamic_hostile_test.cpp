@@ -2,6 +2,8 @@
 
 #include "dynamic_samples.hpp"
 
+namespace dynamic_hostile_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -138,3 +140,5 @@ TEST_CASE("a matrix has the dimensions of its field", "[binary][dynamic]")
         CHECK(decoded({2, 65'536, 65'536}) == status::Bad_EncodingLimitsExceeded);
     }
 }
+
+} // namespace dynamic_hostile_test

@@ -2,6 +2,8 @@
 
 #include "dynamic_fixture.hpp"
 
+namespace dynamic_types_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -237,3 +239,5 @@ TEST_CASE("structures that double in each other are refused", "[binary][dynamic]
     const DynamicTypes chain = DynamicTypes::compile(deep);
     CHECK(chain.size() == 100);
 }
+
+} // namespace dynamic_types_test

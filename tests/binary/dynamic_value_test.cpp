@@ -7,6 +7,8 @@
 
 #include "dynamic_samples.hpp"
 
+namespace dynamic_value_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using binary::to_text;
@@ -182,3 +184,5 @@ TEST_CASE("values compare by type and content", "[binary][dynamic]")
     CHECK_FALSE(null == empty);
     CHECK_FALSE(bytes_of(null) == bytes_of(empty));
 }
+
+} // namespace dynamic_value_test

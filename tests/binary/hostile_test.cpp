@@ -6,7 +6,7 @@
 
 // Every structure of the vectors, damaged byte by byte: nothing may crash or take memory without
 // bounds, whatever is read. The sanitizer builds watch.
-namespace busbar::test {
+namespace busbar::test::hostile_test {
 
 namespace {
 
@@ -122,4 +122,4 @@ TEST_CASE("A hundred values in one another are decoded and encoded, one more is 
     CHECK_FALSE(binary::to_bytes(Variant{Array<Variant>{std::move(deepest)}}));
 }
 
-} // namespace busbar::test
+} // namespace busbar::test::hostile_test

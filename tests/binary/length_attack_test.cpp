@@ -16,6 +16,8 @@
 
 #include "support/allocation_count.hpp"
 
+namespace length_attack_test {
+
 // Lengths, dimensions and masks that lie (tests/attacks.txt, B).
 
 using namespace busbar;
@@ -255,3 +257,5 @@ TEST_CASE("values as deep as may be are used on a small stack", "[attack]")
     CHECK(wrong == nullptr);
     pthread_attr_destroy(&attributes);
 }
+
+} // namespace length_attack_test

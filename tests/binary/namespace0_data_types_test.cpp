@@ -5,6 +5,8 @@
 #include <busbar/types/ids.hpp>
 #include <busbar/types/registry.hpp>
 
+namespace namespace0_data_types_test {
+
 using namespace busbar;
 using binary::DynamicType;
 using binary::DynamicTypes;
@@ -47,3 +49,5 @@ TEST_CASE("the definitions of namespace 0 are those of its generated types (C2)"
         CHECK(std::equal(bytes->rbegin(), bytes->rend(), whole.rbegin()));
     }
 }
+
+} // namespace namespace0_data_types_test

@@ -6,7 +6,7 @@
 #include "structures.hpp"
 
 // The vectors come from an independent stack.
-namespace busbar::test {
+namespace busbar::test::vector_test {
 
 namespace {
 
@@ -155,4 +155,4 @@ TEST_CASE("Where the other stack differs, the specification's bytes are written"
     CHECK(hex(short_form) == "80050500000075726e3a78");
 }
 
-} // namespace busbar::test
+} // namespace busbar::test::vector_test

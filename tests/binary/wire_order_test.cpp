@@ -6,6 +6,8 @@
 
 #include <busbar/binary/codec.hpp>
 
+namespace wire_order_test {
+
 using namespace busbar;
 
 namespace {
@@ -137,3 +139,5 @@ TEST_CASE("what a message may take in memory does not wrap where a size has 32 b
     binary::Reader generous{message, binary::Strings::Own, nullptr, limits};
     CHECK(generous.array_length(1, 1'000'000) == 2);
 }
+
+} // namespace wire_order_test

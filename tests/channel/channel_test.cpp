@@ -2,6 +2,8 @@
 
 #include "support/channel_pair.hpp"
 
+namespace channel_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using channel::ChannelEvent;
@@ -212,3 +214,5 @@ TEST_CASE("a reverse connection begins with the server", "[channel]")
     CHECK(pair.client.is_open());
     CHECK(pair.server.endpoint_url() == "opc.tcp://plc:4840");
 }
+
+} // namespace channel_test

@@ -4,6 +4,8 @@
 
 #include <busbar/channel/endpoint_url.hpp>
 
+namespace endpoint_url_test {
+
 using namespace busbar;
 using channel::EndpointUrl;
 
@@ -41,3 +43,5 @@ TEST_CASE("what is no endpoint URL is refused", "[channel]")
         CHECK(endpoint.error() == status::Bad_TcpEndpointUrlInvalid);
     }
 }
+
+} // namespace endpoint_url_test

@@ -6,6 +6,8 @@
 
 #include "support/scripted_client.hpp"
 
+namespace explain_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using Bytes = ScriptedClient::Bytes;
@@ -165,3 +167,5 @@ TEST_CASE("what the log knows the peer does not learn", "[channel][explain]")
     CHECK(told.find("validator") == std::string::npos);
     CHECK(client.log.text.find("Bad_CertificateRevoked") != std::string::npos);
 }
+
+} // namespace explain_test

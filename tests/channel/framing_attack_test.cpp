@@ -5,6 +5,8 @@
 
 #include "support/scripted_client.hpp"
 
+namespace framing_attack_test {
+
 // What a stranger may send before and after a channel is open: each ends with an Error message and
 // the end of the connection, at the byte that was wrong (tests/attacks.txt, A).
 
@@ -210,3 +212,5 @@ TEST_CASE("a Hello of one byte in a second ends at its time", "[channel][attack]
     pair.server.handle_deadline(pair.now);
     CHECK(pair.server.is_closed());
 }
+
+} // namespace framing_attack_test

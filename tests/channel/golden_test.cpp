@@ -9,6 +9,8 @@
 #include "channel/conversation.hpp"
 #include "support/channel_pair.hpp"
 
+namespace golden_test {
+
 using namespace busbar;
 using namespace busbar::channel::detail;
 using Bytes = std::vector<std::byte>;
@@ -189,3 +191,5 @@ TEST_CASE("a golden abort", "[channel][vectors]")
     CHECK((*event)->status == status::Bad_RequestTooLarge);
     CHECK((*event)->reason == "too large");
 }
+
+} // namespace golden_test

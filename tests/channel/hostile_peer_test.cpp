@@ -6,6 +6,8 @@
 
 #include "support/channel_pair.hpp"
 
+namespace hostile_peer_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using Kind = channel::ChannelEvent::Kind;
@@ -308,3 +310,5 @@ TEST_CASE("a message that is given up is dropped and the channel lives", "[chann
     feed("A", 5, "");
     CHECK(pair.server.is_closed());
 }
+
+} // namespace hostile_peer_test

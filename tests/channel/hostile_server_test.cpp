@@ -5,6 +5,8 @@
 #include "channel/conversation.hpp"
 #include "support/channel_pair.hpp"
 
+namespace hostile_server_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace busbar::channel::detail;
@@ -294,3 +296,5 @@ TEST_CASE("a client connects with a deprecated policy under protest", "[channel]
     CHECK(deprecated.log.text.find("INSECURE: connecting with Basic256Sha256") !=
           std::string::npos);
 }
+
+} // namespace hostile_server_test

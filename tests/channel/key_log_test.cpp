@@ -8,6 +8,8 @@
 #include "channel/frame.hpp"
 #include "support/channel_pair.hpp"
 
+namespace key_log_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using channel::SecuritySetting;
@@ -142,3 +144,5 @@ TEST_CASE("a channel without security has no keys", "[channel][keylog]")
     CHECK(watched.server_keys.text.empty());
     CHECK(watched.client_keys.text.empty());
 }
+
+} // namespace key_log_test

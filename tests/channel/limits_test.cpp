@@ -4,6 +4,8 @@
 #include "support/allocation_count.hpp"
 #include "support/scripted_client.hpp"
 
+namespace limits_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using Kind = channel::ChannelEvent::Kind;
@@ -344,3 +346,5 @@ TEST_CASE("limits that are not given have the bounds of the defaults", "[channel
     CHECK(bounds.output == given.output);
     CHECK(bounds.output > channel::TransportLimits{}.max_message_size);
 }
+
+} // namespace limits_test

@@ -4,6 +4,8 @@
 
 #include "support/channel_pair.hpp"
 
+namespace open_gate_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -313,3 +315,5 @@ TEST_CASE("a renewal asks for itself", "[channel][gate]")
         CHECK(gated.server.is_closed());
     }
 }
+
+} // namespace open_gate_test

@@ -2,6 +2,8 @@
 
 #include "support/scripted_client.hpp"
 
+namespace open_request_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using Bytes = ScriptedClient::Bytes;
@@ -263,3 +265,5 @@ TEST_CASE("G6: who connects again with a trusted certificate is not parsed again
     CHECK(connect(status::Bad_CertificateRevoked).empty());
     CHECK(connect(status::Good).size() == 1);
 }
+
+} // namespace open_request_test

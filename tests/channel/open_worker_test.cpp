@@ -4,6 +4,8 @@
 
 #include "support/channel_pair.hpp"
 
+namespace open_worker_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -386,3 +388,5 @@ TEST_CASE_METHOD(Worked, "work goes on with the key that it was begun with", "[c
     finish();
     CHECK(pair.client.is_open());
 }
+
+} // namespace open_worker_test

@@ -2,6 +2,8 @@
 
 #include "support/channel_pair.hpp"
 
+namespace renewal_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using Kind = channel::ChannelEvent::Kind;
@@ -185,3 +187,5 @@ TEST_CASE("a lifetime is brought into the server's range", "[channel][renewal]")
         CHECK(pair.client.next_deadline() == pair.now + Duration{seconds{granted}} * 3 / 4);
     }
 }
+
+} // namespace renewal_test

@@ -11,6 +11,8 @@
 #include "support/allocation_count.hpp"
 #include "support/scripted_client.hpp"
 
+namespace spare_buffers_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using channel::SpareBuffers;
@@ -204,3 +206,5 @@ TEST_CASE("E9: a message that may wait lies in a buffer of its size", "[channel]
     CHECK(received({60'000, 100}).capacity() == 60'100);
     CHECK(received({60'000, 60'000, 60'000}).capacity() >= 500'000);
 }
+
+} // namespace spare_buffers_test

@@ -2,6 +2,8 @@
 
 #include "tampering.hpp"
 
+namespace tamper_open_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace busbar::channel::detail;
@@ -200,3 +202,5 @@ TEMPLATE_TEST_CASE("an OPN that was sent before is refused", "[channel][tamper]"
         CHECK(twice.reason() == status::Bad_SequenceNumberInvalid);
     }
 }
+
+} // namespace tamper_open_test

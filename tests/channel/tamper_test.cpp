@@ -2,6 +2,8 @@
 
 #include "tampering.hpp"
 
+namespace tamper_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace busbar::channel::detail;
@@ -197,3 +199,5 @@ TEMPLATE_TEST_CASE("chunks of another channel, token, policy or mode are refused
         }
     }
 }
+
+} // namespace tamper_test

@@ -3,6 +3,8 @@
 #include "channel/output_buffer.hpp"
 #include "channel/token.hpp"
 
+namespace token_test {
+
 using namespace busbar;
 using channel::detail::OutputBuffer;
 using channel::detail::SequenceNumbers;
@@ -60,3 +62,5 @@ TEST_CASE("an output buffer takes back what was not sent", "[channel][output]")
     buffer.roll_back(second);
     CHECK(buffer.output().size() == 7);
 }
+
+} // namespace token_test

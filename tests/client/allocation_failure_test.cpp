@@ -15,6 +15,8 @@
 #include "failure_world.hpp"
 #include "support/failing_worlds.hpp"
 
+namespace allocation_failure_test {
+
 /// D3: each request of a client with the k-th of the client's allocations failing, for k = 1, 2,
 /// ... until it goes through. Its handler is called once, with Bad_OutOfMemory or because the
 /// connection ended, and soon the client answers as ever.
@@ -338,3 +340,5 @@ TEST_CASE("D3: an allocation that fails ends one request of a client, or its con
         }
     }
 }
+
+} // namespace allocation_failure_test

@@ -2,6 +2,8 @@
 
 #include "client_fixture.hpp"
 
+namespace client_life_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -359,3 +361,5 @@ TEST_CASE("a connection that breaks at any byte of the handshake is made anew")
     }
     CHECK(cuts > 10);
 }
+
+} // namespace client_life_test

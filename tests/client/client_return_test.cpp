@@ -2,6 +2,8 @@
 
 #include "client_fixture.hpp"
 
+namespace client_return_test {
+
 // How a client comes back after a connection was lost.
 
 using namespace busbar;
@@ -190,3 +192,5 @@ TEST_CASE("a driver that is stuck in a dead connection does not hold up the next
     plant.run();
     CHECK(plant.is_ready());
 }
+
+} // namespace client_return_test

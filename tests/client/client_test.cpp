@@ -5,6 +5,8 @@
 
 #include "client_fixture.hpp"
 
+namespace client_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -271,3 +273,5 @@ TEST_CASE("D1: what was asked for may be answered by elements of a few bytes eac
     REQUIRE(decoded);
     CHECK(decoded->results.size() == 65'536);
 }
+
+} // namespace client_test

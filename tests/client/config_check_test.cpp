@@ -5,6 +5,8 @@
 
 #include "client_fixture.hpp"
 
+namespace config_check_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -124,3 +126,5 @@ TEST_CASE("the name that a server has in mDNS has 63 bytes at most (RFC 6763, 4.
     REQUIRE_FALSE(checked);
     CHECK(checked.error() == status::Bad_InvalidArgument);
 }
+
+} // namespace config_check_test

@@ -13,11 +13,11 @@
 #include "dictionary_samples.hpp"
 #include "scripted_requester.hpp"
 
-namespace busbar::client {
+namespace busbar::client::dictionary_learning_test {
 
 namespace {
 
-using test::ScriptedRequester;
+using busbar::test::ScriptedRequester;
 
 constexpr std::uint32_t type_base = 3'000;
 constexpr std::uint32_t encoding_base = 5'000;
@@ -299,4 +299,4 @@ TEST_CASE_METHOD(OldServer, "No more types are taken from dictionaries than from
     CHECK(small.types()->size() <= standard + 3);
 }
 
-} // namespace busbar::client
+} // namespace busbar::client::dictionary_learning_test

@@ -6,7 +6,7 @@
 
 #include "dictionary_samples.hpp"
 
-namespace busbar::client {
+namespace busbar::client::dictionary_test {
 
 namespace {
 
@@ -229,4 +229,4 @@ TEST_CASE("Every beginning of a dictionary is refused or read without harm")
     CHECK(parse(deep + end));
 }
 
-} // namespace busbar::client
+} // namespace busbar::client::dictionary_test

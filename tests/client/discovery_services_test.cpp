@@ -9,6 +9,8 @@
 
 #include "scripted_requester.hpp"
 
+namespace discovery_services_test {
+
 using namespace busbar;
 using namespace busbar::client;
 using Sizes = std::vector<std::size_t>;
@@ -259,3 +261,5 @@ TEST_CASE("A tree has what could be browsed, and says what could not")
     REQUIRE(requester.run());
     CHECK(tree.nodes.empty());
 }
+
+} // namespace discovery_services_test

@@ -5,6 +5,8 @@
 #include "crypto/status_text.hpp"
 #include "support/identity.hpp"
 
+namespace endpoint_choice_test {
+
 using namespace busbar;
 using namespace busbar::client;
 using namespace busbar::test;
@@ -337,3 +339,5 @@ TEST_CASE("CreateSession has to repeat the endpoints of GetEndpoints")
            [](Endpoints& all) { all[1].user_identity_tokens.pop_back(); });
     expect(false, "none", [](Endpoints& all) { all = {}; });
 }
+
+} // namespace endpoint_choice_test

@@ -7,6 +7,8 @@
 
 #include "client_fixture.hpp"
 
+namespace faults_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -108,3 +110,5 @@ TEST_CASE("A1: a client goes on though its log throws")
     CHECK(plant.is_ready());
     plant.log.is_broken = false;
 }
+
+} // namespace faults_test

@@ -2,6 +2,8 @@
 
 #include "client_fixture.hpp"
 
+namespace few_connections_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -161,3 +163,5 @@ TEST_CASE("a server that is full from the beginning is tried in later attempts (
     CHECK(plant.is_ready());
     CHECK(plant.urls.size() == 3);
 }
+
+} // namespace few_connections_test

@@ -4,6 +4,8 @@
 
 #include "rogue_fixture.hpp"
 
+namespace hostile_server_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -153,3 +155,5 @@ TEST_CASE("answers that nobody asked for, or that come twice, are dropped")
     CHECK(fixture.results.size() == 1);
     CHECK(fixture.is_ready());
 }
+
+} // namespace hostile_server_test

@@ -4,6 +4,8 @@
 
 #include "rogue_fixture.hpp"
 
+namespace hostile_session_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -164,3 +166,5 @@ TEST_CASE("a session that the server no longer knows is replaced")
     CHECK(fixture.is_ready());
     CHECK(fixture.server->requests.front().is(CreateSessionRequest::binary_encoding_id));
 }
+
+} // namespace hostile_session_test

@@ -2,6 +2,8 @@
 
 #include "client/subscription/message_stream.hpp"
 
+namespace message_stream_test {
+
 using namespace busbar;
 using client::detail::MessageStream;
 using namespace std::chrono_literals;
@@ -95,3 +97,5 @@ TEST_CASE("a server that always has one more message is not probed for ever", "[
     messages.begin_session();
     CHECK(messages.probe_count == 0);
 }
+
+} // namespace message_stream_test

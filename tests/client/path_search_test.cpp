@@ -7,7 +7,7 @@
 
 #include "scripted_requester.hpp"
 
-namespace busbar::client {
+namespace busbar::client::path_search_test {
 
 namespace {
 
@@ -204,4 +204,4 @@ TEST_CASE_METHOD(PathServer, "A path to nowhere stays one")
     CHECK(resolved("/Objects/Press/Speed").id == fail(status::Bad_NoMatch));
 }
 
-} // namespace busbar::client
+} // namespace busbar::client::path_search_test

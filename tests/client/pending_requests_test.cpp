@@ -2,6 +2,8 @@
 
 #include "client/pending_requests.hpp"
 
+namespace pending_requests_test {
+
 using namespace busbar;
 using client::detail::DeadlineHeap;
 using client::detail::PendingRequests;
@@ -77,3 +79,5 @@ TEST_CASE("deadlines that count no longer do not pile up", "[pending_requests]")
     CHECK(heap.size() == 0);
     CHECK(heap.next_deadline() == no_deadline);
 }
+
+} // namespace pending_requests_test

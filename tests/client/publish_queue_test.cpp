@@ -2,6 +2,8 @@
 
 #include "client/subscription/publish_queue.hpp"
 
+namespace publish_queue_test {
+
 using namespace busbar;
 using client::detail::PublishQueue;
 
@@ -132,3 +134,5 @@ TEST_CASE("Requests that may be forgotten are renewed once", "[publish_queue]")
     CHECK(acknowledged->empty());
     CHECK(queue.size() == 2);
 }
+
+} // namespace publish_queue_test

@@ -2,6 +2,8 @@
 
 #include "client/request_queue.hpp"
 
+namespace request_queue_test {
+
 using namespace busbar;
 using client::RequestId;
 using client::ResponseBody;
@@ -103,3 +105,5 @@ TEST_CASE("an answer to what was not sent is nothing", "[request_queue]")
     CHECK_FALSE(q.queue.has_results());
     CHECK(q.queue.has_waiting());
 }
+
+} // namespace request_queue_test

@@ -2,6 +2,8 @@
 
 #include "client/subscription/sequence_tracker.hpp"
 
+namespace sequence_tracker_test {
+
 using namespace busbar;
 using client::detail::SequenceTracker;
 using Arrival = SequenceTracker::Arrival;
@@ -92,3 +94,5 @@ TEST_CASE_METHOD(Tracked, "Numbers far ahead are not believed", "[client]")
     CHECK(put(7) == Arrival::Kept);
     CHECK(take_all() == Numbers{7});
 }
+
+} // namespace sequence_tracker_test

@@ -11,11 +11,11 @@
 
 #include "scripted_requester.hpp"
 
-namespace busbar::client {
+namespace busbar::client::services_test {
 
 namespace {
 
-using test::ScriptedRequester;
+using busbar::test::ScriptedRequester;
 
 std::vector<ReadValueId> numbered(std::uint32_t count)
 {
@@ -300,4 +300,4 @@ TEST_CASE("Addresses are read and written")
     CHECK_FALSE(NodeAddress::parse("s=" + long_text));
 }
 
-} // namespace busbar::client
+} // namespace busbar::client::services_test

@@ -3,6 +3,8 @@
 #include "failure_world.hpp"
 #include "support/failing_worlds.hpp"
 
+namespace subscription_allocation_failure_test {
+
 /// D3: Subscriptions of a client with the k-th of the client's allocations failing, for k = 1, 2,
 /// ... until nothing fails. Whatever was under way, soon all items have their values again.
 using namespace busbar;
@@ -187,3 +189,5 @@ TEST_CASE("D3: an allocation that fails leaves no item of a client without its v
         }
     }
 }
+
+} // namespace subscription_allocation_failure_test

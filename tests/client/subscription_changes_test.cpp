@@ -2,6 +2,8 @@
 
 #include "puppet_fixture.hpp"
 
+namespace subscription_changes_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -370,3 +372,5 @@ TEST_CASE_METHOD(ChangeFixture, "Links of items that are removed are forgotten",
     pass(60s);
     CHECK(requester.count<SetTriggeringRequest>() == 0);
 }
+
+} // namespace subscription_changes_test

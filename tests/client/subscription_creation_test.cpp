@@ -6,6 +6,8 @@
 
 #include "puppet_fixture.hpp"
 
+namespace subscription_creation_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -324,3 +326,5 @@ TEST_CASE_METHOD(CreationFixture, "A node that is found for another session is l
     reply(response);
     CHECK(requester.take<CreateMonitoredItemsRequest>().items_to_create.size() == 1);
 }
+
+} // namespace subscription_creation_test

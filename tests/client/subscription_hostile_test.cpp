@@ -4,6 +4,8 @@
 
 #include "puppet_fixture.hpp"
 
+namespace subscription_hostile_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -298,3 +300,5 @@ TEST_CASE_METHOD(PuppetFixture, "Handlers may remove what calls them", "[client]
     CHECK(heard.data.size() == 1);
     CHECK(requester.take<DeleteSubscriptionsRequest>().subscription_ids[0] == server_id);
 }
+
+} // namespace subscription_hostile_test

@@ -2,6 +2,8 @@
 
 #include "puppet_fixture.hpp"
 
+namespace subscription_loss_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -404,3 +406,5 @@ TEST_CASE_METHOD(PuppetFixture, "A Subscription that is silent is looked after",
     }
     CHECK(heard.gaps.empty());
 }
+
+} // namespace subscription_loss_test

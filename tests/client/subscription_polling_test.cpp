@@ -6,6 +6,8 @@
 
 #include "puppet_fixture.hpp"
 
+namespace subscription_polling_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -242,3 +244,5 @@ TEST_CASE_METHOD(PollingFixture, "A polled item is told of what its filter is fo
     CHECK(told(DataValue{Variant{2}, {}, time_of(5)}) == Handles{items[1]});
     CHECK(told(DataValue{Variant{2}, status::Uncertain_LastUsableValue, time_of(5)}) == items);
 }
+
+} // namespace subscription_polling_test

@@ -2,6 +2,8 @@
 
 #include "puppet_fixture.hpp"
 
+namespace subscription_publishing_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -198,3 +200,5 @@ TEST_CASE_METHOD(PuppetFixture, "A message that comes before its Subscription is
     CHECK(others.gaps.size() == 1);
     CHECK(heard.gaps.empty());
 }
+
+} // namespace subscription_publishing_test

@@ -6,6 +6,8 @@
 
 #include "subscriber_fixture.hpp"
 
+namespace subscription_random_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -137,3 +139,5 @@ TEST_CASE("Whatever breaks, every value comes once and in order, or lies in a Ga
     CHECK(counter.gap_count < counter.cut_count);
     CHECK(counter.value_count > 500);
 }
+
+} // namespace subscription_random_test

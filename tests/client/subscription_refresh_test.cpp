@@ -7,6 +7,8 @@
 #include "puppet_fixture.hpp"
 #include "subscriber_fixture.hpp"
 
+namespace subscription_refresh_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -383,3 +385,5 @@ TEST_CASE_METHOD(PuppetFixture, "An answer to an old Publish request is heard (F
     }
     CHECK(heard.gaps.empty());
 }
+
+} // namespace subscription_refresh_test

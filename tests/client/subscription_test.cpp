@@ -2,6 +2,8 @@
 
 #include "subscriber_fixture.hpp"
 
+namespace subscription_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -178,3 +180,5 @@ TEST_CASE_METHOD(OneItem, "A Subscription that has ended is made anew, with one 
     pass(1s);
     CHECK(heard.gaps.size() == 1);
 }
+
+} // namespace subscription_test

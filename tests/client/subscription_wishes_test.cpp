@@ -4,6 +4,8 @@
 
 #include "puppet_fixture.hpp"
 
+namespace subscription_wishes_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -256,3 +258,5 @@ TEST_CASE_METHOD(WishFixture, "After its Subscription is removed no part of a me
     CHECK(requester.take<DeleteSubscriptionsRequest>().subscription_ids == Ids{server_id});
     CHECK(subscriptions.mode(subscription) == DeliveryMode::None);
 }
+
+} // namespace subscription_wishes_test

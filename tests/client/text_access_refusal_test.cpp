@@ -10,6 +10,8 @@
 
 #include "scripted_requester.hpp"
 
+namespace text_access_refusal_test {
+
 using namespace busbar;
 using namespace busbar::client;
 
@@ -242,3 +244,5 @@ TEST_CASE_METHOD(LyingServer, "A value that the server does not take is not writ
     CHECK(written("7") == "Bad_NotWritable: the value was not written");
     CHECK(writes == 2);
 }
+
+} // namespace text_access_refusal_test

@@ -7,7 +7,7 @@
 #include "server/method_fixture.hpp"
 #include "server_requester.hpp"
 
-namespace busbar::client {
+namespace busbar::client::text_access_test {
 
 namespace {
 
@@ -153,4 +153,4 @@ TEST_CASE_METHOD(Machine, "A cancelled write is not done")
     CHECK(read_text("Number") == "1");
 }
 
-} // namespace busbar::client
+} // namespace busbar::client::text_access_test

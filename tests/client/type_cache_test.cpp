@@ -10,14 +10,14 @@
 #include "scripted_requester.hpp"
 #include "server_requester.hpp"
 
-namespace busbar::client {
+namespace busbar::client::type_cache_test {
 
 namespace {
 
 using binary::DataTypeEntry;
-using test::encoding_of;
-using test::ScriptedRequester;
-using test::type_id;
+using busbar::test::encoding_of;
+using busbar::test::ScriptedRequester;
+using busbar::test::type_id;
 
 /// A server with the DataTypes of `entries`.
 struct TypeServer {
@@ -357,4 +357,4 @@ TEST_CASE("The types of a server's own values are learned")
     CHECK(types->find(NodeId{0, id::ServerState})->values.size() > 5);
 }
 
-} // namespace busbar::client
+} // namespace busbar::client::type_cache_test

@@ -8,6 +8,8 @@
 
 #include "client_fixture.hpp"
 
+namespace user_change_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -315,3 +317,5 @@ TEST_CASE("texts come in the locale that the configuration asks for")
     plant.run();
     CHECK(name == LocalizedText{"de", "Objekte"});
 }
+
+} // namespace user_change_test

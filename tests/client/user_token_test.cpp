@@ -7,6 +7,8 @@
 #include "client/user_token.hpp"
 #include "server/user_fixture.hpp"
 
+namespace user_token_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using client::detail::make_user_token;
@@ -199,3 +201,5 @@ TEST_CASE_METHOD(TokenFixture, "Only a channel that encrypts takes a secret as i
     config.channel.security.mode = none;
     CHECK(make(client::AnonymousUser{}));
 }
+
+} // namespace user_token_test

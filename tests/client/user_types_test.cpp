@@ -7,6 +7,8 @@
 
 #include "client_fixture.hpp"
 
+namespace user_types_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -142,3 +144,5 @@ TEST_CASE("An event's response is decoded with the types that are given")
     REQUIRE(unknown);
     CHECK(unknown->results[0].value.get_if<ExtensionObject>()->get_if<Stroke>() == nullptr);
 }
+
+} // namespace user_types_test

@@ -8,12 +8,12 @@
 
 #include "binary/dynamic_samples.hpp"
 
-namespace busbar::client {
+namespace busbar::client::value_json_test {
 
 namespace {
 
-using test::plant;
-using test::type_id;
+using busbar::test::plant;
+using busbar::test::type_id;
 
 std::string plain(const Variant& value)
 {
@@ -192,4 +192,4 @@ TEST_CASE("Of an enumeration with many names a few are told")
           Variant{std::uint64_t{3}});
 }
 
-} // namespace busbar::client
+} // namespace busbar::client::value_json_test

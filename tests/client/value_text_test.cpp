@@ -8,12 +8,12 @@
 
 #include "binary/dynamic_samples.hpp"
 
-namespace busbar::client {
+namespace busbar::client::value_text_test {
 
 namespace {
 
-using test::plant;
-using test::type_id;
+using busbar::test::plant;
+using busbar::test::type_id;
 
 Variant value_of(std::string_view text, ValueType type)
 {
@@ -251,4 +251,4 @@ TEST_CASE("Values are text for people")
     CHECK(to_text(object).find("Point") == std::string::npos);
 }
 
-} // namespace busbar::client
+} // namespace busbar::client::value_text_test

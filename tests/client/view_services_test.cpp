@@ -11,11 +11,11 @@
 #include "scripted_requester.hpp"
 #include "server_requester.hpp"
 
-namespace busbar::client {
+namespace busbar::client::view_services_test {
 
 namespace {
 
-using test::ScriptedRequester;
+using busbar::test::ScriptedRequester;
 
 /// A server whose nodes have so many children each, given a few at a time.
 struct BrowseFixture {
@@ -384,4 +384,4 @@ TEST_CASE("The services work with a server", "[unit:Discovery Client Find Server
     CHECK(server == "urn:busbar:test:server");
 }
 
-} // namespace busbar::client
+} // namespace busbar::client::view_services_test

@@ -11,6 +11,8 @@
 #include "support/allocation_count.hpp"
 #include "support/source_caller.hpp"
 
+namespace plc_events_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 using namespace std::chrono_literals;
@@ -189,3 +191,5 @@ TEST_CASE("A8: a running task neither allocates nor frees, whatever clients do")
     CHECK(test::calls_of_thread() != 0); // here it is counted
     queue->close();
 }
+
+} // namespace plc_events_test

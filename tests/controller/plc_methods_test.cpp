@@ -3,6 +3,8 @@
 #include <busbar/controller/plc_methods.hpp>
 #include <busbar/controller/plc_nodes.hpp>
 
+namespace plc_methods_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -50,3 +52,5 @@ TEST_CASE("the PLC's Methods are components of its folder")
     CHECK(space.method(method).source == 3);
     CHECK(publish_methods(space, *folder, *plc, table, 3).error() == status::Bad_NodeIdExists);
 }
+
+} // namespace plc_methods_test

@@ -2,6 +2,8 @@
 
 #include <busbar/controller/plc_nodes.hpp>
 
+namespace plc_nodes_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -51,3 +53,5 @@ TEST_CASE("a PLC's variables become nodes with their types, shapes and rights")
 
     CHECK(publish_variables(space, *plc, options).error() == status::Bad_NodeIdExists);
 }
+
+} // namespace plc_nodes_test

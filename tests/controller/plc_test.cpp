@@ -13,6 +13,8 @@
 
 #include "support/source_caller.hpp"
 
+namespace plc_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 using namespace std::chrono_literals;
@@ -479,3 +481,5 @@ TEST_CASE("a task scans until it is stopped, and can start again (F9)")
     CHECK(statistics.worst_scan > Duration::zero());
     CHECK(plc->image()->pin().time() == clock.now());
 }
+
+} // namespace plc_test

@@ -7,6 +7,8 @@
 
 #include <busbar/core/types.hpp>
 
+namespace identifier_test {
+
 using namespace busbar;
 
 TEST_CASE("a NodeId's text form is read and written", "[core][node_id]")
@@ -174,3 +176,5 @@ TEST_CASE("printable text has no control characters nor broken UTF-8", "[core][t
     CHECK(printable("\xed\xa0\x80") == "\\xED\\xA0\\x80");
     CHECK(printable(std::string(300, 'x'), 10) == "xxxxxxxxxx...");
 }
+
+} // namespace identifier_test

@@ -3,6 +3,8 @@
 #include "core/json.hpp"
 #include "core/json_writer.hpp"
 
+namespace json_test {
+
 using namespace busbar;
 using detail::Json;
 using detail::JsonLimits;
@@ -184,3 +186,5 @@ TEST_CASE("a JSON string is safe on a terminal and can be read back", "[json]")
     REQUIRE(back);
     CHECK(back->text.starts_with("\"\\/\n\x1b\x7f\xC3\xA4\xC2\x9B\xEF\xBF\xBD"));
 }
+
+} // namespace json_test

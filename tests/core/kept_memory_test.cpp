@@ -10,6 +10,8 @@
 
 #include "core/kept_memory.hpp"
 
+namespace kept_memory_test {
+
 using namespace busbar;
 using busbar::detail::KeptMemory;
 
@@ -132,3 +134,5 @@ TEST_CASE("Large memory goes to who is told to keep it, and from any thread")
     const Numbers last = numbers(megabyte);
     CHECK(other.held() == megabyte);
 }
+
+} // namespace kept_memory_test

@@ -5,6 +5,8 @@
 
 #include "core/number_text.hpp"
 
+namespace number_text_test {
+
 using busbar::detail::read_floating;
 
 TEMPLATE_TEST_CASE("the C library reads numbers as std::from_chars does", "[core]", double, float)
@@ -26,3 +28,5 @@ TEMPLATE_TEST_CASE("the C library reads numbers as std::from_chars does", "[core
     CHECK(((std::isnan(found) && std::isnan(wanted)) || found == wanted));
     CHECK(std::signbit(found) == std::signbit(wanted));
 }
+
+} // namespace number_text_test

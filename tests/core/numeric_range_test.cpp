@@ -5,6 +5,8 @@
 #include <busbar/core/numeric_range.hpp>
 #include <busbar/core/types.hpp>
 
+namespace numeric_range_test {
+
 using namespace busbar;
 
 namespace {
@@ -211,3 +213,5 @@ TEST_CASE("a refused write changes nothing", "[core][numeric_range]")
           status::Bad_IndexRangeNoData);
     CHECK(list == texts());
 }
+
+} // namespace numeric_range_test

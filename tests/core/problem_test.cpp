@@ -4,6 +4,8 @@
 #include <busbar/core/problem.hpp>
 #include <busbar/core/refusal.hpp>
 
+namespace problem_test {
+
 using namespace busbar;
 
 TEST_CASE("a problem is one line with place, text and a status that says more")
@@ -65,3 +67,5 @@ static_assert(!FilledByPositionBehindBraces<Named>);
 static_assert(sizeof(Named) == 2 * sizeof(int*));
 
 } // namespace
+
+} // namespace problem_test

@@ -3,6 +3,8 @@
 #include <busbar/core/numeric_range.hpp>
 #include <busbar/core/types.hpp>
 
+namespace range_examples_test {
+
 using namespace busbar;
 
 // What Part 4, 7.27 says of the NumericRange, sentence by sentence and example by example.
@@ -218,3 +220,5 @@ TEST_CASE("a range that is written must be filled by the value (Part 4, 7.27)",
     CHECK(write(matrix(), "1:2,0:1", block({1, 2, 3, 4}, 1, 4)).status ==
           status::Bad_IndexRangeDataMismatch);
 }
+
+} // namespace range_examples_test

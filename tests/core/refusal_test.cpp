@@ -4,6 +4,8 @@
 
 #include <busbar/core/refusal.hpp>
 
+namespace refusal_test {
+
 using namespace busbar;
 
 namespace {
@@ -49,3 +51,5 @@ TEST_CASE("what a refusal does not know is left out")
 {
     CHECK(text({status::Bad_Timeout, "handshake", {}, {}, {}}) == "handshake failed: Bad_Timeout.");
 }
+
+} // namespace refusal_test

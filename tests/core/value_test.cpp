@@ -5,6 +5,8 @@
 
 #include <busbar/core/types.hpp>
 
+namespace value_test {
+
 using namespace busbar;
 
 namespace {
@@ -149,3 +151,5 @@ TEST_CASE("DiagnosticInfo is compared to its depth", "[core][diagnostic_info]")
     CHECK_FALSE(copy == info);
     CHECK_FALSE(info.is_null());
 }
+
+} // namespace value_test

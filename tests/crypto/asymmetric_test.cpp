@@ -7,6 +7,8 @@
 #include "status_text.hpp"
 #include "support/seeded_random.hpp"
 
+namespace asymmetric_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::Bytes;
@@ -288,3 +290,5 @@ TEST_CASE("a secret is not bound to a nonce that is none", "[crypto][secret]")
     CHECK(error_of(crypto::decrypt_secret(used, own().key, *cipher, {})) ==
           status::Bad_SecurityChecksFailed);
 }
+
+} // namespace asymmetric_test

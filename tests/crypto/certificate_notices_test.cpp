@@ -6,6 +6,8 @@
 
 #include "issuing.hpp"
 
+namespace certificate_notices_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::certificate_notices;
@@ -169,3 +171,5 @@ TEST_CASE("a certificate that is not valid yet is looked at when it is", "[crypt
     CHECK(watch.check(certificate(), in_days(0), {}) == in_days(1));
     CHECK(log.fresh() == 0);
 }
+
+} // namespace certificate_notices_test

@@ -3,6 +3,8 @@
 #include "revoking.hpp"
 #include "store_fixture.hpp"
 
+namespace certificate_store_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::Certificate;
@@ -274,3 +276,5 @@ TEST_CASE("what a writer that died left is not read and goes", "[crypto][store]"
     CHECK(fixture.count("trusted/certs") == 0);
     CHECK(fixture.count("own/private") == 0);
 }
+
+} // namespace certificate_store_test

@@ -9,6 +9,8 @@
 #include "issuing.hpp"
 #include "support/seeded_random.hpp"
 
+namespace certificate_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::Certificate;
@@ -256,3 +258,5 @@ TEST_CASE("a chain that was read can be shared and outlives its bytes", "[crypto
     chain.clear();
     CHECK(copy == leaf().certificate);
 }
+
+} // namespace certificate_test

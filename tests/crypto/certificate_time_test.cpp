@@ -5,6 +5,8 @@
 #include "crypto/openssl.hpp"
 #include "issuing.hpp"
 
+namespace certificate_time_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -82,3 +84,5 @@ TEST_CASE("a certificate of twenty years is valid for twenty years (E5)",
     REQUIRE(long_lived);
     CHECK(long_lived->valid_to() == in_days(80 * 365));
 }
+
+} // namespace certificate_time_test

@@ -5,6 +5,8 @@
 
 #include <busbar/crypto/digest.hpp>
 
+namespace digest_test {
+
 using namespace busbar;
 
 TEST_CASE("SHA-256 has the value of its standard's first example", "[crypto]")
@@ -18,3 +20,5 @@ TEST_CASE("SHA-256 has the value of its standard's first example", "[crypto]")
     }
     CHECK(hex == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
+
+} // namespace digest_test

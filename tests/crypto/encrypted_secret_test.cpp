@@ -7,6 +7,8 @@
 #include "status_text.hpp"
 #include "support/seeded_random.hpp"
 
+namespace encrypted_secret_test {
+
 /// RsaEncryptedSecret (Part 4, 7.40.2.4).
 using namespace busbar;
 using namespace busbar::test;
@@ -230,3 +232,5 @@ TEST_CASE("an encrypted secret needs a policy and a nonce", "[crypto][secret]")
     CHECK_FALSE(crypto::is_encrypted_secret({}));
     CHECK_FALSE(crypto::is_encrypted_secret(Bytes(256)));
 }
+
+} // namespace encrypted_secret_test

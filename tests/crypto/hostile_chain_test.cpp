@@ -2,6 +2,8 @@
 #include "hex.hpp"
 #include "judging.hpp"
 
+namespace hostile_chain_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::Certificate;
@@ -279,3 +281,5 @@ TEST_CASE("an explain line is one line, whatever a certificate names",
     CHECK(line.find_first_of("\n\x1b") == std::string::npos);
     CHECK(line.find(odd.certificate.thumbprint_text()) != std::string::npos);
 }
+
+} // namespace hostile_chain_test

@@ -1,5 +1,7 @@
 #include "judging.hpp"
 
+namespace issuer_combinations_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::Certificate;
@@ -261,3 +263,5 @@ TEST_CASE("A-3-1: self-signed and CA-signed client certificates side by side",
     CHECK(judge.verdict(alone) == good);
     CHECK(judge.verdict(p.client_of_root) == status::Bad_CertificateRevocationUnknown);
 }
+
+} // namespace issuer_combinations_test

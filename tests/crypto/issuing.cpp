@@ -46,19 +46,11 @@ void add_unknown(X509* certificate, const std::string& value)
     ASN1_OBJECT_free(object);
 }
 
-std::vector<std::byte> contents(BIO* bio)
-{
-    char* text = nullptr;
-    const long size = BIO_get_mem_data(bio, &text);
-    const auto bytes = std::as_bytes(std::span{text, static_cast<std::size_t>(size)});
-    return {bytes.begin(), bytes.end()};
-}
-
 std::vector<std::byte> der_of(X509* certificate)
 {
     const Bio bio{BIO_new(BIO_s_mem())};
     i2d_X509_bio(bio.get(), certificate);
-    return contents(bio.get());
+    return contents_of(bio.get());
 }
 
 X509Pointer unsigned_certificate(const CertificateOptions& options, EVP_PKEY* key)
@@ -169,21 +161,29 @@ std::vector<std::byte> encrypted_key(const crypto::PrivateKey& key, const std::s
     const auto write = as_pem ? PEM_write_bio_PKCS8PrivateKey : i2d_PKCS8PrivateKey_bio;
     write(bio.get(), key.native(), EVP_aes_256_cbc(), passphrase.data(),
           static_cast<int>(passphrase.size()), nullptr, nullptr);
-    return contents(bio.get());
+    return contents_of(bio.get());
 }
 
 std::vector<std::byte> plain_der_key(const crypto::PrivateKey& key)
 {
     const Bio bio{BIO_new(BIO_s_mem())};
     i2d_PrivateKey_bio(bio.get(), key.native());
-    return contents(bio.get());
+    return contents_of(bio.get());
+}
+
+std::vector<std::byte> contents_of(BIO* bio)
+{
+    char* text = nullptr;
+    const long size = BIO_get_mem_data(bio, &text);
+    const auto bytes = std::as_bytes(std::span{text, static_cast<std::size_t>(size)});
+    return {bytes.begin(), bytes.end()};
 }
 
 std::vector<std::byte> pem_of(const crypto::Certificate& certificate)
 {
     const Bio bio{BIO_new(BIO_s_mem())};
     PEM_write_bio_X509(bio.get(), certificate.native());
-    return contents(bio.get());
+    return contents_of(bio.get());
 }
 
 } // namespace busbar::test

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <openssl/types.h>
+
 #include <busbar/crypto/private_key.hpp>
 
 /// Certificates of every kind, right and wrong, made by the tests themselves.
@@ -59,5 +61,8 @@ struct Issued {
                                                    const std::string& passphrase, bool as_pem);
 [[nodiscard]] std::vector<std::byte> plain_der_key(const crypto::PrivateKey& key);
 [[nodiscard]] std::vector<std::byte> pem_of(const crypto::Certificate& certificate);
+
+/// Returns a copy of what was written to a BIO in memory.
+[[nodiscard]] std::vector<std::byte> contents_of(BIO* bio);
 
 } // namespace busbar::test

@@ -6,6 +6,8 @@
 #include "issuing.hpp"
 #include "jwt_maker.hpp"
 
+namespace jwt_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::JwtAlgorithm;
@@ -313,3 +315,5 @@ TEST_CASE("claims that are read in two ways, or are too many, are malformed")
     }
     CHECK(with(values + "]") == status::Bad_IdentityTokenInvalid);
 }
+
+} // namespace jwt_test

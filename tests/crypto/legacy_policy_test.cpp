@@ -13,6 +13,8 @@
 #include "issuing.hpp"
 #include "support/seeded_random.hpp"
 
+namespace legacy_policy_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::Bytes;
@@ -216,3 +218,5 @@ TEST_CASE("keys out of the policy's range sign and decrypt nothing", "[crypto][a
         }
     }
 }
+
+} // namespace legacy_policy_test

@@ -11,6 +11,8 @@
 #include "own_store.hpp"
 #include "status_text.hpp"
 
+namespace own_certificate_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -395,3 +397,5 @@ TEST_CASE("a certificate and key from elsewhere are installed",
     refused(store, [&] { return store.store.install({{ca().certificate}, issued.key}, uri); });
     refused(store, [&] { return store.store.install({{}, issued.key}, uri); });
 }
+
+} // namespace own_certificate_test

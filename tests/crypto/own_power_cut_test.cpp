@@ -4,6 +4,8 @@
 #include "own_store.hpp"
 #include "support/failing_disk.hpp"
 
+namespace own_power_cut_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -269,3 +271,5 @@ TEST_CASE("two power cuts in a row lose no key", "[crypto][own][power]")
         }
     }
 }
+
+} // namespace own_power_cut_test

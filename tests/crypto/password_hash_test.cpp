@@ -7,6 +7,8 @@
 
 #include "support/seeded_random.hpp"
 
+namespace password_hash_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::PasswordCost;
@@ -135,3 +137,5 @@ TEST_CASE("what a hash takes in memory", "[crypto][password]")
         CHECK(crypto::verify_password("password", *stored));
     }
 }
+
+} // namespace password_hash_test

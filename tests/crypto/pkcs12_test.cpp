@@ -14,6 +14,8 @@
 #include "issuing.hpp"
 #include "status_text.hpp"
 
+namespace pkcs12_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::read_pkcs12;
@@ -346,3 +348,5 @@ TEST_CASE("a damaged file is refused or gives the same", "[crypto][pkcs12][hosti
         }
     }
 }
+
+} // namespace pkcs12_test

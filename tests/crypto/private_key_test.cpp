@@ -17,6 +17,8 @@
 #include "issuing.hpp"
 #include "status_text.hpp"
 
+namespace private_key_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::CertificateSubject;
@@ -210,3 +212,5 @@ TEST_CASE("what cannot stand in a certificate is refused", "[crypto][certificate
     CHECK(refuses([](auto& s) { s.valid_days = 0; }));
     CHECK(refuses([](auto& s) { s.valid_days = 0xFFFF'FFFF; }));
 }
+
+} // namespace private_key_test

@@ -3,6 +3,8 @@
 #include "judging.hpp"
 #include "support/seeded_random.hpp"
 
+namespace revocation_list_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::RevocationList;
@@ -201,3 +203,5 @@ TEST_CASE("a revocation list is limited in size", "[crypto][revocation][hostile]
     const std::vector<std::byte> text(2 * RevocationList::max_size + 1, std::byte{'-'});
     CHECK_FALSE(RevocationList::parse_file(text));
 }
+
+} // namespace revocation_list_test

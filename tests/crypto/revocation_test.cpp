@@ -1,5 +1,7 @@
 #include "judging.hpp"
 
+namespace revocation_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -171,3 +173,5 @@ TEST_CASE("Table 100: Revocation Check by the newest list", "[crypto][validation
     judge.settings.suppress_find_revocation_list = true;
     CHECK(judge.verdict(leaf) == status::Bad_CertificateRevoked);
 }
+
+} // namespace revocation_test

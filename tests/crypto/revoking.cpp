@@ -78,14 +78,6 @@ void add_extensions(X509_CRL* list, X509* issuer, const RevocationOptions& optio
     }
 }
 
-std::vector<std::byte> contents(BIO* bio)
-{
-    char* text = nullptr;
-    const long size = BIO_get_mem_data(bio, &text);
-    const auto bytes = std::as_bytes(std::span{text, static_cast<std::size_t>(size)});
-    return {bytes.begin(), bytes.end()};
-}
-
 } // namespace
 
 crypto::RevocationList revoke(const Issued& issuer, const RevocationOptions& options)
@@ -103,14 +95,14 @@ crypto::RevocationList revoke(const Issued& issuer, const RevocationOptions& opt
     X509_CRL_sign(list.get(), issuer.key.native(), EVP_get_digestbyname(options.digest));
     const Bio bio{BIO_new(BIO_s_mem())};
     i2d_X509_CRL_bio(bio.get(), list.get());
-    return *crypto::RevocationList::parse(contents(bio.get()));
+    return *crypto::RevocationList::parse(contents_of(bio.get()));
 }
 
 std::vector<std::byte> pem_of(const crypto::RevocationList& list)
 {
     const Bio bio{BIO_new(BIO_s_mem())};
     PEM_write_bio_X509_CRL(bio.get(), list.native());
-    return contents(bio.get());
+    return contents_of(bio.get());
 }
 
 } // namespace busbar::test

@@ -8,6 +8,8 @@
 #include "hex.hpp"
 #include "support/seeded_random.hpp"
 
+namespace secret_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::Secret;
@@ -143,3 +145,5 @@ TEST_CASE("texts that are no hash verify nothing", "[crypto][password]")
     CHECK_FALSE(crypto::is_password_hash("$argon2$14$8$1$" + rest));
     CHECK_FALSE(crypto::is_password_hash("x"));
 }
+
+} // namespace secret_test

@@ -7,6 +7,8 @@
 #include "issuing.hpp"
 #include "status_text.hpp"
 
+namespace signing_request_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::CertificateSubject;
@@ -172,3 +174,5 @@ TEST_CASE("what cannot stand in a request is refused", "[crypto][request][hostil
     CHECK(refuses([](auto& s) { s.dns_names = {""}; }));
     CHECK(refuses([](auto& s) { s.ip_addresses = {"256.1.1.1"}; }));
 }
+
+} // namespace signing_request_test

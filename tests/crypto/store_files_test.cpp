@@ -3,6 +3,8 @@
 #include "revoking.hpp"
 #include "store_fixture.hpp"
 
+namespace store_files_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::Certificate;
@@ -266,3 +268,5 @@ TEST_CASE("a crowd of other files in rejected stops the saving", "[crypto][store
     none.store.reject(stranger(), now);
     CHECK(fixture.log.lines.size() >= 1);
 }
+
+} // namespace store_files_test

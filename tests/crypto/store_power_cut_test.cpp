@@ -4,6 +4,8 @@
 #include "store_fixture.hpp"
 #include "support/failing_disk.hpp"
 
+namespace store_power_cut_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::Certificate;
@@ -318,3 +320,5 @@ TEST_CASE("a file that did not change is not read again", "[crypto][store]")
     CHECK(reads(long_after()) == 1);
     CHECK(reads(long_after()) == 0);
 }
+
+} // namespace store_power_cut_test

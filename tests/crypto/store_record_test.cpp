@@ -9,6 +9,8 @@
 
 #include "revoking.hpp"
 
+namespace store_record_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::CertificateStore;
@@ -72,3 +74,5 @@ TEST_CASE_METHOD(RecordedStore, "a certificate is told as refused before it is t
     CHECK_FALSE(validator.validate({issue({}, key_number(1)).certificate}, context));
     CHECK(ear.records == Lines{"CertificateRefused DER", "CertificateSaved DER"});
 }
+
+} // namespace store_record_test

@@ -3,6 +3,8 @@
 #include "revoking.hpp"
 #include "store_fixture.hpp"
 
+namespace store_validator_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::Certificate;
@@ -135,3 +137,5 @@ TEST_CASE("the insecure validator still wants a key of the policy", "[crypto][st
     strict.min_key_bits = 3072;
     CHECK_FALSE(any.validate({leaf.certificate}, {&strict, now, {}}));
 }
+
+} // namespace store_validator_test

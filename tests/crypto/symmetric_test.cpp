@@ -8,6 +8,8 @@
 #include "hex.hpp"
 #include "support/seeded_random.hpp"
 
+namespace symmetric_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::Secret;
@@ -256,3 +258,5 @@ TEST_CASE("a cipher that moved still works", "[crypto][symmetric]")
     REQUIRE(second.decrypt(data));
     CHECK(data == plain);
 }
+
+} // namespace symmetric_test

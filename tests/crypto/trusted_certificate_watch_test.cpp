@@ -7,6 +7,8 @@
 
 #include "issuing.hpp"
 
+namespace trusted_certificate_watch_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::Certificate;
@@ -62,3 +64,5 @@ TEST_CASE("a certificate of a list that expires is told once while it is there",
     static_cast<void>(watch.check(again, in_days(104)));
     CHECK(log.lists.size() == 3);
 }
+
+} // namespace trusted_certificate_watch_test

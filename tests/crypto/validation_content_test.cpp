@@ -1,5 +1,7 @@
 #include "judging.hpp"
 
+namespace validation_content_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::CertificatePurpose;
@@ -259,3 +261,5 @@ TEST_CASE("Table 100: Certificate Usage of issuers", "[crypto][validation]")
           status::Bad_CertificateIssuerUseNotAllowed);
     CHECK(judge.explains("Certificate Usage", root, {"pathLenConstraint"}));
 }
+
+} // namespace validation_content_test

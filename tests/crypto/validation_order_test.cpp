@@ -2,6 +2,8 @@
 
 #include "judging.hpp"
 
+namespace validation_order_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::CertificateChain;
@@ -125,3 +127,5 @@ TEST_CASE("Table 100: a step is suppressed by its own setting alone", "[crypto][
     judge.knows_issuer(family.root);
     check(judge, chain, {status::Bad_CertificateUntrusted, nullptr});
 }
+
+} // namespace validation_order_test

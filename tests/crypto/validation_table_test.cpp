@@ -1,6 +1,8 @@
 #include "hex.hpp"
 #include "judging.hpp"
 
+namespace validation_table_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using crypto::Certificate;
@@ -200,3 +202,5 @@ TEST_CASE("Table 100: Trust List Check",
         CHECK(judge.verdict(family.leaf) == good);
     }
 }
+
+} // namespace validation_table_test

@@ -8,6 +8,8 @@
 #include <busbar/server/memory_source.hpp>
 #include <busbar/types/ids.hpp>
 
+namespace bench_test {
+
 using namespace busbar;
 using namespace busbar::harness;
 using namespace std::chrono_literals;
@@ -234,3 +236,5 @@ TEST_CASE("matchers say what they want", "[harness]")
     CHECK(stringify(Result<int>{fail(status::Bad_Timeout)}) == "Bad_Timeout");
     CHECK(stringify(Result<void>{}) == "a value");
 }
+
+} // namespace bench_test

@@ -4,6 +4,8 @@
 
 #include "fault_plant.hpp"
 
+namespace client_fault_test {
+
 using namespace busbar;
 using namespace busbar::harness;
 using namespace std::chrono_literals;
@@ -314,3 +316,5 @@ TEST_CASE("a Client makes its Subscription anew that has timed out", "[harness]"
     survive(plant, Loss::Possible);
     CHECK(plant.gaps.size() == 1);
 }
+
+} // namespace client_fault_test

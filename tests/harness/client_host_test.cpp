@@ -7,6 +7,8 @@
 #include <busbar/harness/client_host.hpp>
 #include <busbar/types/discovery.hpp>
 
+namespace client_host_test {
+
 using namespace busbar;
 using namespace busbar::harness;
 using namespace std::chrono_literals;
@@ -127,3 +129,5 @@ TEST_CASE("a connection that is not there answers at once", "[harness]")
     host.drop();
     CHECK(host.open().has_value());
 }
+
+} // namespace client_host_test

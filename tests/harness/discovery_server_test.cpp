@@ -7,10 +7,12 @@
 
 #include "discovery_world.hpp"
 
+namespace discovery_server_test {
+
 using namespace busbar;
 using namespace busbar::harness;
 using namespace std::chrono_literals;
-using test::server_uri;
+using busbar::test::server_uri;
 
 namespace {
 
@@ -152,3 +154,5 @@ TEST_CASE("servers that gave their mDNS configuration are found as those of the 
     CHECK(found(0, 1, {}) == "1 Press two;");
     CHECK(found(0, 0, {"hd"}) == "2 Press 1;");
 }
+
+} // namespace discovery_server_test

@@ -4,6 +4,8 @@
 #include <busbar/harness/identity.hpp>
 #include <busbar/server/memory_source.hpp>
 
+namespace fault_test {
+
 using namespace busbar;
 using namespace busbar::harness;
 using namespace std::chrono_literals;
@@ -269,3 +271,5 @@ TEST_CASE("a certificate that is another than the client knows is refused", "[ha
     CHECK(accepted.read(state).status == status::Bad_SecureChannelClosed);
     CHECK(accepted.world().network().pending_faults() == "answer Bad_Timeout at ReadRequest 1\n");
 }
+
+} // namespace fault_test

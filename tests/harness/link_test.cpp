@@ -7,6 +7,8 @@
 #include <busbar/harness/link.hpp>
 #include <busbar/harness/world.hpp>
 
+namespace link_test {
+
 using namespace busbar;
 using namespace busbar::harness;
 using namespace std::chrono_literals;
@@ -275,3 +277,5 @@ TEST_CASE("a network cuts all its connections at once", "[harness]")
     world.network().play(fault::jump_clock(1h));
     CHECK(world.clock().now().ticks - before.ticks == 36'000'000'000);
 }
+
+} // namespace link_test

@@ -10,6 +10,8 @@
 #include <busbar/harness/replay.hpp>
 #include <busbar/server/memory_source.hpp>
 
+namespace recording_test {
+
 using namespace busbar;
 using namespace busbar::harness;
 using namespace std::chrono_literals;
@@ -289,3 +291,5 @@ TEST_CASE("tshark decodes a capture as OPC UA", "[harness]")
     CHECK_THAT(types, Catch::Contains("1\t1\n") && !Catch::Contains("\t0\n")); // 1 is good
     std::filesystem::remove(file);
 }
+
+} // namespace recording_test

@@ -6,12 +6,14 @@
 
 #include "discovery_world.hpp"
 
+namespace registration_answers_test {
+
 using namespace busbar;
 using namespace busbar::harness;
 using namespace std::chrono_literals;
-using test::discovery_url;
-using test::open_client;
-using test::press;
+using busbar::test::discovery_url;
+using busbar::test::open_client;
+using busbar::test::press;
 
 TEST_CASE("some old discovery servers close the connection", "[registration]")
 {
@@ -109,3 +111,5 @@ TEST_CASE("what is said of the mDNS configuration does not matter", "[registrati
     CHECK(press_server.await_registered(true, 5s));
     CHECK(world.log().contains("mDNS: Bad_NotSupported"));
 }
+
+} // namespace registration_answers_test

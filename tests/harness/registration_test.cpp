@@ -12,15 +12,17 @@
 
 #include "discovery_world.hpp"
 
+namespace registration_test {
+
 using namespace busbar;
 using namespace busbar::harness;
 using namespace std::chrono_literals;
-using test::discovery_url;
-using test::found_servers;
-using test::open_client;
-using test::open_wishes;
-using test::press;
-using test::server_uri;
+using busbar::test::discovery_url;
+using busbar::test::found_servers;
+using busbar::test::open_client;
+using busbar::test::open_wishes;
+using busbar::test::press;
+using busbar::test::server_uri;
 
 namespace {
 
@@ -367,3 +369,5 @@ TEST_CASE("settings that a discovery server would refuse are refused before", "[
     CHECK(refused([](auto& s) { s.interval = 9s; }) == status::Bad_OutOfRange);
     CHECK(refused([](auto& s) { s.interval = 601s; }) == status::Bad_OutOfRange);
 }
+
+} // namespace registration_test

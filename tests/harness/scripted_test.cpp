@@ -7,6 +7,8 @@
 #include <busbar/types/discovery.hpp>
 #include <busbar/types/session.hpp>
 
+namespace scripted_test {
+
 using namespace busbar;
 using namespace busbar::harness;
 using namespace std::chrono_literals;
@@ -238,3 +240,5 @@ TEST_CASE("values are shown as a test wants to read them", "[harness]")
     CHECK(text_of(timed) == "Byte 3, server 1970-01-01T00:00:00Z");
     CHECK(Catch::Detail::stringify(NodeId{1, "Level"}) == "ns=1;s=Level");
 }
+
+} // namespace scripted_test

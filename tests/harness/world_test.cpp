@@ -7,6 +7,8 @@
 #include <busbar/harness/link.hpp>
 #include <busbar/harness/world.hpp>
 
+namespace world_test {
+
 using namespace busbar;
 using namespace busbar::harness;
 using namespace std::chrono_literals;
@@ -138,3 +140,5 @@ TEST_CASE("a world runs in real time under a driver that has the clock", "[harne
     CHECK(heard == "signal alarm ");
     CHECK(rounds < 10);
 }
+
+} // namespace world_test

@@ -2,7 +2,7 @@
 
 #include "model_fixture.hpp"
 
-namespace busbar::model {
+namespace busbar::model::address_space_test {
 
 using Names = std::vector<std::string>;
 
@@ -428,4 +428,4 @@ TEST_CASE_METHOD(ModelFixture, "Nodes are found together as one by one")
     CHECK(together == one_by_one);
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::address_space_test

@@ -2,7 +2,7 @@
 
 #include "model_fixture.hpp"
 
-namespace busbar::model {
+namespace busbar::model::bound_value_test {
 
 namespace {
 
@@ -145,4 +145,4 @@ TEST_CASE("Access has the bits of AccessLevelType")
     CHECK((Access::All & Access::Write) == Access::Write);
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::bound_value_test

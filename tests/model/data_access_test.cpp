@@ -7,7 +7,7 @@
 
 #include "model_fixture.hpp"
 
-namespace busbar::model {
+namespace busbar::model::data_access_test {
 
 namespace {
 
@@ -307,4 +307,4 @@ TEST_CASE_METHOD(DataAccessFixture, "Array items that make no sense are refused 
     CHECK(structure<Range>(node, "InstrumentRange") == Range{-1, 100});
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::data_access_test

@@ -11,7 +11,7 @@
 #include "model_fixture.hpp"
 #include "support/random_dynamic.hpp"
 
-namespace busbar::model {
+namespace busbar::model::data_types_test {
 
 using binary::DynamicType;
 
@@ -307,4 +307,4 @@ TEST_CASE_METHOD(ModelFixture, "Names go into the Property that the values ask f
     CHECK((*values.array_if<ExtensionObject>())[1].get_if<EnumValueType>()->value == 4);
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::data_types_test

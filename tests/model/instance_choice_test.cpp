@@ -2,7 +2,7 @@
 
 #include "instance_fixture.hpp"
 
-namespace busbar::model {
+namespace busbar::model::instance_choice_test {
 
 TEST_CASE_METHOD(InstanceFixture, "Optional members can be added later")
 {
@@ -319,4 +319,4 @@ TEST_CASE_METHOD(InstanceFixture, "Types of namespace 0 have instances too")
           status::Bad_NodeAttributesInvalid);
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::instance_choice_test

@@ -2,7 +2,7 @@
 
 #include "instance_fixture.hpp"
 
-namespace busbar::model {
+namespace busbar::model::instance_test {
 
 TEST_CASE_METHOD(InstanceFixture, "An instance has what is Mandatory and what was chosen")
 {
@@ -204,4 +204,4 @@ TEST_CASE_METHOD(InstanceFixture, "An AddIn has the BrowseName that its type say
           status::Bad_BrowseNameDuplicated);
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::instance_test

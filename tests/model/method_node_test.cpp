@@ -2,7 +2,7 @@
 
 #include "model_fixture.hpp"
 
-namespace busbar::model {
+namespace busbar::model::method_node_test {
 
 namespace {
 
@@ -95,4 +95,4 @@ TEST_CASE_METHOD(ModelFixture, "Executable can be set, and a Method be bound, la
     }
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::method_node_test

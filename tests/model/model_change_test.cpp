@@ -2,7 +2,7 @@
 
 #include "model_fixture.hpp"
 
-namespace busbar::model {
+namespace busbar::model::model_change_test {
 
 namespace {
 
@@ -143,4 +143,4 @@ TEST_CASE_METHOD(ChangeFixture, "What a removal takes along can be asked for")
     CHECK(seen == std::vector<NodeIndex>{folder});
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::model_change_test

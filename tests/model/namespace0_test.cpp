@@ -6,7 +6,7 @@
 
 #include "model_fixture.hpp"
 
-namespace busbar::model {
+namespace busbar::model::namespace0_test {
 
 namespace {
 
@@ -166,4 +166,4 @@ TEST_CASE("InputArguments and DataTypeDefinitions are those of the specification
     CHECK(token->fields[0].name == "PolicyId");
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::namespace0_test

@@ -9,7 +9,7 @@
 #include "model/graft.hpp"
 #include "model_fixture.hpp"
 
-namespace busbar::model {
+namespace busbar::model::node_watch_test {
 
 namespace {
 
@@ -256,4 +256,4 @@ TEST_CASE_METHOD(WatchFixture, "Nodes that come at once are told of, and that th
     CHECK(existence.is_removed);
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::node_watch_test

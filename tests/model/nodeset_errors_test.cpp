@@ -2,7 +2,7 @@
 
 #include <model/graft.hpp>
 
-namespace busbar::model {
+namespace busbar::model::nodeset_errors_test {
 
 namespace {
 
@@ -208,4 +208,4 @@ TEST_CASE_METHOD(NodeSetFixture, "Nodes, types and namespaces that were not kept
     CHECK_FALSE(space.namespace_index("urn:new"));
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::nodeset_errors_test

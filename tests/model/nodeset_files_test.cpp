@@ -11,7 +11,7 @@
 // NodeSet2 files that are not part of the repository: those of the folders in the environment
 // variable BUSBAR_NODESETS, separated by colons.
 
-namespace busbar::model {
+namespace busbar::model::nodeset_files_test {
 
 namespace {
 
@@ -150,4 +150,4 @@ TEST_CASE_METHOD(NodeSetFixture, "Published NodeSets load together and re-read e
     }
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::nodeset_files_test

@@ -2,7 +2,7 @@
 
 #include <line/nodes.hpp>
 
-namespace busbar::model {
+namespace busbar::model::nodeset_load_test {
 
 namespace {
 
@@ -365,4 +365,4 @@ TEST_CASE_METHOD(NodeSetFixture, "Long files take no longer than they must")
     check_write_back(space, AddressSpace{}, {1}, summary);
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::nodeset_load_test

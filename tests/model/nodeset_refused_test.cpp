@@ -1,6 +1,6 @@
 #include "nodeset_fixture.hpp"
 
-namespace busbar::model {
+namespace busbar::model::nodeset_refused_test {
 
 namespace {
 
@@ -306,4 +306,4 @@ TEST_CASE_METHOD(NodeSetFixture, "Nodes of namespace 0 that are there are not lo
     CHECK(space.browse_name(space.find(id::FolderType)) == QualifiedName{0, "FolderType"});
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::nodeset_refused_test

@@ -1,6 +1,6 @@
 #include "nodeset_fixture.hpp"
 
-namespace busbar::model {
+namespace busbar::model::nodeset_value_errors_test {
 
 namespace {
 
@@ -153,4 +153,4 @@ TEST_CASE_METHOD(FaultyValue, "A structure has at most 32 optional fields")
     check_write_back(space, AddressSpace{}, {1}, summary);
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::nodeset_value_errors_test

@@ -4,7 +4,7 @@
 
 #include <busbar/binary/codec.hpp>
 
-namespace busbar::model {
+namespace busbar::model::nodeset_value_test {
 
 namespace {
 
@@ -328,4 +328,4 @@ TEST_CASE_METHOD(ValueFixture, "What is not known is kept as it is")
           Variant{Array<ExtensionObject>{ExtensionObject{}}});
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::nodeset_value_test

@@ -3,7 +3,7 @@
 #include <busbar/binary/codec.hpp>
 #include <busbar/types/types.hpp>
 
-namespace busbar::model {
+namespace busbar::model::nodeset_write_test {
 
 namespace {
 
@@ -195,4 +195,4 @@ TEST_CASE_METHOD(WriteFixture, "Definitions are written with all that a field sa
     CHECK_FALSE(has(last.substr(0, last.find("</UADataType>")), "<Definition"));
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::nodeset_write_test

@@ -4,7 +4,7 @@
 
 #include "model_fixture.hpp"
 
-namespace busbar::model {
+namespace busbar::model::relative_path_test {
 
 namespace {
 
@@ -125,4 +125,4 @@ TEST_CASE_METHOD(PathFixture, "A relative path without a text says why")
           status::Bad_BrowseNameInvalid);
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::relative_path_test

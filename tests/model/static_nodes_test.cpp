@@ -4,7 +4,7 @@
 
 #include "model_fixture.hpp"
 
-namespace busbar::model {
+namespace busbar::model::static_nodes_test {
 
 namespace {
 
@@ -65,4 +65,4 @@ TEST_CASE_METHOD(LineFixture, "They are added once, and removed like any others"
     CHECK(space.references(at("Belt")).next()->target == objects);
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::static_nodes_test

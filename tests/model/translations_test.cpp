@@ -3,6 +3,8 @@
 #include <busbar/model/address_space.hpp>
 #include <busbar/types/ids.hpp>
 
+namespace translations_test {
+
 using namespace busbar;
 using namespace busbar::model;
 
@@ -139,3 +141,5 @@ TEST_CASE_METHOD(Oven, "B9: texts go with their node, and constant nodes have th
     CHECK(set(AttributeId::InverseName, "de", "geordnet von") == status::Good);
     CHECK(texts(AttributeId::InverseName) == Texts{inverse, {"de", "geordnet von"}});
 }
+
+} // namespace translations_test

@@ -4,7 +4,7 @@
 
 #include "model_fixture.hpp"
 
-namespace busbar::model {
+namespace busbar::model::type_test {
 
 TEST_CASE_METHOD(ModelFixture, "Subtypes are known of constant and of dynamic types")
 {
@@ -133,4 +133,4 @@ TEST_CASE_METHOD(ModelFixture, "Values are checked against DataType, ValueRank a
     CHECK(check(Variant{ExtensionObject{}}, id::Argument, -1));
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::type_test

@@ -4,7 +4,7 @@
 #include <busbar/types/ids.hpp>
 
 /// Types whose being there, at their place, is a conformance unit (Part 7, Base Information).
-namespace busbar::model {
+namespace busbar::model::unit_types_test {
 
 namespace {
 
@@ -160,4 +160,4 @@ TEST_CASE("Folders of types, base types and ModellingRules are where clients loo
     }
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::unit_types_test

@@ -25,6 +25,8 @@
 #include "machine.hpp"
 #include "support/failing_allocation.hpp"
 
+namespace allocation_failure_test {
+
 /// D3: a loop that takes peers with the k-th of its allocations failing, for k = 1, 2, ... until it
 /// goes well. Server and peers have one thread: the peers do their part in work that is posted.
 using namespace busbar;
@@ -269,3 +271,5 @@ TEST_CASE("D3: a loop takes peers again after an allocation that fails", "[net]"
     CHECK(visits.k > 10);
     CHECK((most != 1 || loop.log.contains("no memory"))); // else there is none for the log either
 }
+
+} // namespace allocation_failure_test

@@ -11,8 +11,10 @@
 #include "support/identity.hpp"
 #include "support/temporary_folder.hpp"
 
+namespace application_test {
+
 using namespace busbar;
-using test::TemporaryFolder;
+using busbar::test::TemporaryFolder;
 namespace fs = std::filesystem;
 
 namespace {
@@ -82,3 +84,5 @@ TEST_CASE("an application says what is wrong with its folder", "[net]")
         CHECK(text(application.error()).find("own") != std::string::npos);
     }
 }
+
+} // namespace application_test

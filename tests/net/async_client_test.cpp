@@ -24,10 +24,12 @@
 
 #include "machine.hpp"
 
+namespace async_client_test {
+
 using namespace busbar;
 using namespace std::chrono_literals;
 using client::ClientState;
-using test::Machine;
+using busbar::test::Machine;
 
 namespace {
 
@@ -274,3 +276,5 @@ TEST_CASE("a coroutine that lost interest cancels", "[net][client]")
     CHECK(first.get() == 1);
 }
 #endif
+
+} // namespace async_client_test

@@ -17,10 +17,12 @@
 #include "net/client_driver.hpp"
 #include "support/identity.hpp"
 
+namespace blocking_client_test {
+
 using namespace busbar;
 using namespace std::chrono_literals;
 using client::ClientState;
-using test::Machine;
+using busbar::test::Machine;
 
 namespace {
 
@@ -292,3 +294,5 @@ TEST_CASE("a blocking client looks up when something can be read, once in each c
     ::close(file);
     CHECK(user.client.run_for(1ms));
 }
+
+} // namespace blocking_client_test

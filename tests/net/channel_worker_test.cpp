@@ -13,6 +13,8 @@
 #include "machine.hpp"
 #include "support/identity.hpp"
 
+namespace channel_worker_test {
+
 // Channels whose asymmetric work is done on a thread of its own.
 
 using namespace busbar;
@@ -180,3 +182,5 @@ TEST_CASE("a server stops while its worker has channels")
         second.wait();
     }
 }
+
+} // namespace channel_worker_test

@@ -21,6 +21,8 @@
 #include "net/client_driver.hpp"
 #include "support/identity.hpp"
 
+namespace client_driver_test {
+
 // How a client leaves connections, and what it does when it is to have another one.
 
 using namespace busbar;
@@ -332,3 +334,5 @@ TEST_CASE("a client that is given another listener takes nothing from the one be
     }
     CHECK(client.client().state() == ClientState::Ready);
 }
+
+} // namespace client_driver_test

@@ -8,6 +8,8 @@
 #include "full_port.hpp"
 #include "station.hpp"
 
+namespace client_loop_test {
+
 // What a ClientLoop says of servers that are not there, or not any more.
 
 using namespace busbar;
@@ -120,3 +122,5 @@ TEST_CASE("a loop tells what becomes of a request whose server goes", "[net][cli
     REQUIRE(closed);
     CHECK(closed->kind == Kind::Closed);
 }
+
+} // namespace client_loop_test

@@ -16,6 +16,8 @@
 #include "full_port.hpp"
 #include "net/connector.hpp"
 
+namespace connector_test {
+
 using namespace busbar;
 using namespace std::chrono_literals;
 using asio::ip::tcp;
@@ -180,3 +182,5 @@ TEST_CASE("an attempt that is cancelled is not heard of", "[net][client]")
     peer.read_some(asio::buffer(byte), end);
     CHECK(end);
 }
+
+} // namespace connector_test

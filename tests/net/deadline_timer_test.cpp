@@ -7,6 +7,8 @@
 
 #include "net/clock.hpp"
 
+namespace deadline_timer_test {
+
 using namespace busbar;
 using net::detail::now;
 using std::chrono::hours;
@@ -89,3 +91,5 @@ TEST_CASE("a deadline that is put off while it is called is waited for")
     context.run();
     CHECK(calls == 3);
 }
+
+} // namespace deadline_timer_test

@@ -10,6 +10,8 @@
 
 #include "support/temporary_folder.hpp"
 
+namespace first_tier_test {
+
 using namespace busbar;
 using model::Access;
 
@@ -92,3 +94,5 @@ TEST_CASE("the first tier of headers is enough for a whole server", "[net]")
     event.severity = 700;
     CHECK(app.server()->raise_event(std::move(event)));
 }
+
+} // namespace first_tier_test

@@ -12,6 +12,8 @@
 
 #include "machine.hpp"
 
+namespace handover_test {
+
 // Another server behind the same listeners.
 
 using namespace busbar;
@@ -350,3 +352,5 @@ TEST_CASE("the next server connects to clients that listen", "[net][reverse]")
     plant.replace(*next.made);
     CHECK(guest.await(next) == 2);
 }
+
+} // namespace handover_test

@@ -15,6 +15,8 @@
 
 #include "support/identity.hpp"
 
+namespace key_log_file_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using net::KeyLogFile;
@@ -159,3 +161,5 @@ TEST_CASE("keys that there is no room for are lost, and the log says so", "[net]
     (*file)->write("\nnext\n");
     CHECK(contents(path) == "01234567\nnext\n");
 }
+
+} // namespace key_log_file_test

@@ -9,12 +9,14 @@
 
 #include "station.hpp"
 
+namespace link_test {
+
 // What peers do to the connections of a server.
 
 using namespace busbar;
 using namespace std::chrono_literals;
-using test::BareClient;
-using test::Station;
+using busbar::test::BareClient;
+using busbar::test::Station;
 
 namespace {
 
@@ -122,3 +124,5 @@ TEST_CASE("a peer that is gone before it is accepted takes no place", "[net]")
     CHECK(station.ask([&] { return station.server().connection_count(); }) == 1);
     CHECK_FALSE(station.log.contains("no place"));
 }
+
+} // namespace link_test

@@ -22,6 +22,8 @@
 #include "machine.hpp"
 #include "net/listener.hpp"
 
+namespace listener_test {
+
 using namespace busbar;
 using asio::ip::tcp;
 
@@ -302,3 +304,5 @@ TEST_CASE("SIGHUP calls the handler each time (D6)", "[net]")
     }
     CHECK(calls == 2);
 }
+
+} // namespace listener_test

@@ -4,9 +4,11 @@
 
 #include "machine.hpp"
 
+namespace loop_test {
+
 using namespace busbar;
 using namespace std::chrono_literals;
-using test::Machine;
+using busbar::test::Machine;
 
 namespace {
 
@@ -165,3 +167,5 @@ TEST_CASE("a server that no discovery server takes serves and stops as ever", "[
     thread.join();
     CHECK(server->is_stopped());
 }
+
+} // namespace loop_test

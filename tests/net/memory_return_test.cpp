@@ -2,6 +2,8 @@
 
 #include "net/memory_return.hpp"
 
+namespace memory_return_test {
+
 using namespace busbar;
 using net::detail::MemoryReturn;
 
@@ -77,3 +79,5 @@ TEST_CASE("E9: free memory can be given back at any time", "[memory_return]")
     net::detail::return_free_memory();
     CHECK(net::detail::process_memory().resident <= std::size_t{1} << 40U);
 }
+
+} // namespace memory_return_test

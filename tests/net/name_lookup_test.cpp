@@ -12,6 +12,8 @@
 
 #include "net/name_lookup.hpp"
 
+namespace name_lookup_test {
+
 using namespace busbar;
 using net::detail::NameLookup;
 
@@ -176,3 +178,5 @@ TEST_CASE("the system knows its own addresses, and that a name is too long to be
     // Longer than a label may be: no name server is asked.
     CHECK(net::detail::system_lookup(std::string(64, 'x') + ".example").empty());
 }
+
+} // namespace name_lookup_test

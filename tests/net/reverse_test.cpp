@@ -20,11 +20,13 @@
 #include "net/reverse_queue.hpp"
 #include "support/identity.hpp"
 
+namespace reverse_test {
+
 using namespace busbar;
 using namespace std::chrono_literals;
 using asio::ip::tcp;
 using client::ClientState;
-using test::Machine;
+using busbar::test::Machine;
 
 namespace {
 
@@ -365,3 +367,5 @@ TEST_CASE("a client may expect a URL, an application, or both", "[net][reverse]"
     CHECK_FALSE(Expected{uri, url}.is_met_by(uri, "plc"));
     CHECK_FALSE(Expected{"", ""}.is_met_by(uri, url));
 }
+
+} // namespace reverse_test

@@ -15,6 +15,8 @@
 
 #include "support/temporary_folder.hpp"
 
+namespace server_app_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -223,3 +225,5 @@ TEST_CASE("a ServerApp has no more namespaces than an index can name", "[net]")
     CHECK(app.status().error().where == "namespace \"urn:example:" + std::to_string(added) + "\"");
     CHECK(app.run() == 1);
 }
+
+} // namespace server_app_test

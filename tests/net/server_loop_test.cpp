@@ -10,13 +10,15 @@
 
 #include "station.hpp"
 
+namespace server_loop_test {
+
 // What a loop is told while it runs, and how it ends.
 
 using namespace busbar;
 using namespace std::chrono_literals;
 using asio::ip::tcp;
-using test::BareClient;
-using test::Station;
+using busbar::test::BareClient;
+using busbar::test::Station;
 
 namespace {
 
@@ -164,3 +166,5 @@ TEST_CASE("a server without a place for a client that listens says nothing and c
         CHECK(end == asio::error::eof);
     }
 }
+
+} // namespace server_loop_test

@@ -15,6 +15,8 @@
 
 #include "machine.hpp"
 
+namespace system_calls_test {
+
 /// What a server asks of the system for a request. This program has functions of its own in the
 /// place of those of the C library by which the loop does that; they count and go on there.
 using namespace busbar;
@@ -126,3 +128,5 @@ TEST_CASE("G4: a request of one value takes four system calls of a server", "[ne
     // And to have the socket waited for again. A timer may come in between, though not each time.
     CHECK(std::min({read(), read(), read()}) <= 4.1);
 }
+
+} // namespace system_calls_test

@@ -17,6 +17,8 @@
 
 #include "support/temporary_folder.hpp"
 
+namespace system_test {
+
 using namespace busbar;
 
 namespace {
@@ -118,3 +120,5 @@ TEST_CASE("the clock follows a time service if the kernel says so", "[net]")
         ::adjtimex(&state) != TIME_ERROR && (state.status & STA_UNSYNC) == 0;
     CHECK(net::is_clock_synchronized() == is_synchronized);
 }
+
+} // namespace system_test

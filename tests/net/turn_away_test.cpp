@@ -14,6 +14,8 @@
 #include "channel/frame.hpp"
 #include "net/turn_away.hpp"
 
+namespace turn_away_test {
+
 using namespace busbar;
 using asio::ip::tcp;
 
@@ -131,3 +133,5 @@ TEST_CASE("a peer that resets the connection cannot be told, and leaves its plac
     door.run();
     CHECK(next.hear_error() == status::Bad_TcpServerTooBusy);
 }
+
+} // namespace turn_away_test

@@ -9,6 +9,8 @@
 #include <busbar/harness/log_book.hpp>
 #include <busbar/net/worker_thread.hpp>
 
+namespace worker_thread_test {
+
 using namespace busbar;
 
 TEST_CASE("a worker does one job after the other, on its own thread")
@@ -54,3 +56,5 @@ TEST_CASE("a worker that has too much to do says so, and stops when it goes")
     }
     CHECK(held.use_count() == 1);
 }
+
+} // namespace worker_thread_test

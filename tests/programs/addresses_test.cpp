@@ -10,6 +10,8 @@
 #include "support/temporary_folder.hpp"
 #include "welcome.hpp"
 
+namespace addresses_test {
+
 using namespace busbar;
 using namespace busbar::example;
 
@@ -142,3 +144,5 @@ TEST_CASE("start-up lines say what has the PLC's scans begin in time (G8)")
     CHECK(
         holds(0, "ordinary priority, ahead of the server; raise it by realtime_priority in [plc]"));
 }
+
+} // namespace addresses_test

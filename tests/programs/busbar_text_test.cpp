@@ -13,6 +13,8 @@
 #include "usage.hpp"
 #include "value_lines.hpp"
 
+namespace busbar_text_test {
+
 using namespace busbar;
 using namespace busbar::cli;
 
@@ -300,3 +302,5 @@ TEST_CASE("files of an execution log are known by their names")
         CHECK_FALSE(admin::is_log_name(name));
     }
 }
+
+} // namespace busbar_text_test

@@ -6,6 +6,8 @@
 
 #include "config.hpp"
 
+namespace config_test {
+
 using namespace busbar;
 using example::Access;
 using example::ConfigError;
@@ -399,3 +401,5 @@ TEST_CASE("folders whose files clients see are configured")
     }
     CHECK_NOTHROW(parse(start + "\"pki2\"")); // a part of the name is no part of the path
 }
+
+} // namespace config_test

@@ -5,6 +5,8 @@
 
 #include "space_builder.hpp"
 
+namespace export_test {
+
 using namespace busbar;
 using namespace busbar::cli;
 
@@ -69,3 +71,5 @@ TEST_CASE("a node that tells of its parent gets no other (C7)")
     CHECK(nodes[0].references.size() == count);
     CHECK(nodes[1].references.size() == 2);
 }
+
+} // namespace export_test

@@ -15,6 +15,8 @@
 #include "support/identity.hpp"
 #include "support/temporary_folder.hpp"
 
+namespace identity_test {
+
 using namespace busbar;
 
 namespace {
@@ -90,3 +92,5 @@ TEST_CASE("identity: the address of hosts is one that other machines may use")
     CHECK(address_of({"press", "press.example"}) == "press");
     CHECK(address_of({}).empty());
 }
+
+} // namespace identity_test

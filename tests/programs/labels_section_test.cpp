@@ -7,6 +7,8 @@
 #include "config.hpp"
 #include "support/temporary_folder.hpp"
 
+namespace labels_section_test {
+
 using namespace busbar;
 using example::ConfigError;
 using example::ControllerConfig;
@@ -80,3 +82,5 @@ TEST_CASE_METHOD(Fixture, "a mistake of the PLC behind a project has its place")
     std::filesystem::remove(path());
     CHECK_THAT(complaint(""), Catch::Contains("plant.toml:2: program: found"));
 }
+
+} // namespace labels_section_test

@@ -9,6 +9,8 @@
 
 #include "programs/controllers.hpp"
 
+namespace large_array_test {
+
 // C4: an array that is larger than the default limits, whole and in parts, between programs.
 
 using namespace busbar;
@@ -197,3 +199,5 @@ TEST_CASE("what limits refuse is told with the key to raise (C4)")
               return numbers;
           }()});
 }
+
+} // namespace large_array_test

@@ -15,6 +15,8 @@
 #include "support/identity.hpp"
 #include "ticker.hpp"
 
+namespace lookout_test {
+
 using namespace busbar;
 using example::Lookout;
 
@@ -165,3 +167,5 @@ TEST_CASE("ticker: it ticks again after the pause that is asked for")
     }
     CHECK(ticks == 3);
 }
+
+} // namespace lookout_test

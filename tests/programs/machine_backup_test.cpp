@@ -5,6 +5,8 @@
 #include <busbar/administration/managed_certificates.hpp>
 #include <busbar/administration/role_list.hpp>
 
+namespace machine_backup_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -222,3 +224,5 @@ TEST_CASE("machine files: the event log is read, and changed by nobody")
     CHECK(files.names() == std::vector<std::string>{"users.json"});
     CHECK(events.names() == std::vector<std::string>{"events.log"});
 }
+
+} // namespace machine_backup_test

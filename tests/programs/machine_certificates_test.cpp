@@ -15,6 +15,8 @@
 
 #include "programs/controllers.hpp"
 
+namespace machine_certificates_test {
+
 // What the logs of a machine say of certificates at its first start (seed 000, 3-2-4 and 5-1-1).
 
 using namespace busbar;
@@ -107,3 +109,5 @@ TEST_CASE("a machine's logs have its new certificate, and a client's that has ex
                has("00000000 Client Certificate Expired: Old panel, ", " Observation");
     }));
 }
+
+} // namespace machine_certificates_test

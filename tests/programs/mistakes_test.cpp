@@ -4,6 +4,8 @@
 
 #include "programs/controllers.hpp"
 
+namespace mistakes_test {
+
 // What people get wrong on the command line, and the line that helps them.
 
 using namespace busbar;
@@ -285,3 +287,5 @@ TEST_CASE("each mistake of a user ends with a line that helps")
         CHECK((line.empty() ? output.empty() : output.find(line) != std::string::npos));
     }
 }
+
+} // namespace mistakes_test

@@ -5,6 +5,8 @@
 #include "config.hpp"
 #include "presets.hpp"
 
+namespace presets_test {
+
 using namespace busbar;
 using namespace busbar::example;
 
@@ -104,3 +106,5 @@ anonymous = "read"
     CHECK_THROWS_WITH(parse_config("[limits]\npreset = \"s7\"\n", "test.toml"),
                       Catch::Contains("test.toml:2") && Catch::Contains("nj501"));
 }
+
+} // namespace presets_test

@@ -7,6 +7,8 @@
 
 #include "print_conformance.hpp"
 
+namespace print_conformance_test {
+
 using namespace busbar;
 
 namespace {
@@ -84,3 +86,5 @@ password = ")" + *crypto::hash_password("engineer-secret", random) +
     }
     CHECK(lacks == std::vector<std::string_view>{"Security ECC Policy"});
 }
+
+} // namespace print_conformance_test

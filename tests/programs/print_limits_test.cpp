@@ -15,6 +15,8 @@
 #include "print_capacities.hpp"
 #include "print_limits.hpp"
 
+namespace print_limits_test {
+
 using namespace busbar;
 using example::describe_limits;
 
@@ -230,3 +232,5 @@ TEST_CASE("README.md has the capacities of the built-in configuration",
     CHECK(example::describe_capacities(parse("[limits]\nsessions = 7\n"))
               .find("| Sessions | 7 | `sessions` |") != std::string::npos);
 }
+
+} // namespace print_limits_test

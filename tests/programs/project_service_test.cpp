@@ -9,6 +9,8 @@
 #include <busbar/storage/memory_storage.hpp>
 #include <busbar/types/ids.hpp>
 
+namespace project_service_test {
+
 using namespace busbar;
 using namespace busbar::example;
 
@@ -142,3 +144,5 @@ TEST_CASE("9.13 Project service: it is for administrators, and for one writer at
     CHECK(transfer.writers == administrators);
     CHECK(transfer.limits.max_written == 1);
 }
+
+} // namespace project_service_test

@@ -8,6 +8,8 @@
 
 #include "support/temporary_folder.hpp"
 
+namespace reading_test {
+
 using namespace busbar;
 
 // What a controller's file, its project and the command line say, and which of them counts.
@@ -65,3 +67,5 @@ TEST_CASE("9.10 reading: what a project says of the certificate", "[9.10]")
     CHECK(names.organizational_unit == "Line 4");
     CHECK(names.country == "DE");
 }
+
+} // namespace reading_test

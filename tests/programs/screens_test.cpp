@@ -5,6 +5,8 @@
 #include "programs/controllers.hpp"
 #include "support/terminal.hpp"
 
+namespace screens_test {
+
 // What `busbar read` shows in terminals of several sizes, cell by cell.
 
 using namespace busbar::test;
@@ -139,3 +141,5 @@ ns=2;s=Grid  Int32[2][3]  <time>
 )";
     CHECK(plant.screen_of({"read", "ns=2;s=Grid"}, {80, 24}) == insecure + grid);
 }
+
+} // namespace screens_test

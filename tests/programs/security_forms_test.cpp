@@ -8,6 +8,8 @@
 
 #include "config.hpp"
 
+namespace security_forms_test {
+
 using namespace busbar;
 using namespace busbar::example;
 
@@ -84,3 +86,5 @@ TEST_CASE("security is told in the ways of two products, too")
         CHECK(complaint.find(said) != std::string::npos);
     }
 }
+
+} // namespace security_forms_test

@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace security_settings_backup_test {
+
 // Settings of who may come in lie with all others, and are apart in a backup.
 
 using namespace busbar;
@@ -56,3 +58,5 @@ TEST_CASE_METHOD(BackupFixture, "machine backup: has security settings apart (3-
     CHECK(there()["settings.json"] ==
           begin + R"("endpoint":["{ policy = 'None' }"],"users.anonymous":"read"}})" + "\n");
 }
+
+} // namespace security_settings_backup_test

@@ -13,6 +13,8 @@
 #include "settings.hpp"
 #include "support/temporary_folder.hpp"
 
+namespace settings_test {
+
 using namespace busbar;
 using namespace busbar::example;
 using administration::Setting;
@@ -291,3 +293,5 @@ TEST_CASE_METHOD(SettingsFixture, "what runs is asked before a change and told a
     CHECK(refusal({{"limits.sessions", Variant{}}}) == "none");
     CHECK(told.back() == 11);
 }
+
+} // namespace settings_test

@@ -18,6 +18,8 @@
 #include "support/seeded_random.hpp"
 #include "support/temporary_folder.hpp"
 
+namespace users_test {
+
 using namespace busbar;
 using namespace busbar::example;
 namespace fs = std::filesystem;
@@ -291,3 +293,5 @@ TEST_CASE("a broken file changes nothing, and its line is told (D6)")
           std::string::npos);
     CHECK(plant.lets_in("anna", "first password"));
 }
+
+} // namespace users_test

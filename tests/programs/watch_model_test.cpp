@@ -4,13 +4,15 @@
 
 #include "watch_fixture.hpp"
 
+namespace watch_model_test {
+
 using namespace busbar;
 using namespace busbar::cli;
 using namespace busbar::cli::watch;
 using namespace std::chrono_literals;
-using test::at;
-using test::noon;
-using test::value_of;
+using busbar::test::at;
+using busbar::test::noon;
+using busbar::test::value_of;
 
 namespace {
 
@@ -235,3 +237,5 @@ TEST_CASE("events are bounded, and the newest stand first", "[watch]")
     CHECK(model.events().size() == Model::max_events);
     CHECK(model.events().front().message == "4999");
 }
+
+} // namespace watch_model_test

@@ -7,13 +7,15 @@
 #include "watch/render.hpp"
 #include "watch_fixture.hpp"
 
+namespace watch_render_test {
+
 using namespace busbar;
 using namespace busbar::cli;
 using namespace busbar::cli::watch;
 using namespace std::chrono_literals;
-using test::at;
-using test::noon;
-using test::value_of;
+using busbar::test::at;
+using busbar::test::noon;
+using busbar::test::value_of;
 
 namespace {
 
@@ -171,3 +173,5 @@ TEST_CASE("a refused item tells why, and has a value when it is there again", "[
     model.set_filter("b");
     CHECK(picture(model, {80, 24}).line(3) == "(the filter leaves nothing)");
 }
+
+} // namespace watch_render_test

@@ -4,6 +4,8 @@
 
 #include "programs/watched_machine.hpp"
 
+namespace watch_signals_test {
+
 // What becomes of `busbar watch`, and of the terminal, when a shell stops it and when the terminal
 // goes away.
 
@@ -113,3 +115,5 @@ TEST_CASE("SIGHUP ends watch, and the terminal is given back", "[watch]")
     CHECK(terminal->wait_for_end() == 129);
     check_given_back(*terminal);
 }
+
+} // namespace watch_signals_test

@@ -4,6 +4,8 @@
 
 #include "programs/watched_machine.hpp"
 
+namespace watch_terminal_test {
+
 // `busbar watch` as it is seen and used in a terminal.
 
 using namespace busbar::test;
@@ -185,3 +187,5 @@ TEST_CASE("watch shows lines where there is no screen to draw on", "[watch]")
     CHECK(ending->wait_for_end() == 0);
     check_given_back(*ending);
 }
+
+} // namespace watch_terminal_test

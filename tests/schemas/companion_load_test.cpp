@@ -5,7 +5,7 @@
 #include <busbar/plcopen/nodes.hpp>
 #include <model/space_hash.hpp>
 
-namespace busbar::model {
+namespace busbar::model::companion_load_test {
 
 TEST_CASE("DI and PLCopen loaded or linked give the same address space")
 {
@@ -34,4 +34,4 @@ TEST_CASE("DI and PLCopen loaded or linked give the same address space")
     CHECK(detail::space_hash(loaded) == detail::space_hash(linked));
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::companion_load_test

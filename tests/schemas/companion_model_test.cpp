@@ -9,7 +9,7 @@
 #include <busbar/plcopen/nodes.hpp>
 #include <busbar/types/ids.hpp>
 
-namespace busbar::model {
+namespace busbar::model::companion_model_test {
 
 namespace {
 
@@ -193,4 +193,4 @@ TEST_CASE_METHOD(CompanionFixture, "A controller is built from a few lines")
     }
 }
 
-} // namespace busbar::model
+} // namespace busbar::model::companion_model_test

@@ -10,6 +10,8 @@
 #include <acme_line/registry.hpp>
 #include <acme_line/types.hpp>
 
+namespace companion_test {
+
 // A vendor's companion model goes through the same generator as the types of OPC UA.
 namespace {
 
@@ -193,3 +195,5 @@ TEST_CASE("Unknown enumeration values are kept")
     check_round_trip(value);
     CHECK(static_cast<int>(acme::DriveMode::default_) == -1);
 }
+
+} // namespace companion_test

@@ -2,7 +2,7 @@
 
 #include <model/nodeset/document.hpp>
 
-namespace busbar::nodeset {
+namespace busbar::nodeset::document_test {
 
 namespace {
 
@@ -164,4 +164,4 @@ TEST_CASE("Deep and broken XML does no harm")
     }
 }
 
-} // namespace busbar::nodeset
+} // namespace busbar::nodeset::document_test

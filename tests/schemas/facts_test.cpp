@@ -7,7 +7,7 @@
 #include <schema.hpp>
 
 // The types that the generator makes of schemas/ against facts gathered independently.
-namespace busbar::generator {
+namespace busbar::generator::facts_test {
 
 namespace {
 
@@ -120,4 +120,4 @@ TEST_CASE("Generated types are those of the specification")
     }
 }
 
-} // namespace busbar::generator
+} // namespace busbar::generator::facts_test

@@ -4,7 +4,7 @@
 #include <names.hpp>
 #include <schema.hpp>
 
-namespace busbar::generator {
+namespace busbar::generator::generator_test {
 
 namespace {
 
@@ -92,4 +92,4 @@ TEST_CASE("The command line is checked")
     CHECK(parse({"busbar-generate", "--colour"}).error().starts_with("found --colour"));
 }
 
-} // namespace busbar::generator
+} // namespace busbar::generator::generator_test

@@ -10,6 +10,8 @@
 #include <catch2/catch.hpp>
 #include <pugixml.hpp>
 
+namespace schema_files_test {
+
 // What holds of the files in schemas/ without anything to compare them with.
 namespace {
 
@@ -215,3 +217,5 @@ TEST_CASE("The sizes of namespace 0 are closed and contain each other")
         smaller = list;
     }
 }
+
+} // namespace schema_files_test

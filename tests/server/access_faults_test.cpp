@@ -7,6 +7,8 @@
 #include "subscription_fixture.hpp"
 #include "thrown.hpp"
 
+namespace access_faults_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -169,3 +171,5 @@ TEST_CASE("A1: nodes that a request added before its AccessControl threw are gon
     CHECK(added.results[0].status_code == status::Good);
     CHECK(fixture.server.address_space().node_count() == before + 2);
 }
+
+} // namespace access_faults_test

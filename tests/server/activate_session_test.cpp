@@ -3,6 +3,8 @@
 #include "support/job_list.hpp"
 #include "user_fixture.hpp"
 
+namespace activate_session_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -466,3 +468,5 @@ TEST_CASE_METHOD(Working, "logins that were right do not count as failures")
     finish(fresh);
     CHECK(fresh.take_activate(sent) == status::Good); // the name is not slowed down
 }
+
+} // namespace activate_session_test

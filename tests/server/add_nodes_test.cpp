@@ -4,6 +4,8 @@
 
 #include "management_fixture.hpp"
 
+namespace add_nodes_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -367,3 +369,5 @@ TEST_CASE_METHOD(MachineFixture, "What fails half way leaves the space as it was
     }
     CHECK(parents == 1);
 }
+
+} // namespace add_nodes_test

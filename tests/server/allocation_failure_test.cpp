@@ -1,6 +1,8 @@
 #include "failure_cases.hpp"
 #include "support/failing_worlds.hpp"
 
+namespace allocation_failure_test {
+
 /// D3: each service with the k-th of its allocations failing, for k = 1, 2, ... until it goes
 /// through. Whatever fails ends the request with Bad_OutOfMemory, or its connection, and leaves
 /// nothing behind: another session is served at once, and the same request succeeds.
@@ -309,3 +311,5 @@ TEST_CASE("E9: a request that finds no memory any more is told so, whoever has t
     });
     CHECK(is_told);
 }
+
+} // namespace allocation_failure_test

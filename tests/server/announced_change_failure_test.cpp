@@ -2,6 +2,8 @@
 #include "server/subscription/value_queue.hpp"
 #include "support/failing_worlds.hpp"
 
+namespace announced_change_failure_test {
+
 /// D3: a change that items are to be told of where there is no memory for a moment.
 using namespace busbar;
 using namespace busbar::test;
@@ -44,3 +46,5 @@ TEST_CASE("D3: a change is told to all items, or to none where there was no memo
     const std::size_t most = GENERATE(1U, 1'000'000U);
     check_failing_worlds("a change", [&](std::size_t k) { return fail_once(k, most); });
 }
+
+} // namespace announced_change_failure_test

@@ -6,6 +6,8 @@
 
 #include "session_use.hpp"
 
+namespace assembly_shares_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -103,3 +105,5 @@ TEST_CASE("D4: strangers hold no more than the messages that they may send")
     fixture.hold(stranger, 2U * server::ServerLimits{}.max_sessionless_message);
     CHECK(stranger.is_closed());
 }
+
+} // namespace assembly_shares_test

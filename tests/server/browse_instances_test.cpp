@@ -4,7 +4,7 @@
 
 #include "view_fixture.hpp"
 
-namespace busbar::server::detail {
+namespace busbar::server::detail::browse_instances_test {
 
 TEST_CASE_METHOD(ViewFixture, "A type lists its instances")
 {
@@ -77,4 +77,4 @@ TEST_CASE_METHOD(ViewFixture, "Looking for instances stays within the work of a 
     CHECK(count == all);
 }
 
-} // namespace busbar::server::detail
+} // namespace busbar::server::detail::browse_instances_test

@@ -5,7 +5,7 @@
 #include "server/rights/hierarchy.hpp"
 #include "view_fixture.hpp"
 
-namespace busbar::server::detail {
+namespace busbar::server::detail::browse_view_test {
 
 TEST_CASE_METHOD(ViewFixture, "Only Views without version can be browsed through")
 {
@@ -192,4 +192,4 @@ TEST_CASE_METHOD(ViewFixture, "The examples of Part 4, A.2 lead to nodes (Table 
     }
 }
 
-} // namespace busbar::server::detail
+} // namespace busbar::server::detail::browse_view_test

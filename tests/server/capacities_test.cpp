@@ -9,6 +9,8 @@
 
 #include "subscription_fixture.hpp"
 
+namespace capacities_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -153,3 +155,5 @@ TEST_CASE("a session has five continuation points", "[unit:View Minimum Continua
         CHECK(result.references.size() == 1);
     }
 }
+
+} // namespace capacities_test

@@ -5,6 +5,8 @@
 
 #include "item_fixture.hpp"
 
+namespace change_filter_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -146,3 +148,5 @@ TEST_CASE_METHOD(ItemFixture, "a range of an array is an item of its own")
     REQUIRE(data.size() == 1);
     CHECK(data[0].value == DataValue{status::Bad_IndexRangeNoData});
 }
+
+} // namespace change_filter_test

@@ -5,6 +5,8 @@
 
 #include "server/engine/channel_guard.hpp"
 
+namespace channel_guard_test {
+
 using namespace busbar;
 using namespace std::chrono_literals;
 using server::detail::ChannelGuard;
@@ -196,3 +198,5 @@ TEST_CASE_METHOD(Guarded,
         CHECK(other.admit(true, no_end, now).wait == 0ms);
     }
 }
+
+} // namespace channel_guard_test

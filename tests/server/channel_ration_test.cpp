@@ -5,6 +5,8 @@
 
 #include "support/server_fixture.hpp"
 
+namespace channel_ration_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -276,3 +278,5 @@ TEST_CASE_METHOD(Overheard, "a connection that waits is served like others when 
     CHECK_FALSE(last.has_enough());
     CHECK(validator.count == 10);
 }
+
+} // namespace channel_ration_test

@@ -11,6 +11,8 @@
 #include "support/job_list.hpp"
 #include "support/server_fixture.hpp"
 
+namespace channel_worker_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -316,3 +318,5 @@ TEST_CASE_METHOD(Worked, "an answer is signed with the key that its request was 
     fixture.advance(1s, client);
     CHECK(client.is_closed()); // as all with the old one
 }
+
+} // namespace channel_worker_test

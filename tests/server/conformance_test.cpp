@@ -8,6 +8,8 @@
 #include <busbar/server/conformance.hpp>
 #include <busbar/types/ids.hpp>
 
+namespace conformance_test {
+
 using namespace busbar;
 using server::assess;
 using server::Conformance;
@@ -178,3 +180,5 @@ TEST_CASE("clients are assessed apart from servers")
     CHECK(conformance.find("MethodClient")->is_claimed);
     CHECK_FALSE(conformance.find("Methods")->is_client);
 }
+
+} // namespace conformance_test

@@ -6,6 +6,8 @@
 
 #include "support/slow_server.hpp"
 
+namespace connection_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -243,3 +245,5 @@ TEST_CASE("many failures leave a bounded log")
     auto client = fixture.log_in();
     CHECK(fixture.log.text.find("90 lines were left out") != std::string::npos);
 }
+
+} // namespace connection_test

@@ -6,6 +6,8 @@
 
 #include "support/source_caller.hpp"
 
+namespace data_source_end_test {
+
 using namespace busbar;
 using namespace busbar::server;
 using busbar::server::detail::DataSources;
@@ -128,3 +130,5 @@ TEST_CASE("a source of two servers ends for both of them")
         CHECK((*sources->find(1))->is_attached());
     }
 }
+
+} // namespace data_source_end_test

@@ -5,6 +5,8 @@
 
 #include "support/source_caller.hpp"
 
+namespace data_source_test {
+
 using namespace busbar;
 using namespace busbar::server;
 using namespace std::chrono_literals;
@@ -397,3 +399,5 @@ TEST_CASE("a source that the server keeps hears the end and then ends (A3)")
     CHECK(attached == nullptr);
     CHECK(ends == 1);
 }
+
+} // namespace data_source_test

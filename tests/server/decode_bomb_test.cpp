@@ -7,6 +7,8 @@
 #include "support/allocation_count.hpp"
 #include "support/server_fixture.hpp"
 
+namespace decode_bomb_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -143,3 +145,5 @@ TEST_CASE("D1: what a message becomes is bounded by its size")
     // The message itself is held some times on both sides, as chunks and put together.
     CHECK(allocated_bytes() - before < 20 * value.size());
 }
+
+} // namespace decode_bomb_test

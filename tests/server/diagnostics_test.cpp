@@ -2,6 +2,8 @@
 
 #include "diagnostics_fixture.hpp"
 
+namespace diagnostics_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -376,3 +378,5 @@ TEST_CASE_METHOD(DiagnosticsFixture, "a session that is silent since then counts
         CHECK(session.read_count.total_count <= 1);
     }
 }
+
+} // namespace diagnostics_test

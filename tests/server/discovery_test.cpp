@@ -5,6 +5,8 @@
 
 #include "support/server_fixture.hpp"
 
+namespace discovery_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -178,3 +180,5 @@ TEST_CASE("FindServersOnNetwork is not there where no servers are configured")
     CHECK(client.status_of<FindServersOnNetworkResponse>(FindServersOnNetworkRequest{}) ==
           status::Bad_ServiceUnsupported);
 }
+
+} // namespace discovery_test

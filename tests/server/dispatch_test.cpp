@@ -5,6 +5,8 @@
 
 #include "support/slow_server.hpp"
 
+namespace dispatch_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -111,3 +113,5 @@ TEST_CASE("a response that is larger than the client wants is a fault")
           status::Bad_ResponseTooLarge);
     CHECK(client.status_of<ReadResponse>(SlowFixture::read(state, 10)) == status::Good);
 }
+
+} // namespace dispatch_test

@@ -9,7 +9,7 @@
 
 namespace busbar::server::detail {
 
-using test::field;
+using busbar::test::field;
 
 /// Two event types of a vendor: AType with A, whose subtype has Values, and BType with B and an
 /// object Part with a variable Code.

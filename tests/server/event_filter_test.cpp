@@ -5,7 +5,7 @@
 
 #include "event_filter_fixture.hpp"
 
-namespace busbar::server::detail {
+namespace busbar::server::detail::event_filter_test {
 
 using namespace busbar::test;
 using enum FilterOperator;
@@ -201,4 +201,4 @@ TEST_CASE_METHOD(FilterFixture, "a filter owns what it keeps of its request")
     CHECK(compiled.select(*raised, space)[1] == Variant{"X7"});
 }
 
-} // namespace busbar::server::detail
+} // namespace busbar::server::detail::event_filter_test

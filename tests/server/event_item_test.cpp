@@ -4,6 +4,8 @@
 
 #include "event_item_fixture.hpp"
 
+namespace event_item_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -373,3 +375,5 @@ TEST_CASE_METHOD(EventFixture, "A9: events do not wait for data that never ends"
     CHECK(std::find(messages.begin(), messages.end(), "fire") != messages.end());
     CHECK(changes > 0); // nor the other way round
 }
+
+} // namespace event_item_test

@@ -5,7 +5,7 @@
 
 #include "server/event/like.hpp"
 
-namespace busbar::server::detail {
+namespace busbar::server::detail::event_like_test {
 
 namespace {
 
@@ -140,4 +140,4 @@ TEST_CASE("Like finds what a plain search finds")
     }
 }
 
-} // namespace busbar::server::detail
+} // namespace busbar::server::detail::event_like_test

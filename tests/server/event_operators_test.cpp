@@ -9,7 +9,7 @@
 #include "server/event/filter_conversion.hpp"
 #include "server/event/filter_operators.hpp"
 
-namespace busbar::server::detail {
+namespace busbar::server::detail::event_operators_test {
 
 namespace {
 
@@ -351,4 +351,4 @@ TEST_CASE("operators that events do not have")
     }
 }
 
-} // namespace busbar::server::detail
+} // namespace busbar::server::detail::event_operators_test

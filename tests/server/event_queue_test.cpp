@@ -10,7 +10,7 @@
 
 #include <busbar/server/event.hpp>
 
-namespace busbar::server {
+namespace busbar::server::event_queue_test {
 
 namespace {
 
@@ -129,7 +129,7 @@ TEST_CASE("events are raised by many threads at once")
     CHECK(waker.count > 0);
 }
 
-namespace detail {
+using namespace detail;
 
 namespace {
 
@@ -353,5 +353,4 @@ TEST_CASE_METHOD(NotifierFixture, "references that go round do no harm")
     CHECK(space.browse_name(few.above(find("a"))[0]).name == "Server");
 }
 
-} // namespace detail
-} // namespace busbar::server
+} // namespace busbar::server::event_queue_test

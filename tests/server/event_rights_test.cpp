@@ -2,6 +2,8 @@
 
 #include "event_item_fixture.hpp"
 
+namespace event_rights_test {
+
 // Fields of events that a user may not read (Part 4, 7.22.3).
 
 using namespace busbar;
@@ -187,3 +189,5 @@ TEST_CASE_METHOD(RightsFixture, "what waits with a field that is not for all is 
     REQUIRE(worker.activate(worker.user("admin", "admin-secret")) == status::Good);
     CHECK(next_messages(worker) == std::vector<std::string>{"mixed"});
 }
+
+} // namespace event_rights_test

@@ -2,7 +2,7 @@
 
 #include "event_filter_fixture.hpp"
 
-namespace busbar::server::detail {
+namespace busbar::server::detail::event_where_test {
 
 using namespace busbar::test;
 using enum FilterOperator;
@@ -233,4 +233,4 @@ TEST_CASE_METHOD(FilterFixture, "each element is evaluated once, however many re
     CHECK_FALSE(passes(ignored, Event{}));
 }
 
-} // namespace busbar::server::detail
+} // namespace busbar::server::detail::event_where_test

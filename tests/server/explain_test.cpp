@@ -9,6 +9,8 @@
 
 #include "support/server_fixture.hpp"
 
+namespace explain_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -134,3 +136,5 @@ TEST_CASE("the log says why a connection was closed", "[explain]")
     check(news(fixture),
           {"session timeout failed", "no activated session within 30 s", "Bad_Timeout"});
 }
+
+} // namespace explain_test

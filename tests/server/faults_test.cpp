@@ -14,6 +14,8 @@
 #include "support/job_list.hpp"
 #include "thrown.hpp"
 
+namespace faults_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -353,3 +355,5 @@ TEST_CASE("A1: a worker that throws ends the connection that it was to work for"
     CHECK(fixture.log.text.find("Worker::run threw: bus error") != std::string::npos);
     CHECK(use(other) == status::Good);
 }
+
+} // namespace faults_test

@@ -7,6 +7,8 @@
 
 #include "image_fixture.hpp"
 
+namespace image_addition_test {
+
 // Variables that are added to a process image while its task runs.
 
 using namespace busbar;
@@ -175,3 +177,5 @@ TEST_CASE("readers see old and new variables of one scan while they are added")
     reader.join();
     CHECK(torn == 0);
 }
+
+} // namespace image_addition_test

@@ -2,6 +2,8 @@
 #include "support/failing_worlds.hpp"
 #include "support/source_caller.hpp"
 
+namespace image_allocation_failure_test {
+
 /// D3: what is counted and paid for the items of a process image, where there is no memory.
 using namespace busbar;
 using namespace busbar::server::detail;
@@ -145,3 +147,5 @@ TEST_CASE("D3: an image whose new items were taken back is let go before they ar
     sampler.sample_new(TimePoint{});
     CHECK(array.parts.take() == 0);
 }
+
+} // namespace image_allocation_failure_test

@@ -10,6 +10,8 @@
 
 #include "image_fixture.hpp"
 
+namespace image_gather_test {
+
 // Variables of a process image that stay in a runtime's memory.
 
 using namespace busbar;
@@ -385,3 +387,5 @@ TEST_CASE("a runtime's structures are never torn, whoever reads and writes")
     reader.join();
     CHECK(torn == 0);
 }
+
+} // namespace image_gather_test

@@ -6,6 +6,8 @@
 #include "failure_cases.hpp"
 #include "support/failing_worlds.hpp"
 
+namespace image_item_failure_test {
+
 /// D3: items of a process image with the k-th allocation of a request failing: the same request
 /// goes through afterwards and does what it says, and when the items are gone nothing is counted.
 using namespace busbar;
@@ -313,3 +315,5 @@ TEST_CASE("D3: items of an image that find no memory once do what they are asked
         }
     }
 }
+
+} // namespace image_item_failure_test

@@ -9,6 +9,8 @@
 
 #include "image_fixture.hpp"
 
+namespace image_range_test {
+
 // Integers of which a process image takes some values only.
 
 using namespace busbar;
@@ -125,3 +127,5 @@ TEST_CASE_METHOD(RangeFixture, "ranges are for integers, and do not hinder the t
     CHECK(read(gear).value == Variant{std::int16_t{9}});
     CHECK(image->memory().store(gear, std::int16_t{9}) == status::Bad_OutOfRange);
 }
+
+} // namespace image_range_test

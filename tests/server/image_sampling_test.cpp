@@ -6,6 +6,8 @@
 #include "subscription_fixture.hpp"
 #include "support/slow_server.hpp"
 
+namespace image_sampling_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -430,3 +432,5 @@ TEST_CASE_METHOD(ImageFixture, "what was added is sampled from its first scan on
     server.handle_completions(now);
     CHECK(next_values() == std::vector<Variant>{4});
 }
+
+} // namespace image_sampling_test

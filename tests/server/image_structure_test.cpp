@@ -7,6 +7,8 @@
 #include "server/image/structure_values.hpp"
 #include "support/allocation_count.hpp"
 
+namespace image_structure_test {
+
 // Structures in a process image: how they lie in memory and on the wire.
 
 using namespace busbar;
@@ -130,7 +132,7 @@ struct MotorFixture {
         return call.result(0);
     }
 
-    Structure type{::motor()};
+    Structure type{image_structure_test::motor()};
     std::uint32_t motor, number, motors;
     TestWaker waker;
     std::shared_ptr<ProcessImage> image;
@@ -367,3 +369,5 @@ TEST_CASE_METHOD(MotorFixture, "a pin that is recycled keeps the memory for few 
     }
     CHECK(allocated_bytes() - before < server::detail::StructureValues::usual_block);
 }
+
+} // namespace image_structure_test

@@ -2,6 +2,8 @@
 
 #include "image_fixture.hpp"
 
+namespace image_write_test {
+
 // Writes reach the task at the edge of a scan.
 
 using namespace busbar;
@@ -238,3 +240,5 @@ TEST_CASE_METHOD(ImageFixture, "a server that ends while writes wait leaves the 
     CHECK(image->memory().value<std::int16_t>(speed) == 1);
     CHECK(waker.count() <= 2);
 }
+
+} // namespace image_write_test

@@ -8,6 +8,8 @@
 #include "server/subscription/item_list.hpp"
 #include "support/allocation_count.hpp"
 
+namespace item_list_test {
+
 using namespace busbar;
 using namespace busbar::server::detail;
 using namespace busbar::test;
@@ -133,3 +135,5 @@ TEST_CASE_METHOD(ListFixture, "ids that begin anew pass over those that are in u
     CHECK(list.remove(1));
     CHECK(ids() == Ids{2, UINT32_MAX});
 }
+
+} // namespace item_list_test

@@ -8,6 +8,8 @@
 
 #include "subscription_fixture.hpp"
 
+namespace kept_values_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -252,3 +254,5 @@ TEST_CASE_METHOD(KeptValues, "B11: a client nonce serves one session")
     CHECK(other.create_session(request).error() == status::Bad_NonceInvalid);
     REQUIRE(other.create_session(other.create_request()));
 }
+
+} // namespace kept_values_test

@@ -14,6 +14,8 @@
 #include "support/allocation_count.hpp"
 #include "support/server_fixture.hpp"
 
+namespace large_read_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -150,3 +152,5 @@ TEST_CASE_METHOD(LargeReadFixture, "G2: a large Read takes the memory of the one
     CHECK(held_bytes() + 3'000'000 < before);
     CHECK(read().bytes > 3'000'000);
 }
+
+} // namespace large_read_test

@@ -1,6 +1,8 @@
 #include "failure_cases.hpp"
 #include "support/failing_worlds.hpp"
 
+namespace late_nodes_failure_test {
+
 /// D3: fields of diagnostics that are added when a client looks for them, where there is no memory
 /// for a moment.
 using namespace busbar;
@@ -60,3 +62,5 @@ TEST_CASE("D3: a Browse that found no memory for fields of diagnostics adds them
         return fail_once(array, fields, k, most);
     });
 }
+
+} // namespace late_nodes_failure_test

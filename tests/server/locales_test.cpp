@@ -6,6 +6,8 @@
 
 #include "subscription_fixture.hpp"
 
+namespace locales_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -164,3 +166,5 @@ TEST_CASE_METHOD(Locales, "B9: an item tells of its client's locale, with its se
     CHECK(next_data(heir, std::chrono::milliseconds{200}).at(0).value.value ==
           Variant{LocalizedText{"State"}});
 }
+
+} // namespace locales_test

@@ -2,6 +2,8 @@
 
 #include "server/users/login_guard.hpp"
 
+namespace login_guard_test {
+
 using namespace busbar;
 using namespace std::chrono_literals;
 using server::detail::LoginAttempt;
@@ -217,3 +219,5 @@ TEST_CASE("networks of addresses")
         CHECK_FALSE(network_of(odd).size() > 40);
     }
 }
+
+} // namespace login_guard_test

@@ -7,6 +7,8 @@
 #include "session_use.hpp"
 #include "support/server_fixture.hpp"
 
+namespace login_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -205,3 +207,5 @@ TEST_CASE("a session can change its user", "[unit:Session Change User]")
     CHECK(client.activate(client.user("engineer", "wrong")) == status::Bad_UserAccessDenied);
     CHECK(use(client) == status::Good); // it is still the engineer's
 }
+
+} // namespace login_test

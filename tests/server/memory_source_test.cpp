@@ -5,6 +5,8 @@
 
 #include "support/source_caller.hpp"
 
+namespace memory_source_test {
+
 using namespace busbar;
 using namespace busbar::server;
 
@@ -81,3 +83,5 @@ TEST_CASE("a source binds variables once a server has it")
     CHECK(again.value == Variant{std::int32_t{0}});
     CHECK(source.get(level.handle).value == Variant{2.5});
 }
+
+} // namespace memory_source_test

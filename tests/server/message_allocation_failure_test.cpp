@@ -6,6 +6,8 @@
 #include "failure_cases.hpp"
 #include "support/failing_worlds.hpp"
 
+namespace message_allocation_failure_test {
+
 /// D3: the NotificationMessages of a Subscription, where there is no memory to make or to send one:
 /// each Notification comes once and in order, at the latest when it is asked for again.
 using namespace busbar;
@@ -127,3 +129,5 @@ TEST_CASE("D3: what found no memory for its message comes with the next one, all
     const std::size_t most = GENERATE(1U, 4U, 1'000'000U); // or there is no memory any more
     check_failing_worlds("Publish", [&](std::size_t k) { return fail_once(k, most); });
 }
+
+} // namespace message_allocation_failure_test

@@ -4,6 +4,8 @@
 
 #include "method_fixture.hpp"
 
+namespace method_late_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -220,3 +222,5 @@ TEST_CASE("a backend is given only as much as it takes")
     fixture.complete(client);
     CHECK(Fixture::take(client, first)->results[0].status_code == status::Good);
 }
+
+} // namespace method_late_test

@@ -2,6 +2,8 @@
 
 #include "method_fixture.hpp"
 
+namespace method_limits_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using busbar::server::MethodCall;
@@ -122,3 +124,5 @@ TEST_CASE("what a Call makes the server hold is charged to its session")
         REQUIRE(client.take<CallResponse>(id));
     }
 }
+
+} // namespace method_limits_test

@@ -3,6 +3,8 @@
 #include "method_fixture.hpp"
 #include "server/rights/method_lookup.hpp"
 
+namespace method_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using busbar::server::MethodCall;
@@ -370,3 +372,5 @@ TEST_CASE_METHOD(Fixture, "A7: a Method is found from the Object, not among all 
     visits = 1'000;
     CHECK(server::detail::find_method(space(), rights, own("Rich"), method, visits));
 }
+
+} // namespace method_test

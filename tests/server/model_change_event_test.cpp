@@ -10,6 +10,8 @@
 #include "event_fixture.hpp"
 #include "subscription_fixture.hpp"
 
+namespace model_change_event_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -256,3 +258,5 @@ TEST_CASE_METHOD(ChangeFixture, "Each namespace is described below Server.Namesp
     REQUIRE(uris != nullptr);
     CHECK((*uris)[index] == String{"urn:late"});
 }
+
+} // namespace model_change_event_test

@@ -17,6 +17,8 @@
 
 #include "support/server_fixture.hpp"
 
+namespace modules_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -215,3 +217,5 @@ TEST_CASE("structures of namespace 0 are known where a module needs them")
         CHECK(is_known(server::full_modules(), each));
     }
 }
+
+} // namespace modules_test

@@ -2,6 +2,8 @@
 
 #include "item_fixture.hpp"
 
+namespace monitored_item_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -307,3 +309,5 @@ TEST_CASE_METHOD(ItemFixture, "an item that is triggered reports what it has que
     set(1, true);
     CHECK(reported({5}).empty());
 }
+
+} // namespace monitored_item_test

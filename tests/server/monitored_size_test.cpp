@@ -2,6 +2,8 @@
 
 #include "subscription_fixture.hpp"
 
+namespace monitored_size_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -105,3 +107,5 @@ TEST_CASE_METHOD(SizeFixture, "a source can tell samples from Reads")
     CHECK(sized.samples == 1);
     CHECK(sized.reads == 1);
 }
+
+} // namespace monitored_size_test

@@ -13,6 +13,8 @@
 
 #include "diagnostics_fixture.hpp"
 
+namespace namespace0_truth_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -203,3 +205,5 @@ TEST_CASE_METHOD(Crawl, "B1: settings of security are for administrators")
     REQUIRE(overheard.activate(overheard.user("admin", "admin-secret")) == status::Good);
     CHECK(read(overheard, security).status == status::Bad_SecurityModeInsufficient);
 }
+
+} // namespace namespace0_truth_test

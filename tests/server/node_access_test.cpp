@@ -12,6 +12,8 @@
 #include "server/rights/node_rights.hpp"
 #include "session_use.hpp"
 
+namespace node_access_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -438,3 +440,5 @@ TEST_CASE_METHOD(AccessFixture, "What AccessLevelEx and WriteMask say",
     request.nodes_to_write[0].value = DataValue{Variant{std::int32_t{8}}};
     CHECK(signed_only.call<WriteResponse>(request)->results[0] == status::Bad_WriteNotSupported);
 }
+
+} // namespace node_access_test

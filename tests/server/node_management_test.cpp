@@ -2,6 +2,8 @@
 
 #include "management_fixture.hpp"
 
+namespace node_management_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -250,3 +252,5 @@ TEST_CASE_METHOD(ManagementFixture, "Types are not deleted, nor what a node is a
                                           target, true}) == status::Bad_NoDeleteRights);
     }
 }
+
+} // namespace node_management_test

@@ -12,6 +12,8 @@
 #include "method_fixture.hpp"
 #include "session_use.hpp"
 
+namespace operation_attack_test {
+
 // Requests with no operation, with one too many, and with one that is not the user's among others
 // that are (tests/attacks.txt, E).
 
@@ -266,3 +268,5 @@ TEST_CASE_METHOD(Batch, "a Method that is not for the user is not called among o
     CHECK(both->results[3].output_arguments[0] == Variant{3});
     CHECK(entered == 0);
 }
+
+} // namespace operation_attack_test

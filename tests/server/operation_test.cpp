@@ -2,6 +2,8 @@
 
 #include "support/slow_server.hpp"
 
+namespace operation_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -211,3 +213,5 @@ TEST_CASE("a session that moves on gets back what its old connection held")
         CHECK(answer(client, client.send(SlowFixture::slow())) == status::Bad_WouldBlock);
     }
 }
+
+} // namespace operation_test

@@ -6,6 +6,8 @@
 #include "support/identity.hpp"
 #include "support/seeded_random.hpp"
 
+namespace password_users_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using server::PasswordRules;
@@ -223,3 +225,5 @@ TEST_CASE("a directory gives rights to certificates and tokens")
     CHECK(users.token_user(claims)->access_level_mask == 0x07);
     CHECK(users.token_user(claims)->roles == claims.roles);
 }
+
+} // namespace password_users_test

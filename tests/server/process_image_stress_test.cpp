@@ -10,6 +10,8 @@
 
 #include "support/source_caller.hpp"
 
+namespace process_image_stress_test {
+
 using namespace busbar;
 using namespace busbar::server;
 
@@ -231,3 +233,5 @@ TEST_CASE("servers come and go while the task runs")
     task.join();
     CHECK(given_up > 0);
 }
+
+} // namespace process_image_stress_test

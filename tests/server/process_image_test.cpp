@@ -2,6 +2,8 @@
 
 #include "image_fixture.hpp"
 
+namespace process_image_test {
+
 using namespace busbar;
 using namespace busbar::server;
 using namespace busbar::test;
@@ -154,3 +156,5 @@ TEST_CASE("a pin outlives the source and the task's reference")
     f.image.reset();
     CHECK(pin.value(f.speed) == Variant{std::int16_t{5}});
 }
+
+} // namespace process_image_test

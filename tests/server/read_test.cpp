@@ -5,6 +5,8 @@
 #include "attribute_fixture.hpp"
 #include "support/allocation_count.hpp"
 
+namespace read_test {
+
 using namespace busbar;
 using namespace std::chrono_literals;
 using busbar::server::detail::check_read;
@@ -348,3 +350,5 @@ TEST_CASE_METHOD(AttributeFixture, "a Read allocates as often for 1,000 scalars 
     CHECK(for_1000 == for_10);
     CHECK(for_10 <= 10);
 }
+
+} // namespace read_test

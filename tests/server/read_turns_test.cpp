@@ -4,6 +4,8 @@
 
 #include "attribute_fixture.hpp"
 
+namespace read_turns_test {
+
 using namespace busbar;
 using namespace std::chrono_literals;
 using busbar::test::AttributeFixture;
@@ -108,3 +110,5 @@ TEST_CASE_METHOD(AttributeFixture, "D2: of a value that a range cuts all counts 
     }
     CHECK(turns == count);
 }
+
+} // namespace read_turns_test

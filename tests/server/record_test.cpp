@@ -11,6 +11,8 @@
 
 #include "management_fixture.hpp"
 
+namespace record_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -136,3 +138,5 @@ TEST_CASE("record: nodes and references that clients add and delete")
     CHECK(lines[0].find("NodesAdded Good ") == 0);
     CHECK(lines[1].find("NodesDeleted Good ") == 0);
 }
+
+} // namespace record_test

@@ -10,6 +10,8 @@
 #include "subscription_fixture.hpp"
 #include "view_fixture.hpp"
 
+namespace registered_nodes_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using busbar::server::detail::HidesOne;
@@ -344,3 +346,5 @@ TEST_CASE_METHOD(AliasFixture, "other services take an alias and keep the NodeId
     REQUIRE(values.size() == 1);
     CHECK(values[0].value.value == Variant{std::int32_t{7}});
 }
+
+} // namespace registered_nodes_test

@@ -10,6 +10,8 @@
 #include "server/session/return_diagnostics.hpp"
 #include "subscription_fixture.hpp"
 
+namespace return_diagnostics_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -293,3 +295,5 @@ TEST_CASE_METHOD(DiagnosticsOfRequests, "B12: a ServiceFault says what it is abo
     const Told unknown = fault_of(stranger, ReadRequest{}, all_bits);
     CHECK(unknown.text(unknown.header.service_diagnostics.symbolic_id) == "Bad_SessionIdInvalid");
 }
+
+} // namespace return_diagnostics_test

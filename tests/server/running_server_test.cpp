@@ -12,6 +12,8 @@
 
 #include "support/server_fixture.hpp"
 
+namespace running_server_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -273,3 +275,5 @@ TEST_CASE_METHOD(RoleFixture, "who has to change the password can do nothing els
     REQUIRE(response);
     CHECK(response->results[0].status_code == status::Bad_UserAccessDenied);
 }
+
+} // namespace running_server_test

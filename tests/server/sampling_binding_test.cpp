@@ -8,6 +8,8 @@
 #include "subscription_fixture.hpp"
 #include "support/slow_server.hpp"
 
+namespace sampling_binding_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -215,3 +217,5 @@ TEST_CASE_METHOD(BindingFixture, "items that are gone watch nothing")
     }
     CHECK(looks_at_next_sample() == 0);
 }
+
+} // namespace sampling_binding_test

@@ -6,6 +6,8 @@
 #include "item_fixture.hpp"
 #include "support/slow_server.hpp"
 
+namespace sampling_policy_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -87,3 +89,5 @@ TEST_CASE("a real interval past the revised one by more than 5 % makes Good_Over
     REQUIRE(data.size() == 1);
     CHECK(data[0].value == DataValue{Variant{1}, status::Good_Overload});
 }
+
+} // namespace sampling_policy_test

@@ -7,6 +7,8 @@
 
 #include "subscription_fixture.hpp"
 
+namespace sampling_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -415,3 +417,5 @@ TEST_CASE_METHOD(AnalogFixture,
     CHECK(write("EURange", Variant{3}) == status::Bad_TypeMismatch);
     CHECK(reported(3).empty());
 }
+
+} // namespace sampling_test

@@ -7,6 +7,8 @@
 #include "failure_cases.hpp"
 #include "support/failing_worlds.hpp"
 
+namespace scan_allocation_failure_test {
+
 /// D3: a scan of a process image that finds no memory when items are sampled: no other follows it,
 /// and still each item has its value soon after.
 using namespace busbar;
@@ -185,3 +187,5 @@ TEST_CASE("D3: a value that there is no memory for keeps those behind it from no
     CHECK(values[1] == Variant{large});
     CHECK(world.thrown == 0);
 }
+
+} // namespace scan_allocation_failure_test

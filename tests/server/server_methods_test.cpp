@@ -5,6 +5,8 @@
 #include "method_fixture.hpp"
 #include "subscription_fixture.hpp"
 
+namespace server_methods_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -174,3 +176,5 @@ TEST_CASE_METHOD(MethodFixture, "arguments are also what a property says that wa
     CHECK(result.status_code ==
           (inputs == 0 ? status::Bad_InvalidArgument : status::Bad_InternalError));
 }
+
+} // namespace server_methods_test

@@ -10,6 +10,8 @@
 
 #include "support/server_fixture.hpp"
 
+namespace server_object_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -206,3 +208,5 @@ TEST_CASE("the operation limits that are told are enforced")
     request.nodes_to_read.resize(2);
     CHECK(client.status_of<ReadResponse>(request) == status::Good);
 }
+
+} // namespace server_object_test

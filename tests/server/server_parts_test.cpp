@@ -5,6 +5,8 @@
 
 #include "support/server_fixture.hpp"
 
+namespace server_parts_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -361,3 +363,5 @@ TEST_CASE("a server says that its certificate does not name its host")
     fixture.server.start(fixture.now);
     CHECK(fixture.log.text.find("moved.example") != std::string::npos);
 }
+
+} // namespace server_parts_test

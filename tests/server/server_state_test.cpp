@@ -7,6 +7,8 @@
 
 #include "item_fixture.hpp"
 
+namespace server_state_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -170,3 +172,5 @@ TEST_CASE_METHOD(StateFixture, "a server enters no state that is not its own to 
     CHECK(read(level).status == status::Bad_OutOfService);
     CHECK(read(id::Server_ServerStatus_State).value == Variant{ServerState::Shutdown});
 }
+
+} // namespace server_state_test

@@ -15,6 +15,8 @@
 #include "method_fixture.hpp"
 #include "session_use.hpp"
 
+namespace service_attack_test {
+
 // Services that are asked without a session, in floods, with garbage, and for what is not the
 // user's (tests/attacks.txt, A, D and E).
 
@@ -360,3 +362,5 @@ TEST_CASE_METHOD(MethodFixture, "two thousand calls for ConditionRefresh refresh
     }
     CHECK(use(good) == status::Good);
 }
+
+} // namespace service_attack_test

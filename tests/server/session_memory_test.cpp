@@ -9,6 +9,8 @@
 #include "memory_growth.hpp"
 #include "session_use.hpp"
 
+namespace session_memory_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -96,3 +98,5 @@ TEST_CASE_METHOD(ManyClients, "E9: requests that wait take what they are")
         CHECK(client.connection.output().empty());
     }
 }
+
+} // namespace session_memory_test

@@ -4,6 +4,8 @@
 
 #include "diagnostics_fixture.hpp"
 
+namespace session_nodes_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -273,3 +275,5 @@ TEST_CASE_METHOD(DiagnosticsFixture,
     CHECK(gone_on->results[0].status_code == status::Good);
     CHECK(gone_on->results[0].references.size() == 1);
 }
+
+} // namespace session_nodes_test

@@ -6,6 +6,8 @@
 #include "support/identity.hpp"
 #include "support/seeded_random.hpp"
 
+namespace session_parts_test {
+
 // Sessions without a server: the folder's own headers and what lies below them.
 
 using namespace busbar;
@@ -211,3 +213,5 @@ TEST_CASE("a channel has so many sessions and no more")
     }
     CHECK(parts.create().error() == status::Bad_TooManySessions);
 }
+
+} // namespace session_parts_test

@@ -4,6 +4,8 @@
 
 #include "session_use.hpp"
 
+namespace session_shares_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -139,3 +141,5 @@ TEST_CASE("D4: a user has a share of the sessions, over all channels")
         CHECK(gone[1].activate(TestClient::anonymous()) == status::Good);
     }
 }
+
+} // namespace session_shares_test

@@ -9,6 +9,8 @@
 #include "session_use.hpp"
 #include "support/server_fixture.hpp"
 
+namespace session_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -348,3 +350,5 @@ TEST_CASE("sessions need an endpoint with the channel's security")
     auto client = fixture.connect();
     CHECK(client.create_session().error() == status::Bad_SecurityPolicyRejected);
 }
+
+} // namespace session_test

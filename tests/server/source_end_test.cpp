@@ -9,6 +9,8 @@
 #include "subscription_fixture.hpp"
 #include "support/slow_server.hpp"
 
+namespace source_end_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -300,3 +302,5 @@ TEST_CASE_METHOD(ImageEndFixture, "a server keeps an image no longer than it has
     advance(1s);
     CHECK(kept.expired());
 }
+
+} // namespace source_end_test

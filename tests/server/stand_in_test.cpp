@@ -7,6 +7,8 @@
 
 #include "server/users/stand_in.hpp"
 
+namespace stand_in_test {
+
 using namespace busbar;
 using server::detail::stand_in_for;
 
@@ -61,3 +63,5 @@ TEST_CASE("another user takes some names, and one who goes leaves the others the
     CHECK(moved > 40);
     CHECK(moved < 110);
 }
+
+} // namespace stand_in_test

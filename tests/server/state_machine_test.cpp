@@ -5,6 +5,8 @@
 #include <busbar/model/instance.hpp>
 #include <busbar/server/state_machine.hpp>
 
+namespace state_machine_test {
+
 using namespace busbar;
 using namespace busbar::server;
 using model::NewNode;
@@ -319,3 +321,5 @@ TEST_CASE_METHOD(MachineFixture, "What is no state machine is refused")
     const NodeIndex state = model::find_by_path(space, space.find(object), "CurrentState");
     CHECK(space.variable(state).source == model::no_source);
 }
+
+} // namespace state_machine_test

@@ -5,6 +5,8 @@
 
 #include "attribute_fixture.hpp"
 
+namespace structure_test {
+
 using namespace busbar;
 using busbar::test::AttributeFixture;
 
@@ -231,3 +233,5 @@ TEST_CASE_METHOD(StructureFixture, "types have their definitions and encodings",
     value_id.attribute_id = static_cast<std::uint32_t>(AttributeId::DataTypeDefinition);
     CHECK(read_as(QualifiedName{0, "Default Binary"}) == status::Bad_DataEncodingInvalid);
 }
+
+} // namespace structure_test

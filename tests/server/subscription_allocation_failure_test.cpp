@@ -6,6 +6,8 @@
 #include "server/subscription/timer_queue.hpp"
 #include "support/failing_worlds.hpp"
 
+namespace subscription_allocation_failure_test {
+
 /// D3: what is counted of Subscriptions and their items, and what is timed for them, where there is
 /// no memory to end them with.
 using namespace busbar;
@@ -395,3 +397,5 @@ TEST_CASE("D3: an item whose new sampling interval finds no memory is counted at
     intervals.change(use, {});
     CHECK(intervals.all().at(100ms).enabled == 0);
 }
+
+} // namespace subscription_allocation_failure_test

@@ -8,6 +8,8 @@
 #include "event_item_fixture.hpp"
 #include "one_subscription.hpp"
 
+namespace subscription_attack_test {
+
 // Subscriptions that change hands, lose their items or their client, while they have something to
 // tell (tests/attacks.txt, F).
 
@@ -234,3 +236,5 @@ TEST_CASE("a client that takes nothing for longer than its Subscription lives lo
     auto other = one.log_in();
     CHECK(one.subscribe(other) != one.id);
 }
+
+} // namespace subscription_attack_test

@@ -5,6 +5,8 @@
 
 #include "subscription_fixture.hpp"
 
+namespace subscription_codes_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -397,3 +399,5 @@ TEST_CASE("every StatusCode of the Subscription services")
 {
     check(subscription_rows);
 }
+
+} // namespace subscription_codes_test

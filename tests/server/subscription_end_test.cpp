@@ -4,6 +4,8 @@
 
 #include "subscription_fixture.hpp"
 
+namespace subscription_end_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -147,3 +149,5 @@ TEST_CASE_METHOD(EndFixture, "D2: nobody hears of items whose Subscription is de
     CHECK(server.monitored_item_count() == 1);
     CHECK(server.subscription_count() == 1);
 }
+
+} // namespace subscription_end_test

@@ -6,6 +6,8 @@
 #include "subscription_fixture.hpp"
 #include "support/slow_server.hpp"
 
+namespace subscription_life_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -335,3 +337,5 @@ TEST_CASE("a source that takes its time, is late or dies, and items that go mean
         fixture.advance(10s);
     }
 }
+
+} // namespace subscription_life_test

@@ -2,6 +2,8 @@
 
 #include "subscription_fixture.hpp"
 
+namespace subscription_limits_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -146,3 +148,5 @@ TEST_CASE("triggering links are limited, in circles too, and go with their items
     fixture.set(0, 2);
     CHECK(fixture.next_data(client, cycle).size() == 297);
 }
+
+} // namespace subscription_limits_test

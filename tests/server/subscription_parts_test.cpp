@@ -5,6 +5,8 @@
 #include "bare_subscription.hpp"
 #include "server/subscription/subscription_services.hpp"
 
+namespace subscription_parts_test {
+
 using namespace busbar;
 using namespace busbar::server::detail;
 using namespace busbar::test;
@@ -140,3 +142,5 @@ TEST_CASE("an item that comes to a variable takes no change from the others")
     array.parts.all.handle_deadline(array.parts.all.next_deadline());
     CHECK(array.parts.take() == 1);
 }
+
+} // namespace subscription_parts_test

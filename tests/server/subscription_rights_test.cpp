@@ -2,6 +2,8 @@
 
 #include "subscription_fixture.hpp"
 
+namespace subscription_rights_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -238,3 +240,5 @@ TEST_CASE_METHOD(SubscriptionFixture, "a session that moves leaves no Publish re
     REQUIRE(response);
     CHECK(data(response->notification_message).size() == 1);
 }
+
+} // namespace subscription_rights_test

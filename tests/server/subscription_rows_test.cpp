@@ -2,6 +2,8 @@
 
 #include "one_subscription.hpp"
 
+namespace subscription_rows_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -209,3 +211,5 @@ TEST_CASE("row 27: at the end of its lifetime a Subscription is closed and its c
     CHECK(one.status_change(response->notification_message) == status::Bad_Timeout);
     CHECK(one.status_of(one.client, one.publish(one.client)) == status::Bad_NoSubscription);
 }
+
+} // namespace subscription_rows_test

@@ -2,6 +2,8 @@
 
 #include "subscription_fixture.hpp"
 
+namespace subscription_shares_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -210,3 +212,5 @@ TEST_CASE("D4: a user has a share of the items")
     CHECK(fixture.remove(client, id) == status::Good);
     CHECK(fixture.monitor(client, fixture.subscribe(client), item).status_code == status::Good);
 }
+
+} // namespace subscription_shares_test

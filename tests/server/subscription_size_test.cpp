@@ -4,6 +4,8 @@
 
 #include "subscription_fixture.hpp"
 
+namespace subscription_size_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -98,3 +100,5 @@ TEST_CASE_METHOD(SizeFixture, "of what is larger than messages should be one goe
     REQUIRE(values.size() == 1);
     CHECK(values[0].value == DataValue{text_of(5'000)});
 }
+
+} // namespace subscription_size_test

@@ -5,6 +5,8 @@
 #include "one_subscription.hpp"
 #include "server/subscription/state_table.hpp"
 
+namespace subscription_state_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -318,3 +320,5 @@ TEST_CASE("row 17: in KEEPALIVE without a request Notifications, or the count, m
         CHECK(one.is_keep_alive(one.publish(one.client)));
     }
 }
+
+} // namespace subscription_state_test

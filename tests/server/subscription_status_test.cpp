@@ -2,6 +2,8 @@
 
 #include "subscription_fixture.hpp"
 
+namespace subscription_status_test {
+
 // How requests are refused in combinations, and what that leaves behind; that no StatusCode is
 // missing is for the table in subscription_codes_test.cpp.
 
@@ -289,3 +291,5 @@ TEST_CASE_METHOD(StatusFixture, "statuses of items that are changed", "[unit:Mon
     REQUIRE(removed);
     CHECK(removed->results == Array<StatusCode>{status::Good, status::Bad_MonitoredItemIdInvalid});
 }
+
+} // namespace subscription_status_test

@@ -4,6 +4,8 @@
 #include "failure_cases.hpp"
 #include "support/failing_worlds.hpp"
 
+namespace timer_allocation_failure_test {
+
 /// D3: what a server does by itself, when its time has come, with the k-th of its allocations
 /// failing, for k = 1, 2, ... until nothing fails. Others are served meanwhile, and what had to be
 /// done is done soon after.
@@ -239,3 +241,5 @@ TEST_CASE("D3: a session without Subscriptions ends without memory")
     end_without_memory(world);
     CHECK(world.server.session_count() == 0);
 }
+
+} // namespace timer_allocation_failure_test

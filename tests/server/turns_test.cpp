@@ -3,6 +3,8 @@
 #include "server/subscription_fixture.hpp"
 #include "support/slow_server.hpp"
 
+namespace turns_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -299,3 +301,5 @@ TEST_CASE("D2: a Read that goes on asks no source for what was removed meanwhile
     CHECK(answer->results[0].status == status::Bad_NodeIdUnknown);
     CHECK(answer->results[count - 1].status == status::Bad_NodeIdUnknown);
 }
+
+} // namespace turns_test

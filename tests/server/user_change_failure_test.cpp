@@ -2,6 +2,8 @@
 #include "server/rights/role_permissions.hpp"
 #include "support/failing_worlds.hpp"
 
+namespace user_change_failure_test {
+
 /// D3: a session that is given to another user where there is no memory for a moment.
 using namespace busbar;
 using namespace busbar::test;
@@ -98,3 +100,5 @@ TEST_CASE("D3: nothing is read any more by the rights of a user whose time is ov
     const std::size_t most = GENERATE(1U, 1'000'000U); // or there is no memory any more
     check_failing_worlds("the end of a user", [&](std::size_t k) { return fail_expiry(k, most); });
 }
+
+} // namespace user_change_failure_test

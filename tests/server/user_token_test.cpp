@@ -2,6 +2,8 @@
 
 #include "user_fixture.hpp"
 
+namespace user_token_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -310,3 +312,5 @@ TEST_CASE("a session ends with the certificate or the token of its user")
     CHECK((fixture.log.text.find("anonymous now") != std::string::npos) == has_anonymous);
     CHECK(fixture.server.session_count() == (has_anonymous ? 1 : 0));
 }
+
+} // namespace user_token_test

@@ -2,7 +2,7 @@
 
 #include "view_fixture.hpp"
 
-namespace busbar::server::detail {
+namespace busbar::server::detail::view_test {
 
 TEST_CASE_METHOD(ViewFixture, "Browse tells of references what the ResultMask asks for",
                  "[unit:View Basic][unit:View Basic 2][unit:Address Space Base]")
@@ -346,4 +346,4 @@ TEST_CASE_METHOD(ViewFixture,
     CHECK(session.registered == nullptr);
 }
 
-} // namespace busbar::server::detail
+} // namespace busbar::server::detail::view_test

@@ -2,7 +2,7 @@
 
 #include "view_fixture.hpp"
 
-namespace busbar::server::detail {
+namespace busbar::server::detail::view_turns_test {
 
 namespace {
 
@@ -209,4 +209,4 @@ TEST_CASE_METHOD(ViewFixture, "D2: a browse path whose targets all go away match
     CHECK(result->targets.empty());
 }
 
-} // namespace busbar::server::detail
+} // namespace busbar::server::detail::view_turns_test

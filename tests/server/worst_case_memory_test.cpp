@@ -8,6 +8,8 @@
 #include "memory_growth.hpp"
 #include "support/slow_server.hpp"
 
+namespace worst_case_memory_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -262,3 +264,5 @@ TEST_CASE("a Read of what fits no response stops before it is made")
     // Of many that are cut each takes its part only.
     CHECK(read(500, "0:9") == status::Good);
 }
+
+} // namespace worst_case_memory_test

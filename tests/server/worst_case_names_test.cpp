@@ -15,6 +15,8 @@
 #include <busbar/server/server.hpp>
 #include <busbar/server/worst_case_memory.hpp>
 
+namespace worst_case_names_test {
+
 using namespace busbar;
 
 namespace {
@@ -278,3 +280,5 @@ TEST_CASE("limits for a machine's memory lie between the small ones and the defa
         }
     }
 }
+
+} // namespace worst_case_names_test

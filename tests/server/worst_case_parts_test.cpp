@@ -13,6 +13,8 @@
 #include "server/users/login_guard.hpp"
 #include "subscription_fixture.hpp"
 
+namespace worst_case_parts_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -396,3 +398,5 @@ TEST_CASE("an image without structures holds none")
     CHECK(row.bytes() == 0);
     CHECK(row.held.empty());
 }
+
+} // namespace worst_case_parts_test

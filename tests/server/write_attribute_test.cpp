@@ -7,6 +7,8 @@
 #include "session_use.hpp"
 #include "support/slow_server.hpp"
 
+namespace write_attribute_test {
+
 // Write of attributes other than Value (Part 4, 5.11.4), where a WriteMask allows it.
 
 using namespace busbar;
@@ -295,3 +297,5 @@ TEST_CASE_METHOD(MaskFixture, "WriteAttribute and WriteRolePermissions are two r
     CHECK(write(open, node, AttributeId::Description, DataValue{Variant{LocalizedText{"b"}}}) ==
           status::Bad_UserAccessDenied);
 }
+
+} // namespace write_attribute_test

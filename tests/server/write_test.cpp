@@ -2,6 +2,8 @@
 
 #include "attribute_fixture.hpp"
 
+namespace write_test {
+
 using namespace busbar;
 using namespace std::chrono_literals;
 using busbar::server::detail::check_write;
@@ -348,3 +350,5 @@ TEST_CASE_METHOD(WriteFixture, "a source may use the values after the request is
     sources.handle_completions();
     CHECK(owner.completed == 0);
 }
+
+} // namespace write_test

@@ -31,7 +31,7 @@ std::string LabelBoard::name(std::size_t variable) const
 
 LabelClient::LabelClient(harness::World& world, LabelBoard& board, Trace& trace, std::size_t number,
                          Chance chance)
-    : world_{world}, board_{board}, trace_{trace}, number_{number}, chance_{chance}, host_{world},
+    : board_{board}, trace_{trace}, number_{number}, chance_{chance}, host_{world},
       confirmed_{board.written[number]}, seen_(board.variables()),
       told_(board.variables()), items_{number, (number + 1) % board.written.size(),
                                        board.count_index(), board.twin_index()},

@@ -66,7 +66,6 @@ private:
     void check_number(const char* what, std::size_t variable, std::int32_t number);
     void violation(const std::string& what) { trace_.violation(number_, what); }
 
-    harness::World& world_;
     LabelBoard& board_;
     Trace& trace_;
     std::size_t number_;

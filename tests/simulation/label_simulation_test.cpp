@@ -3,6 +3,8 @@
 #include "environment.hpp"
 #include "label_simulation.hpp"
 
+namespace label_simulation_test {
+
 using namespace busbar::test;
 using namespace std::chrono_literals;
 
@@ -55,3 +57,5 @@ TEST_CASE("50 clients see no wrong value while labels change (seed 001, 8.3 and 
     CHECK(std::count(events.begin(), events.end(), LabelUpdate::Finished) > 5);
     CHECK(std::count(events.begin(), events.end(), LabelUpdate::Failed) > 0);
 }
+
+} // namespace label_simulation_test

@@ -3,6 +3,8 @@
 #include "environment.hpp"
 #include "machine_simulation.hpp"
 
+namespace machine_simulation_test {
+
 using namespace busbar::test;
 
 namespace {
@@ -51,3 +53,5 @@ TEST_CASE("a controller keeps what it has saved while its media fail and its pow
         CHECK(counts.scans.failed > 0);
     }
 }
+
+} // namespace machine_simulation_test

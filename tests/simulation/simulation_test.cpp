@@ -3,6 +3,8 @@
 #include "environment.hpp"
 #include "simulation.hpp"
 
+namespace simulation_test {
+
 using namespace busbar::test;
 
 namespace {
@@ -45,3 +47,5 @@ TEST_CASE("no notification is lost in a day of 50 clients over links that break,
     // Tables keep the size of their fullest moment.
     CHECK(heap_after <= heap_before + 256 * 1'024);
 }
+
+} // namespace simulation_test

@@ -2,6 +2,8 @@
 
 #include "media.hpp"
 
+namespace contract_test {
+
 // What every Storage does, whatever is below it.
 
 using namespace busbar;
@@ -181,3 +183,5 @@ TEST_CASE("storage: errors have a text and a status")
         CHECK(status_of(error).is_bad());
     }
 }
+
+} // namespace contract_test

@@ -6,6 +6,8 @@
 #include "media.hpp"
 #include "support/failing_disk.hpp"
 
+namespace file_transaction_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using storage::FolderStorage;
@@ -284,3 +286,5 @@ TEST_CASE("file transaction: a journal that makes no sense moves nothing")
         CHECK(files_of(storage) == before);
     }
 }
+
+} // namespace file_transaction_test

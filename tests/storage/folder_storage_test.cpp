@@ -8,6 +8,8 @@
 
 #include "media.hpp"
 
+namespace folder_storage_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using storage::FolderStorage;
@@ -154,3 +156,5 @@ TEST_CASE("folder storage: the times of a file are those of the system")
     CHECK(std::abs(entry->modified.unix_seconds() - (seconds - 9 * 3'600)) < 600);
     CHECK(std::abs(entry->touched.unix_seconds() - seconds) < 600);
 }
+
+} // namespace folder_storage_test

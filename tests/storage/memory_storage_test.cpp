@@ -2,6 +2,8 @@
 
 #include "media.hpp"
 
+namespace memory_storage_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using storage::MemoryStorage;
@@ -82,3 +84,5 @@ TEST_CASE("memory storage: a folder changes when a name in it comes or goes")
     CHECK(changes("b", [&] { return files.remove("b/x"); }));
     CHECK(changes("b", [&] { return files.make_folder("b/c", FileAccess::Owner); }));
 }
+
+} // namespace memory_storage_test

@@ -4,6 +4,8 @@
 #include "media.hpp"
 #include "support/failing_disk.hpp"
 
+namespace power_cut_test {
+
 // After a power cut there is the state before a call or the one after it; of an append any first
 // part. On a disk, and in the memory that other tests take for one.
 
@@ -171,3 +173,5 @@ TEST_CASE("storage: a call that fails because the disk is full changes nothing",
         }
     }
 }
+
+} // namespace power_cut_test

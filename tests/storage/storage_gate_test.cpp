@@ -8,6 +8,8 @@
 
 #include "media.hpp"
 
+namespace storage_gate_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using storage::MemoryStorage;
@@ -65,3 +67,5 @@ TEST_CASE("storage gate: who comes while it is held waits, and is refused if it 
         CHECK(read(files, "a") == (closes ? "held" : "late"));
     }
 }
+
+} // namespace storage_gate_test

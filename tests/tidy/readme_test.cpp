@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+namespace readme_test {
+
 namespace {
 
 using Lines = std::vector<std::string>;
@@ -88,3 +90,5 @@ TEST_CASE("a snippet that differs from its file is found", "[tidy]")
     CHECK(snippets[0].lines == Lines{"int a;"});
     CHECK_FALSE(snippets[1].file.has_value());
 }
+
+} // namespace readme_test

@@ -7,6 +7,8 @@
 
 #include "rules.hpp"
 
+namespace tidy_test {
+
 using namespace busbar;
 using tidy::make_file;
 
@@ -191,3 +193,5 @@ TEST_CASE("a virtual function of a public class that is defined elsewhere is fou
     CHECK(count(header, "void read(int) override;") == 0);
     CHECK(count("lib/client/x.hpp", "virtual void read(int) const;") == 0);
 }
+
+} // namespace tidy_test

@@ -6,6 +6,8 @@
 
 #include "tiers.hpp"
 
+namespace tiers_test {
+
 using namespace busbar;
 using tidy::make_file;
 
@@ -113,3 +115,5 @@ TEST_CASE("an include beyond the first tier is found", "[tidy]")
           "main.cpp: includes a/y.hpp\n");
     CHECK(tidy::check_first_programs({program}, {"a/"}).empty());
 }
+
+} // namespace tiers_test

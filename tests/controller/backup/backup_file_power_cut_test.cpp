@@ -2,11 +2,13 @@
 
 #include "memory_fixture.hpp"
 
+namespace backup_file_power_cut_test {
+
 // A backup from the controller's storage to a file on a card and back, on media that fail.
 
 using namespace busbar;
 using namespace busbar::controller;
-using test::MemoryFixture;
+using busbar::test::MemoryFixture;
 
 namespace {
 
@@ -97,3 +99,5 @@ TEST_CASE_METHOD(FirstMachine, "An earlier backup stays until the next is whole 
         REQUIRE((found == next || (!is_written && found == first)));
     }
 }
+
+} // namespace backup_file_power_cut_test

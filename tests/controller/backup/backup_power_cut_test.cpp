@@ -6,12 +6,14 @@
 
 #include "memory_fixture.hpp"
 
+namespace backup_power_cut_test {
+
 // Everything that changes a controller's data, cut at every byte and step, and on a medium that is
 // full, protected or away.
 
 using namespace busbar;
 using namespace busbar::controller;
-using test::MemoryFixture;
+using busbar::test::MemoryFixture;
 
 namespace {
 
@@ -194,3 +196,5 @@ TEST_CASE("A backup has what was transferred, whatever failed then (3-2-9)", "[p
     }
     CHECK(transferred > 2);
 }
+
+} // namespace backup_power_cut_test

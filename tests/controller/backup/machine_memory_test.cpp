@@ -7,10 +7,12 @@
 
 #include "memory_fixture.hpp"
 
+namespace machine_memory_test {
+
 using namespace busbar;
 using namespace busbar::controller;
-using test::MemoryFixture;
-using test::Texts;
+using busbar::test::MemoryFixture;
+using busbar::test::Texts;
 
 namespace {
 
@@ -397,3 +399,5 @@ TEST_CASE("What each operation includes (3-2-9)")
               }) == row.is_cleared_by_choice);
     }
 }
+
+} // namespace machine_memory_test

@@ -6,13 +6,15 @@
 
 #include "memory_fixture.hpp"
 
+namespace memory_part_test {
+
 // Items that are parts of one file: settings of the server and of who may come in.
 
 using namespace busbar;
 using namespace busbar::controller;
 using controller::detail::SavedItem;
-using test::MemoryFixture;
-using test::Texts;
+using busbar::test::MemoryFixture;
+using busbar::test::Texts;
 
 namespace {
 
@@ -196,3 +198,5 @@ TEST_CASE_METHOD(SharedFile, "Clear All Memory leaves security settings if told 
     REQUIRE(memory.clear_all(true, MachineMode::Program));
     CHECK(options() == "none");
 }
+
+} // namespace memory_part_test

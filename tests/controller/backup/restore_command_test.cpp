@@ -2,6 +2,8 @@
 
 #include <busbar/controller/backup.hpp>
 
+namespace restore_command_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -57,3 +59,5 @@ TEST_CASE("A wrong RestoreCommand.ini is told by its line (8-2-2)")
     CHECK(command_problem(std::string(70'000, ' ')) ==
           "RestoreCommand.ini: is too large (Bad_OutOfRange)");
 }
+
+} // namespace restore_command_test

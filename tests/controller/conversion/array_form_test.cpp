@@ -4,6 +4,8 @@
 
 #include "shape_fixture.hpp"
 
+namespace array_form_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using controller::array_form;
@@ -139,3 +141,5 @@ TEST_CASE("8.2 Limited assignment: Dim 1 to 3 are followed", "[8.2]")
     CHECK(lengths(chosen(1, {5}, {"", 1, {7}})) == Dimensions{5}); // nothing to choose
     CHECK_FALSE(chosen(1, {0}, {"", 1, {7}}).is_open);
 }
+
+} // namespace array_form_test

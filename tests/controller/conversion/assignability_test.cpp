@@ -5,6 +5,8 @@
 
 #include "label_values.hpp"
 
+namespace assignability_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using controller::Assignability;
@@ -136,3 +138,5 @@ TEST_CASE("8.2 Method assignment: a Handle takes an unsigned word only", "[8.2]"
               (static_cast<LabelType>(type) == LabelType::UnsignedWord));
     }
 }
+
+} // namespace assignability_test

@@ -2,6 +2,8 @@
 
 #include "label_values.hpp"
 
+namespace date_conversion_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -67,3 +69,5 @@ TEST_CASE("8.2 DateTime conversion: a Read takes what the label has", "[8.2]")
     Mapping negative{BuiltInType::DateTime, signed_label};
     CHECK(negative.read_of(number_bytes(-60, 4)) == date(second_2000 - 60));
 }
+
+} // namespace date_conversion_test

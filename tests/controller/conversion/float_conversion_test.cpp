@@ -7,6 +7,8 @@
 
 #include "label_values.hpp"
 
+namespace float_conversion_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -234,3 +236,5 @@ TEST_CASE("8.2 Data types of labels: what note 1 keeps from a label of the same 
         check_write(row);
     }
 }
+
+} // namespace float_conversion_test

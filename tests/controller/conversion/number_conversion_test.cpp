@@ -6,6 +6,8 @@
 
 #include "label_values.hpp"
 
+namespace number_conversion_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -195,3 +197,5 @@ TEST_CASE("8.2 Integers: a value of another type, a label of another size", "[8.
     CHECK(mapping.write(Variant{std::int16_t{1}}) == status::Bad_InternalError);
     CHECK(mapping.read().error() == status::Bad_InternalError);
 }
+
+} // namespace number_conversion_test

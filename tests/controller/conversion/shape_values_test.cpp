@@ -3,6 +3,8 @@
 #include "shape_fixture.hpp"
 #include "support/allocation_count.hpp"
 
+namespace shape_values_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -215,3 +217,5 @@ TEST_CASE_METHOD(ShapeFixture, "2.1 Mapped data: 25,000 numbers take one allocat
     CHECK(status == status::Good);
     CHECK(labels.back() == std::byte{0xFF});
 }
+
+} // namespace shape_values_test

@@ -7,6 +7,8 @@
 
 #include "label_values.hpp"
 
+namespace text_conversion_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::string_literals;
@@ -216,3 +218,5 @@ TEST_CASE("8.2 Data types of labels: of a LocalizedText the text only (note 10)"
         CHECK(*read->get_if<LocalizedText>() == LocalizedText{String{"表"}});
     }
 }
+
+} // namespace text_conversion_test

@@ -2,6 +2,8 @@
 
 #include "shape_fixture.hpp"
 
+namespace value_shape_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -230,3 +232,5 @@ TEST_CASE_METHOD(ShapeFixture, "8.1 CreateMonitoredItems: bytes of each built-in
     }
     CHECK(shape({standard(id::String), 2, two_by_three}).monitored_bytes() == 6 * 1024);
 }
+
+} // namespace value_shape_test

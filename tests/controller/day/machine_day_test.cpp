@@ -9,6 +9,8 @@
 #include "controller/publishing/program_parts.hpp"
 #include "virtual_machine.hpp"
 
+namespace machine_day_test {
+
 // What a day of a controller leaves in its logs.
 
 using namespace busbar;
@@ -388,3 +390,5 @@ TEST_CASE("The same day leaves the same bytes (7-1-5)")
     CHECK(files_of(first.card, "").size() == 3);
     CHECK(files_of(first.memory, "events/").size() == 1);
 }
+
+} // namespace machine_day_test

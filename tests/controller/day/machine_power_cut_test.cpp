@@ -8,6 +8,8 @@
 #include "controller/life/logged_life.hpp"
 #include "virtual_machine.hpp"
 
+namespace machine_power_cut_test {
+
 // The whole controller on one medium whose power goes at any byte.
 
 using namespace busbar;
@@ -192,3 +194,5 @@ TEST_CASE(
         check_next_start(world, {.counter = 4, .port = 0, .lines = lines_of_start + waiting});
     }
 }
+
+} // namespace machine_power_cut_test

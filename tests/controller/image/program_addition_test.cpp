@@ -11,6 +11,8 @@
 #include "controller/publishing/program_parts.hpp"
 #include "support/source_caller.hpp"
 
+namespace program_addition_test {
+
 // Variables that an online edit adds to a program whose task runs.
 
 using namespace busbar;
@@ -337,3 +339,5 @@ TEST_CASE("No structure is torn while arrays of them are added (4-2-5)")
     reader.join();
     CHECK(torn == 0);
 }
+
+} // namespace program_addition_test

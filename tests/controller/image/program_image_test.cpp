@@ -5,6 +5,8 @@
 #include <busbar/controller/program_image.hpp>
 #include <busbar/core/extension_object.hpp>
 
+namespace program_image_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -297,3 +299,5 @@ TEST_CASE("Lists of initial values have to fit (6-2-2)")
     CHECK(refusal_of(variable) ==
           "variables[0] (v).Limits[1]: has an initial value that is no REAL");
 }
+
+} // namespace program_image_test

@@ -6,6 +6,8 @@
 #include "controller/publishing/program_parts.hpp"
 #include "server/image_fixture.hpp"
 
+namespace published_types_test {
+
 // The types of values in the image, and those that the nodes say.
 
 using namespace busbar;
@@ -254,3 +256,5 @@ TEST_CASE("A program's variables may stay in a runtime's memory (6-2-2)")
     REQUIRE_FALSE(refused);
     CHECK(text(refused.error()).starts_with("variables[1] (Home): has another size or alignment"));
 }
+
+} // namespace published_types_test

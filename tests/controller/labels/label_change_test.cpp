@@ -4,6 +4,8 @@
 
 #include "label_bench.hpp"
 
+namespace label_change_test {
+
 // Labels that change (seed 001, 8.3: label-related data update), and the programs of a PLC.
 
 using namespace busbar;
@@ -141,3 +143,5 @@ TEST_CASE("the programs of a PLC run on labels")
     (*plc)->scan(DateTime{3}, Duration{});
     CHECK(bench.read("Count") == wire(std::int32_t{102}));
 }
+
+} // namespace label_change_test

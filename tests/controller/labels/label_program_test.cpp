@@ -7,6 +7,8 @@
 #include "controller/labels/label_kinds.hpp"
 #include "label_bench.hpp"
 
+namespace label_program_test {
+
 // Which labels a program's variables are, and how their values lie in a request.
 
 using namespace busbar;
@@ -293,3 +295,5 @@ TEST_CASE("a label at a device that cannot be sampled says so")
     CHECK(bench.resolve("AtIndex").is_unsampled_device);
     CHECK_FALSE(bench.resolve("AtRelay").is_unsampled_device);
 }
+
+} // namespace label_program_test

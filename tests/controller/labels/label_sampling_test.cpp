@@ -2,6 +2,8 @@
 
 #include "label_bench.hpp"
 
+namespace label_sampling_test {
+
 // Sampling in each scan (seed 001, 8.3: high-speed sampling).
 
 using namespace busbar;
@@ -203,3 +205,5 @@ TEST_CASE("nothing is sampled without communication, or for a listener that is g
     bench.scan();
     CHECK(Words(bench, 1).scan == 0);
 }
+
+} // namespace label_sampling_test

@@ -8,6 +8,8 @@
 
 #include "label_bench.hpp"
 
+namespace labels_threads_test {
+
 // A PLC that scans as fast as it can, while a server reads, writes and samples its labels.
 
 using namespace busbar;
@@ -249,3 +251,5 @@ TEST_CASE("a listener can be taken away while a PLC answers")
     }
     CHECK(answered == 50);
 }
+
+} // namespace labels_threads_test

@@ -3,6 +3,8 @@
 #include "label_bench.hpp"
 #include "support/allocation_count.hpp"
 
+namespace simulated_labels_test {
+
 // How requests are served at the ends of scans.
 
 using namespace busbar;
@@ -285,3 +287,5 @@ TEST_CASE("the end of a scan neither allocates nor frees, whatever it has to do"
     bench.labels->attach(nullptr);
     CHECK(calls_in_scans(1) == 0);
 }
+
+} // namespace simulated_labels_test

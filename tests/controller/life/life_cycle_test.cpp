@@ -2,12 +2,14 @@
 
 #include "life_fixture.hpp"
 
+namespace life_cycle_test {
+
 using namespace busbar;
 using namespace busbar::controller;
-using test::damaged;
-using test::LifeFixture;
-using test::not_used;
-using test::Texts;
+using busbar::test::damaged;
+using busbar::test::LifeFixture;
+using busbar::test::not_used;
+using busbar::test::Texts;
 
 TEST_CASE_METHOD(LifeFixture, "The server starts with power if it is used (4-1-1)")
 {
@@ -238,3 +240,5 @@ TEST_CASE_METHOD(LifeFixture, "A fatal error of the server takes a restart (9-2-
     life.reset();
     CHECK(status() == "Initializing");
 }
+
+} // namespace life_cycle_test

@@ -4,6 +4,8 @@
 
 #include <controller/life/life_table.hpp>
 
+namespace life_table_test {
+
 using namespace busbar::controller::detail;
 
 namespace {
@@ -57,3 +59,5 @@ TEST_CASE("What is shut down comes back by a restart only (4-1-2)")
         }
     }
 }
+
+} // namespace life_table_test

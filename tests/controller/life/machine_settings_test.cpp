@@ -8,6 +8,8 @@
 #include <busbar/controller/machine_settings.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
+namespace machine_settings_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -310,3 +312,5 @@ TEST_CASE("A medium that is full, protected or away refuses a transfer whole (9-
         }
     }
 }
+
+} // namespace machine_settings_test

@@ -6,10 +6,12 @@
 
 #include "life_fixture.hpp"
 
+namespace opcua_shutdown_test {
+
 using namespace busbar;
 using namespace busbar::controller;
-using test::LifeFixture;
-using test::Texts;
+using busbar::test::LifeFixture;
+using busbar::test::Texts;
 
 namespace {
 
@@ -248,3 +250,5 @@ TEST_CASE_METHOD(ShutdownFixture, "The sample program shuts the server down (A-2
     CHECK_FALSE(is_operating);
     CHECK(block.error_id() == shut_down_code);
 }
+
+} // namespace opcua_shutdown_test

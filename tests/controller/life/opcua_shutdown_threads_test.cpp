@@ -8,9 +8,11 @@
 
 #include "life_fixture.hpp"
 
+namespace opcua_shutdown_threads_test {
+
 using namespace busbar;
 using namespace busbar::controller;
-using test::LifeFixture;
+using busbar::test::LifeFixture;
 
 TEST_CASE_METHOD(LifeFixture, "Tasks and the server's thread meet without waiting (A-2-1)")
 {
@@ -47,3 +49,5 @@ TEST_CASE_METHOD(LifeFixture, "Tasks and the server's thread meet without waitin
     }
     CHECK(done == 1);
 }
+
+} // namespace opcua_shutdown_threads_test

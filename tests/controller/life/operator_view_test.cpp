@@ -9,12 +9,14 @@
 
 #include "logged_life.hpp"
 
+namespace operator_view_test {
+
 // What people who run a controller set and see of its server.
 
 using namespace busbar;
 using namespace busbar::controller;
-using test::LoggedLife;
-using test::Texts;
+using busbar::test::LoggedLife;
+using busbar::test::Texts;
 
 TEST_CASE("Clients have five sessions, lists have 32 certificates (1-2-2)")
 {
@@ -183,3 +185,5 @@ TEST_CASE_METHOD(LoggedLife, "OPCUA_Shutdown records the shutdown and leaves the
     CHECK(log->waiting() == 0);
     CHECK(logged().back() == "SERVER 0006 Shutdown");
 }
+
+} // namespace operator_view_test

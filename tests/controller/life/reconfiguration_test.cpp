@@ -2,12 +2,14 @@
 
 #include "life_fixture.hpp"
 
+namespace reconfiguration_test {
+
 using namespace busbar;
 using namespace busbar::controller;
-using test::damaged;
-using test::LifeFixture;
-using test::not_used;
-using test::Texts;
+using busbar::test::damaged;
+using busbar::test::LifeFixture;
+using busbar::test::not_used;
+using busbar::test::Texts;
 
 TEST_CASE_METHOD(LifeFixture, "What reconfigures a server that runs (4-2-5)")
 {
@@ -166,3 +168,5 @@ TEST_CASE_METHOD(LifeFixture, "The status of the server (4-2-1)")
     life.system_error("no effect any more");
     CHECK(lines(0, 0)[1] == "Server operating status: Shutdown");
 }
+
+} // namespace reconfiguration_test

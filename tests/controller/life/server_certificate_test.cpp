@@ -8,12 +8,14 @@
 
 #include "logged_life.hpp"
 
+namespace server_certificate_test {
+
 // The server certificate from the first start of a controller to its renewal.
 
 using namespace busbar;
 using namespace busbar::controller;
-using test::LoggedLife;
-using test::Texts;
+using busbar::test::LoggedLife;
+using busbar::test::Texts;
 
 namespace {
 
@@ -108,3 +110,5 @@ TEST_CASE_METHOD(CertificateLife, "A server certificate is shown, exported and r
     CHECK(subject.country == "JP");
     CHECK(store.load("urn:machine").value()->certificates.front() == shown);
 }
+
+} // namespace server_certificate_test

@@ -2,14 +2,16 @@
 
 #include "life_fixture.hpp"
 
+namespace service_state_test {
+
 // Table 4-1-4, row by row.
 
 using namespace busbar;
 using namespace busbar::controller;
-using test::damaged;
-using test::LifeFixture;
-using test::not_used;
-using test::Texts;
+using busbar::test::damaged;
+using busbar::test::LifeFixture;
+using busbar::test::not_used;
+using busbar::test::Texts;
 
 TEST_CASE_METHOD(LifeFixture, "Stopped during startup state (4-1-4)")
 {
@@ -168,3 +170,5 @@ TEST_CASE_METHOD(LifeFixture, "Executed in a minor fault, but for errors that ha
     life.download_done(damaged());
     CHECK(status() == "Halt error");
 }
+
+} // namespace service_state_test

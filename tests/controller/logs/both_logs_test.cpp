@@ -7,6 +7,8 @@
 
 #include "log_fixture.hpp"
 
+namespace both_logs_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 using namespace busbar::test;
@@ -68,3 +70,5 @@ TEST_CASE_METHOD(BothLogs, "An execution log that is not saved is an event while
     CHECK_FALSE(events->plc_error());
     CHECK(codes().size() == 2);
 }
+
+} // namespace both_logs_test

@@ -6,6 +6,8 @@
 
 #include "controller/life/logged_life.hpp"
 
+namespace event_log_power_cut_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 using namespace busbar::test;
@@ -62,3 +64,5 @@ TEST_CASE("Events wait for a storage that is full, protected or away (9-2-2)", "
         }
     }
 }
+
+} // namespace event_log_power_cut_test

@@ -2,6 +2,8 @@
 
 #include "execution_log_world.hpp"
 
+namespace execution_log_medium_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 using namespace busbar::test;
@@ -239,3 +241,5 @@ TEST_CASE_METHOD(LogWorld, "The log is cleared and goes on (7-2-2)")
     medium.set_away(true);
     CHECK_FALSE(log->clear());
 }
+
+} // namespace execution_log_medium_test

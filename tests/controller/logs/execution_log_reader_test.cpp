@@ -5,6 +5,8 @@
 
 #include "log_fixture.hpp"
 
+namespace execution_log_reader_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 using namespace busbar::test;
@@ -153,3 +155,5 @@ TEST_CASE("All files of a folder are one log, the oldest first (7-2-1)")
     storage.set_away(true);
     CHECK(read_execution_log(storage, "log", {}, 3).error() == StorageError::Away);
 }
+
+} // namespace execution_log_reader_test

@@ -5,6 +5,8 @@
 
 #include "log_fixture.hpp"
 
+namespace execution_log_record_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 using namespace busbar::test;
@@ -295,3 +297,5 @@ TEST_CASE("Kinds that are told often and are not in the log are not wanted (7-1-
     CHECK_FALSE(is_in_execution_log(RecordKind::AttributeWritten));
     CHECK_FALSE(is_in_execution_log(RecordKind::ChannelOpened));
 }
+
+} // namespace execution_log_record_test

@@ -2,6 +2,8 @@
 
 #include "execution_log_world.hpp"
 
+namespace execution_log_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 using namespace busbar::test;
@@ -173,3 +175,5 @@ TEST_CASE_METHOD(LogWorld, "A file too large for the log is put aside (7-1-5)")
     CHECK(log_files().size() == 2);
     CHECK(file() == line_of(0).replace(line_of(0).find("\tv\t"), 3, "\tv0\t"));
 }
+
+} // namespace execution_log_test

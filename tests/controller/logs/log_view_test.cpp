@@ -2,6 +2,8 @@
 
 #include "controller/life/logged_life.hpp"
 
+namespace log_view_test {
+
 // From the settings of the execution log to what people see of it.
 
 using namespace busbar;
@@ -71,3 +73,5 @@ TEST_CASE_METHOD(LoggedLife, "The log on the card is listed over all its files (
     CHECK(last->is_cut);
     CHECK(lines_of(*last).front() == "SERVER 0111 PublishedVariable v225 2Byte 1 0");
 }
+
+} // namespace log_view_test

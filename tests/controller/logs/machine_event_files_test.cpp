@@ -6,6 +6,8 @@
 
 #include "machine_event_world.hpp"
 
+namespace machine_event_files_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 using namespace busbar::test;
@@ -146,3 +148,5 @@ TEST_CASE("An event is raised at the controller's folder with its code (9-1-2)")
     CHECK_FALSE(queue->next(raised));
     queue->close();
 }
+
+} // namespace machine_event_files_test

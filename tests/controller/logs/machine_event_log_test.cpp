@@ -5,6 +5,8 @@
 
 #include "machine_event_world.hpp"
 
+namespace machine_event_log_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 using namespace busbar::test;
@@ -294,3 +296,5 @@ TEST_CASE_METHOD(EventWorld, "The highest level and code of the current errors (
     CHECK(log->plc_error() == PlcError{EventLevel::MinorFault, 0x44180000});
     CHECK(log->current_errors().size() == 4);
 }
+
+} // namespace machine_event_log_test

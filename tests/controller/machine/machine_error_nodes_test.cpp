@@ -13,6 +13,8 @@
 #include "controller/publishing/machine_parts.hpp"
 #include "support/server_fixture.hpp"
 
+namespace machine_error_nodes_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 using namespace busbar::controller::test;
@@ -177,3 +179,5 @@ TEST_CASE("ErrorState follows the highest level of what stands (6-2-1, 9-1-2)")
     CHECK(error_state_of(Events{minor, event_of(EventLevel::MajorFault)}) ==
           ErrorState::MajorFault);
 }
+
+} // namespace machine_error_nodes_test

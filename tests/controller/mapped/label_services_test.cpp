@@ -1,5 +1,7 @@
 #include "label_world.hpp"
 
+namespace label_services_test {
+
 // Read, Write and Call of a whole server over the labels of a simulated PLC.
 
 using namespace busbar;
@@ -307,3 +309,5 @@ TEST_CASE_METHOD(Calls, "8.1 Call: an input that its label cannot have, and the 
     run_scans(2);
     CHECK(variable<std::int16_t>("Done") == 0);
 }
+
+} // namespace label_services_test

@@ -1,5 +1,7 @@
 #include "label_world.hpp"
 
+namespace label_subscription_test {
+
 // Subscriptions to labels of a simulated PLC, in each sampling mode, and labels that change.
 
 using namespace busbar;
@@ -176,3 +178,5 @@ TEST_CASE("10.3 Label update: MonitoredItems have their last values with Good_Ov
     world.check_next(0, 10);
     CHECK_FALSE(world.source.is_updating());
 }
+
+} // namespace label_subscription_test

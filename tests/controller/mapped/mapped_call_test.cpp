@@ -1,5 +1,7 @@
 #include "mapped_fixture.hpp"
 
+namespace mapped_call_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -178,3 +180,5 @@ TEST_CASE_METHOD(Fixture, "8.3 Call: a Handle is a word without sign", "[8.3]")
     CHECK(book.errors == std::vector{MappedErrorCode::WrongType});
     CHECK(call(method).status_code == status::Bad_NoCommunication);
 }
+
+} // namespace mapped_call_test

@@ -2,6 +2,8 @@
 
 #include "support/allocation_count.hpp"
 
+namespace mapped_cost_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -60,3 +62,5 @@ TEST_CASE_METHOD(Fixture, "8.3 Read: arrays cost as many allocations as there ar
     // Of each: the value with its shape, and what the Variable keeps.
     CHECK(all <= 20 + 5 * 250);
 }
+
+} // namespace mapped_cost_test

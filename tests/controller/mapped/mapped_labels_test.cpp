@@ -1,5 +1,7 @@
 #include "mapped_fixture.hpp"
 
+namespace mapped_labels_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -184,3 +186,5 @@ TEST_CASE_METHOD(Fixture, "8.3 Label update: an answer by the labels before is n
     plc->is_prompt = true;
     CHECK(take_read(sent)[0].value == Variant{std::int16_t{1480}});
 }
+
+} // namespace mapped_labels_test

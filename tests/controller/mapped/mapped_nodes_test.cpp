@@ -3,6 +3,8 @@
 
 #include "mapped_fixture.hpp"
 
+namespace mapped_nodes_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using controller::MappedPart;
@@ -95,3 +97,5 @@ TEST_CASE_METHOD(MappedFixture, "8.3 Buffer memory: its values are Variables", "
     CHECK(read(own("RevisedSamplingIntervalMinimum")).value == Variant{std::uint32_t{0}});
     CHECK(read(own("ActualSamplingIntervalMinimum")).value == Variant{std::uint32_t{0}});
 }
+
+} // namespace mapped_nodes_test

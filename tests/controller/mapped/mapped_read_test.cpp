@@ -1,5 +1,7 @@
 #include "mapped_fixture.hpp"
 
+namespace mapped_read_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -147,3 +149,5 @@ TEST_CASE_METHOD(Fixture, "8.1 Write: what is refused, all or none", "[8.1]")
     CHECK(plc->get<std::int16_t>("Speed") == 1480);
     CHECK(plc->started[LabelRequest::Kind::Write] == 0);
 }
+
+} // namespace mapped_read_test

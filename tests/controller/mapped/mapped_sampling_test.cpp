@@ -1,5 +1,7 @@
 #include "mapped_fixture.hpp"
 
+namespace mapped_sampling_test {
+
 using namespace busbar;
 using namespace busbar::test;
 using namespace std::chrono_literals;
@@ -367,3 +369,5 @@ TEST_CASE_METHOD(Fixture, "8.3 Subscription: samples that wait for room end with
     CHECK(values[0].status == status::Bad_NoCommunication);
     CHECK(values[1].status == status::Bad_NoCommunication);
 }
+
+} // namespace mapped_sampling_test

@@ -1,5 +1,7 @@
 #include "mapped_fixture.hpp"
 
+namespace mapped_service_results_test {
+
 // What a whole service answers, not each of its nodes (seed 001, 8.1).
 
 using namespace busbar;
@@ -135,3 +137,5 @@ TEST_CASE_METHOD(Fixture, "8.1 ServiceResult: a server that is stopping", "[8.1]
     CHECK(take<CallResponse>(send_call()) == status::Bad_Shutdown);
     plc->answer(); // for nobody
 }
+
+} // namespace mapped_service_results_test

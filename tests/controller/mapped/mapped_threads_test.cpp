@@ -3,6 +3,8 @@
 #include <atomic>
 #include <thread>
 
+namespace mapped_threads_test {
+
 using namespace busbar;
 using namespace busbar::test;
 
@@ -175,3 +177,5 @@ TEST_CASE("8.3 Data input/output: a PLC answers on a thread of its own", "[8.3]"
         }
     }
 }
+
+} // namespace mapped_threads_test

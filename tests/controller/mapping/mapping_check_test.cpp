@@ -2,6 +2,8 @@
 
 #include "mapping_fixture.hpp"
 
+namespace mapping_check_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -275,3 +277,5 @@ TEST_CASE("2.1 Check: instances of types that the product does not support", "[2
     CheckFixture any{nodes, ModelLimits{}};
     CHECK(any.check().reports.is_empty());
 }
+
+} // namespace mapping_check_test

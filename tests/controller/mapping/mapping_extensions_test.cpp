@@ -1,5 +1,7 @@
 #include "mapping_fixture.hpp"
 
+namespace mapping_extensions_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -276,3 +278,5 @@ TEST_CASE("A-8 Limits: levels and parts are bounded", "[A-8]")
         "<DataMapping IsArray=\"true\">" + element + element + element + "</DataMapping>", few};
     CHECK(has(many.result.reports, ModelCode::TooManyParts));
 }
+
+} // namespace mapping_extensions_test

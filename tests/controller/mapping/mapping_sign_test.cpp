@@ -1,5 +1,7 @@
 #include "mapping_fixture.hpp"
 
+namespace mapping_sign_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -98,3 +100,5 @@ TEST_CASE("9.5 Mapping array specification: without mapping it is not saved", "[
     CHECK(project.models.mapping().variables.size() == 1);
     CHECK(project.exported().find("DataMapping") == std::string::npos);
 }
+
+} // namespace mapping_sign_test

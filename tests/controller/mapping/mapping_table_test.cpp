@@ -2,6 +2,8 @@
 
 #include "mapping_fixture.hpp"
 
+namespace mapping_table_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -164,3 +166,5 @@ TEST_CASE("9.5 Table: what is no table, or too large", "[9.5]")
     limits.max_part_levels = 2;
     CHECK(project.error_in(head + "ns=1;s=A,,.a.b.c,x\n", limits) == "505 line 2");
 }
+
+} // namespace mapping_table_test

@@ -1,5 +1,7 @@
 #include "mapping_fixture.hpp"
 
+namespace model_set_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -365,3 +367,5 @@ TEST_CASE("2.1 Limits: the preset and the status bar", "[2.1][4.2]")
     CHECK(status_bar(counters, {}) == StatusBar{});
     CHECK(kilo_words(1) == 1);
 }
+
+} // namespace model_set_test

@@ -2,6 +2,8 @@
 
 #include "mapping_fixture.hpp"
 
+namespace node_places_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -92,3 +94,5 @@ TEST_CASE("9.5 Targets: references in a circle end", "[9.5]")
                                      node("V", from("ns=1;s=B"))));
     CHECK(project.place("V") == NodePlace::Mappable);
 }
+
+} // namespace node_places_test

@@ -2,6 +2,8 @@
 
 #include <busbar/controller/declaration_reader.hpp>
 
+namespace declaration_errors_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -220,3 +222,5 @@ TEST_CASE("Names that share a long initial value are counted each (3-3-2)")
         problem_of("VAR_GLOBAL a" + repeated(",b", 999) + " : A := " + value + "; END_VAR", limits)
             .find("takes more than 1048576 bytes of memory up to here") != std::string::npos);
 }
+
+} // namespace declaration_errors_test

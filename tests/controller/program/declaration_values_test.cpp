@@ -4,6 +4,8 @@
 
 #include <busbar/controller/declaration_reader.hpp>
 
+namespace declaration_values_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -204,3 +206,5 @@ TEST_CASE("Values that are written wrongly are told (6-2-2)")
           "found 'DT#2026-11-24', expected a date from 1601 on and a time as "
           "DT#2025-12-31-23:59:59");
 }
+
+} // namespace declaration_values_test

@@ -2,6 +2,8 @@
 
 #include <busbar/controller/declaration_reader.hpp>
 
+namespace declarations_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -219,3 +221,5 @@ TEST_CASE("A text of 100,000 variables is read (6-2-2)")
     CHECK(program.variables.back().name == "Variable99999");
     CHECK(program.variables.back().place.line == 100'001);
 }
+
+} // namespace declarations_test

@@ -3,6 +3,8 @@
 #include <busbar/controller/plcopen_xml.hpp>
 #include <busbar/controller/program_initial.hpp>
 
+namespace plcopen_xml_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -270,3 +272,5 @@ TEST_CASE("Limits of PLCopen XML hold (3-3-2)")
     limits.max_text_size = 3;
     CHECK(problem_of("<a/>", limits) == "m.xml: is larger than 3 bytes");
 }
+
+} // namespace plcopen_xml_test

@@ -3,6 +3,8 @@
 #include <busbar/controller/declaration_reader.hpp>
 #include <busbar/controller/program_initial.hpp>
 
+namespace program_initial_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -206,3 +208,5 @@ TEST_CASE("Initial values of a vendor's table need no notation (6-2-2)")
     CHECK(check(program) ==
           "variables[0] (x)[1]: is for the member X, expected an element of an array");
 }
+
+} // namespace program_initial_test

@@ -2,6 +2,8 @@
 
 #include <busbar/controller/program_types.hpp>
 
+namespace program_types_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -166,3 +168,5 @@ TEST_CASE("Dimensions of types within one another are counted together (6-2-2)")
     program.types.push_back(structure("S", {array_of(use("B"), {{0, 0}})}));
     CHECK(problem_of(program) == "type S: has more than 16 dimensions with those of its types");
 }
+
+} // namespace program_types_test

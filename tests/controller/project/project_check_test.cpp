@@ -8,6 +8,8 @@
 
 #include "project_fixture.hpp"
 
+namespace project_check_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -220,3 +222,5 @@ TEST_CASE("2.1 Information model files: ten of 20 MB together with the preset on
     project.preset.clear();
     CHECK(check(project));
 }
+
+} // namespace project_check_test

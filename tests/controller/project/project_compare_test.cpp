@@ -7,6 +7,8 @@
 
 #include "project_fixture.hpp"
 
+namespace project_compare_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 using Differences = std::vector<ProjectDifference>;
@@ -93,3 +95,5 @@ TEST_CASE("9.13 Verify: nodes and mapping that differ are listed one by one", "[
     CHECK_FALSE(model_differences(first, second).empty());
     CHECK(model_differences(second, second).empty());
 }
+
+} // namespace project_compare_test

@@ -8,6 +8,8 @@
 #include "controller/life/checksum.hpp"
 #include "project_fixture.hpp"
 
+namespace project_file_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -235,3 +237,5 @@ TEST_CASE("9.3 Project: values are set one at a time by the names that they are 
     CHECK(text(wrong.error()) == "sampling.mode: found \"fast\", expected one of: standard, "
                                  "high-speed items, high-speed variables");
 }
+
+} // namespace project_file_test

@@ -9,6 +9,8 @@
 
 #include "project_fixture.hpp"
 
+namespace project_models_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -84,3 +86,5 @@ TEST_CASE("9.13 Write: a model that no server could load changes nothing and is 
     CHECK(replace(twice).find("Types.xml") != std::string::npos);
     CHECK(store.document().value() == before);
 }
+
+} // namespace project_models_test

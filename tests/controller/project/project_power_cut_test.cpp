@@ -10,6 +10,8 @@
 
 #include "project_fixture.hpp"
 
+namespace project_power_cut_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -204,3 +206,5 @@ TEST_CASE("9.13 A power cut while a power cut is mended is mended, too",
         }
     }
 }
+
+} // namespace project_power_cut_test

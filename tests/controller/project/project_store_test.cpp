@@ -8,6 +8,8 @@
 
 #include "project_fixture.hpp"
 
+namespace project_store_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -167,3 +169,5 @@ TEST_CASE("9.13 A project that cannot be read any more is said and can be replac
     server.restart();
     CHECK(server.host() == "A");
 }
+
+} // namespace project_store_test

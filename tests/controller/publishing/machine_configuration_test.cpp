@@ -9,6 +9,8 @@
 
 #include "machine_parts.hpp"
 
+namespace machine_configuration_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 using namespace busbar::controller::test;
@@ -137,3 +139,5 @@ TEST_CASE("Tasks and programs that make no sense are refused (1-2-2)")
     program.tasks.push_back(program.tasks[0]);
     CHECK(problem_of(program).find("tasks[1] (Fast): cannot be made a node") == 0);
 }
+
+} // namespace machine_configuration_test

@@ -4,6 +4,8 @@
 
 #include "machine_parts.hpp"
 
+namespace machine_nodes_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 using namespace busbar::controller::test;
@@ -163,3 +165,5 @@ TEST_CASE("A name that is taken is a problem with a place (6-2-1)")
     REQUIRE_FALSE(again);
     CHECK(text(again.error()) == "controller_name: cannot be made a folder (Bad_NodeIdExists)");
 }
+
+} // namespace machine_nodes_test

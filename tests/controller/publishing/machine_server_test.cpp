@@ -12,6 +12,8 @@
 #include "machine_parts.hpp"
 #include "support/server_fixture.hpp"
 
+namespace machine_server_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 using namespace busbar::controller::test;
@@ -158,3 +160,5 @@ TEST_CASE_METHOD(MachineServer, "A client sees mode, error and what is added onl
     advance(std::chrono::milliseconds{1});
     CHECK(read("Controller/GlobalVars/NodeVersion").value != version);
 }
+
+} // namespace machine_server_test

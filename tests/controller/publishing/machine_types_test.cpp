@@ -6,6 +6,8 @@
 
 #include "machine_parts.hpp"
 
+namespace machine_types_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 using namespace busbar::controller::test;
@@ -153,3 +155,5 @@ TEST_CASE("A type whose node is there already is a problem with a place (6-2-2)"
     CHECK(nodes.error().status == status::Bad_NodeIdExists);
     CHECK(nodes.error().where == "types[1] (Point)");
 }
+
+} // namespace machine_types_test

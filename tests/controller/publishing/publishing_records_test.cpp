@@ -5,6 +5,8 @@
 
 #include "program_parts.hpp"
 
+namespace publishing_records_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 using namespace busbar::controller::test;
@@ -120,3 +122,5 @@ TEST_CASE("A variable added online has its own record (7-1-6, 0111)")
           std::vector<std::string>{"VariablePublished Name=0 Size=2 Values=1 Members=0",
                                    "VariablesCounted Variables=2 Values=2 DataTypes=0"});
 }
+
+} // namespace publishing_records_test

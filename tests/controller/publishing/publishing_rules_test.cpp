@@ -2,6 +2,8 @@
 
 #include "program_parts.hpp"
 
+namespace publishing_rules_test {
+
 using namespace busbar::controller;
 using namespace busbar::controller::test;
 
@@ -154,3 +156,5 @@ TEST_CASE("The first reason is the one that is told (7-1-6, 0101)")
     CHECK(reason() == "MaxArrayElements");
     CHECK(reason_against(types, use("All")) == "MaxMembers");
 }
+
+} // namespace publishing_rules_test

@@ -2,6 +2,8 @@
 
 #include "program_parts.hpp"
 
+namespace publishing_test {
+
 using namespace busbar::controller;
 using namespace busbar::controller::test;
 
@@ -222,3 +224,5 @@ TEST_CASE("Nothing is checked online once a limit is reached (6-2-2, online edit
         CHECK_FALSE(first.publication.add(hidden_types).exceeded);
     }
 }
+
+} // namespace publishing_test

@@ -2,6 +2,8 @@
 
 #include "retained_fixture.hpp"
 
+namespace retained_power_cut_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 using namespace busbar::test;
@@ -108,3 +110,5 @@ TEST_CASE("A medium that is away at the start is no reason not to start (6-2-2)"
     CHECK(storage.names() == std::vector<std::string>{"retained", "retained.kept"});
     CHECK(RetainingController{storage}.number() == 5);
 }
+
+} // namespace retained_power_cut_test

@@ -2,6 +2,8 @@
 
 #include "retained_fixture.hpp"
 
+namespace retained_values_test {
+
 using namespace busbar;
 using namespace busbar::controller;
 using namespace busbar::test;
@@ -191,3 +193,5 @@ TEST_CASE("A damaged file is told of and kept; the start goes on (6-2-2)")
         CHECK(RetainingController{storage}.restored.problems.size() == 1);
     }
 }
+
+} // namespace retained_values_test

@@ -9,6 +9,8 @@
 
 #include "controller/publishing/program_parts.hpp"
 
+namespace unpublished_test {
+
 // RETAIN variables that no client sees.
 
 using namespace busbar;
@@ -111,3 +113,5 @@ TEST_CASE("A RETAIN variable that is not published is kept over a restart (6-2-2
     start(42, 43);
     start(43, 44);
 }
+
+} // namespace unpublished_test
