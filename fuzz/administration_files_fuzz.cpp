@@ -5,6 +5,8 @@
 #include <busbar/administration/user_list.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
+namespace administration_files_fuzz {
+
 using namespace busbar;
 using namespace busbar::administration;
 
@@ -37,7 +39,7 @@ void ask(const RoleList& roles)
 
 /// A file of roles or users that somebody wrote, or half of one. What was read is written as it was
 /// read.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     storage::MemoryStorage storage;
     const auto bytes = std::as_bytes(std::span{data, size});
@@ -67,3 +69,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace administration_files_fuzz

@@ -15,6 +15,8 @@
 #include "fuzz_script.hpp"
 #include "server_session.hpp"
 
+namespace administration_fuzz {
+
 using namespace busbar;
 
 namespace {
@@ -342,7 +344,7 @@ Variant value_of(const Argument& argument, fuzz::Script& script)
 
 /// The administration's Methods with arguments of their types, in any order, on a medium that may
 /// fail, with time and a second session between them.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     fuzz::Script script{{data, size}};
     Fixture fixture;
@@ -373,3 +375,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace administration_fuzz

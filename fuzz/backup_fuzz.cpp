@@ -10,6 +10,8 @@
 #include <busbar/storage/memory_storage.hpp>
 #include <controller/life/checksum.hpp>
 
+namespace backup_fuzz {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -142,7 +144,7 @@ void keep_the_profile(std::span<const std::byte> backup)
 
 /// A backup file of any origin, without its checksum: it is restored whole, and only where it may
 /// be, or changes nothing. The same bytes as a RestoreCommand.ini and as a file of settings.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     const auto bytes = std::as_bytes(std::span{data, size});
     const std::string_view text{reinterpret_cast<const char*>(data), size};
@@ -182,3 +184,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace backup_fuzz

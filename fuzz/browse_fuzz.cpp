@@ -8,6 +8,8 @@
 #include "fuzz_script.hpp"
 #include "server_session.hpp"
 
+namespace browse_fuzz {
+
 using namespace busbar;
 
 namespace {
@@ -201,7 +203,7 @@ void delete_node(Fixture& fixture, fuzz::Script& script)
 } // namespace
 
 /// Browses and changes an address space in any order.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     fuzz::Script script{{data, size}};
     Fixture fixture;
@@ -233,3 +235,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace browse_fuzz

@@ -9,6 +9,8 @@
 #include "fuzz_script.hpp"
 #include "server_session.hpp"
 
+namespace call_fuzz {
+
 using namespace busbar;
 
 namespace {
@@ -123,7 +125,7 @@ void play(Fixture& fixture, fuzz::Script& script)
 
 /// Calls with any arguments to a server's own Methods and a backend's, answers of the backend,
 /// time and the end of the session in any order.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     static fuzz::KeptServer<Fixture> kept;
     fuzz::Script script{{data, size}};
@@ -133,3 +135,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     kept.end();
     return 0;
 }
+
+} // namespace call_fuzz

@@ -3,6 +3,8 @@
 #include "crypto/certificate_checks.hpp"
 #include "fuzz_root.hpp"
 
+namespace certificate_fuzz {
+
 using namespace busbar;
 using namespace busbar::crypto;
 
@@ -27,7 +29,7 @@ void run_steps(const CertificateChain& chain, const TrustList& list,
 } // namespace
 
 /// The first byte chooses what is asked; the rest is the chain that a peer sends.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     if (size == 0) {
         return 0;
@@ -56,3 +58,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     run_steps(*chain, list, context);
     return 0;
 }
+
+} // namespace certificate_fuzz

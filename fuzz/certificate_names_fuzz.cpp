@@ -7,6 +7,8 @@
 
 #include "fuzz_script.hpp"
 
+namespace certificate_names_fuzz {
+
 using namespace busbar;
 using namespace busbar::crypto;
 
@@ -34,7 +36,7 @@ void require(bool condition)
 } // namespace
 
 /// Any names for a certificate and a request of one: they are refused, or stand in it as they are.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     fuzz::Script script{{data, size}};
     CertificateSubject subject;
@@ -64,3 +66,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace certificate_names_fuzz

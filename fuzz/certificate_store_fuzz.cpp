@@ -9,6 +9,8 @@
 #include "fuzz_root.hpp"
 #include "fuzz_script.hpp"
 
+namespace certificate_store_fuzz {
+
 using namespace busbar;
 using namespace busbar::crypto;
 using fuzz::Script;
@@ -71,7 +73,7 @@ std::string thumbprint(CertificateStore& store, StoreList list, Script& script)
 } // namespace
 
 /// A store whose files come and go by anybody's hands, and what an administrator does with it.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     Script script{{data, size}};
     storage::MemoryStorage files;
@@ -104,3 +106,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace certificate_store_fuzz

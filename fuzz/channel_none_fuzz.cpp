@@ -1,8 +1,10 @@
 #include "channel_fuzz.hpp"
 
+namespace channel_none_fuzz {
+
 using namespace busbar;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     fuzz::Script script{{data, size}};
     test::ChannelPair pair;
@@ -10,3 +12,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::play(pair, script);
     return 0;
 }
+
+} // namespace channel_none_fuzz

@@ -9,6 +9,8 @@
 #include "chunk_ends.hpp"
 #include "fuzz_script.hpp"
 
+namespace chunk_assembly_fuzz {
+
 using namespace busbar;
 using namespace busbar::fuzz;
 
@@ -239,7 +241,7 @@ void play(fuzz::Script& script, World& world, End&& end, std::uint32_t first)
 /// Chunks that a peer makes as it likes once a channel is open: their sizes, flags, ids and
 /// sequence numbers, and with keys that both have also what is signed and encrypted. The first byte
 /// chooses the end and its security, the second the first sequence number.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     fuzz::Script script{{data, size}};
     World world;
@@ -256,3 +258,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(world.budget.left() == budget_size);
     return 0;
 }
+
+} // namespace chunk_assembly_fuzz

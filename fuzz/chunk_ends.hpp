@@ -20,6 +20,7 @@ namespace busbar::fuzz {
 
 using namespace channel::detail;
 using channel::ChannelEvent;
+using channel::detail::Frame;
 using Bytes = std::vector<std::byte>;
 using Kind = ChannelEvent::Kind;
 

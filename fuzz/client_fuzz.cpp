@@ -9,6 +9,8 @@
 #include "hostile_publisher.hpp"
 #include "support/rogue_server.hpp"
 
+namespace client_fuzz {
+
 using namespace busbar;
 
 namespace {
@@ -220,7 +222,7 @@ private:
 
 /// A client from GetEndpoints to its requests and Subscriptions, against a server that says what it
 /// likes.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     fuzz::Script script{{data, size}};
     Fixture fixture{script};
@@ -229,3 +231,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace client_fuzz

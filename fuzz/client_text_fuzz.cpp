@@ -6,10 +6,12 @@
 #include <busbar/client/value_json.hpp>
 #include <busbar/client/value_text.hpp>
 
+namespace client_text_fuzz {
+
 using namespace busbar;
 
 /// Texts of people and scripts: an address is written as it was read, and a value survives JSON.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     if (size < 2) {
         return 0;
@@ -33,3 +35,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace client_text_fuzz

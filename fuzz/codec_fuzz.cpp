@@ -5,6 +5,8 @@
 #include <busbar/binary/type_registry.hpp>
 #include <busbar/types/registry.hpp>
 
+namespace codec_fuzz {
+
 using namespace busbar;
 
 namespace {
@@ -77,7 +79,7 @@ constexpr Entry built_in_types[] = {
 } // namespace
 
 /// Two bytes choose the codec, the rest is its input.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     if (size < 2) {
         return 0;
@@ -92,3 +94,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace codec_fuzz

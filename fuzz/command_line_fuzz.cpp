@@ -10,6 +10,8 @@
 #include "require.hpp"
 #include "usage.hpp"
 
+namespace command_line_fuzz {
+
 using namespace busbar;
 using fuzz::require;
 
@@ -70,7 +72,7 @@ void check_end(const CLI::App& app, const CLI::ParseError& error)
 } // namespace
 
 /// Any words as the command line of busbar, as far as they only say what is to be done.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     auto words = words_in({reinterpret_cast<const char*>(data), size});
     std::vector<char*> arguments;
@@ -94,3 +96,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace command_line_fuzz

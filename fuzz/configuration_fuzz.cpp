@@ -3,11 +3,13 @@
 
 #include "config.hpp"
 
+namespace configuration_fuzz {
+
 using namespace busbar;
 
 /// Any text as the configuration of busbar-controller: it is one, or the error says where it is
 /// not.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     const std::string_view text{reinterpret_cast<const char*>(data), size};
     try {
@@ -19,3 +21,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace configuration_fuzz

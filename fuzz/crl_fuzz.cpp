@@ -3,11 +3,13 @@
 #include "crypto/certificate_checks.hpp"
 #include "fuzz_root.hpp"
 
+namespace crl_fuzz {
+
 using namespace busbar;
 using namespace busbar::crypto;
 
 /// A file that an administrator, or somebody else, put among the revocation lists.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     const auto list = RevocationList::parse_file(std::as_bytes(std::span{data, size}));
     if (!list) {
@@ -22,9 +24,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const CertificateChain path{root, root};
     const TrustList known{{root}, {}, {*list}, {*list}};
     const ValidationContext context{nullptr, test::fuzz_time, {}};
-    detail::SignatureChecks signatures;
-    const detail::Validation validation{path, known, context, signatures};
-    static_cast<void>(detail::find_revocation_list(validation, 0));
-    static_cast<void>(detail::check_revocation(validation, 0));
+    crypto::detail::SignatureChecks signatures;
+    const crypto::detail::Validation validation{path, known, context, signatures};
+    static_cast<void>(crypto::detail::find_revocation_list(validation, 0));
+    static_cast<void>(crypto::detail::check_revocation(validation, 0));
     return 0;
 }
+
+} // namespace crl_fuzz

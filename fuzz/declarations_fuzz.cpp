@@ -6,10 +6,12 @@
 
 #include "program_fuzz.hpp"
 
+namespace declarations_fuzz {
+
 using namespace busbar;
 
 /// Any text as declarations of IEC 61131-3.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     controller::DeclarationLimits limits;
     limits.max_memory = 16U << 20U;
@@ -17,3 +19,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     check_program(controller::read_declarations(text, "fuzz.st", limits));
     return 0;
 }
+
+} // namespace declarations_fuzz

@@ -6,6 +6,8 @@
 
 #include "client/types/dictionary_types.hpp"
 
+namespace dictionary_fuzz {
+
 using namespace busbar;
 
 namespace {
@@ -37,7 +39,7 @@ void check(const client::TypeDictionary& dictionary)
 
 /// Any text as a type dictionary: what is accepted becomes DataTypes that can be compiled, each of
 /// them usable or reported.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     const auto dictionary =
         client::parse_type_dictionary(std::as_bytes(std::span{data, size}), limits());
@@ -62,3 +64,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace dictionary_fuzz

@@ -13,6 +13,8 @@
 #include "fuzz_script.hpp"
 #include "require.hpp"
 
+namespace discovery_fuzz {
+
 using namespace busbar;
 using fuzz::require;
 
@@ -317,7 +319,7 @@ void compare(const Array<EndpointDescription>& endpoints)
 /// What a client makes of a hostile server's answers to the Discovery Service Set. The first byte
 /// chooses the service and whether the rest is the answer or a script for one, the second what the
 /// client wishes.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     fuzz::Script script{{data, size}};
     const std::uint8_t kind = script.byte() % 4;
@@ -342,3 +344,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace discovery_fuzz

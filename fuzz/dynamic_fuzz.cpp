@@ -6,6 +6,8 @@
 
 #include "fuzz_script.hpp"
 
+namespace dynamic_fuzz {
+
 using namespace busbar;
 
 namespace {
@@ -96,7 +98,7 @@ void check_in_place(const binary::DynamicTypes& types, const binary::DynamicType
 } // namespace
 
 /// Definitions of up to eight types that may need each other, then a value of each.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     Script script{{data, size}};
     std::vector<DataTypeEntry> entries;
@@ -120,3 +122,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace dynamic_fuzz

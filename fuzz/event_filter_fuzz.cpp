@@ -7,6 +7,8 @@
 #include "fuzz_script.hpp"
 #include "server/event/event_filter.hpp"
 
+namespace event_filter_fuzz {
+
 using namespace busbar;
 using namespace busbar::server::detail;
 
@@ -36,7 +38,7 @@ server::Event make_event(fuzz::Script& script)
 } // namespace
 
 /// The script begins with an event; the rest is an EventFilter on the wire.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     static const model::AddressSpace space;
     static const binary::TypeRegistry types{binary::namespace0_types()};
@@ -64,3 +66,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace event_filter_fuzz

@@ -3,6 +3,8 @@
 
 #include "support/channel_pair.hpp"
 
+namespace framing_fuzz {
+
 using namespace busbar;
 
 namespace {
@@ -25,7 +27,7 @@ void feed(Channel& channel, std::span<const std::byte> input, std::size_t piece,
 } // namespace
 
 /// The first byte chooses the side and the size of the pieces; the rest is what a peer sends.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     if (size == 0) {
         return 0;
@@ -40,3 +42,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace framing_fuzz

@@ -6,6 +6,8 @@
 #include "crypto/jwt_maker.hpp"
 #include "fuzz_script.hpp"
 
+namespace jwt_fuzz {
+
 using namespace busbar;
 
 namespace {
@@ -32,7 +34,7 @@ const crypto::JwtRules& rules()
 } // namespace
 
 /// Any text as a JSON Web Token; or any header and claims, signed with the right key.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     fuzz::Script script{{data, size}};
     const std::size_t header_size = script.byte();
@@ -48,3 +50,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace jwt_fuzz

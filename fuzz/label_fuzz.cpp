@@ -4,10 +4,12 @@
 
 #include <busbar/backend/label_name.hpp>
 
+namespace label_fuzz {
+
 using namespace busbar;
 
 /// What is read is written as a text that is read as the same, and within the limits.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     const std::string_view text{reinterpret_cast<const char*>(data), size};
     static_cast<void>(backend::check_label_characters(text));
@@ -32,3 +34,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace label_fuzz

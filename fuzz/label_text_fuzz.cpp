@@ -8,6 +8,8 @@
 
 #include "fuzz_script.hpp"
 
+namespace label_text_fuzz {
+
 using namespace busbar;
 using backend::LabelType;
 using controller::LabelConversion;
@@ -79,7 +81,7 @@ void check_text(LabelType type, std::uint32_t length, std::string_view text)
 } // namespace
 
 /// Bytes of a label to text, and text to labels that may be too short for it.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     fuzz::Script script{{data, size}};
     const LabelType type = script.byte() % 2U == 0 ? LabelType::String : LabelType::UnicodeString;
@@ -89,3 +91,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     check_text(type, length, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     return 0;
 }
+
+} // namespace label_text_fuzz

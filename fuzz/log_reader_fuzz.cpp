@@ -10,6 +10,8 @@
 #include <busbar/controller/machine_event_log.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
+namespace log_reader_fuzz {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -93,7 +95,7 @@ void load_events(std::span<const std::byte> bytes)
 } // namespace
 
 /// Files of both logs that somebody wrote, or half of one.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     const auto bytes = std::as_bytes(std::span{data, size});
     check_entries({reinterpret_cast<const char*>(data), size});
@@ -102,3 +104,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     load_events(bytes);
     return 0;
 }
+
+} // namespace log_reader_fuzz

@@ -8,6 +8,8 @@
 #include <busbar/model/address_space.hpp>
 #include <busbar/types/ids.hpp>
 
+namespace mapping_fuzz {
+
 using namespace busbar;
 using namespace busbar::controller;
 
@@ -96,7 +98,7 @@ void read_table(std::string_view text)
 } // namespace
 
 /// A text as the <Extensions> of nodes if it begins with a bracket, else as a table.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     const std::string_view text{reinterpret_cast<const char*>(data), size};
     if (text.starts_with('<')) {
@@ -106,3 +108,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace mapping_fuzz

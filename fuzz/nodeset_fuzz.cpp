@@ -6,6 +6,10 @@
 #include <busbar/model/nodeset.hpp>
 #include <model/space_hash.hpp>
 
+#include "target.hpp"
+
+namespace nodeset_fuzz {
+
 using namespace busbar;
 
 namespace {
@@ -29,19 +33,15 @@ model::NodeSetSource source(const std::uint8_t* data, std::size_t size)
 /// looked at so closely, and one that is tried by itself always is.
 bool is_looked_at()
 {
-#ifdef BUSBAR_LIBFUZZER
     static unsigned inputs = 0;
-    return inputs++ % 64 == 0;
-#else
-    return true;
-#endif
+    return !fuzz::is_searching() || inputs++ % 64 == 0;
 }
 
 } // namespace
 
 /// Any text as a NodeSet2 file: a file that is refused changes nothing, one that is loaded can be
 /// written, and what was written loads as the same nodes.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     model::AddressSpace space;
     static const std::uint64_t untouched = model::detail::space_hash(space);
@@ -73,3 +73,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace nodeset_fuzz

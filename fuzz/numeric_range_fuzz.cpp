@@ -6,6 +6,8 @@
 
 #include "fuzz_script.hpp"
 
+namespace numeric_range_fuzz {
+
 using namespace busbar;
 
 namespace {
@@ -88,7 +90,7 @@ void write_new(const Variant& value, const NumericRange& range, const Variant& c
 } // namespace
 
 /// Two values and a NumericRange as text (Part 4, 7.27): to read the one, and to write the other.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     fuzz::Script script{{data, size}};
     const Variant value = make_value(script);
@@ -104,3 +106,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     write_new(value, *range, content);
     return 0;
 }
+
+} // namespace numeric_range_fuzz

@@ -23,6 +23,8 @@
 #include "support/identity.hpp"
 #include "support/seeded_random.hpp"
 
+namespace open_text_fuzz {
+
 using namespace busbar;
 using namespace busbar::channel::detail;
 using fuzz::require;
@@ -309,7 +311,7 @@ void serve(fuzz::Script& script)
 
 /// OpenSecureChannel as a peer with keys of its own can make it: any text, right in signature and
 /// encryption. The first byte chooses keys, and whether a server gets it or the parser alone.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     fuzz::Script script{{data, size}};
     const std::uint8_t how = script.byte() % 8;
@@ -322,3 +324,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace open_text_fuzz

@@ -3,6 +3,8 @@
 
 #include <busbar/crypto/password_hash.hpp>
 
+namespace password_hash_fuzz {
+
 using namespace busbar;
 
 namespace {
@@ -17,7 +19,7 @@ bool is_cheap(const crypto::PasswordCost& cost)
 } // namespace
 
 /// Any text as the hash of a password: what is one is always of the same passwords.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     const std::string_view stored{reinterpret_cast<const char*>(data), size};
     const auto cost = crypto::cost_of(stored);
@@ -36,3 +38,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace password_hash_fuzz

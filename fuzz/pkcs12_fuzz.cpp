@@ -3,10 +3,12 @@
 
 #include <busbar/crypto/pkcs12.hpp>
 
+namespace pkcs12_fuzz {
+
 using namespace busbar;
 
 /// The input is a PKCS#12 file. Whatever is read from it fits together.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     const auto contents = std::as_bytes(std::span{data, size});
     for (const char* passphrase : {"busbar", ""}) {
@@ -17,3 +19,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace pkcs12_fuzz

@@ -5,10 +5,12 @@
 
 #include "program_fuzz.hpp"
 
+namespace plcopen_xml_fuzz {
+
 using namespace busbar;
 
 /// Any text as PLCopen XML.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     controller::DeclarationLimits limits;
     limits.max_memory = 16U << 20U;
@@ -16,3 +18,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     check_program(controller::read_plcopen_xml(text, "fuzz.xml", limits));
     return 0;
 }
+
+} // namespace plcopen_xml_fuzz

@@ -13,6 +13,8 @@
 #include "require.hpp"
 #include "support/source_caller.hpp"
 
+namespace process_image_fuzz {
+
 using namespace busbar;
 using namespace busbar::server;
 using fuzz::Bytes;
@@ -425,7 +427,7 @@ private:
 /// A process image of any variables, with a task that scans, clients that read and write wholes and
 /// parts, scans that are held and followed, and variables that are added; against a memory that is
 /// only written to.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     fuzz::Script script{{data, size}};
     World world{script};
@@ -435,3 +437,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     world.finish();
     return 0;
 }
+
+} // namespace process_image_fuzz

@@ -6,6 +6,8 @@
 #include <busbar/controller/project_compare.hpp>
 #include <controller/life/checksum.hpp>
 
+namespace project_fuzz {
+
 using namespace busbar::controller;
 
 namespace {
@@ -48,7 +50,7 @@ void use(const Project& project)
 
 /// A project file of any origin, with and without its end: what is read is written and read as the
 /// same project, and every problem names the file.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     const std::string_view text{reinterpret_cast<const char*>(data), size};
     for (const std::string& file : {std::string{text}, sealed(text)}) {
@@ -69,3 +71,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace project_fuzz

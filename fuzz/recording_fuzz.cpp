@@ -4,10 +4,12 @@
 
 #include <busbar/harness/recording.hpp>
 
+namespace recording_fuzz {
+
 using namespace busbar;
 
 /// What is read is written as a text that is read as the same, and makes a capture.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     const std::string_view text{reinterpret_cast<const char*>(data), size};
     const auto recording = harness::read_recording(text);
@@ -20,3 +22,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace recording_fuzz

@@ -5,10 +5,12 @@
 #include <busbar/model/address_space.hpp>
 #include <busbar/model/relative_path.hpp>
 
+namespace relative_path_fuzz {
+
 using namespace busbar;
 
 /// What is read is written as a text that is read as the same.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     static const model::AddressSpace space;
     const std::string_view text{reinterpret_cast<const char*>(data), size};
@@ -22,3 +24,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace relative_path_fuzz

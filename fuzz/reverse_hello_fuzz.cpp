@@ -16,6 +16,8 @@
 #include "support/identity.hpp"
 #include "support/seeded_random.hpp"
 
+namespace reverse_hello_fuzz {
+
 using namespace busbar;
 using namespace busbar::channel::detail;
 using fuzz::require;
@@ -256,7 +258,7 @@ private:
 
 /// A reverse connection (Part 6, 7.1.2.6) on both of its ends, in virtual time: a listening client
 /// that anybody can call, and a server that calls and finds anybody there.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     fuzz::Script script{{data, size}};
     Fixture fixture{script};
@@ -266,3 +268,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fixture.finish();
     return 0;
 }
+
+} // namespace reverse_hello_fuzz

@@ -6,6 +6,8 @@
 #include "fuzz_script.hpp"
 #include "server_session.hpp"
 
+namespace server_fuzz {
+
 using namespace busbar;
 using Fixture = fuzz::ServerSession;
 
@@ -55,7 +57,7 @@ void play(Fixture& fixture, fuzz::Script& script)
 } // namespace
 
 /// A whole server connection: raw bytes, message bodies and requests of a session, and time.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     static fuzz::KeptServer<Fixture> kept;
     fuzz::Script script{{data, size}};
@@ -63,3 +65,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     kept.end();
     return 0;
 }
+
+} // namespace server_fuzz

@@ -8,6 +8,9 @@
 #include "service/request_content.hpp"
 #include "service/service_world.hpp"
 #include "service/steps.hpp"
+#include "target.hpp"
+
+namespace service_fuzz {
 
 using namespace busbar;
 using fuzz::RequestTypes;
@@ -62,7 +65,7 @@ void play(ServiceWorld& world, const Step& step)
 } // namespace
 
 /// One request or a few, of the whole table of services, in two sessions.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     static fuzz::KeptWorld<ServiceWorld> kept;
     ServiceWorld& world = kept.next();
@@ -76,10 +79,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
-
-#ifdef BUSBAR_LIBFUZZER
-
-extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
 
 namespace {
 
@@ -117,7 +116,7 @@ void change_bytes(Payload& payload)
 {
     const std::size_t size = payload.size();
     payload.resize(size + 64);
-    payload.resize(LLVMFuzzerMutate(payload.data(), size, payload.size()));
+    payload.resize(fuzz::mutate_bytes(payload.data(), size, payload.size()));
 }
 
 void change_step(fuzz::RequestContent& content, Step& step)
@@ -137,8 +136,7 @@ void change_step(fuzz::RequestContent& content, Step& step)
 } // namespace
 
 /// Requests stay requests: their fields get other content.
-extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size,
-                                               std::size_t max_size, unsigned seed)
+std::size_t mutate(std::uint8_t* data, std::size_t size, std::size_t max_size, unsigned seed)
 {
     fuzz::RequestContent content{seed};
     std::vector<Step> steps = fuzz::read_steps({data, size});
@@ -160,4 +158,4 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
     return bytes.size();
 }
 
-#endif
+} // namespace service_fuzz

@@ -13,6 +13,8 @@
 #include "require.hpp"
 #include "session_world.hpp"
 
+namespace session_fuzz {
+
 using namespace busbar;
 using namespace busbar::fuzz;
 
@@ -311,7 +313,7 @@ constexpr std::array steps{
 } // namespace
 
 /// The services of sessions and discovery: who comes in, who stays, and who has to go.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     static KeptWorld<SessionWorld> kept;
     SessionWorld& world = kept.next();
@@ -325,3 +327,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     world.end();
     return 0;
 }
+
+} // namespace session_fuzz

@@ -8,6 +8,8 @@
 #include "kept_world.hpp"
 #include "subscription_world.hpp"
 
+namespace subscription_fuzz {
+
 using namespace busbar;
 using namespace busbar::fuzz;
 
@@ -367,7 +369,7 @@ constexpr std::array steps{
 } // namespace
 
 /// The services of Subscriptions and MonitoredItems, against a server that goes on running.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     static KeptWorld<SubscriptionWorld> kept;
     SubscriptionWorld& world = kept.next();
@@ -383,3 +385,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     world.finish();
     return 0;
 }
+
+} // namespace subscription_fuzz

@@ -13,7 +13,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-server::SubscriptionLimits small_limits()
+server::SubscriptionLimits few_subscriptions()
 {
     server::SubscriptionLimits limits;
     limits.max_subscriptions_per_session = 3;
@@ -45,7 +45,7 @@ server::ServerConfig SubscriptionWorld::config()
     config.endpoints[0].allows_anonymous = true;
     config.endpoints[0].password_policy = crypto::find_policy_by_name("None");
     config.endpoints[0].allows_plain_passwords = true;
-    config.limits.subscriptions = small_limits();
+    config.limits.subscriptions = few_subscriptions();
     config.limits.min_session_timeout = config.limits.max_session_timeout = milliseconds{10'000};
     return config;
 }

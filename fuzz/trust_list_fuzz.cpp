@@ -7,6 +7,8 @@
 #include "administration/trust_list_data.hpp"
 #include "support/identity.hpp"
 
+namespace trust_list_fuzz {
+
 using namespace busbar;
 using namespace busbar::administration::detail;
 
@@ -26,7 +28,7 @@ const crypto::TrustList& present()
 
 /// The file of a TrustList as a client wrote it (Part 12, 7.8.2.5): what is taken from it is
 /// checked, written again and read again the same.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     crypto::TrustListParts parts;
     const auto list = merge(std::as_bytes(std::span{data, size}), present(), parts);
@@ -43,3 +45,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace trust_list_fuzz

@@ -15,6 +15,8 @@
 #include "server/users/user_token.hpp"
 #include "support/identity.hpp"
 
+namespace user_token_fuzz {
+
 using namespace busbar;
 
 namespace {
@@ -107,7 +109,7 @@ ExtensionObject encrypted(const Fixture& fixture, std::span<const std::byte> pla
 
 /// Any userIdentityToken and userTokenSignature, and any plain text of an encrypted password in
 /// either format. No token of these users is right.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+int test_one_input(const std::uint8_t* data, std::size_t size)
 {
     static Fixture fixture;
     fuzz::Script script{{data, size}};
@@ -131,3 +133,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
 }
+
+} // namespace user_token_fuzz
