@@ -14,13 +14,14 @@ namespace {
 void run_steps(const CertificateChain& chain, const TrustList& list,
                const ValidationContext& context)
 {
-    detail::SignatureChecks signatures;
-    const detail::Validation validation{chain, list, context, signatures};
+    crypto::detail::SignatureChecks signatures;
+    const crypto::detail::Validation validation{chain, list, context, signatures};
     for (std::size_t i = 0; i < chain.size(); ++i) {
         static_cast<void>(check_certificate(chain[i], context));
-        for (const detail::Check check :
-             {detail::check_structure, detail::check_policy, detail::check_host_name,
-              detail::check_uri, detail::check_usage, detail::check_issuer_usage}) {
+        for (const crypto::detail::Check check :
+             {crypto::detail::check_structure, crypto::detail::check_policy,
+              crypto::detail::check_host_name, crypto::detail::check_uri,
+              crypto::detail::check_usage, crypto::detail::check_issuer_usage}) {
             static_cast<void>(check(validation, i));
         }
     }

@@ -62,7 +62,10 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
 
 namespace busbar::fuzz {
 
-bool is_searching() { return true; }
+bool is_searching()
+{
+    return true;
+}
 
 std::size_t mutate_bytes(std::uint8_t* data, std::size_t size, std::size_t max_size)
 {
@@ -75,9 +78,15 @@ std::size_t mutate_bytes(std::uint8_t* data, std::size_t size, std::size_t max_s
 
 namespace busbar::fuzz {
 
-bool is_searching() { return false; }
+bool is_searching()
+{
+    return false;
+}
 
-std::size_t mutate_bytes(std::uint8_t*, std::size_t size, std::size_t) { return size; }
+std::size_t mutate_bytes(std::uint8_t*, std::size_t size, std::size_t)
+{
+    return size;
+}
 
 } // namespace busbar::fuzz
 

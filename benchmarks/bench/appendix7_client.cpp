@@ -9,6 +9,7 @@
 #include <busbar/core/attribute_id.hpp>
 #include <busbar/types/attribute.hpp>
 
+#include "load.hpp"
 #include "mapped_plant.hpp"
 
 namespace busbar::bench {
@@ -17,13 +18,6 @@ namespace {
 
 constexpr double interval_ms = 200;
 constexpr std::chrono::seconds request_timeout{60};
-
-binary::DecodeLimits generous()
-{
-    binary::DecodeLimits limits = client::response_limits;
-    limits.max_array_length = 1'000'000;
-    return limits;
-}
 
 NodeId node(std::string_view prefix, std::size_t number)
 {
@@ -73,7 +67,7 @@ template <typename Response, typename Request>
 Result<void> exchange(net::ClientLoop& loop, Request& request, std::size_t count)
 {
     const auto event = loop.call(request);
-    const auto response = event ? event->template response<Response>(generous())
+    const auto response = event ? event->template response<Response>(generous_limits())
                                 : Result<Response>{fail(event.error())};
     if (!response) {
         return fail(response.error());

@@ -19,8 +19,8 @@ namespace {
 using detail::Json;
 
 /// Of all that a row may have, what is less where the server is better.
-constexpr const char* costs[] = {"median_us",   "best_us",      "p99_us",     "server_us",
-                                 "page_faults", "system_calls", "cpu_percent"};
+constexpr const char* cost_keys[] = {"median_us",   "best_us",      "p99_us",     "server_us",
+                                     "page_faults", "system_calls", "cpu_percent"};
 
 /// The figures of one run: by load and cost, then by round.
 using Rounds = std::map<std::size_t, double>;
@@ -53,7 +53,7 @@ bool take_row(Run& run, const Json& row)
         run.loads.push_back(load->text);
     }
     const auto round = number<std::size_t>(row.find("round")).value_or(0);
-    for (const char* cost : costs) {
+    for (const char* cost : cost_keys) {
         if (const auto figure = number<double>(row.find(cost))) {
             run.figures[{load->text, cost}][round] = *figure;
         }
@@ -131,7 +131,7 @@ tl::expected<std::vector<Compared>, std::string> compare(const std::string& befo
     }
     std::vector<Compared> lines;
     for (const std::string& load : first->loads) {
-        for (const char* cost : costs) {
+        for (const char* cost : cost_keys) {
             const auto old = first->figures.find({load, cost});
             const auto now = second->figures.find({load, cost});
             if (old == first->figures.end() || now == second->figures.end()) {

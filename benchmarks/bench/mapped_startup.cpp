@@ -1,6 +1,5 @@
 #include "mapped_startup.hpp"
 
-#include <ctime>
 #include <optional>
 #include <utility>
 
@@ -9,6 +8,7 @@
 #include <busbar/model/nodeset.hpp>
 
 #include "mapped_plant.hpp"
+#include "process.hpp"
 
 namespace busbar::bench {
 
@@ -16,20 +16,13 @@ using namespace controller;
 
 namespace {
 
-double processor_time_ms()
-{
-    std::timespec time{};
-    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) / 1e6;
-}
-
 /// Counts only while it runs.
 template <typename Work>
-auto timed(double& ms, Work&& work)
+auto add_time(double& ms, Work&& work)
 {
-    const double begin = processor_time_ms();
+    const double begin = thread_time_ms();
     auto result = std::forward<Work>(work)();
-    ms += processor_time_ms() - begin;
+    ms += thread_time_ms() - begin;
     return result;
 }
 
@@ -80,14 +73,14 @@ public:
     [[nodiscard]] Configured<double> start(const std::string& document, std::size_t mapped)
     {
         double ms = 0;
-        const auto found = timed(ms, [&] { return serve(document); });
+        const auto found = add_time(ms, [&] { return serve(document); });
         if (!found) {
             return tl::unexpected{found.error()};
         }
         // Labels are resolved in the first scan, sampling begins in the second.
         for (int i = 0; i < 3 || source_->is_updating(); ++i) {
             labels_->end_of_scan(parts_.wall_clock.now());
-            timed(ms, [&] {
+            add_time(ms, [&] {
                 parts_.server->handle_completions(TimePoint{});
                 return true;
             });
@@ -140,7 +133,7 @@ Configured<double> start_plain(const std::vector<ProjectModel>& files)
         sources.push_back({each.name, each.text});
     }
     double ms = 0;
-    const auto made = timed(ms, [&]() -> Configured<void> {
+    const auto made = add_time(ms, [&]() -> Configured<void> {
         ServerParts parts;
         if (auto server = parts.make(); !server) {
             return server;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -130,6 +131,13 @@ double processor_time(pid_t process)
     }
     const auto fields = stat_of(process);
     return (fields.user + fields.system) / static_cast<double>(::sysconf(_SC_CLK_TCK));
+}
+
+double thread_time_ms()
+{
+    std::timespec time{};
+    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) / 1e6;
 }
 
 double page_faults(pid_t process)

@@ -12,6 +12,9 @@ namespace busbar::bench {
 /// of that id.
 [[nodiscard]] double processor_time(pid_t process);
 
+/// Milliseconds of processor time that the calling thread has had.
+[[nodiscard]] double thread_time_ms();
+
 /// Page faults that a process has had, whether or not something was read from a disk for them.
 [[nodiscard]] double page_faults(pid_t process);
 

@@ -21,7 +21,7 @@ using namespace std::chrono_literals;
 
 constexpr std::chrono::milliseconds quota_patience{10'000};
 /// Between two attempts of one that is refused.
-constexpr std::chrono::milliseconds pause{1};
+constexpr std::chrono::milliseconds short_pause{1};
 /// Connections that one attacker keeps, so that 20 want all that a server has by far.
 constexpr std::size_t kept = 16;
 /// Bytes of a message that is begun, and what is missing of it.
@@ -39,7 +39,7 @@ void keep_open(Tally& tally, Open open)
         held[i] = open();
         ++(held[i] ? tally.answered : tally.refused);
         if (!held[i]) {
-            std::this_thread::sleep_for(pause);
+            std::this_thread::sleep_for(short_pause);
         }
     }
 }
@@ -81,7 +81,7 @@ void leave_subscriptions(Load& load, Tally& tally)
         const auto loop = session_of(load);
         if (!loop) {
             ++tally.refused;
-            std::this_thread::sleep_for(pause);
+            std::this_thread::sleep_for(short_pause);
             continue;
         }
         fill_session(*loop, tally);

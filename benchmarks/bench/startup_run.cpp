@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <ctime>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,6 +18,8 @@
 #include <busbar/server/server.hpp>
 #include <busbar/storage/memory_storage.hpp>
 
+#include "process.hpp"
+
 namespace busbar::bench {
 
 using namespace controller;
@@ -29,19 +30,12 @@ enum Phase : std::size_t { Declarations, Choosing, Making, Image, Nodes, Records
 
 constexpr const char* startup_url = "opc.tcp://192.168.250.1:4840";
 
-double processor_time_ms()
-{
-    std::timespec time{};
-    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) / 1e6;
-}
-
 template <typename Work>
 auto timed(double& ms, Work&& work)
 {
-    const double begin = processor_time_ms();
+    const double begin = thread_time_ms();
     auto result = std::forward<Work>(work)();
-    ms = processor_time_ms() - begin;
+    ms = thread_time_ms() - begin;
     return result;
 }
 
@@ -81,9 +75,9 @@ public:
 
     [[nodiscard]] Configured<StartupPoint> start()
     {
-        const double begin = processor_time_ms();
+        const double begin = thread_time_ms();
         life_->power_on();
-        point_.running_ms = processor_time_ms() - begin;
+        point_.running_ms = thread_time_ms() - begin;
         if (life_->operating_status() != OperatingStatus::Running) {
             return tl::unexpected{problem_.value_or(Problem{.where = "start", .text = "failed"})};
         }

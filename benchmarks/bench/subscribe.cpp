@@ -16,15 +16,8 @@ namespace busbar::bench {
 
 namespace {
 
-constexpr std::size_t items_per_request = 5'000;
+constexpr std::size_t items_at_once = 5'000;
 constexpr std::size_t publishes_under_way = 4;
-
-binary::DecodeLimits generous()
-{
-    binary::DecodeLimits limits = client::response_limits;
-    limits.max_array_length = 1'000'000;
-    return limits;
-}
 
 NodeId numbered(std::string text, std::size_t number)
 {
@@ -86,7 +79,7 @@ Result<void> Subscriber::call(Request& request, Response& response)
         return fail(event.error());
     }
     event_ = *std::move(event);
-    auto decoded = event_.response<Response>(generous());
+    auto decoded = event_.response<Response>(generous_limits());
     if (!decoded) {
         return fail(decoded.error());
     }
@@ -106,8 +99,8 @@ Result<void> Subscriber::create()
         return created;
     }
     subscription_id_ = response.subscription_id;
-    for (std::size_t first = 0; first < row_.items; first += items_per_request) {
-        const auto added = add_items(first, std::min(items_per_request, row_.items - first));
+    for (std::size_t first = 0; first < row_.items; first += items_at_once) {
+        const auto added = add_items(first, std::min(items_at_once, row_.items - first));
         if (!added) {
             return added;
         }
@@ -221,7 +214,7 @@ Result<void> Subscriber::measure()
             return fail(event ? event->status : status::Bad_Timeout);
         }
         event_ = *std::move(event);
-        const auto response = event_.response<PublishResponse>(generous());
+        const auto response = event_.response<PublishResponse>(generous_limits());
         const auto taken = response ? take(*response) : fail(response.error());
         const auto sent = taken ? publish() : taken;
         if (!sent) {

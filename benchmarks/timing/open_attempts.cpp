@@ -15,8 +15,6 @@ namespace busbar::timing {
 
 namespace {
 
-constexpr std::size_t key_size = 256;
-
 struct World {
     channel::ApplicationIdentity server = make_identity("server");
     channel::ApplicationIdentity client = make_identity("client");
@@ -86,7 +84,7 @@ Bytes encrypted(const crypto::SecurityPolicy& policy, const Bytes& text, Fault f
     Bytes cipher =
         crypto::asymmetric_encrypt(policy, receiver, std::span{text}.first(size)).value();
     if (fault == Fault::RsaPadding) {
-        spoil_block(cipher, 0, key_size);
+        spoil_block(cipher, 0);
     }
     return cipher;
 }

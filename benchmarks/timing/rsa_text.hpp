@@ -9,6 +9,9 @@ namespace busbar::timing {
 
 using Bytes = std::vector<std::byte>;
 
+/// The size of all keys here, and so of a cipher block, in bytes.
+inline constexpr std::size_t key_size = 256;
+
 [[nodiscard]] inline Bytes random_bytes(std::size_t size)
 {
     Bytes bytes(size);
@@ -19,7 +22,7 @@ using Bytes = std::vector<std::byte>;
 
 /// Replaces the block of `cipher` that begins at `at` by chance, below the modulus: no padding
 /// fits.
-inline void spoil_block(Bytes& cipher, std::size_t at, std::size_t key_size)
+inline void spoil_block(Bytes& cipher, std::size_t at)
 {
     const Bytes chance = random_bytes(key_size);
     std::copy(chance.begin(), chance.end(), cipher.begin() + static_cast<std::ptrdiff_t>(at));

@@ -18,7 +18,6 @@ namespace busbar::timing {
 
 namespace {
 
-constexpr std::size_t key_size = 256;
 constexpr std::string_view right_password = "the right password";
 
 /// Knows one user, whose password it compares as it is.
@@ -47,7 +46,7 @@ const server::ServerConfig& config()
     return instance;
 }
 
-enum class Fault {
+enum class TokenFault {
     None,
     RsaPadding,
     OtherPadding,
@@ -59,18 +58,18 @@ enum class Fault {
 };
 
 /// Length, password and nonce (Part 4, 7.40.2.2).
-Bytes secret_text(Fault fault, const Bytes& nonce)
+Bytes secret_text(TokenFault fault, const Bytes& nonce)
 {
     std::string password{right_password};
-    if (fault == Fault::Password) {
+    if (fault == TokenFault::Password) {
         password.back() = 'D';
-    } else if (fault == Fault::Empty) {
+    } else if (fault == TokenFault::Empty) {
         password.clear();
     }
     std::size_t length = password.size() + nonce.size();
-    length += fault == Fault::Length ? 1 : fault == Fault::TooLong ? 100'000 : 0;
+    length += fault == TokenFault::Length ? 1 : fault == TokenFault::TooLong ? 100'000 : 0;
     const Bytes other = random_bytes(nonce.size());
-    const Bytes& used = fault == Fault::Nonce ? other : nonce;
+    const Bytes& used = fault == TokenFault::Nonce ? other : nonce;
     Bytes text(sizeof(std::uint32_t) + password.size() + used.size());
     auto out = text.begin();
     for (unsigned shift = 0; shift < 32; shift += 8) {
@@ -82,14 +81,15 @@ Bytes secret_text(Fault fault, const Bytes& nonce)
 }
 
 ExtensionObject token_of(const crypto::SecurityPolicy& policy,
-                         const server::EndpointConfig& endpoint, Fault fault, const Bytes& nonce)
+                         const server::EndpointConfig& endpoint, TokenFault fault,
+                         const Bytes& nonce)
 {
-    const auto& sent = fault == Fault::OtherPadding ? with_other_padding(policy) : policy;
+    const auto& sent = fault == TokenFault::OtherPadding ? with_other_padding(policy) : policy;
     Bytes cipher = crypto::asymmetric_encrypt(sent, config().identity->certificates.front(),
                                               secret_text(fault, nonce))
                        .value();
-    if (fault == Fault::RsaPadding) {
-        spoil_block(cipher, 0, key_size);
+    if (fault == TokenFault::RsaPadding) {
+        spoil_block(cipher, 0);
     }
     UserNameIdentityToken token;
     token.policy_id = server::detail::policy_id(endpoint, UserTokenType::UserName);
@@ -99,7 +99,7 @@ ExtensionObject token_of(const crypto::SecurityPolicy& policy,
     return ExtensionObject::from(std::move(token));
 }
 
-Attempt prepare(const crypto::SecurityPolicy& policy, Fault fault)
+Attempt prepare_token(const crypto::SecurityPolicy& policy, TokenFault fault)
 {
     struct Case {
         server::EndpointConfig endpoint;
@@ -114,8 +114,8 @@ Attempt prepare(const crypto::SecurityPolicy& policy, Fault fault)
     return [one, fault] {
         const auto login = server::detail::log_in(
             {config(), one->endpoint, &one->users, one->nonce, now}, one->token, {});
-        const bool is_as_expected =
-            login ? fault == Fault::None : login.error().answer == status::Bad_UserAccessDenied;
+        const bool is_as_expected = login ? fault == TokenFault::None
+                                          : login.error().answer == status::Bad_UserAccessDenied;
         if (!is_as_expected) {
             std::fprintf(stderr, "busbar-timing: a token did not end as it should\n");
             std::abort();
@@ -127,16 +127,16 @@ Attempt prepare(const crypto::SecurityPolicy& policy, Fault fault)
 
 std::vector<InputClass> token_attempts(const crypto::SecurityPolicy& policy)
 {
-    const auto input = [&policy](const char* name, Fault fault) {
-        return InputClass{name, [&policy, fault] { return prepare(policy, fault); }};
+    const auto input = [&policy](const char* name, TokenFault fault) {
+        return InputClass{name, [&policy, fault] { return prepare_token(policy, fault); }};
     };
-    return {input("wrong RSA padding", Fault::RsaPadding),
-            input("padding of another OAEP hash", Fault::OtherPadding),
-            input("wrong length", Fault::Length),
-            input("length beyond the text", Fault::TooLong),
-            input("wrong nonce", Fault::Nonce),
-            input("wrong password", Fault::Password),
-            input("empty password", Fault::Empty)};
+    return {input("wrong RSA padding", TokenFault::RsaPadding),
+            input("padding of another OAEP hash", TokenFault::OtherPadding),
+            input("wrong length", TokenFault::Length),
+            input("length beyond the text", TokenFault::TooLong),
+            input("wrong nonce", TokenFault::Nonce),
+            input("wrong password", TokenFault::Password),
+            input("empty password", TokenFault::Empty)};
 }
 
 } // namespace busbar::timing

@@ -17,7 +17,7 @@ namespace {
 using controller::Project;
 using controller::ProjectPermission;
 
-constexpr const char* source = "project";
+constexpr const char* kept_source = "project";
 constexpr const char* operation_mode = "model mode";
 
 void apply_users(const Project& project, UserConfig& users)
@@ -162,7 +162,7 @@ PublishedProject KeptProject::publish(server::Server& server, const std::string&
 {
     PublishedProject published{{}, add_module(server.address_space(), version)};
     if (!recovered_) {
-        log.write(LogLevel::Error, source, "there is none: " + text(recovered_.error()));
+        log.write(LogLevel::Error, kept_source, "there is none: " + text(recovered_.error()));
     }
     if (store_.current() == nullptr) {
         return published;
@@ -177,9 +177,9 @@ PublishedProject KeptProject::publish(server::Server& server, const std::string&
     published.mapping = *std::move(loaded);
     server::describe_models(server, models.extras().models);
     for (const controller::ModelReport& report : reports.list()) {
-        log.write(LogLevel::Warning, source, text(report));
+        log.write(LogLevel::Warning, kept_source, text(report));
     }
-    log.write(LogLevel::Info, source,
+    log.write(LogLevel::Info, kept_source,
               std::to_string(project.models.size()) + " information models were loaded");
     return published;
 }

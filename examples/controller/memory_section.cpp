@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t bytes_of_link = 4'096;
 constexpr std::string_view expected_size = "a size from \"1 MB\" to \"1024 GB\", such as \"64 MB\"";
 constexpr std::uint64_t least_memory = 1'000'000;
-constexpr std::uint64_t most_memory = 1'024'000'000'000;
+constexpr std::uint64_t most_machine_memory = 1'024'000'000'000;
 
 struct Unit {
     std::string_view name;
@@ -37,7 +37,7 @@ std::optional<std::uint64_t> parse_size(std::string_view text)
     text.remove_prefix(static_cast<std::size_t>(end - text.data()));
     text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
     for (const Unit& unit : units) {
-        if (text == unit.name && number <= most_memory / unit.bytes) {
+        if (text == unit.name && number <= most_machine_memory / unit.bytes) {
             return number * unit.bytes;
         }
     }
@@ -86,7 +86,7 @@ std::optional<std::uint64_t> read_memory(const TomlTable& limits)
         return std::nullopt;
     }
     const auto size = parse_size(limits.text("memory"));
-    if (!size || *size < least_memory || *size > most_memory) {
+    if (!size || *size < least_memory || *size > most_machine_memory) {
         limits.fail("memory", std::string{expected_size});
     }
     return size;

@@ -6,6 +6,13 @@
 
 namespace busbar::client::detail {
 
+bool is_unanswered(StatusCode status)
+{
+    return status == status::Bad_Timeout || status == status::Bad_ConnectionClosed ||
+           status == status::Bad_SecureChannelClosed || status == status::Bad_ServerNotConnected ||
+           status == status::Bad_OutOfMemory;
+}
+
 RequestId RequestQueue::add(Encode encode, Handler handler, const RequestOptions& options,
                             bool is_ready, bool is_closed)
 {

@@ -15,6 +15,9 @@
 
 namespace busbar::client::detail {
 
+/// True if no answer of the server came, so that the same request may get one later.
+[[nodiscard]] bool is_unanswered(StatusCode status);
+
 /// The requests of a Client's users from call() to their handler: waiting for a session, under way
 /// or answered. Every one ends once, by its deadline at the latest; handlers are called by
 /// deliver() only.

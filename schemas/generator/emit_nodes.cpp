@@ -128,9 +128,13 @@ std::string header(const Options& options)
            name.function + "();\n\n} // namespace " + name.in_namespace + "\n";
 }
 
+/// The tables have internal linkage as constants, and a namespace of their own, so that a compiler
+/// may read them together with sources that use the same names.
+constexpr const char* tables_namespace = "node_tables";
+
 std::string span(const char* name, std::size_t size)
 {
-    return std::string{"        {"} + name + ", " + text(size) + "},\n";
+    return std::string{"        {"} + tables_namespace + "::" + name + ", " + text(size) + "},\n";
 }
 
 std::string function(const NodeTables& tables, const Options& options)
@@ -153,8 +157,8 @@ std::string source(const NodeTables& tables, const Options& options)
     const Name name = function_name(options);
     return preamble(options) + "#include <" + options.include_path + "/nodes.hpp>\n\n" +
            "#pragma GCC diagnostic ignored \"-Woverlength-strings\"\n\nnamespace " +
-           name.in_namespace + " {\n\nusing namespace busbar::model;\n\nnamespace {\n\n" +
-           table("StaticText", "namespaces", tables.namespaces) +
+           name.in_namespace + " {\n\nusing namespace busbar::model;\n\nnamespace " +
+           tables_namespace + " {\n\n" + table("StaticText", "namespaces", tables.namespaces) +
            table("StaticNode", "node_table", tables.nodes) +
            table("StaticType", "type_table", tables.types) +
            table("StaticVariable", "variables", tables.variables) +
@@ -166,8 +170,8 @@ std::string source(const NodeTables& tables, const Options& options)
            table("std::uint32_t", "dimensions", tables.dimensions) +
            byte_table("text", tables.text.bytes()) + byte_table("values", tables.values.bytes()) +
            table("std::uint16_t", "slots", tables.slots) +
-           table("StaticAccess", "access", tables.access) + "} // namespace\n\n" +
-           function(tables, options) + "} // namespace " + name.in_namespace + "\n";
+           table("StaticAccess", "access", tables.access) + "} // namespace " + tables_namespace +
+           "\n\n" + function(tables, options) + "} // namespace " + name.in_namespace + "\n";
 }
 
 } // namespace

@@ -15,6 +15,7 @@
 
 #include "crypto/revoking.hpp"
 #include "managed_fixture.hpp"
+#include "trust_list_ids.hpp"
 
 /// A controller of seed 000 with its five authorities.
 namespace busbar::test {
@@ -22,16 +23,6 @@ namespace busbar::test {
 using administration::Authorities;
 using administration::Authority;
 
-inline constexpr std::uint32_t trust_list = 12642; // of DefaultApplicationGroup
-inline constexpr std::uint32_t open_method = 12647;
-inline constexpr std::uint32_t close_method = 12650;
-inline constexpr std::uint32_t read_method = 12652;
-inline constexpr std::uint32_t write_method = 12655;
-inline constexpr std::uint32_t open_with_masks = 12663;
-inline constexpr std::uint32_t close_and_update = 12666;
-inline constexpr std::uint32_t add_certificate = 12668;
-inline constexpr std::uint32_t remove_certificate = 12670;
-inline constexpr std::uint32_t open_count = 12646;
 inline constexpr std::uint32_t rsa_type = id::RsaSha256ApplicationCertificateType;
 
 // Masks of lists (Part 12, 7.8.2.9).
@@ -203,11 +194,11 @@ struct Plant : ManagedFixture {
         if (removed.is_bad()) {
             return removed;
         }
-        const StatusCode made =
-            on_server(client, NodeId{1, "ServerConfiguration/CreateSelfSignedCertificate"},
-                      {Variant{NodeId{}}, Variant{NodeId{0, rsa_type}}, Variant{String{"CN=Press 4"}},
-                       Variant{Array<String>{"plc.example"}}, Variant{Array<String>{}},
-                       Variant{std::uint16_t{365}}, Variant{std::uint16_t{2'048}}});
+        const StatusCode made = on_server(
+            client, NodeId{1, "ServerConfiguration/CreateSelfSignedCertificate"},
+            {Variant{NodeId{}}, Variant{NodeId{0, rsa_type}}, Variant{String{"CN=Press 4"}},
+             Variant{Array<String>{"plc.example"}}, Variant{Array<String>{}},
+             Variant{std::uint16_t{365}}, Variant{std::uint16_t{2'048}}});
         on_server(client, NodeId{0, id::ServerConfiguration_CancelChanges}, {});
         return made;
     }

@@ -12,9 +12,6 @@
 
 namespace busbar::test {
 
-inline constexpr std::uint8_t reading = 1;
-inline constexpr std::uint8_t writing = 6;
-
 struct FilesFixture : ManagedFixture {
     FilesFixture()
     {

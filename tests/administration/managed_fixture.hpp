@@ -23,6 +23,10 @@
 
 namespace busbar::test {
 
+// Modes of Open (Part 20, 4.2.2).
+inline constexpr std::uint8_t reading = 1;
+inline constexpr std::uint8_t writing = 6;
+
 /// Does its jobs when it is told to.
 class ManualWorker final : public server::Worker {
 public:

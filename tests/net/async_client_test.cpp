@@ -28,8 +28,8 @@ namespace async_client_test {
 
 using namespace busbar;
 using namespace std::chrono_literals;
-using client::ClientState;
 using busbar::test::Machine;
+using client::ClientState;
 
 namespace {
 

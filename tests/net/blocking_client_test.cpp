@@ -21,8 +21,8 @@ namespace blocking_client_test {
 
 using namespace busbar;
 using namespace std::chrono_literals;
-using client::ClientState;
 using busbar::test::Machine;
+using client::ClientState;
 
 namespace {
 

@@ -25,8 +25,8 @@ namespace reverse_test {
 using namespace busbar;
 using namespace std::chrono_literals;
 using asio::ip::tcp;
-using client::ClientState;
 using busbar::test::Machine;
+using client::ClientState;
 
 namespace {
 

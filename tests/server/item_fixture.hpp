@@ -4,7 +4,6 @@
 
 namespace busbar::test {
 
-inline constexpr Duration cycle = std::chrono::milliseconds{100};
 inline constexpr std::uint32_t overflow = 0x0480;
 
 /// One client with a Subscription, and the variable `level`.

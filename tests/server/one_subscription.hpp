@@ -4,8 +4,6 @@
 
 namespace busbar::test {
 
-inline constexpr Duration cycle = std::chrono::milliseconds{100};
-
 inline CreateSubscriptionRequest one_at_a_time()
 {
     auto request = SubscriptionFixture::subscription_request();

@@ -14,6 +14,8 @@
 
 namespace busbar::test {
 
+inline constexpr Duration cycle = std::chrono::milliseconds{100};
+
 /// Sources outlive the server.
 struct SubscriptionParts {
     FixedWallClock source_clock;

@@ -14,7 +14,7 @@ namespace busbar::test {
 namespace {
 
 /// InfoType DataValue and Overflow (Part 4, 7.38.1).
-constexpr std::uint32_t overflow_bits = 0x0480;
+constexpr std::uint32_t overflow_info = 0x0480;
 /// Watches that have gone and may still bring what is late.
 constexpr std::size_t max_gone = 16;
 
@@ -145,7 +145,7 @@ void WatchedSubscription::deliver_value(const MonitoredItemNotification& item, D
     const std::uint32_t status = item.value.status.value();
     const std::int64_t number = item.value.value.value_or<std::int32_t>(-1);
     const auto last = watch->check.last();
-    if ((status & overflow_bits) == overflow_bits) {
+    if ((status & overflow_info) == overflow_info) {
         watch->check.tell_overflow();
     } else if (status != 0) {
         judge.violation(describe(item.client_handle, last, number) + ", status " +

@@ -6,6 +6,7 @@
 #include <busbar/client/node_address.hpp>
 #include <busbar/client/view.hpp>
 
+#include "client/request_queue.hpp"
 #include "steps.hpp"
 
 namespace busbar::client::detail {
@@ -14,14 +15,6 @@ namespace {
 
 /// What is looked at of one node.
 constexpr std::size_t max_targets = 10'000;
-
-/// Rather than that there is nothing to be seen.
-bool is_unanswered(StatusCode status)
-{
-    return status == status::Bad_OutOfMemory || status == status::Bad_Timeout ||
-           status == status::Bad_ConnectionClosed || status == status::Bad_SecureChannelClosed ||
-           status == status::Bad_ServerNotConnected;
-}
 
 /// One element for all paths in each step.
 class PathSearch final : public OperationState, public std::enable_shared_from_this<PathSearch> {

@@ -3,6 +3,7 @@
 #include <busbar/types/ids.hpp>
 #include <busbar/types/method.hpp>
 
+#include "client/request_queue.hpp"
 #include "value_refresh.hpp"
 
 namespace busbar::client::detail {
@@ -12,14 +13,6 @@ namespace {
 constexpr std::uint32_t max_refreshes = 3;
 // However often notifications are lost, nobody is asked for all values more often.
 constexpr Duration refresh_pause = std::chrono::seconds{1};
-
-/// Nobody has answered.
-bool is_unanswered(StatusCode status)
-{
-    return status == status::Bad_Timeout || status == status::Bad_ConnectionClosed ||
-           status == status::Bad_SecureChannelClosed || status == status::Bad_ServerNotConnected ||
-           status == status::Bad_OutOfMemory;
-}
 
 StatusCode outcome_of(const Result<CallResponse>& response)
 {

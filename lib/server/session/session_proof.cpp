@@ -6,17 +6,6 @@
 
 namespace busbar::server::detail {
 
-namespace {
-
-std::vector<std::byte> join(std::span<const std::byte> a, std::span<const std::byte> b)
-{
-    std::vector<std::byte> all{a.begin(), a.end()};
-    all.insert(all.end(), b.begin(), b.end());
-    return all;
-}
-
-} // namespace
-
 Result<ByteString> random_bytes(crypto::Random& random, std::size_t size)
 {
     std::vector<std::byte> bytes(size);

@@ -7,7 +7,7 @@ namespace busbar::server::detail {
 namespace {
 
 using State = SubscriptionState;
-using Event = SubscriptionEvent;
+using E = SubscriptionEvent;
 using Variables = SubscriptionVariables;
 using A = SubscriptionAction;
 using Condition = bool (*)(const Variables&);
@@ -28,12 +28,12 @@ constexpr bool has_something_to_report(const Variables& v)
     return v.publishing_enabled && v.notifications_available;
 }
 
-constexpr SubscriptionRow go(unsigned number, StateSet states, Event event, Condition condition,
+constexpr SubscriptionRow go(unsigned number, StateSet states, E event, Condition condition,
                              Actions actions, State next)
 {
     return {number, states, event, condition, actions, next, false, false};
 }
-constexpr SubscriptionRow stay(unsigned number, StateSet states, Event event, Condition condition,
+constexpr SubscriptionRow stay(unsigned number, StateSet states, E event, Condition condition,
                                Actions actions)
 {
     return {number, states, event, condition, actions, State::Closed, true, false};
@@ -46,42 +46,41 @@ constexpr SubscriptionRow refuse(SubscriptionRow row)
 
 // Rows 6 to 17 do not look at the LifetimeCounter; row 27 is tried before them.
 constexpr std::array rows{
-    go(1, {State::Closed}, Event::CreateSubscription, always, {}, State::Creating),
+    go(1, {State::Closed}, E::CreateSubscription, always, {}, State::Creating),
     refuse(go(
-        2, {State::Creating}, Event::Created, [](const Variables& v) { return !v.is_created; }, {},
+        2, {State::Creating}, E::Created, [](const Variables& v) { return !v.is_created; }, {},
         State::Closed)),
     go(
-        3, {State::Creating}, Event::Created, [](const Variables& v) { return v.is_created; },
+        3, {State::Creating}, E::Created, [](const Variables& v) { return v.is_created; },
         {A::InitializeSubscription, A::ClearMessageSent}, State::Normal),
 
     go(
-        27, living, Event::PublishingTimer,
-        [](const Variables& v) { return v.lifetime_counter == 1; },
+        27, living, E::PublishingTimer, [](const Variables& v) { return v.lifetime_counter == 1; },
         {A::DeleteMonitoredItems, A::IssueStatusChangeNotification}, State::Closed),
 
-    stay(4, {State::Normal}, Event::PublishRequest,
+    stay(4, {State::Normal}, E::PublishRequest,
          [](const Variables& v) { return !v.publishing_enabled || !v.more_notifications; }, {}),
-    stay(5, {State::Normal}, Event::PublishRequest,
+    stay(5, {State::Normal}, E::PublishRequest,
          [](const Variables& v) { return v.publishing_enabled && v.more_notifications; },
          {A::ResetLifetimeCounter, A::ReturnNotifications, A::SetMessageSent}),
-    stay(6, {State::Normal}, Event::PublishingTimer,
+    stay(6, {State::Normal}, E::PublishingTimer,
          [](const Variables& v) { return v.publishing_req_queued && has_something_to_report(v); },
          {A::ResetLifetimeCounter, A::StartPublishingTimer, A::ReturnNotifications,
           A::SetMessageSent}),
-    stay(7, {State::Normal}, Event::PublishingTimer,
+    stay(7, {State::Normal}, E::PublishingTimer,
          [](const Variables& v) {
              return v.publishing_req_queued && !v.message_sent && has_nothing_to_report(v);
          },
          {A::ResetLifetimeCounter, A::StartPublishingTimer, A::ReturnKeepAlive, A::SetMessageSent}),
     go(
-        8, {State::Normal}, Event::PublishingTimer,
+        8, {State::Normal}, E::PublishingTimer,
         [](const Variables& v) {
             return !v.publishing_req_queued && (!v.message_sent || has_something_to_report(v));
         },
         {A::StartPublishingTimer}, State::Late),
     // This cycle is the first without a message, and counted (Errata 1.04.8 and 1.05).
     go(
-        9, {State::Normal}, Event::PublishingTimer,
+        9, {State::Normal}, E::PublishingTimer,
         [](const Variables& v) {
             return v.message_sent && has_nothing_to_report(v) && v.max_keep_alive_count != 1;
         },
@@ -90,7 +89,7 @@ constexpr std::array rows{
     // A count of 1 is over with that, and no row of KEEPALIVE knows a counter of 0: what rows 15
     // and 17 do is due at once.
     go(
-        9, {State::Normal}, Event::PublishingTimer,
+        9, {State::Normal}, E::PublishingTimer,
         [](const Variables& v) {
             return v.message_sent && has_nothing_to_report(v) && v.max_keep_alive_count == 1 &&
                    v.publishing_req_queued;
@@ -99,7 +98,7 @@ constexpr std::array rows{
          A::ResetKeepAliveCounter},
         State::KeepAlive),
     go(
-        9, {State::Normal}, Event::PublishingTimer,
+        9, {State::Normal}, E::PublishingTimer,
         [](const Variables& v) {
             return v.message_sent && has_nothing_to_report(v) && v.max_keep_alive_count == 1 &&
                    !v.publishing_req_queued;
@@ -107,13 +106,13 @@ constexpr std::array rows{
         {A::StartPublishingTimer}, State::Late),
 
     go(
-        10, {State::Late}, Event::PublishRequest,
+        10, {State::Late}, E::PublishRequest,
         [](const Variables& v) {
             return v.publishing_enabled && (v.notifications_available || v.more_notifications);
         },
         {A::ResetLifetimeCounter, A::ReturnNotifications, A::SetMessageSent}, State::Normal),
     go(
-        11, {State::Late}, Event::PublishRequest,
+        11, {State::Late}, E::PublishRequest,
         [](const Variables& v) {
             return !v.publishing_enabled || (!v.notifications_available && !v.more_notifications);
         },
@@ -121,54 +120,54 @@ constexpr std::array rows{
         // the next cycle, and 5.14.1.1 counts cycles between messages.
         {A::ResetLifetimeCounter, A::ReturnKeepAlive, A::SetMessageSent, A::ResetKeepAliveCounter},
         State::KeepAlive),
-    stay(12, {State::Late}, Event::PublishingTimer, always, {A::StartPublishingTimer}),
+    stay(12, {State::Late}, E::PublishingTimer, always, {A::StartPublishingTimer}),
 
-    stay(13, {State::KeepAlive}, Event::PublishRequest, always, {}),
+    stay(13, {State::KeepAlive}, E::PublishRequest, always, {}),
     go(
-        14, {State::KeepAlive}, Event::PublishingTimer,
+        14, {State::KeepAlive}, E::PublishingTimer,
         [](const Variables& v) { return has_something_to_report(v) && v.publishing_req_queued; },
         {A::ResetLifetimeCounter, A::StartPublishingTimer, A::ReturnNotifications,
          A::SetMessageSent},
         State::Normal),
-    stay(15, {State::KeepAlive}, Event::PublishingTimer,
+    stay(15, {State::KeepAlive}, E::PublishingTimer,
          [](const Variables& v) {
              return v.publishing_req_queued && v.keep_alive_counter == 1 &&
                     has_nothing_to_report(v);
          },
          {A::ResetLifetimeCounter, A::StartPublishingTimer, A::ReturnKeepAlive,
           A::ResetKeepAliveCounter}),
-    stay(16, {State::KeepAlive}, Event::PublishingTimer,
+    stay(16, {State::KeepAlive}, E::PublishingTimer,
          [](const Variables& v) { return v.keep_alive_counter > 1 && has_nothing_to_report(v); },
          {A::StartPublishingTimer, A::DecrementKeepAliveCounter}),
     go(
-        17, {State::KeepAlive}, Event::PublishingTimer,
+        17, {State::KeepAlive}, E::PublishingTimer,
         [](const Variables& v) {
             return !v.publishing_req_queued &&
                    (v.keep_alive_counter == 1 || has_something_to_report(v));
         },
         {A::StartPublishingTimer}, State::Late),
 
-    stay(18, living, Event::ModifySubscription, always,
+    stay(18, living, E::ModifySubscription, always,
          {A::ResetLifetimeCounter, A::UpdateSubscriptionParams}),
-    stay(19, living, Event::SetPublishingMode, always,
+    stay(19, living, E::SetPublishingMode, always,
          {A::ResetLifetimeCounter, A::SetPublishingEnabled, A::ClearMoreNotifications}),
-    stay(20, living, Event::Republish, [](const Variables& v) { return v.requested_message_found; },
+    stay(20, living, E::Republish, [](const Variables& v) { return v.requested_message_found; },
          {A::ResetLifetimeCounter}),
-    refuse(stay(21, living, Event::Republish,
+    refuse(stay(21, living, E::Republish,
                 [](const Variables& v) { return !v.requested_message_found; },
                 {A::ResetLifetimeCounter})),
-    refuse(stay(22, living, Event::TransferSubscriptions,
+    refuse(stay(22, living, E::TransferSubscriptions,
                 [](const Variables& v) { return !v.session_changed; }, {A::ResetLifetimeCounter})),
-    stay(23, living, Event::TransferSubscriptions,
+    stay(23, living, E::TransferSubscriptions,
          [](const Variables& v) { return v.session_changed && v.client_validated; },
          {A::IssueStatusChangeNotification, A::SetSession, A::ResetLifetimeCounter}),
-    refuse(stay(24, living, Event::TransferSubscriptions,
+    refuse(stay(24, living, E::TransferSubscriptions,
                 [](const Variables& v) { return v.session_changed && !v.client_validated; }, {})),
     go(
-        25, living, Event::DeleteSubscriptions,
+        25, living, E::DeleteSubscriptions,
         [](const Variables& v) { return v.subscription_assigned_to_client; },
         {A::DeleteMonitoredItems, A::DeleteClientPublReqQueue}, State::Closed),
-    refuse(stay(26, living, Event::DeleteSubscriptions,
+    refuse(stay(26, living, E::DeleteSubscriptions,
                 [](const Variables& v) { return !v.subscription_assigned_to_client; },
                 {A::ResetLifetimeCounter})),
 };

@@ -8,13 +8,6 @@ namespace busbar::server::detail {
 
 namespace {
 
-std::vector<std::byte> join(std::span<const std::byte> a, std::span<const std::byte> b)
-{
-    std::vector<std::byte> all{a.begin(), a.end()};
-    all.insert(all.end(), b.begin(), b.end());
-    return all;
-}
-
 std::vector<std::byte> chain_of(const channel::ApplicationIdentity& identity)
 {
     std::vector<std::byte> all;
@@ -25,6 +18,13 @@ std::vector<std::byte> chain_of(const channel::ApplicationIdentity& identity)
 }
 
 } // namespace
+
+std::vector<std::byte> join(std::span<const std::byte> a, std::span<const std::byte> b)
+{
+    std::vector<std::byte> all{a.begin(), a.end()};
+    all.insert(all.end(), b.begin(), b.end());
+    return all;
+}
 
 bool is_signed(const channel::ApplicationIdentity& server, const crypto::SecurityPolicy& policy,
                const crypto::Certificate& signer, std::span<const std::byte> server_nonce,

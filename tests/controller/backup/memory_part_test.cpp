@@ -12,9 +12,9 @@ namespace memory_part_test {
 
 using namespace busbar;
 using namespace busbar::controller;
-using controller::detail::SavedItem;
 using busbar::test::MemoryFixture;
 using busbar::test::Texts;
+using controller::detail::SavedItem;
 
 namespace {
 

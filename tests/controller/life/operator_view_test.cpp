@@ -70,7 +70,7 @@ TEST_CASE_METHOD(LoggedLife, "The status of the server is seen, and the server s
     };
     start();
     CHECK(seen("Server operating status") == "Running");
-    CHECK(seen("End point") == test::life_url);
+    CHECK(seen("End point") == busbar::test::life_url);
     CHECK(seen("Number of connected clients") == "3");
     CHECK(seen("Number of connected users") == "2");
     server.calls.clear();
@@ -95,7 +95,7 @@ TEST_CASE_METHOD(LoggedLife, "What stops the server, and what does not (4-1-3)")
     SECTION("Use is changed to Do not use")
     {
         life.download_begins();
-        life.download_done(test::not_used);
+        life.download_done(busbar::test::not_used);
         after_reset = "---";
     }
     SECTION("a restore")
@@ -121,7 +121,7 @@ TEST_CASE_METHOD(LoggedLife, "What stops the server, and what does not (4-1-3)")
     CHECK(status() == "Shutdown");
     CHECK(events() == Texts{"95D00000", "95D10000"});
     life.reset();
-    life.initialized(after_reset == "---" ? test::not_used : used());
+    life.initialized(after_reset == "---" ? busbar::test::not_used : used());
     CHECK(status() == after_reset);
 }
 
@@ -130,7 +130,7 @@ TEST_CASE_METHOD(LoggedLife, "The event log tells what the server does (4-2-2)")
     start();
     CHECK(events() == Texts{"95D00000"});
     life.download_begins();
-    life.download_done(test::damaged());
+    life.download_done(busbar::test::damaged());
     CHECK(status() == "Halt error");
     CHECK(event_log->plc_error() == PlcError{EventLevel::MinorFault, 0x35D00000});
     life.download_begins();
@@ -152,7 +152,7 @@ TEST_CASE_METHOD(LoggedLife, "The execution log tells what the server does (4-2-
     life.address_changed();
     finish_preparation();
     life.download_begins();
-    life.download_done(test::damaged());
+    life.download_done(busbar::test::damaged());
     life.stopped();
     life.download_begins();
     life.download_done(used());

@@ -62,7 +62,7 @@ TEST_CASE_METHOD(LifeFixture, "A change while the server is prepared prepares it
     CHECK(status() == "Preparing");
     finish_preparation();
     CHECK(status() == "Running");
-    CHECK(life.status({}).end_point == test::life_url);
+    CHECK(life.status({}).end_point == busbar::test::life_url);
 }
 
 TEST_CASE_METHOD(LifeFixture, "A download while the server is prepared begins anew (4-2-5)")
