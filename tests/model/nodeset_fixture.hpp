@@ -72,10 +72,15 @@ namespace busbar::model {
 struct NodeSetFixture {
     AddressSpace space;
 
+    NodeSetFixture() = default;
+    NodeSetFixture(const NodeSetFixture&) = delete;
+    NodeSetFixture& operator=(const NodeSetFixture&) = delete;
+    ~NodeSetFixture() { check_unchanged(); }
+
     NodeSetSummary load(const std::vector<NodeSetSource>& sources, const NodeSetLimits& limits = {})
     {
+        check_unchanged();
         auto loaded = load_nodesets(space, sources, limits);
-        hash_.reset();
         for (const Problem& problem : loaded ? std::vector<Problem>{} : loaded.error()) {
             UNSCOPED_INFO(busbar::text(problem));
         }
@@ -86,14 +91,16 @@ struct NodeSetFixture {
     {
         return load({{"t.xml", nodeset_text(content)}});
     }
-    /// The first error's text; the AddressSpace must be as it was before.
+    /// Returns the first error's text. The AddressSpace must stay as it was before the first of
+    /// several errors, which is checked before the next load() and at the end, as it takes longer
+    /// than to find the error.
     [[nodiscard]] std::string error_of(const std::vector<NodeSetSource>& sources,
                                        const NodeSetLimits& limits = {})
     {
-        const std::uint64_t before = hash_ ? *hash_ : detail::space_hash(space);
+        if (!hash_) {
+            hash_ = space.namespace_count() == 1 ? hash_of_namespace0() : detail::space_hash(space);
+        }
         const auto loaded = load_nodesets(space, sources, limits);
-        hash_ = detail::space_hash(space);
-        CHECK(*hash_ == before);
         return loaded ? std::string{} : busbar::text(loaded.error().front());
     }
     [[nodiscard]] std::string error_of(const std::string& content, const NodeSetLimits& limits = {})
@@ -109,6 +116,20 @@ struct NodeSetFixture {
     [[nodiscard]] Variant value(const std::string& id) const { return space.value(find(id)); }
 
 private:
+    /// Of every AddressSpace that nothing was added to.
+    [[nodiscard]] static std::uint64_t hash_of_namespace0()
+    {
+        static const std::uint64_t hash = detail::space_hash(AddressSpace{});
+        return hash;
+    }
+    void check_unchanged()
+    {
+        if (hash_) {
+            CHECK(detail::space_hash(space) == *hash_);
+            hash_.reset();
+        }
+    }
+
     std::optional<std::uint64_t> hash_;
 };
 

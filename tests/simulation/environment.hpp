@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <string>
 
+#include "support/effort.hpp"
+
 namespace busbar::test {
 
 /// What a variable of the environment says, which is a whole number.
@@ -11,6 +13,12 @@ namespace busbar::test {
 {
     const char* const text = std::getenv(variable);
     return text != nullptr ? std::stoull(text) : otherwise;
+}
+
+/// Hours of virtual time: BUSBAR_SIMULATION_HOURS, or a day at full effort, or `otherwise`.
+[[nodiscard]] inline std::uint64_t simulation_hours(std::uint64_t otherwise)
+{
+    return number_from("BUSBAR_SIMULATION_HOURS", is_full_effort() ? 24 : otherwise);
 }
 
 [[nodiscard]] inline std::uint64_t simulation_seed()

@@ -31,7 +31,7 @@ TEST_CASE("a controller keeps what it has saved while its media fail and its pow
           "(seed 000, 7-4 and 9-2-2)")
 {
     const std::uint64_t seed = simulation_seed();
-    const std::uint64_t hours = number_from("BUSBAR_SIMULATION_HOURS", BUSBAR_SIMULATION_HOURS);
+    const std::uint64_t hours = simulation_hours(BUSBAR_SIMULATION_HOURS);
     CAPTURE(seed, hours);
     MachineSimulation simulation{seed};
     simulation.run(std::chrono::hours{hours});

@@ -107,7 +107,7 @@ void Simulation::jump()
     jump_.set_after(chance_.between(1min, 30min));
 }
 
-void Simulation::run(std::chrono::hours time)
+void Simulation::run(std::chrono::minutes time)
 {
     weather_.has_resets = true;
     memory_.start();
@@ -122,9 +122,11 @@ void Simulation::run(std::chrono::hours time)
     for (const auto& attacker : attackers_) {
         attacker->start();
     }
-    for (std::chrono::hours hour{0}; hour < time; ++hour) {
-        scheduler_.run_for(1h);
+    for (std::chrono::minutes passed{0}; passed < time;) {
+        const std::chrono::minutes next = std::min<std::chrono::minutes>(1h, time - passed);
+        scheduler_.run_for(next);
         check_counts();
+        passed += next;
     }
 }
 

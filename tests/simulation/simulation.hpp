@@ -30,7 +30,7 @@ public:
     explicit Simulation(const SimulationOptions& options);
 
     /// All clients come, and things happen for so long.
-    void run(std::chrono::hours time);
+    void run(std::chrono::minutes time);
     /// Everything becomes quiet and good; when what was lost has been made good, all has to have
     /// arrived. Then the clients leave, and the server has to forget them.
     void finish();

@@ -13,7 +13,7 @@ namespace {
 std::uint64_t replay(std::uint64_t seed)
 {
     Simulation simulation{{seed, 6}};
-    simulation.run(std::chrono::hours{1});
+    simulation.run(std::chrono::minutes{is_full_effort() ? 60 : 15});
     return simulation.trace().hash();
 }
 
@@ -30,7 +30,7 @@ TEST_CASE("a simulation's seed replays it")
 TEST_CASE("no notification is lost in a day of 50 clients over links that break, and nothing grows")
 {
     const std::uint64_t seed = simulation_seed();
-    const std::uint64_t hours = number_from("BUSBAR_SIMULATION_HOURS", BUSBAR_SIMULATION_HOURS);
+    const std::uint64_t hours = simulation_hours(4);
     CAPTURE(seed, hours);
     Simulation simulation{{seed, 50}};
     // Warms up: buffers and tables that stay have their size afterwards.

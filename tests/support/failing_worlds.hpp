@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "effort.hpp"
 #include "failing_allocation.hpp"
 
 namespace busbar::test {
@@ -14,7 +15,8 @@ inline std::size_t next_allocation(std::size_t k)
     return k + 1;
 }
 
-/// Calls `fail(k)` for k = 1, `next(1)`, ... until it is false. Each time it makes a world, has the
+/// Calls `fail(k)` for k = 1, `next(1)`, ... until it is false; with steps five times as large
+/// unless the effort is full. Each time it makes a world, has the
 /// k-th allocation fail there, and tells whether it came to that; nothing that was allocated may be
 /// left when the world is gone. `what` is to be seen where something is.
 template <typename Fail>
@@ -23,7 +25,8 @@ void check_failing_worlds(std::string_view what, Fail fail,
 {
     REQUIRE_FALSE(fail(1'000'000)); // after which all is there that lasts as long as the program
     bool has_failed = true;
-    for (std::size_t k = 1; has_failed; k = next(k)) {
+    const std::size_t steps = is_full_effort() ? 1 : 5;
+    for (std::size_t k = 1; has_failed; k += steps * (next(k) - k)) {
         const std::size_t before = live_allocations();
         has_failed = fail(k);
         const std::size_t after = live_allocations();
