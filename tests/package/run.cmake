@@ -1,4 +1,5 @@
-# Wants BUILD_DIR, SOURCE_DIR, GENERATOR, COMPILER, SANITIZE, LIBDIR and PKG_CONFIG.
+# Wants BUILD_DIR, SOURCE_DIR, GENERATOR, COMPILER, SANITIZE, LIBDIR and PKG_CONFIG; LAUNCHER, a
+# command in front of the compiler's as CMake has it, may be empty.
 set(test ${BUILD_DIR}/package-test)
 file(REMOVE_RECURSE ${test})
 
@@ -11,6 +12,7 @@ function(run)
   set(output "${output}" PARENT_SCOPE)
 endfunction()
 
+set(ENV{CMAKE_CXX_COMPILER_LAUNCHER} "${LAUNCHER}")
 set(flags "")
 if(SANITIZE)
   set(flags "-fsanitize=${SANITIZE}")
@@ -32,9 +34,13 @@ endif()
 
 if(PKG_CONFIG)
   set(ENV{PKG_CONFIG_PATH} ${prefix}/${LIBDIR}/pkgconfig)
-  run(${PKG_CONFIG} --cflags --libs busbar-server busbar-harness)
-  separate_arguments(found UNIX_COMMAND "${output}")
-  run(${COMPILER} -std=c++20 ${flags} ${SOURCE_DIR}/plain/main.cpp -o ${test}/plain ${found})
+  run(${PKG_CONFIG} --cflags busbar-server busbar-harness)
+  separate_arguments(cflags UNIX_COMMAND "${output}")
+  run(${LAUNCHER} ${COMPILER} -std=c++20 ${flags} ${cflags} -MD -c ${SOURCE_DIR}/plain/main.cpp
+    -o ${test}/plain.o)
+  run(${PKG_CONFIG} --libs busbar-server busbar-harness)
+  separate_arguments(libs UNIX_COMMAND "${output}")
+  run(${COMPILER} ${flags} ${test}/plain.o -o ${test}/plain ${libs})
   set(ENV{LD_LIBRARY_PATH} ${prefix}/${LIBDIR})
   run(${test}/plain)
 endif()

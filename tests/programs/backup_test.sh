@@ -30,7 +30,7 @@ restart() {
 contents() { (cd pki && find . -type f ! -path './rejected/*' -exec cksum {} + | sort -k 3); }
 
 echo "patience is all" > password
-hash=$("$controller" --hash-password < password)
+hash=$(quick_hash password)
 {
     cat << END
 [server]
@@ -44,6 +44,7 @@ medium = "medium"
 [[endpoint]]
 policy = "Basic256Sha256"
 mode = "SignAndEncrypt"
+$quick_logins
 END
     account chief SecurityAdmin
     account boss ConfigureAdmin

@@ -22,9 +22,9 @@ fail() {
 serve() {
     (cd "$work" && exec "$controller" --config "$1.toml") > "$work/$1.log" 2>&1 &
     servers="$servers $!"
-    for _ in $(seq 100); do
+    for _ in $(seq 500); do
         grep -q '^ready' "$work/$1.log" && break
-        sleep 0.1
+        sleep 0.02
     done
     BUSBAR_URL=$(sed -n 's/.* at \(opc.tcp:[^ ]*\)$/\1/p' "$work/$1.log")
     export BUSBAR_URL
@@ -147,7 +147,7 @@ has "/Objects/2:PLC/2:SerialNumber  \"BB-0001\""
 run 0 watch --below /Objects/2:PLC --limit 2 --duration 2 --insecure
 has "/Objects/2:PLC/2:Mode  1"
 tells "17 more Variables are left out"
-json 0 watch --below "ns=2;s=PLC" --limit 2 --duration 3 --insecure
+json 0 watch --below "ns=2;s=PLC" --limit 2 --count 6 --insecure
 has '"node":"\[ns=2;s=PLC\]/2:Mode"'
 has '"event":{"Time"'
 run 1 watch --below "ns=2;s=Mode" --insecure
@@ -160,8 +160,15 @@ has '"Message"'
 # Whoever reads no more ends it; so does Ctrl+C.
 timeout 30 "$busbar" subscribe "ns=2;s=Parts" --interval 50 --insecure 2> "$work/err" | head -n 2 > "$work/out"
 [ "$(wc -l < "$work/out")" -eq 2 ] || fail "a pipe that ends"
-timeout -s INT 2 "$busbar" subscribe "ns=2;s=Mode" --insecure > "$work/out" 2> "$work/err"
+timeout 30 "$busbar" subscribe "ns=2;s=Mode" --insecure > "$work/out" 2> "$work/err" &
+for _ in $(seq 500); do
+    [ -s "$work/out" ] && break
+    sleep 0.02
+done
 [ -s "$work/out" ] || fail "nothing before Ctrl+C"
+kill -INT $!
+wait $!
+[ $? -eq 130 ] || fail "Ctrl+C does not end it as an interruption"
 
 json 0 bench --seconds 0.2 --insecure
 has '"p99Ms"'

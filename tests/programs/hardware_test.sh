@@ -30,7 +30,7 @@ records() { cat medium/packages/OPCUA_Server/ExecutionLog/*.log | grep -c -e "$1
 recorded() { [ "$(records "$2")" -eq "$1" ]; }
 
 echo "patience is all" > password
-hash=$("$controller" --hash-password < password)
+hash=$(quick_hash password)
 {
     cat << END
 [server]
@@ -46,6 +46,7 @@ simulated_hardware = true
 [[endpoint]]
 policy = "Basic256Sha256"
 mode = "SignAndEncrypt"
+$quick_logins
 END
     account chief SecurityAdmin
     account engineer Engineer

@@ -103,8 +103,8 @@ lived "Start Prepare Run Start Prepare Run" || fail "the life went on in RUN: $(
 sed -i 's/^mode = .*/mode = "PROGRAM"/' machine.toml
 
 # A download: other variables behind the same port, and clients learn why.
-timeout 60 "$busbar" --json --insecure subscribe "$url" "$(variable Total)" --duration 60 \
-    > followed 2>&1 &
+timeout 60 "$busbar" --json --insecure subscribe "$url" "$(variable Total)" --interval 50 \
+    --duration 60 > followed 2>&1 &
 follower=$!
 await grep -q -s '"value":42\b' followed
 run 0 --insecure write "$url" "$(variable Total)" 43
@@ -123,8 +123,8 @@ kill -INT "$follower"
 wait "$follower"
 
 # An online edit: what is new comes besides what there is, and nobody has to connect again.
-timeout 60 "$busbar" --json --insecure subscribe "$url" "$(variable Total)" --duration 60 \
-    > followed 2>&1 &
+timeout 60 "$busbar" --json --insecure subscribe "$url" "$(variable Total)" --interval 50 \
+    --duration 60 > followed 2>&1 &
 follower=$!
 await grep -q -s '"value":44\b' followed
 program 'Pace : INT := 200; Depth : INT := 12;'

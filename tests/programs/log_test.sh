@@ -21,7 +21,7 @@ account() {
 }
 
 echo "patience is all" > password
-hash=$("$controller" --hash-password < password)
+hash=$(quick_hash password)
 {
     cat << EOF
 [server]
@@ -36,6 +36,7 @@ execution_log = true
 [[endpoint]]
 policy = "Basic256Sha256"
 mode = "SignAndEncrypt"
+$quick_logins
 EOF
     account chief SecurityAdmin
     account op Operator
@@ -61,7 +62,11 @@ says_not 'PublishedVariable'
 as op 0 admin log "$url" --count 1
 says 'there may be older ones'
 [ "$(wc -l < out)" -eq 3 ] || fail "there are not a title, an entry and a hint"
-as op 0 --json admin log "$url" --category AUTH --code 1
+has_application() {
+    as op 0 --json admin log "$url" --category AUTH --code 1
+    grep -q -e '"code":"0001"' out
+}
+await has_application
 says '^{"entries":\[{"entry":[0-9]*,"time":"20[^"]*","category":"AUTH","code":"0001","name":"Application","details":\["[A-Z]*'
 says '"isCut":false,"damaged":0}$'
 as op 0 admin log "$url" --text "nothing of this kind"
@@ -94,7 +99,7 @@ as op 0 admin log "$url" --code 5 --count 10
 
 # What is new, as it happens; the log may be cleared meanwhile.
 timeout 60 "$busbar" --json --user op --password-file password --trust admin log "$url" --follow \
-    --category AUTH --count 1 --duration 20 > followed 2>&1 &
+    --category AUTH --count 1 --duration 50 > followed 2>&1 &
 follower=$!
 await grep -q -s AUTH followed
 before=$(wc -l < followed)
@@ -123,7 +128,12 @@ first=$(sed -n '2s/^ *\([0-9]*\) .*/\1/p' out)
 before=$(wc -l < followed)
 as chief 0 read "$url" i=2259
 await has_more
-wait "$follower" || fail "the one who follows ends with $?: $(cat followed)"
+kill -INT "$follower"
+wait "$follower"
+code=$?
+[ $code -eq 130 ] || fail "the one who follows ends with $code: $(cat followed)"
+as op 0 --json admin log "$url" --follow --category AUTH --count 1 --duration 1
+says AUTH
 
 # Another certificate has the server prepared anew (4-2-5).
 host=${url#opc.tcp://}

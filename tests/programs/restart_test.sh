@@ -22,7 +22,7 @@ listening() {
 restarted() { [ "$(grep -c '^ready' log)" -eq "$1" ]; }
 
 echo "the chief's pass phrase" > chief
-hash=$("$controller" --hash-password < chief)
+hash=$(quick_hash chief)
 cat > controller.toml << END
 [server]
 port = 0
@@ -31,6 +31,7 @@ folder = "pki"
 [[endpoint]]
 policy = "Basic256Sha256"
 mode = "SignAndEncrypt"
+$quick_logins
 [[users.account]]
 name = "chief"
 password = "$hash"
@@ -52,7 +53,7 @@ before=$(listening)
 
 # Whoever is connected learns why, and comes back.
 timeout 60 "$busbar" --json --user chief --password-file chief --trust subscribe "$url" "$speed" \
-    --duration 60 > followed 2>&1 &
+    --interval 50 --duration 60 > followed 2>&1 &
 follower=$!
 await grep -q -s '"value":1\b' followed
 as_admin 0 admin setting set "$url" plc.scan_ms 25
