@@ -7,7 +7,7 @@ import { cpSync, mkdirSync } from "node:fs";
 import { networkInterfaces } from "node:os";
 import { join } from "node:path";
 import { after, before, describe, test } from "node:test";
-import opcua from "node-opcua";
+import opcua from "./opcua.mjs";
 import { anonymous, createClient, modes, withSession } from "./client.mjs";
 import { openHouse, startController } from "./controller.mjs";
 import { Busbar } from "./peer.mjs";

@@ -5,7 +5,7 @@ import { mkdirSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import opcua from "node-opcua";
+import opcua from "./opcua.mjs";
 import { clientOptions, derOf, makeAuthority, makeCertificate, makeRevocationList, signRequest } from "./certificates.mjs";
 import { createClient, modes, named, withSession } from "./client.mjs";
 import { startController, user } from "./controller.mjs";

@@ -1,5 +1,5 @@
 // A node-opcua client with the settings that all tests share.
-import opcua from "node-opcua";
+import opcua from "./opcua.mjs";
 
 const { MessageSecurityMode, SecurityPolicy, UserTokenType } = opcua;
 
@@ -28,13 +28,22 @@ export async function createClient(folder, options, library = opcua) {
   });
 }
 
+let lastLogin = Promise.resolve();
+
+/** One login after the other: a password that is still being checked counts as a wrong one, and many would lock out. */
+function logIn(client, identity) {
+  const login = lastLogin.then(() => client.createSession(identity));
+  lastLogin = login.catch(() => {});
+  return login;
+}
+
 /** Connects, runs `action(session, client)` and closes whatever happens. */
 export async function withSession(controller, options, identity, action, endpointUrl = controller.endpointUrl,
   library = opcua) {
   const client = await createClient(controller.folder, options, library);
   await client.connect(endpointUrl);
   try {
-    const session = await client.createSession(identity);
+    const session = await logIn(client, identity);
     try {
       return await action(session, client);
     } finally {

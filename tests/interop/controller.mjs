@@ -7,18 +7,20 @@ import { join } from "node:path";
 
 export const user = { userName: "operator", password: "a pass phrase" };
 
-/** A port that was free a moment ago. */
+/** A port that was free a moment ago: below those that systems give to clients, which could have taken it since. */
 export function freePort() {
   return new Promise((resolve) => {
     const server = createServer();
-    server.listen(0, "127.0.0.1", () => {
+    const listen = () => server.listen(10_000 + Math.floor(Math.random() * 22_000), "127.0.0.1");
+    server.on("error", listen).on("listening", () => {
       const { port } = server.address();
       server.close(() => resolve(port));
     });
+    listen();
   });
 }
 
-const plc = `
+const plc = (bulk) => `
 [plc]
 scan_ms = 20
 queued_scans = 500
@@ -38,10 +40,10 @@ access = "read"
 name = "Recipe"
 type = "Int16"
 dimensions = [8]
-[[plc.variable]]
+${bulk ? `[[plc.variable]]
 name = "Bulk"
 type = "Int16"
-count = 25000
+count = ${bulk}` : ""}
 [[plc.variable]]
 name = "Temperature"
 type = "Float"
@@ -104,9 +106,9 @@ scan_ms = 20
 ${programs}`;
 }
 
-function plcSection(folder, machine, labels) {
+function plcSection(folder, machine, labels, bulk) {
   if (labels) return labelsSection(folder, labels);
-  return machine ? machineSection(folder, machine) : plc;
+  return machine ? machineSection(folder, machine) : plc(bulk);
 }
 
 const endpoint = ([policy, mode]) => `
@@ -124,12 +126,13 @@ export const openHouse = {
 
 /**
  * A running controller: its port, its endpoint and stop(), which resolves to the exit code. `prepare` may
- * fill the folder of the certificates before it starts. With a `machine` (declarations) its variables are
+ * fill the folder of the certificates before it starts. `bulk` is how many variables are served besides, from Bulk0
+ * on: they take most of the time that it needs to start. With a `machine` (declarations) its variables are
  * served instead of the simple ones, with an execution log; with `labels` they are the labels of a project, which is
  * in the folder "project".
  */
 export async function startController({ endpoints, trustsAll = false, users, prepare, nodesets = [],
-  reverseUrls = [], discoveryUrl = "", address = "", accounts = [], machine, labels, args = [] } = openHouse) {
+  reverseUrls = [], discoveryUrl = "", address = "", accounts = [], machine, labels, bulk = 0, args = [] } = openHouse) {
   const program = process.env.BUSBAR_CONTROLLER;
   const folder = mkdtempSync(join(tmpdir(), "busbar-interop-"));
   const certificates = join(folder, "pki");
@@ -154,7 +157,7 @@ ${endpoints.map(endpoint).join("")}
 [users]
 ${users}
 ${[user, ...accounts].map((each) => account(program, each)).join("")}
-${plcSection(folder, machine, labels)}`);
+${plcSection(folder, machine, labels, bulk)}`);
   // A project has a port of its own, but for this.
   const model = labels ? ["--project", join(folder, "project"), "--port", String(port)] : [];
   const child = spawn(program, ["--config", config, ...model, ...args], { stdio: ["ignore", "pipe", "pipe"] });

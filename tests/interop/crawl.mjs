@@ -1,6 +1,6 @@
 // Browses all of a server with node-opcua.
 import assert from "node:assert/strict";
-import opcua from "node-opcua";
+import opcua from "./opcua.mjs";
 
 const { BrowseDirection, StatusCodes } = opcua;
 

@@ -4,7 +4,7 @@ import { mkdtempSync, rmSync } from "node:fs";
 import { hostname, tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import opcua from "node-opcua";
+import opcua from "./opcua.mjs";
 import { freePort, openHouse, startController } from "./controller.mjs";
 
 const applicationUri = `urn:${hostname()}:busbar:controller`;

@@ -1,7 +1,7 @@
 // Events: the node-opcua client filters what happens in busbar-controller.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import opcua from "node-opcua";
+import opcua from "./opcua.mjs";
 import { modes, named, withSession } from "./client.mjs";
 import { startController, user } from "./controller.mjs";
 
@@ -12,6 +12,7 @@ const {
 
 let controller;
 let namespaceIndex;
+let heard; // by each listener
 
 before(async () => {
   controller = await startController();
@@ -19,6 +20,7 @@ before(async () => {
     const namespaces = await session.readNamespaceArray();
     namespaceIndex = namespaces.findIndex((uri) => /plc/i.test(uri));
   });
+  heard = await hear();
 });
 
 after(async () => {
@@ -51,39 +53,65 @@ async function makeThingsHappen(session) {
   }
 }
 
-/** What an item at `notifier` is told while the machine goes through its events. */
-async function eventsAt(notifier, where) {
-  return withSession(controller, modes.SignAndEncrypt, named(user), async (session) => {
+/** Collects in `events` what an item at `notifier` is told from now on. */
+async function listen(session, { notifier, where }) {
+  const subscription = await session.createSubscription2({
+    requestedPublishingInterval: 100, requestedLifetimeCount: 100, requestedMaxKeepAliveCount: 5,
+    maxNotificationsPerPublish: 0, publishingEnabled: true, priority: 1,
+  });
+  const filter = new EventFilter({
+    selectClauses: fieldNames.map(field), whereClause: new ContentFilter({ elements: where }),
+  });
+  const item = await subscription.monitor(
+    { nodeId: notifier, attributeId: AttributeIds.EventNotifier },
+    { samplingInterval: 0, queueSize: 100, discardOldest: true, filter },
+    TimestampsToReturn.Neither, MonitoringMode.Reporting);
+  assert.equal(item.statusCode ?? StatusCodes.Good, StatusCodes.Good);
+  const events = [];
+  item.on("changed", (values) =>
+    events.push(Object.fromEntries(values.map((variant, i) => [fieldNames[i], variant.value]))));
+  return { subscription, events };
+}
+
+const ofType = (type) => [element(FilterOperator.OfType, literal(DataType.NodeId, resolveNodeId(type)))];
+const whatIsHeard = () => ({
+  atServer: { notifier: server, where: [] },
+  below: { notifier: id("PLC"), where: [] },
+  severe: {
+    notifier: server,
+    where: [element(FilterOperator.GreaterThanOrEqual, field("Severity"), literal(DataType.UInt16, 500))],
+  },
+  chosen: {
+    notifier: id("PLC"),
+    where: [
+      element(FilterOperator.And, index(1), index(2)),
+      element(FilterOperator.Like, field("SourceName"), literal(DataType.String, "Temp%")),
+      element(FilterOperator.Not, index(3)),
+      element(FilterOperator.Between, field("Severity"), literal(DataType.UInt16, 300), literal(DataType.UInt16, 500)),
+    ],
+  },
+  base: { notifier: server, where: ofType("i=2041") },
+  system: { notifier: server, where: ofType("i=2130") },
+});
+
+/** What each of them is told while the machine goes through its events, once for all. */
+const hear = () =>
+  withSession(controller, modes.SignAndEncrypt, named(user), async (session) => {
     await write(session, "Temperature", DataType.Float, 20);
     await write(session, "Door", DataType.Boolean, false);
     await sleep(100);
-    const subscription = await session.createSubscription2({
-      requestedPublishingInterval: 100, requestedLifetimeCount: 100, requestedMaxKeepAliveCount: 5,
-      maxNotificationsPerPublish: 0, publishingEnabled: true, priority: 1,
-    });
-    const filter = new EventFilter({
-      selectClauses: fieldNames.map(field), whereClause: new ContentFilter({ elements: where }),
-    });
-    const item = await subscription.monitor(
-      { nodeId: notifier, attributeId: AttributeIds.EventNotifier },
-      { samplingInterval: 0, queueSize: 100, discardOldest: true, filter },
-      TimestampsToReturn.Neither, MonitoringMode.Reporting);
-    assert.equal(item.statusCode ?? StatusCodes.Good, StatusCodes.Good);
-    const events = [];
-    item.on("changed", (values) =>
-      events.push(Object.fromEntries(values.map((variant, i) => [fieldNames[i], variant.value]))));
+    const listeners = [];
+    for (const [name, what] of Object.entries(whatIsHeard())) listeners.push([name, await listen(session, what)]);
     await makeThingsHappen(session);
     await sleep(500);
-    await subscription.terminate();
-    return events;
+    for (const [, { subscription }] of listeners) await subscription.terminate();
+    return Object.fromEntries(listeners.map(([name, { events }]) => [name, events]));
   });
-}
 
 const messages = (events) => events.map((event) => event.Message.text);
 
-test("all fields of events, at the Server object and below it", async () => {
-  for (const notifier of [server, id("PLC")]) {
-    const events = await eventsAt(notifier, []);
+test("all fields of events, at the Server object and below it", () => {
+  for (const events of [heard.atServer, heard.below]) {
     assert.deepEqual(messages(events), ["Temperature is high", "The door was opened", "Temperature is dangerous"]);
     const [, door] = events;
     assert.equal(door.EventType.toString(), "ns=0;i=2041");
@@ -95,25 +123,13 @@ test("all fields of events, at the Server object and below it", async () => {
   }
 });
 
-test("a where clause lets pass what is severe", async () => {
-  const severe = await eventsAt(server, [
-    element(FilterOperator.GreaterThanOrEqual, field("Severity"), literal(DataType.UInt16, 500)),
-  ]);
-  assert.deepEqual(messages(severe), ["The door was opened", "Temperature is dangerous"]);
-});
+test("a where clause lets pass what is severe", () =>
+  assert.deepEqual(messages(heard.severe), ["The door was opened", "Temperature is dangerous"]));
 
-test("a where clause of several elements", async () => {
-  const chosen = await eventsAt(id("PLC"), [
-    element(FilterOperator.And, index(1), index(2)),
-    element(FilterOperator.Like, field("SourceName"), literal(DataType.String, "Temp%")),
-    element(FilterOperator.Not, index(3)),
-    element(FilterOperator.Between, field("Severity"), literal(DataType.UInt16, 300), literal(DataType.UInt16, 500)),
-  ]);
-  assert.deepEqual(messages(chosen), ["Temperature is dangerous"]);
-});
+test("a where clause of several elements", () =>
+  assert.deepEqual(messages(heard.chosen), ["Temperature is dangerous"]));
 
-test("a where clause by type", async () => {
-  const ofType = (type) => [element(FilterOperator.OfType, literal(DataType.NodeId, resolveNodeId(type)))];
-  assert.equal((await eventsAt(server, ofType("i=2041"))).length, 3, "BaseEventType");
-  assert.equal((await eventsAt(server, ofType("i=2130"))).length, 0, "SystemEventType");
+test("a where clause by type", () => {
+  assert.equal(heard.base.length, 3, "BaseEventType");
+  assert.equal(heard.system.length, 0, "SystemEventType");
 });

@@ -1,4 +1,4 @@
-import opcua from "node-opcua";
+import opcua from "./opcua.mjs";
 
 /** Tells with what security whoever logs in has come, a line each. */
 export function tellLogins(server) {

@@ -1,7 +1,7 @@
 // Methods: the node-opcua client against busbar-controller.
 import assert from "node:assert/strict";
 import { after, before, describe, test } from "node:test";
-import opcua from "node-opcua";
+import opcua from "./opcua.mjs";
 import { anonymous, modes, named, withSession } from "./client.mjs";
 import { startController, user } from "./controller.mjs";
 

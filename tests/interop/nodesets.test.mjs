@@ -5,7 +5,7 @@ import { readdirSync } from "node:fs";
 import { createRequire } from "node:module";
 import path from "node:path";
 import test from "node:test";
-import opcua from "node-opcua";
+import opcua from "./opcua.mjs";
 import { anonymous, modes, withSession } from "./client.mjs";
 import { openHouse, startController } from "./controller.mjs";
 import { crawl } from "./crawl.mjs";

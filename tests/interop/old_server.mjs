@@ -1,10 +1,12 @@
 // A node-opcua server as they were before OPC UA 1.04: no node has a DataTypeDefinition, and what lies in structures
 // is said by a type dictionary. It ends with its standard input; FOLDER has its certificate.
-// usage: node old_server.mjs PORT FOLDER unused [OPTION...]
+// usage: node old_server.mjs PORT FOLDER unused [small=PORT]
+// small: it is at this port, too, where it has room for one connection
 import { createRequire } from "node:module";
 import { join } from "node:path";
-import opcua from "node-opcua";
+import opcua from "./opcua.mjs";
 import { tellLogins } from "./logins.mjs";
+import { separatePorts } from "./two_ports.mjs";
 
 const {
   AttributeIds, DataType, DataValue, MessageSecurityMode, OPCUACertificateManager, OPCUAServer, SecurityPolicy,
@@ -21,24 +23,28 @@ class Raw extends OpaqueStructure {
 }
 
 const [port, folder, , ...options] = process.argv.slice(2);
-const option = (name) => options.find((each) => each.startsWith(`${name}=`))?.slice(name.length + 1);
+const small = options.find((each) => each.startsWith("small="))?.slice("small=".length);
 
 const certificates =
   new OPCUACertificateManager({ rootFolder: join(folder, "server"), automaticallyAcceptUnknownCertificate: true });
 
-const server = new OPCUAServer({
-  port: Number(port),
+const endpoint = (number) => ({
+  port: Number(number),
   hostname: "machine.invalid", // of another network: it is reached by the name that the client knows
+  securityPolicies: [SecurityPolicy.None, SecurityPolicy.Basic256Sha256],
+  securityModes: [MessageSecurityMode.None, MessageSecurityMode.SignAndEncrypt],
+  allowAnonymous: true,
+});
+
+const server = new OPCUAServer({
+  ...endpoint(port),
+  alternateEndpoints: small === undefined ? [] : [endpoint(small)],
   nodeset_filename: [nodesets.standard],
   certificateFile: join(folder, "peer.pem"),
   privateKeyFile: join(folder, "peer_key.pem"),
   serverInfo: { applicationUri: "urn:interop:peer" },
   serverCertificateManager: certificates,
   userCertificateManager: certificates,
-  securityPolicies: [SecurityPolicy.None, SecurityPolicy.Basic256Sha256],
-  securityModes: [MessageSecurityMode.None, MessageSecurityMode.SignAndEncrypt],
-  allowAnonymous: true,
-  maxConnectionsPerEndpoint: Number(option("connections") ?? 10),
 });
 
 const uri = "urn:interop:old";
@@ -125,7 +131,13 @@ function addStructure(ns, space, owner, machine, name) {
 }
 
 tellLogins(server);
+separatePorts(server, Number(port));
 await server.initialize();
+if (small !== undefined) {
+  // As maxConnectionsPerEndpoint: 1, which would hold for both. The endpoints are there from initialize() on.
+  const endpointAtSmall = server.endpoints.find((each) => each.port === Number(small));
+  endpointAtSmall.maxConnections = 1;
+}
 const space = server.engine.addressSpace;
 const ns = space.registerNamespace(uri);
 const machine = ns.addObject({ browseName: "Machine", nodeId: "s=Machine", organizedBy: space.rootFolder.objects });

@@ -6,7 +6,7 @@ import { writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join, resolve } from "node:path";
 import { after, before, test } from "node:test";
-import opcua from "node-opcua";
+import opcua from "./opcua.mjs";
 import { modes, named, withSession } from "./client.mjs";
 import { openHouse, startController, user } from "./controller.mjs";
 

@@ -74,17 +74,37 @@ class Running {
   }
 }
 
-/** A server that is ready, with the certificate in `folder`. */
+/**
+ * A server that is ready, with the certificate in `folder`. `isLater`: all is loaded, and it is ready after start().
+ * `second`: it is the same at another port, too, which has a limit: "signing", "small". See the programs.
+ */
 export async function startPeer({
-  folder, port, types = join(here, "peer.NodeSet2.xml"), program = "peer_server.mjs", options = [],
+  folder, port, types = join(here, "peer.NodeSet2.xml"), program = "peer_server.mjs", second, isLater = false,
 }) {
   port ??= await freePort();
-  const words = [join(here, program), String(port), folder, types, ...options];
+  const secondPort = second && (await freePort());
+  const words = [join(here, program), String(port), folder, types];
+  if (second) words.push(`${second}=${secondPort}`);
+  if (isLater) words.push("later");
   const server = new Running(process.execPath, words);
-  await server.until((lines) => lines.includes("ready"), "being ready");
+  const isReady = () => server.until((lines) => lines.includes("ready"), "being ready");
+  await (isLater ? server.until((lines) => lines.includes("loaded"), "being loaded") : isReady());
+  const behave = async (options) => {
+    const told = `behaves: ${options.join(" ")}`;
+    const countOf = (lines) => lines.filter((line) => line === told).length;
+    const count = countOf(server.lines) + 1;
+    server.child.stdin.write(`${options.join(" ")}\n`);
+    await server.until((lines) => countOf(lines) === count, told);
+  };
   return {
     port,
     endpointUrl: `opc.tcp://localhost:${port}`,
+    secondUrl: `opc.tcp://localhost:${secondPort}`,
+    behave,
+    async start() {
+      await behave([]);
+      await isReady();
+    },
     /** Until somebody has logged in like "Basic256Sha256 Sign UserNameIdentityToken". */
     login: (how) => server.until((lines) => lines.includes(`login: ${how}`), how),
     /** Without time for a goodbye. */

@@ -14,14 +14,14 @@ const range = (count) => Array.from({ length: count }, (_, i) => i);
 
 let folder;
 let peer;
-let signing; // the same, without encryption
+let signing; // the same at another port, without encryption
 let busbar; // trusts both, they have the same certificate
 let logins; // kind of user → options
 
 before(async () => {
   folder = await makeFolder();
-  peer = await startPeer({ folder });
-  signing = await startPeer({ folder, options: ["sign-only"] });
+  peer = await startPeer({ folder, second: "signing" });
+  signing = { ...peer, endpointUrl: peer.secondUrl };
   busbar = new Busbar(peer, join(folder, "pki"));
   const person = await clientOptions(folder, "person", await makeCertificate("maintainer"));
   const password = join(folder, "password");
@@ -35,7 +35,7 @@ before(async () => {
 });
 
 after(async () => {
-  await Promise.all([peer?.kill(), signing?.kill()]);
+  await peer?.kill();
   removeFolder(folder);
 });
 
@@ -247,7 +247,8 @@ describe("the server's own types", () => {
   });
 });
 
-describe("subscriptions", () => {
+// Each waits for what comes by and by: they wait together.
+describe("subscriptions", { concurrency: true }, () => {
   test("every value of a counter once and in order", async () => {
     const { code, lines } = await busbar.run(
       ["subscribe", id("Counter"), "--interval", "100", "--sampling", "0", "--queue", "100", "--count", "40"]);
@@ -270,23 +271,24 @@ describe("subscriptions", () => {
     assert.deepEqual(lines.map(({ node, value }) => [node, value]), [[id("V1"), 1]]);
   });
 
-  test("events have their fields and come in order", async () => {
-    const { code, lines } = await busbar.run(["events", "--count", "5", "--field", "SourceNode"]);
-    assert.equal(code, 0);
-    const first = Number(lines[0].Message.Text.slice("event ".length));
-    lines.forEach((event, i) => {
-      assert.equal(event.Message.Text, `event ${first + i}`);
-      assert.equal(event.Severity, (first + i) % 2 ? 800 : 200);
-      assert.equal(event.SourceName, "Machine");
-      assert.match(event.SourceNode, /s=Machine$/);
-    });
-    assert.equal(new Set(lines.map(({ EventId }) => EventId)).size, 5);
-  });
-
   test("the server leaves out events below a severity", async () => {
     const { lines } = await busbar.run(["events", id("Machine"), "--severity", "500", "--count", "3"]);
     const numbers = lines.map(({ Message }) => Number(Message.Text.slice("event ".length)));
     assert.deepEqual(lines.map(({ Severity }) => Severity), [800, 800, 800]);
     assert.deepEqual(numbers, range(3).map((i) => numbers[0] + 2 * i));
   });
+});
+
+// By itself: node-opcua tells of each new session with an event of its own, for the URL is not the one it announces.
+test("events have their fields and come in order", async () => {
+  const { code, lines } = await busbar.run(["events", "--count", "5", "--field", "SourceNode"]);
+  assert.equal(code, 0);
+  const first = Number(lines[0].Message.Text.slice("event ".length));
+  lines.forEach((event, i) => {
+    assert.equal(event.Message.Text, `event ${first + i}`);
+    assert.equal(event.Severity, (first + i) % 2 ? 800 : 200);
+    assert.equal(event.SourceName, "Machine");
+    assert.match(event.SourceNode, /s=Machine$/);
+  });
+  assert.equal(new Set(lines.map(({ EventId }) => EventId)).size, 5);
 });

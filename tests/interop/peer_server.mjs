@@ -1,9 +1,14 @@
-// A node-opcua server for our client to meet, as a process of its own that can be killed. It ends
-// with its standard input. FOLDER has its certificate; what it makes itself goes there too.
-// usage: node peer_server.mjs PORT FOLDER TYPES [OPTION...]
+// A node-opcua server for our client to meet, as a process of its own that can be killed. FOLDER has its certificate;
+// what it makes itself goes there too. Each line of its standard input says how it behaves from then on: some of
+// "forget-sessions", "refuse-transfer" and "without-subscriptions", or nothing. It ends with its standard input.
+// usage: node peer_server.mjs PORT FOLDER TYPES [signing=PORT] [later]
+// signing: it is at this port, too, without encryption
+// later: it loads what it needs, and starts with the first line
 import { join } from "node:path";
-import opcua from "node-opcua";
+import { createInterface } from "node:readline";
+import opcua from "./opcua.mjs";
 import { tellLogins } from "./logins.mjs";
+import { separatePorts } from "./two_ports.mjs";
 
 const {
   DataType, MessageSecurityMode, OPCUACertificateManager, OPCUAServer, SecurityPolicy, ServiceFault, StatusCodes,
@@ -15,21 +20,26 @@ const [port, folder, types, ...options] = process.argv.slice(2);
 const certificates =
   new OPCUACertificateManager({ rootFolder: join(folder, "server"), automaticallyAcceptUnknownCertificate: true });
 
+const hostname = "machine.invalid"; // of another network: it is reached by the name that the client knows
+const securityPolicies = [
+  SecurityPolicy.None, SecurityPolicy.Basic256Sha256, SecurityPolicy.Aes128_Sha256_RsaOaep,
+  SecurityPolicy.Aes256_Sha256_RsaPss,
+];
+const signing = options.find((each) => each.startsWith("signing="))?.slice("signing=".length);
+
 const server = new OPCUAServer({
   port: Number(port),
-  hostname: "machine.invalid", // of another network: it is reached by the name that the client knows
+  hostname,
   nodeset_filename: [nodesets.standard, types],
   certificateFile: join(folder, "peer.pem"),
   privateKeyFile: join(folder, "peer_key.pem"),
   serverInfo: { applicationUri: "urn:interop:peer" },
   serverCertificateManager: certificates,
   userCertificateManager: certificates,
-  securityPolicies: [
-    SecurityPolicy.None, SecurityPolicy.Basic256Sha256, SecurityPolicy.Aes128_Sha256_RsaOaep,
-    SecurityPolicy.Aes256_Sha256_RsaPss,
-  ],
-  securityModes: options.includes("sign-only") ? [MessageSecurityMode.Sign]
-    : [MessageSecurityMode.None, MessageSecurityMode.Sign, MessageSecurityMode.SignAndEncrypt],
+  securityPolicies,
+  securityModes: [MessageSecurityMode.None, MessageSecurityMode.Sign, MessageSecurityMode.SignAndEncrypt],
+  alternateEndpoints: signing === undefined ? []
+    : [{ port: Number(signing), hostname, securityPolicies, securityModes: [MessageSecurityMode.Sign] }],
   allowAnonymous: true,
   userManager: { isValidUser: (name, password) => name === "operator" && password === "a pass phrase" },
   serverCapabilities: {
@@ -55,28 +65,35 @@ function limitBrowse(count) {
   };
 }
 
-/** A server that has no such service. */
-function leaveOut(service) {
+let behaviour = []; // what the last line of standard input says
+
+/** While it behaves like that, it has no such service. */
+function leaveOut(service, option) {
+  const serve = server[`_on_${service}Request`].bind(server);
   server[`_on_${service}Request`] = (message, channel) =>
-    answerWith(StatusCodes.BadServiceUnsupported, message, channel);
+    behaviour.includes(option) ? answerWith(StatusCodes.BadServiceUnsupported, message, channel) : serve(message, channel);
 }
 
-/** No session outlives its channel, but its subscriptions do. */
+/** While it behaves like that, no session outlives its channel, but its subscriptions do. */
 function forgetSessions() {
   const activate = server._on_ActivateSessionRequest.bind(server);
   server._on_ActivateSessionRequest = (message, channel) => {
     const session = server.getSession(message.request.requestHeader.authenticationToken);
-    const isLost = session?.status === "active" && session.channel !== channel;
+    const isLost =
+      behaviour.includes("forget-sessions") && session?.status === "active" && session.channel !== channel;
     isLost ? answerWith(StatusCodes.BadSessionIdInvalid, message, channel) : activate(message, channel);
   };
 }
 
-const optionActions = {
-  "sign-only": () => {},
-  "forget-sessions": forgetSessions,
-  "refuse-transfer": () => leaveOut("TransferSubscriptions"),
-  "without-subscriptions": () => leaveOut("CreateSubscription"),
-};
+/** Follows the lines of standard input; resolves with the first one. */
+const obey = () =>
+  new Promise((resolve) => {
+    createInterface({ input: process.stdin }).on("close", () => process.exit()).on("line", (line) => {
+      behaviour = line.split(" ");
+      process.stdout.write(`behaves: ${line}\n`);
+      resolve();
+    });
+  });
 
 function addVariables(ns, machine) {
   const add = (name, dataType, value, more = {}) =>
@@ -134,10 +151,18 @@ function raiseEvents(ns, machine) {
   }, 200);
 }
 
-for (const option of options) optionActions[option]();
+const firstLine = obey();
+forgetSessions();
+leaveOut("TransferSubscriptions", "refuse-transfer");
+leaveOut("CreateSubscription", "without-subscriptions");
 tellLogins(server);
 limitBrowse(50);
+separatePorts(server, Number(port));
 await server.initialize();
+if (options.includes("later")) {
+  process.stdout.write("loaded\n");
+  await firstLine;
+}
 const space = server.engine.addressSpace;
 const ns = space.registerNamespace("urn:interop:machine");
 const machine = ns.addObject({
@@ -149,5 +174,4 @@ addStructures(ns, machine);
 addMethod(ns, machine);
 raiseEvents(ns, machine);
 await server.start();
-process.stdin.resume().on("end", () => process.exit());
 process.stdout.write("ready\n");

@@ -1,7 +1,7 @@
 // busbar-controller connects to a node-opcua client that listens (Part 6, 7.1.2.6).
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import opcua from "node-opcua";
+import opcua from "./opcua.mjs";
 import { createClient, modes } from "./client.mjs";
 import { freePort, openHouse, startController } from "./controller.mjs";
 

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { mkdirSync, readdirSync, renameSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, describe, test } from "node:test";
-import opcua from "node-opcua";
+import opcua from "./opcua.mjs";
 import {
   clientOptions, derOf, keyPemOf, makeAuthority, makeCertificate, makeRevocationList,
 } from "./certificates.mjs";

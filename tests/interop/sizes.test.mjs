@@ -5,7 +5,7 @@ import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
-import opcua from "node-opcua";
+import opcua from "./opcua.mjs";
 import { anonymous, modes, withSession } from "./client.mjs";
 import { crawl } from "./crawl.mjs";
 

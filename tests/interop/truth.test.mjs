@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import opcua from "node-opcua";
+import opcua from "./opcua.mjs";
 import { anonymous, modes, named, withSession } from "./client.mjs";
 import { openHouse, startController, user } from "./controller.mjs";
 import { crawl } from "./crawl.mjs";

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { existsSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, describe, test } from "node:test";
-import opcua from "node-opcua";
+import opcua from "./opcua.mjs";
 import { anonymous, modes, named, withSession } from "./client.mjs";
 import { openHouse, startController, user } from "./controller.mjs";
 
