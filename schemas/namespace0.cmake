@@ -41,4 +41,7 @@ install(DIRECTORY ${CMAKE_CURRENT_LIST_DIR}/companion
   DESTINATION ${CMAKE_INSTALL_DATADIR}/busbar/schemas FILES_MATCHING PATTERN "*.xml")
 if(NOT BUSBAR_GENERATOR)
   install(TARGETS busbar-generate DESTINATION ${CMAKE_INSTALL_BINDIR})
+elseif(NOT CMAKE_CROSSCOMPILING)
+  # A cross build's package is used by one that names a generator of its own machine itself.
+  install(PROGRAMS ${BUSBAR_GENERATOR} DESTINATION ${CMAKE_INSTALL_BINDIR} RENAME busbar-generate)
 endif()
