@@ -8,6 +8,7 @@
 #include <openssl/pem.h>
 
 #include "crypto/openssl.hpp"
+#include "support/kept_key.hpp"
 
 namespace busbar::test {
 
@@ -108,7 +109,9 @@ const crypto::PrivateKey& key_number(std::size_t number, std::uint32_t bits)
     static std::map<std::pair<std::size_t, std::uint32_t>, crypto::PrivateKey> keys;
     auto found = keys.find({number, bits});
     if (found == keys.end()) {
-        found = keys.emplace(std::pair{number, bits}, *crypto::PrivateKey::generate(bits)).first;
+        found = keys.emplace(std::pair{number, bits},
+                             kept_key("number-" + std::to_string(number), bits))
+                    .first;
     }
     return found->second;
 }

@@ -8,6 +8,8 @@
 #include <busbar/net/system.hpp>
 #include <busbar/storage/folder_storage.hpp>
 
+#include "support/kept_key.hpp"
+
 namespace busbar::test {
 
 namespace {
@@ -15,7 +17,7 @@ namespace {
 /// Keys are slow to make: one for all.
 const crypto::PrivateKey& server_key()
 {
-    static const crypto::PrivateKey key = *crypto::PrivateKey::generate(2'048);
+    static const crypto::PrivateKey key = kept_key("controllers", 2048);
     return key;
 }
 

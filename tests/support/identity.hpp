@@ -9,6 +9,8 @@
 #include <busbar/core/record.hpp>
 #include <busbar/crypto/self_signed.hpp>
 
+#include "kept_key.hpp"
+
 namespace busbar::test {
 
 /// 2026-01-01T00:00:00Z, the wall clock of all tests.
@@ -62,20 +64,19 @@ public:
     std::vector<std::string> node_ids;
 };
 
-/// A key and a self-signed certificate, valid for a year around `today`. Made anew by each test
-/// program, once for each name.
+/// A kept key (kept_key.hpp) and a self-signed certificate of it, valid for a year around `today`.
 [[nodiscard]] inline channel::ApplicationIdentity make_identity(const std::string& name,
                                                                 std::uint32_t bits = 2048)
 {
-    auto key = crypto::PrivateKey::generate(bits);
+    const crypto::PrivateKey key = kept_key(name, bits);
     crypto::CertificateSubject subject;
     subject.common_name = name;
     subject.application_uri = "urn:busbar:test:" + name;
     subject.dns_names = {"localhost"};
     subject.valid_from = DateTime{today.ticks - 30 * 86'400 * DateTime::ticks_per_second};
     subject.valid_days = 365;
-    auto certificate = crypto::create_self_signed(*key, subject);
-    return {{*certificate}, *key};
+    auto certificate = crypto::create_self_signed(key, subject);
+    return {{*certificate}, key};
 }
 
 [[nodiscard]] inline const channel::ApplicationIdentity& server_identity()

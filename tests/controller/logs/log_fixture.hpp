@@ -9,6 +9,8 @@
 #include <busbar/crypto/private_key.hpp>
 #include <busbar/crypto/self_signed.hpp>
 
+#include "support/kept_key.hpp"
+
 /// Records as the layers tell them, that live as long as the test needs.
 namespace busbar::test {
 
@@ -86,7 +88,7 @@ inline Happening refused_client()
 /// Made once: keys take their time.
 inline const crypto::PrivateKey& test_key()
 {
-    static const crypto::PrivateKey key = crypto::PrivateKey::generate(2048).value();
+    static const crypto::PrivateKey key = kept_key("log", 2048);
     return key;
 }
 
