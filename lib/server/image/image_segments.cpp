@@ -1,6 +1,7 @@
 #include "image_segments.hpp"
 
 #include <algorithm>
+#include <cstddef>
 
 namespace busbar::server::detail {
 
@@ -24,10 +25,10 @@ std::uint32_t ImageSegments::segment_of(std::uint32_t handle) const
 {
     // acquire, in count(): the pointers below, and what they point at.
     const auto begin = segments_.begin();
-    const auto behind = std::upper_bound(
-        begin, begin + count(), handle,
+    const auto after = std::upper_bound(
+        begin, begin + static_cast<std::ptrdiff_t>(count()), handle,
         [](std::uint32_t sought, const auto& segment) { return sought < segment->first; });
-    return static_cast<std::uint32_t>(behind - begin) - 1;
+    return static_cast<std::uint32_t>(after - begin) - 1;
 }
 
 const ImagePlace* ImageSegments::find(std::uint64_t handle) const
