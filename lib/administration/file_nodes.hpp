@@ -14,6 +14,7 @@
 #include <busbar/server/server.hpp>
 
 #include "file_objects.hpp"
+#include "node_table.hpp"
 #include "open_files.hpp"
 
 namespace busbar::administration::detail {
@@ -31,7 +32,7 @@ public:
 
     [[nodiscard]] server::DataSourceOptions options() const override
     {
-        return {.is_always_in_service = true};
+        return own_source_options();
     }
     void read(server::ReadBatch batch) override;
     void call(server::CallBatch batch) override;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <mutex>
@@ -12,6 +13,14 @@
 #include <busbar/server/method_table.hpp>
 
 namespace busbar::administration::detail {
+
+/// The options of administration's own sources. A call that waits for the worker is late when the
+/// client's own timeoutHint has passed (Part 4, 7.32), and not before: after Bad_Timeout the client
+/// would not know that it is done all the same.
+[[nodiscard]] inline server::DataSourceOptions own_source_options()
+{
+    return {.timeout = std::chrono::hours{1}, .is_always_in_service = true};
+}
 
 /// Functions behind nodes: values that are made when they are asked for, values that are checked
 /// when they are written, and Methods.
@@ -44,7 +53,7 @@ public:
 
     [[nodiscard]] server::DataSourceOptions options() const override
     {
-        return {.is_always_in_service = true};
+        return own_source_options();
     }
     void read(server::ReadBatch batch) override;
     void write(server::WriteBatch batch) override;

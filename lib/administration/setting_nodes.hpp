@@ -37,7 +37,7 @@ public:
 
     [[nodiscard]] server::DataSourceOptions options() const override
     {
-        return {.is_always_in_service = true};
+        return own_source_options();
     }
     void read(server::ReadBatch batch) override;
     void write(server::WriteBatch batch) override;

@@ -1,3 +1,5 @@
+#include <chrono>
+
 #include "configuration_fixture.hpp"
 
 namespace own_certificate_test {
@@ -290,6 +292,24 @@ TEST_CASE("own certificate: a worker that is busy is no state that lasts")
     const auto response = admin.take<CallResponse>(sent);
     REQUIRE(response);
     CHECK(name(response->results[0].status_code) == "Good");
+}
+
+TEST_CASE("own certificate: a key that takes long is waited for as long as the client waits")
+{
+    ManualWorker worker;
+    OwnCertificate fixture{&worker};
+    auto admin = fixture.log_in();
+    REQUIRE(fixture.remove(admin) == "Good");
+    const auto made = admin.send(OwnCertificate::slow_make());
+    fixture.advance(std::chrono::seconds{50});
+    admin.connection.handle_deadline(fixture.now);
+    admin.run();
+    CHECK_FALSE(admin.take<CallResponse>(made));
+    worker.work();
+    fixture.complete();
+    const auto late = admin.take<CallResponse>(made);
+    REQUIRE(late);
+    CHECK(name(late->results[0].status_code) == "Good");
 }
 
 } // namespace own_certificate_test
