@@ -123,6 +123,8 @@ void Machine::tell_log_of_medium(bool is_in)
 
 void Machine::look_for_log_files()
 {
+    // A file that was removed and begun again since has the name that it had.
+    const bool is_stale = log_folder_.take_removal();
     const auto listing = log_folder_.list("", most_log_entries);
     if (!listing && listing.error() != StorageError::NotFound) {
         return; // what cannot be read now is not gone
@@ -133,7 +135,7 @@ void Machine::look_for_log_files()
             names.push_back(entry.name);
         }
     }
-    if (names != log_files_) {
+    if (names != log_files_ || is_stale) {
         log_files_ = std::move(names);
         has_changed_files_ = true;
     }

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <busbar/administration/file_system.hpp>
@@ -26,6 +27,32 @@
 #include "ticker.hpp"
 
 namespace busbar::example {
+
+/// The folder of the execution log as clients see it; remembers that they removed or renamed a file
+/// of it. Any thread.
+class LogFolder final : public StorageFolder {
+public:
+    using StorageFolder::StorageFolder;
+
+    [[nodiscard]] Stored<void> remove(std::string_view name) override
+    {
+        auto removed = StorageFolder::remove(name);
+        has_removed_ = true;
+        return removed;
+    }
+    [[nodiscard]] Stored<void> move(std::string_view from, std::string_view to,
+                                    WhenThere when_there) override
+    {
+        auto moved = StorageFolder::move(from, to, when_there);
+        has_removed_ = true;
+        return moved;
+    }
+    /// Whether a file went away since the last call.
+    [[nodiscard]] bool take_removal() { return has_removed_.exchange(false); }
+
+private:
+    std::atomic<bool> has_removed_{false};
+};
 
 /// What the manual of a shipping controller says of its server's life and logs (seed 000): here the
 /// hardware is simulated. Outlives servers, each of which publishes a MachineProgram.
@@ -127,7 +154,7 @@ private:
     MachineEvents events_;
     std::unique_ptr<controller::MachineEventLog> event_log_;
     std::unique_ptr<controller::ExecutionLog> execution_log_; // before it
-    StorageFolder log_folder_;
+    LogFolder log_folder_;
     MediumFound medium_found_;
     // Of the saver's thread.
     std::vector<std::string> log_files_;
