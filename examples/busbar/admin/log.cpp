@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 #include <system_error>
+#include <thread>
 #include <vector>
 
 #include "commands.hpp"
@@ -158,13 +159,30 @@ Exit save(Context& context, RemoteLog& log, const Arguments& arguments)
                                " files of the execution log: " + std::to_string(size) + " bytes");
 }
 
+/// A file cannot be removed while a client reads it, which takes those who follow the log a moment.
+void remove_unless_read(RemoteLog& log, const NamedChild& file)
+{
+    constexpr int most_attempts = 50;
+    constexpr std::chrono::milliseconds pause{100};
+    for (int attempt = 1;; ++attempt) {
+        try {
+            return log.remove(file);
+        } catch (const Failure& failure) {
+            if (failure.status != status::Bad_InvalidState || attempt == most_attempts) {
+                throw;
+            }
+        }
+        std::this_thread::sleep_for(pause);
+    }
+}
+
 Exit clear(Context& context, RemoteLog& log, const Arguments& arguments)
 {
     const std::vector<NamedChild> files = log.files();
     make_sure(context, arguments,
               "remove all " + std::to_string(files.size()) + " files of the execution log?");
     for (const NamedChild& file : files) {
-        log.remove(file);
+        remove_unless_read(log, file);
     }
     return report(context, "cleared the execution log: " + std::to_string(files.size()) + " files");
 }

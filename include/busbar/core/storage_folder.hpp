@@ -10,7 +10,7 @@ namespace busbar {
 
 /// A folder of a Storage as a Storage of its own, whose root it is. Threads and errors are those of
 /// the other one.
-class BUSBAR_API StorageFolder final : public Storage {
+class BUSBAR_API StorageFolder : public Storage {
 public:
     /// `storage` must outlive this object.
     StorageFolder(Storage& storage, std::string folder)
